@@ -1,0 +1,46 @@
+# Wraps what works by hand on any platform: python -m venv .venv; pip install -e .; axisrig demo
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+WHEELHOUSE := wheelhouse
+# make wheelhouse fills it once with a network; then every make below works without one
+OFFLINE := $(if $(wildcard $(WHEELHOUSE)/*.whl),--no-index --find-links $(WHEELHOUSE))
+# A system C compiler is used where there is one; else the extra `cc` brings one from PyPI
+comma := ,
+EXTRAS := dev$(if $(shell command -v cc 2>/dev/null),,$(comma)cc)
+JOBS ?= 2
+
+.PHONY: demo test lint wheelhouse clean needs
+
+demo: $(STAMP)
+	@$(BIN)/axisrig demo -j $(JOBS)
+
+test: $(STAMP) lint
+	@$(BIN)/python -m pytest -q tests
+	@$(BIN)/python -m pytest -q testplans
+
+lint: $(STAMP)
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+
+needs:
+	@command -v git >/dev/null || { echo "git is missing: apt-get install git"; exit 1; }
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: apt-get install python3 python3-venv"; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "Python 3.11 or newer is needed, $(PYTHON) is $$($(PYTHON) -V)"; exit 1; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || { echo "the venv module is missing: apt-get install python3-venv"; exit 1; }
+
+$(STAMP): pyproject.toml | needs
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	@echo "installing into $(VENV) (once)"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) hatchling editables
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[$(EXTRAS)]'
+	@touch $(STAMP)
+
+wheelhouse: | needs
+	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables '.[dev,cc]'
+	@echo "$(WHEELHOUSE): $$(ls $(WHEELHOUSE) | wc -l) files; copy the checkout with this folder, then make demo needs no network"
+
+clean:
+	rm -rf $(VENV) out

@@ -1,0 +1,158 @@
+"""Classical CAN frames: what competes in arbitration and how many bits go over the wire.
+
+The length is exact: the real payload with its CRC-15 and its real stuff bits. Source: Robert Bosch
+GmbH, CAN Specification 2.0 (1991), part A sections 3.1.1 (frame), 5 (coding) and part B.
+"""
+
+from functools import lru_cache
+from itertools import pairwise
+from typing import NamedTuple
+
+IFS_BITS = 3
+"""Intermission after every frame; the next frame starts after it."""
+
+TAIL_BITS = 10
+"""Never stuffed: CRC delimiter, acknowledge slot and delimiter, seven bits of end of frame."""
+
+CRC_POLYNOMIAL = 0x4599
+STANDARD_ID_MAX = 0x7FF
+EXTENDED_ID_MAX = 0x1FFF_FFFF
+DATA_BYTES_MAX = 8
+
+_STATES = [(bit, run) for bit in (0, 1) for run in (1, 2, 3, 4)]
+"""Last bit on the wire and how often it stood there in a row; a fifth is stuffed at once."""
+
+
+class Frame(NamedTuple):
+    """One data or remote frame; attribute names as in `can.Message`.
+
+    arbitration_id: 11 or 29 bits. data: bytes on the wire, none in a remote frame.
+    dlc: 0..8, equals len(data) except in a remote frame.
+    """
+
+    arbitration_id: int
+    data: bytes
+    is_extended_id: bool
+    is_remote_frame: bool
+    dlc: int
+
+
+def data_frame(can_id: int, data: bytes) -> Frame:
+    """Make a data frame; identifiers above 0x7FF are extended ones.
+
+    Raises ValueError for an identifier above 29 bits or more than 8 bytes.
+    """
+    if not 0 <= can_id <= EXTENDED_ID_MAX:
+        raise ValueError(f"identifier {can_id:#x} is outside 0..{EXTENDED_ID_MAX:#x}")
+    if len(data) > DATA_BYTES_MAX:
+        raise ValueError(f"{len(data)} data bytes in a classical CAN frame")
+    return Frame(can_id, bytes(data), can_id > STANDARD_ID_MAX, False, len(data))
+
+
+def arbitration_key(can_id: int, extended: bool, remote: bool) -> int:
+    """Return the arbitration field as a number: of two frames the smaller one wins.
+
+    32 bits in wire order: 11-bit base, RTR or SRR, IDE, 18-bit extension, RTR. A standard data
+    frame beats the remote frame of its identifier, and that beats extended ones of that base.
+    """
+    if extended:
+        return (can_id >> 18) << 21 | 0b11 << 19 | (can_id & 0x3FFFF) << 1 | remote
+    return can_id << 21 | remote << 20
+
+
+def worst_case_bits(data_bytes: int, extended: bool = False) -> int:
+    """Longest a data frame with `data_bytes` can get, in bits including the intermission.
+
+    Standard: 47 + 8n + floor((34 + 8n - 1) / 4); extended has 20 more bits that may be stuffed.
+    Source: R. I. Davis, A. Burns, R. J. Bril, J. J. Lukkien, "Controller Area Network (CAN)
+    schedulability analysis: refuted, revisited and revised", Real-Time Systems 35 (2007), eq. 1.
+    """
+    stuffable = (54 if extended else 34) + 8 * data_bytes
+    return stuffable + (stuffable - 1) // 4 + TAIL_BITS + IFS_BITS
+
+
+def _crc_step(crc: int, bit: int) -> int:
+    """Shift one bit into the CRC register (Bosch CAN 2.0 part A, 3.1.1, CRC sequence)."""
+    feedback = (crc >> 14) ^ bit
+    crc = (crc << 1) & 0x7FFF
+    return crc ^ CRC_POLYNOMIAL if feedback else crc
+
+
+def _stuff_step(state: int, bit: int) -> tuple[int, int]:
+    """Send one bit from a state of `_STATES`; return the next state and the stuff bits added."""
+    last, run = _STATES[state]
+    run = run + 1 if bit == last else 1
+    if run == 5:
+        return _STATES.index((1 - bit, 1)), 1
+    return _STATES.index((bit, run)), 0
+
+
+def _bits(value: int, width: int) -> list[int]:
+    """Most significant bit first, as on the wire."""
+    return [value >> place & 1 for place in reversed(range(width))]
+
+
+def _stuff_table(width: int) -> tuple[list[int], list[int]]:
+    """Tabulate `_stuff_step` over chunks of `width` bits, indexed by state << width | chunk.
+
+    Return the next states (as the index of their first row in the table of 8-bit chunks) and the
+    stuff bits.
+    """
+    following, added = [], []
+    for start in range(len(_STATES)):
+        for chunk in range(1 << width):
+            state, count = start, 0
+            for bit in _bits(chunk, width):
+                state, more = _stuff_step(state, bit)
+                count += more
+            following.append(state << 8)
+            added.append(count)
+    return following, added
+
+
+def _crc_table() -> list[int]:
+    """Give the CRC of each byte that enters an empty register."""
+    table = []
+    for byte in range(256):
+        crc = 0
+        for bit in _bits(byte, 8):
+            crc = _crc_step(crc, bit)
+        table.append(crc)
+    return table
+
+
+_CRC = _crc_table()
+_NEXT8, _ADDED8 = _stuff_table(8)
+_ADDED7 = _stuff_table(7)[1]
+
+
+@lru_cache(maxsize=8192)
+def _header(can_id: int, extended: bool, remote: bool, dlc: int) -> tuple[int, int, int]:
+    """Return CRC, row of the stuff table and bits on the wire from SOF to the DLC."""
+    if extended:
+        arbitration = [*_bits(can_id >> 18, 11), 1, 1, *_bits(can_id, 18), int(remote), 0, 0]
+    else:
+        arbitration = [*_bits(can_id, 11), int(remote), 0, 0]
+    wire = [0, *arbitration, *_bits(dlc, 4)]
+    crc = 0
+    for bit in wire:
+        crc = _crc_step(crc, bit)
+    state, added = _STATES.index((0, 1)), 0
+    for _, bit in pairwise(wire):
+        state, more = _stuff_step(state, bit)
+        added += more
+    return crc, state << 8, len(wire) + added
+
+
+def frame_bits(frame: Frame) -> int:
+    """Return the exact length in bits from SOF to the end of the intermission."""
+    can_id, data, extended, remote, dlc = frame
+    crc, row, bits = _header(can_id, extended, remote, dlc)
+    for byte in data:
+        crc = (crc << 8 & 0x7FFF) ^ _CRC[crc >> 7 ^ byte]
+        index = row | byte
+        bits += _ADDED8[index]
+        row = _NEXT8[index]
+    index = row | crc >> 7
+    stuffed = _ADDED8[index] + _ADDED7[_NEXT8[index] >> 1 | crc & 0x7F]
+    return bits + (8 * len(data) + 15 + TAIL_BITS + IFS_BITS) + stuffed

@@ -1,0 +1,34 @@
+"""The open segments by name, so that `can.Bus(interface="axisrig", channel=name)` finds them."""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from bench.bus.segment import Segment
+
+_open_segments: dict[str, "Segment"] = {}
+
+
+def register(segment: "Segment") -> None:
+    """Make `segment` known by its name.
+
+    Raises ValueError while another open segment has that name.
+    """
+    if segment.name in _open_segments:
+        raise ValueError(f"segment {segment.name!r} is open already: close() it first")
+    _open_segments[segment.name] = segment
+
+
+def unregister(segment: "Segment") -> None:
+    """Forget `segment`; without effect when it is not known."""
+    if _open_segments.get(segment.name) is segment:
+        del _open_segments[segment.name]
+
+
+def find(name: str) -> "Segment | None":
+    """Return the open segment of that name."""
+    return _open_segments.get(name)
+
+
+def names() -> list[str]:
+    """Return the names of the open segments, in the order of opening."""
+    return list(_open_segments)

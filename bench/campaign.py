@@ -1,0 +1,164 @@
+"""A campaign: plans in, results folder and report out, with progress on the way."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table as RichTable
+
+from bench.assignment import parse_assignment
+from bench.checks import known_metrics
+from bench.plan import Case, Plan, read_plan
+from bench.results import CaseResult, ResultsWriter, build_manifest
+from bench.rigcheck import check_rig, segment_schedules
+from bench.rigfile import read_rig
+from bench.runner import Stopwatch, prepare, run_cases
+from bench.select import matches
+from bench.settings import read_settings
+from bench.table import SUFFIXES
+from bench.verdict import Verdict, exit_code, worst
+from kernel.errors import UserError
+from reports.build import build_report
+
+
+def plans_in(folder: Path) -> list[Path]:
+    """Return every table that lies directly in a plan folder, by name."""
+    if not folder.is_dir():
+        raise UserError(
+            "no folder with plans here",
+            file=folder,
+            hint="run it in a checkout of axisrig, or name one with --plans",
+        )
+    plans = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+    if not plans:
+        raise UserError("the folder holds no plan", file=folder, allowed=" ".join(SUFFIXES))
+    return plans
+
+
+def run_campaign(  # noqa: PLR0913
+    paths: Sequence[Path],
+    *,
+    out: Path | None,
+    select: str | None,
+    jobs: int,
+    timeout_s: float,
+    assignments: Sequence[str],
+    command: Sequence[str],
+    started: str,
+    stopwatch: Stopwatch,
+) -> int:
+    """Run plans and return the exit code of the worst verdict.
+
+    Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
+    case. Raises UserError before the results folder is touched.
+    """
+    changes = [parse_assignment(text) for text in assignments]
+    plans = [_selected(read_plan(path).with_inputs(changes), select) for path in paths]
+    cases = [case for plan in plans for case in plan.cases]
+    if not cases:
+        raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
+    for case in cases:
+        prepare(case)
+    folder = out or Path("out") / "-".join(plan.name for plan in plans)
+    manifest = build_manifest(plans, command=command, started=started, output=str(folder))
+    results: list[CaseResult] = []
+    with ResultsWriter(folder, plans, manifest) as writer, _progress() as progress:
+        task = progress.add_task("", total=len(cases))
+        for result in run_cases(
+            cases, writer.bus_path, jobs=jobs, timeout_s=timeout_s, stopwatch=stopwatch
+        ):
+            writer.add(result)
+            results.append(result)
+            progress.console.print(_line(result))
+            progress.update(task, advance=1, description=result.case.run)
+    _show(results)
+    print(build_report(folder))
+    return exit_code(worst([result.verdict for result in results]))
+
+
+def _selected(plan: Plan, select: str | None) -> Plan:
+    if select is None:
+        return plan
+    return replace(plan, cases=tuple(case for case in plan.cases if matches(select, case)))
+
+
+def _progress() -> Progress:
+    return Progress(
+        SpinnerColumn(),
+        TextColumn("{task.completed}/{task.total} {task.description}"),
+        TimeElapsedColumn(),
+        console=Console(stderr=True, highlight=False),
+        transient=True,
+    )
+
+
+def _line(result: CaseResult) -> str:
+    verdict = result.verdict
+    return f"{verdict.glyph} {verdict.word:<12} {result.case.run}"
+
+
+def _show(results: Sequence[CaseResult]) -> None:
+    """Print the verdict table: what failed in full, what passed in one line each."""
+    table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
+    for column in ("verdict", "case", "checks", "worst check", "alarms"):
+        table.add_column(column, overflow="fold")
+    for result in results:
+        worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
+        text = ""
+        if worst_check is not None and worst_check.verdict is not Verdict.PASS:
+            text = (
+                f"{worst_check.check.metric} = {worst_check.value}"
+                f" against {worst_check.check.condition.text}"
+            )
+            if worst_check.note:
+                text += f" ({worst_check.note})"
+        passed = sum(check.verdict is Verdict.PASS for check in result.checks)
+        table.add_row(
+            f"{result.verdict.glyph} {result.verdict.word}",
+            result.case.run,
+            f"{passed}/{len(result.checks)}",
+            result.error or text,
+            " ".join(str(number) for number in result.alarms),
+        )
+    Console(highlight=False).print(table)
+
+
+def check_file(path: Path) -> str:
+    """Check a plan or a rig and describe it. Raises UserError when it is rejected."""
+    if path.suffix.lower() == ".toml":
+        return _check_rig_file(path)
+    plan = read_plan(path)
+    for case in plan.cases:
+        prepare(case)
+    names = "\n".join(f"  {_titled(case)}" for case in plan.cases)
+    return f"{path}: {len(plan.cases)} runs\n{names}"
+
+
+def _titled(case: Case) -> str:
+    return f"{case.run}  {case.title}".rstrip()
+
+
+def _check_rig_file(path: Path) -> str:
+    rig, files = read_rig(path)
+    settings = read_settings(rig, files, [])
+    check_rig(settings)
+    tables = [
+        f"segment {name}, {schedule.bitrate} bit/s, worst case of one cycle\n{schedule.table()}"
+        for name, schedule in segment_schedules(settings).items()
+    ]
+    return "\n\n".join([f"{path}: {rig.title}", *tables])
+
+
+def metrics_table() -> str:
+    """Describe every metric, one a line."""
+    lines = []
+    for metric in known_metrics().values():
+        form = {"axis": f"{metric.name}[:AXIS]", "block": f"{metric.name}:N<number>[.<k>]"}.get(
+            metric.scope, metric.name
+        )
+        lines.append(f"{form:<28}{metric.unit:<6}{metric.meaning} ({metric.source})")
+    return "\n".join(lines)
+
+

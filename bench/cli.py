@@ -1,0 +1,209 @@
+"""The command line: `axisrig <command>`. The only place that reads a wall clock.
+
+Heavy modules are imported inside the commands, so that `axisrig --help` answers at once.
+Exit codes: run and demo by the worst verdict (bench/verdict.py), nc 0 or 1, 2 for input that is
+rejected before anything runs.
+"""
+
+import sys
+import time
+from collections.abc import Callable, Sequence
+from datetime import UTC, datetime
+from functools import wraps
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from kernel.errors import UserError
+
+app = typer.Typer(
+    name="axisrig",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    help="Co-simulation test bench for measurement runs and distance control of CNC machines.",
+)
+fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list them, build them.")
+app.add_typer(fmu_app, name="fmu")
+
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Change one input, written as a column of a plan: "
+                 "set:Z.kenngr.measure.edge=NEG", metavar="COLUMN=VALUE"),
+]
+EXIT_REJECTED = 2
+EXIT_INTERRUPTED = 4
+
+
+def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
+    """Turn a UserError into one line on standard error and exit code 2."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> None:
+        try:
+            command(*args, **kwargs)
+        except UserError as error:
+            print(f"error: {error}", file=sys.stderr)
+            raise typer.Exit(EXIT_REJECTED) from None
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            raise typer.Exit(EXIT_INTERRUPTED) from None
+
+    return guarded
+
+
+@app.command()
+@_rejecting
+def run(
+    plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX or ODS tables.")],
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
+    select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
+    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    timeout_s: Annotated[
+        float, typer.Option("--timeout", min=1.0, help="Wall time per case with -j, s.")
+    ] = 300.0,
+    assignments: SetOption = None,
+) -> None:
+    """Run plans, judge them, and write results and report."""
+    from bench.campaign import run_campaign
+
+    verdict = run_campaign(
+        plans,
+        out=out,
+        select=select,
+        jobs=jobs,
+        timeout_s=timeout_s,
+        assignments=assignments or [],
+        command=["axisrig", *sys.argv[1:]],
+        started=datetime.now(UTC).isoformat(timespec="seconds"),
+        stopwatch=time.perf_counter,
+    )
+    raise typer.Exit(verdict)
+
+
+@app.command()
+@_rejecting
+def demo(
+    folder: Annotated[
+        Path, typer.Option("--plans", help="Folder with the plans.")
+    ] = Path("testplans"),
+    out: Annotated[Path, typer.Option("-o", "--out", help="Results folder.")] = Path("out/demo"),
+    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+) -> None:
+    """Build the FMUs, run every shipped plan, and say where the report lies."""
+    from bench.campaign import plans_in
+
+    build(None)
+    run(plans_in(folder), out, None, jobs, 300.0, None)
+
+
+@app.command()
+@_rejecting
+def nc(
+    program: Annotated[Path, typer.Argument(help="NC program.")],
+    rig: Annotated[Path, typer.Option("--rig", help="Rig file (TOML).")],
+    bus_log: Annotated[
+        Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
+    ] = None,
+    assignments: SetOption = None,
+) -> None:
+    """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
+    from bench.single import run_program
+
+    alarms = run_program(
+        program, rig, assignments or [], bus_log, lambda text: print(text, flush=True)
+    )
+    for alarm in alarms:
+        print(alarm, file=sys.stderr)
+    raise typer.Exit(1 if any(alarm.ends_program for alarm in alarms) else 0)
+
+
+@app.command()
+@_rejecting
+def check(
+    files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
+) -> None:
+    """Check plans and rigs without running them; show the bus arithmetic of a rig."""
+    from bench.campaign import check_file
+
+    for file in files:
+        print(check_file(file))
+
+
+@app.command()
+@_rejecting
+def report(
+    folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
+) -> None:
+    """Write report.html again from a results folder."""
+    from reports.build import build_report
+
+    print(build_report(folder))
+
+
+@app.command()
+@_rejecting
+def metrics() -> None:
+    """List what a check column may ask for."""
+    from bench.campaign import metrics_table
+
+    print(metrics_table())
+
+
+@app.command()
+@_rejecting
+def perf(
+    plan: Annotated[
+        Path, typer.Option("--plan", help="Plan to take the row from.")
+    ] = Path("testplans/latch_accuracy.csv"),
+    case: Annotated[str | None, typer.Option("--case", help="Row; the first by default.")] = None,
+    repeats: Annotated[int, typer.Option("--repeats", min=1, help="Runs to time.")] = 5,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+) -> None:
+    """Time one row with all its files written, and split a cycle into its parts."""
+    from bench.perf import measure, show
+
+    result = measure(plan, case, repeats, time.perf_counter_ns)
+    print(show(result, as_json))
+
+
+@app.command()
+@_rejecting
+def doctor() -> None:
+    """Say what this installation has, what it lacks, and what to do about it."""
+    from bench.doctor import examine
+
+    text, is_well = examine()
+    print(text)
+    raise typer.Exit(0 if is_well else 1)
+
+
+@fmu_app.command("list")
+@_rejecting
+def list_models() -> None:
+    """List the models of the library and where their FMUs lie."""
+    from bench.library import listing
+
+    print(listing())
+
+
+@fmu_app.command("build")
+@_rejecting
+def build(
+    model: Annotated[str | None, typer.Argument(help="Model; all by default.")] = None,
+) -> None:
+    """Build FMUs that the cache does not have yet."""
+    from bench.library import build_models
+
+    for line in build_models(model):
+        print(line, file=sys.stderr)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; entry point of the package."""
+    app(list(arguments) if arguments is not None else None)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,95 @@
+"""The object dictionary of the drive as a table: reads and checks `objects.csv`."""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Final
+
+
+@dataclass(frozen=True)
+class DataType:
+    """A CiA 301 data type. code: its number; bits: 0 for a string; format: `struct` character."""
+
+    code: int
+    bits: int
+    format: str
+
+
+DATA_TYPES: Final[Mapping[str, DataType]] = {
+    "I8": DataType(0x02, 8, "b"),
+    "I16": DataType(0x03, 16, "h"),
+    "I32": DataType(0x04, 32, "i"),
+    "U8": DataType(0x05, 8, "B"),
+    "U16": DataType(0x06, 16, "H"),
+    "U32": DataType(0x07, 32, "I"),
+    "STRING": DataType(0x09, 0, ""),
+}
+RECORD = "record"
+
+
+@dataclass(frozen=True)
+class ObjectRow:
+    """A row of `objects.csv`.
+
+    sub: None for a plain variable and for the head of a record (type "record").
+    access: const, ro or rw. pdo: "rx" = may stand in an RPDO, "tx" = in a TPDO, "" = neither.
+    low, high: limits of a write, None = those of the type. default: as the EDS says it; names in
+    braces are values of the drive profile. value: field of the process image that holds it, ""
+    for a value that stands in the dictionary only. effect: when a write acts.
+    """
+
+    index: int
+    sub: int | None
+    name: str
+    type: str
+    access: str
+    pdo: str
+    low: int | None
+    high: int | None
+    default: str
+    unit: str
+    value: str
+    meaning: str
+    effect: str
+
+    @property
+    def key(self) -> tuple[int, int]:
+        """Index and sub-index as SDO and PDO mapping say them."""
+        return self.index, self.sub or 0
+
+    @property
+    def data_type(self) -> DataType:
+        """Type of the value; KeyError for the head of a record."""
+        return DATA_TYPES[self.type]
+
+
+@cache
+def object_rows() -> tuple[ObjectRow, ...]:
+    """Read `objects.csv` in its order."""
+    text = resources.files(__package__).joinpath("objects.csv").read_text(encoding="utf-8")
+    return tuple(
+        ObjectRow(
+            index=int(row["index"], 16),
+            sub=int(row["sub"]) if row["sub"] else None,
+            name=row["name"],
+            type=row["type"],
+            access=row["access"],
+            pdo=row["pdo"],
+            low=int(row["low"], 0) if row["low"] else None,
+            high=int(row["high"], 0) if row["high"] else None,
+            default=row["default"],
+            unit=row["unit"],
+            value=row["value"],
+            meaning=row["meaning"],
+            effect=row["effect"],
+        )
+        for row in csv.DictReader(text.splitlines())
+    )
+
+
+@cache
+def variables() -> Mapping[tuple[int, int], ObjectRow]:
+    """Return every row that holds a value, by index and sub-index."""
+    return {row.key: row for row in object_rows() if row.type != RECORD}

@@ -1,0 +1,237 @@
+"""A rig brought to life: scheduler, segments, drive nodes, plants, and the channel that runs it.
+
+`Machine` is built from checked settings and runs one program once. Everything a run leaves behind
+(messages, alarms, records, trace, frame hash) is read from it afterwards.
+"""
+
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from pathlib import Path
+
+import can
+
+from bench.bus.arithmetic import CycleArithmetic
+from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from bench.bus.faults import DropById
+from bench.bus.record import FrameHash, blf_writer
+from bench.bus.segment import Segment
+from bench.drive.eds import object_dictionary
+from bench.drive.node import DriveNode
+from bench.drive.profile import DriveProfile
+from bench.plants import build_plant
+from bench.recorder import Recorder
+from bench.rigcheck import check_rig, segment_schedules
+from bench.rigfile import DriveTable
+from bench.settings import Settings
+from kernel.channel import AxisSettings, Channel, CycleTiming
+from kernel.clock import MS, US, TimeNs
+from kernel.cosim.scheduler import Scheduler
+from kernel.drives.commissioning import commission
+from kernel.drives.link import AxisLink, LinkSettings
+from kernel.errors import Alarm
+from kernel.nc.canon import Message
+from kernel.nc.interpreter import Interpreter
+from kernel.nc.syntax import Program
+
+SIMULATED_LIMIT_NS = 600_000 * MS
+FAULT_SEED_STRIDE = 1000
+
+
+class SimulatedTimeOut(Exception):
+    """A program did not end within the simulated time that a run may take."""
+
+
+def drive_profile(table: DriveTable) -> DriveProfile:
+    """Make the drive node's profile of a rig's drive table."""
+    return DriveProfile(
+        encoder_increments=table.encoder_increments,
+        lead_um=round(table.lead_mm * 1000),
+        input_delay_ns=round(table.input_delay_us * US),
+        input_filter_ns=round(table.input_filter_us * US),
+        latch_mode=table.latch,
+        grid_ns=round(table.sample_us * US),
+    )
+
+
+class Machine:
+    """One rig with one program, ready to run.
+
+    settings: checked rig with the assignments of this run. program: parsed NC program.
+    bus_log: BLF file to write, or None. put_out: takes each `#MSG` text when it is due.
+    seed: of everything random in the run.
+    Raises UserError when the rig does not fit together.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        program: Program,
+        *,
+        bus_log: Path | None = None,
+        put_out: Callable[[str], None] | None = None,
+        seed: int = 0,
+    ) -> None:
+        check_rig(settings)
+        self.settings = settings
+        self.messages: list[Message] = []
+        self._put_out = put_out
+        self.timing = CycleTiming(
+            period_ns=settings.rig.cycle.period_us * US,
+            offset_ns=settings.rig.cycle.cycle_offset_us * US,
+            buffer_cycles=settings.rig.cycle.buffer_cycles,
+        )
+        self._open = ExitStack()
+        with ExitStack() as guard:  # frees what was opened when building fails half way
+            guard.callback(self._open.close)
+            self.scheduler = Scheduler()
+            self.frame_hash = FrameHash()
+            self.plant = build_plant(settings)
+            self._open.callback(self.plant.close)
+            self.segments = self._build_segments(bus_log)
+            self.nodes = self._build_nodes()
+            self.networks = {
+                name: SimNetwork(segment.port("cnc")) for name, segment in self.segments.items()
+            }
+            for network in self.networks.values():
+                network.connect()
+            self.links = {name: self._build_link(name) for name in settings.rig.axis}
+            self._build_faults(seed)
+            self.channel = self._build_channel()
+            axes = [(name, self.plant.axes[a.plant]) for name, a in settings.rig.axis.items()]
+            self.recorder = Recorder(self.plant, axes, self.plant.probes)
+            self.channel.observers.append(self.recorder)
+            interpreter = Interpreter(
+                program,
+                tuple(settings.rig.axis),
+                self.channel,
+                external=settings.external,
+                default_measuring_type=settings.channel.integer("messtyp"),
+            )
+            self.channel.load(interpreter.commands())
+            guard.pop_all()
+
+    def _build_segments(self, bus_log: Path | None) -> dict[str, Segment]:
+        segments = {}
+        writer: can.BLFWriter | None = None
+        if bus_log is not None:
+            writer = blf_writer(bus_log)
+            self._open.callback(writer.stop)
+        for number, (name, table) in enumerate(self.settings.segment.items()):
+            segment = self._open.enter_context(Segment(name, table.bitrate, self.scheduler))
+            segment.observe(self.frame_hash)
+            if writer is not None:
+                segment.tap(_OnChannel(writer, number))
+            segments[name] = segment
+        return segments
+
+    def _build_nodes(self) -> dict[str, DriveNode]:
+        nodes = {}
+        signals = {name: probe.signal for name, probe in self.plant.probes.items()}
+        for name, axis in self.settings.rig.axis.items():
+            network = SimNetwork(self.segments[axis.segment].port(name))
+            network.connect()
+            nodes[name] = DriveNode(
+                name,
+                axis.node,
+                network,
+                self.scheduler,
+                self.plant.axes[axis.plant],
+                (
+                    signals[axis.probe_1] if axis.probe_1 else None,
+                    signals[axis.probe_2] if axis.probe_2 else None,
+                ),
+                drive_profile(self.settings.rig.drive[axis.drive]),
+            )
+        return nodes
+
+    def _build_link(self, name: str) -> AxisLink:
+        axis, parameters = self.settings.rig.axis[name], self.settings.axis[name]
+        profile = drive_profile(self.settings.rig.drive[axis.drive])
+        return AxisLink(
+            LinkSettings(
+                axis=name,
+                node_id=axis.node,
+                increments_per_mm=float(profile.units_per_mm),
+                probe_input=parameters.integer("kenngr.measure.input"),
+                edge=parameters.word("kenngr.measure.edge"),
+                lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+            ),
+            self.networks[axis.segment],
+        )
+
+    def _build_faults(self, seed: int) -> None:
+        for number, dropped in enumerate(self.settings.dropped):
+            axis_name, pdo = dropped.split(".")
+            axis = self.settings.rig.axis[axis_name]
+            cob_id = self.links[axis_name].telegrams[pdo].cob_id(axis.node)
+            hook = DropById(cob_id, seed=seed + FAULT_SEED_STRIDE * number)
+            self.segments[axis.segment].add_fault(hook)
+
+    def _build_channel(self) -> Channel:
+        return Channel(
+            self.scheduler,
+            self.timing,
+            [
+                AxisSettings.read(name, self.settings.axis[name], self.settings.channel)
+                for name in self.settings.rig.axis
+            ],
+            list(self.links.values()),
+            list(self.networks.values()),
+            error_no_signal=self.settings.channel.flag("meas_error_no_signal"),
+            put_out=self._message,
+        )
+
+    def _message(self, message: Message) -> None:
+        self.messages.append(message)
+        if self._put_out is not None:
+            self._put_out(message.text)
+
+    @property
+    def schedules(self) -> Mapping[str, CycleArithmetic]:
+        """The worst-case cyclic schedule of every segment."""
+        return segment_schedules(self.settings)
+
+    def run(self) -> TimeNs:
+        """Commission the drives, run the program to its end, return the simulated time.
+
+        Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
+        SimulatedTimeOut when the program does not end, UserError for what only running shows.
+        """
+        self.plant.initialize(0)
+        try:
+            self._commission()
+        except Alarm as alarm:
+            self.channel.abort(alarm)
+            return self.scheduler.now_ns
+        self.channel.start()
+        if not self.scheduler.run_while(lambda: not self.channel.has_ended, SIMULATED_LIMIT_NS):
+            raise SimulatedTimeOut(
+                f"the program did not end within {SIMULATED_LIMIT_NS // 1_000_000_000} s of"
+                " simulated time"
+            )
+        return self.scheduler.now_ns
+
+    def _commission(self) -> None:
+        for name, axis in self.settings.rig.axis.items():
+            profile = drive_profile(self.settings.rig.drive[axis.drive])
+            remote = SimRemoteNode(axis.node, object_dictionary(axis.node, profile))
+            self.networks[axis.segment].add_node(remote)
+            commission(
+                remote, self.links[name].telegrams, self.timing.period_ns // US, name
+            )
+
+    def close(self) -> None:
+        """Free plants, segments and the bus log."""
+        self._open.close()
+
+
+class _OnChannel(can.Listener):
+    """Writes the frames of one segment under its own channel number of a shared log."""
+
+    def __init__(self, writer: can.BLFWriter, number: int) -> None:
+        self._writer, self._number = writer, number
+
+    def on_message_received(self, msg: can.Message) -> None:
+        """Write one frame."""
+        msg.channel = self._number
+        self._writer.on_message_received(msg)

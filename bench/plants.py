@@ -1,0 +1,136 @@
+"""From the plant tables of a rig to initialisable FMUs with start values and wires."""
+
+from pathlib import Path
+
+from bench.assignment import Assignment, parse_assignment
+from bench.rigfile import PlantTable, rig_error
+from bench.settings import Located, Settings
+from fmus import MODELS, BuildError, ensure_built
+from kernel.clock import US
+from kernel.cosim.fmu import FmuSlave
+from kernel.cosim.plant import AXIS_INPUTS, TRAJECTORY_INPUTS, Plant
+from kernel.errors import UserError, nearest
+
+_WORDS = {"true": True, "1": True, "false": False, "0": False}
+
+
+def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
+    """Return the FMU of a plant; a model of the library is built when the cache lacks it."""
+    if table.fmu.endswith(".fmu"):
+        return Path(table.fmu)
+    keys = ("plant", instance, "fmu")
+    if table.fmu not in MODELS:
+        raise rig_error(
+            settings.files,
+            keys,
+            "neither a model of the library nor a path that ends in .fmu",
+            value=table.fmu,
+            allowed=nearest(table.fmu, MODELS) or MODELS,
+        )
+    try:
+        return ensure_built(table.fmu)
+    except BuildError as error:
+        raise UserError(f"{table.fmu} cannot be built: {error}") from error
+
+
+def _set_start(slave: FmuSlave, item: Assignment) -> None:
+    """Set one start value, converted from the unit that its name ends in."""
+    # A variable may itself end in what looks like a unit; its own name wins
+    whole = item.column.partition(".")[2]
+    name = whole if slave.has(whole) else item.name
+    variable = slave.variable(name)
+    if variable.causality not in ("parameter", "input", "structuralParameter"):
+        raise UserError(
+            f"{name} of {slave.name} cannot be set from outside",
+            value=variable.causality,
+            allowed=slave.names("parameter"),
+        )
+    if str(variable.type) == "Boolean":
+        word = item.value.lower()
+        if word not in _WORDS:
+            raise UserError(f"{name} is true or false", value=item.value, allowed="true, false")
+        slave.set_start(name, _WORDS[word])
+        return
+    value = float(item.value) if name == whole and not item.unit else item.si()
+    low, high = variable.min, variable.max
+    if (low is not None and value < float(low)) or (high is not None and value > float(high)):
+        raise UserError(
+            f"{name} of {slave.name} is out of range",
+            value=item.value,
+            allowed=f"{low} .. {high} {variable.unit or ''} (SI)".strip(),
+        )
+    slave.set_start(name, value)
+
+
+def _start_values(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> None:
+    for key, value in table.start.items():
+        item = parse_assignment(f"plant:{instance}.{key}={value}")
+        try:
+            _set_start(slave, item)
+        except UserError as error:
+            raise rig_error(
+                settings.files,
+                ("plant", instance, "start"),
+                f"{key}: {error.message}",
+                value=error.value,
+                allowed=error.allowed,
+            ) from error
+    changes: list[tuple[Assignment, Located]] = settings.start.get(instance, [])
+    for item, located in changes:
+        try:
+            _set_start(slave, item)
+        except UserError as error:
+            raise located(error, item) from error
+
+
+def build_plant(settings: Settings) -> Plant:
+    """Load every plant FMU of a rig, set its start values, wire the sensors to the axes.
+
+    Raises UserError with file, line and key of the rig (or the cell of the plan).
+    """
+    plant = Plant(settings.rig.cycle.exchange_us * US)
+    sensors: list[tuple[str, PlantTable, FmuSlave]] = []
+    try:
+        for instance, table in settings.rig.plant.items():
+            slave = FmuSlave(plant_path(settings, instance, table), instance)
+            if slave.has(*AXIS_INPUTS):
+                plant.add_axis(slave)
+            else:
+                sensors.append((instance, table, slave))
+            _start_values(settings, instance, table, slave)
+        for instance, table, slave in sensors:
+            _wire(settings, plant, instance, table, slave)
+    except BaseException:
+        plant.close()
+        raise
+    return plant
+
+
+def _wire(
+    settings: Settings, plant: Plant, instance: str, table: PlantTable, slave: FmuSlave
+) -> None:
+    keys = ("plant", instance, "wire")
+    if not slave.has("step_time", "step_size"):
+        raise rig_error(
+            settings.files,
+            ("plant", instance, "fmu"),
+            "the FMU is neither an axis nor a sensor that reads trajectories",
+            value=table.fmu,
+            hint="docs/rigs.md names the variables of both",
+        )
+    if not table.wire:
+        raise rig_error(settings.files, keys, f"plant {instance} is wired to no axis")
+    for group in table.wire:
+        if not slave.has(*(f"{group}_{part}" for part in TRAJECTORY_INPUTS)):
+            groups = [name[:-6] for name in slave.names("input") if name.endswith("_start")
+                      and not name.endswith("_rate_start")]
+            raise rig_error(
+                settings.files, (*keys, group), f"{instance} has no input {group}",
+                value=group, allowed=groups,
+            )
+    try:
+        plant.add_probe(slave, table.wire)
+    except UserError as error:
+        raise rig_error(
+            settings.files, keys, error.message, value=error.value, allowed=error.allowed
+        ) from error

@@ -1,0 +1,93 @@
+"""Plans as pytest items: every row is a test with its run id as name.
+
+Used by `testplans/conftest.py`; tables directly in the folder of that conftest are plans. A case
+that passes or is marginal passes, everything else fails with what its checks say.
+"""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bench.checks import CheckResult, value_text
+from bench.plan import Case, read_plan
+from bench.results import CaseResult
+from bench.runner import run_case
+from bench.table import SUFFIXES
+from bench.verdict import Verdict
+from kernel.errors import UserError
+
+
+class CaseFailed(Exception):
+    """A case whose verdict is worse than marginal."""
+
+    def __init__(self, result: CaseResult) -> None:
+        super().__init__(result.case.run)
+        self.result = result
+
+
+class PlanFile(pytest.File):
+    """A plan; its rows are the items."""
+
+    def collect(self) -> Iterator["CaseItem"]:
+        """Yield the rows; a plan that cannot be read is a collection error with its message."""
+        try:
+            plan = read_plan(self.path)
+        except UserError as error:
+            raise self.CollectError(str(error)) from error
+        for case in plan.cases:
+            yield CaseItem.from_parent(self, name=case.run, case=case)
+
+
+class CaseItem(pytest.Item):
+    """One row of a plan."""
+
+    def __init__(self, *, case: Case, **kwargs: Any) -> None:
+        super().__init__(**kwargs)
+        self.case = case
+        for tag in case.tags:
+            self.keywords[tag] = True
+
+    def runtest(self) -> None:
+        """Run the case and judge it."""
+        result = run_case(self.case, None)
+        self.user_properties += [
+            ("verdict", result.verdict.word),
+            ("seed", str(self.case.seed)),
+            ("frame_log_sha256", result.frame_log_sha256),
+            *((check.check.metric, value_text(check.value)) for check in result.checks),
+        ]
+        if result.verdict > Verdict.MARGINAL:
+            raise CaseFailed(result)
+
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> str:  # type: ignore[override]
+        """Tell what failed in the words of the checks."""
+        if not isinstance(excinfo.value, CaseFailed):
+            return str(super().repr_failure(excinfo))
+        result = excinfo.value.result
+        lines = [f"{self.case.file}:{self.case.line}: {self.case.run}: {result.verdict.word}"]
+        lines += [_line(check) for check in result.checks if check.verdict > Verdict.MARGINAL]
+        lines += result.log
+        if result.error:
+            lines.append(result.error)
+        return "\n".join(lines)
+
+    def reportinfo(self) -> tuple[Path, int, str]:
+        """Point at the row."""
+        return self.case.file, self.case.line - 1, self.case.run
+
+
+def _line(check: CheckResult) -> str:
+    note = f" ({check.note})" if check.note else ""
+    return (
+        f"  {check.verdict.word}: {check.check.metric} = {value_text(check.value)}"
+        f" against {check.check.condition.text}{note}"
+    )
+
+
+def collect_plan(file_path: Path, parent: pytest.Collector, folder: Path) -> PlanFile | None:
+    """Collect a table that lies directly in `folder`."""
+    if file_path.suffix.lower() in SUFFIXES and file_path.parent == folder:
+        return PlanFile.from_parent(parent, path=file_path)
+    return None

@@ -1,0 +1,225 @@
+"""Rig files: what stands on the bench, as TOML, checked before anything is built.
+
+A rig names segments, drives, axes with their parameter lists, plant FMUs and their wiring. A short
+file may name another as its `base` and change single keys. Every mistake is a `UserError` that
+names file, line and key.
+"""
+
+import difflib
+import re
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from kernel.errors import UserError
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
+StartValue = bool | int | float
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class CycleTable(_Table):
+    """`[cycle]`: the time base of the machine, all in microseconds or cycles."""
+
+    period_us: Annotated[int, Field(ge=250, le=20_000)] = 1000
+    cycle_offset_us: Annotated[int, Field(ge=0)] = 600
+    exchange_us: Annotated[int, Field(ge=10, le=20_000)] = 250
+    buffer_cycles: Annotated[int, Field(ge=0, le=100)] = 0
+
+
+class ChannelTable(_Table):
+    """`[channel]`: the channel parameter list in the manual's format."""
+
+    list: str
+
+
+class SegmentTable(_Table):
+    """`[segment.NAME]`: one CAN bus."""
+
+    interface: Literal["axisrig"] = "axisrig"
+    bitrate: Literal[125_000, 250_000, 500_000, 800_000, 1_000_000] = 1_000_000
+
+
+class DriveTable(_Table):
+    """`[drive.NAME]`: what kind of drive stands in front of an axis.
+
+    encoder_increments: per motor revolution. lead_mm: of the screw. input_delay_us: of the probe
+    inputs. input_filter_us: time for which the level must be stable. latch: how the position at
+    the edge is found; sample_us: grid of `sampled`.
+    """
+
+    encoder_increments: Annotated[int, Field(ge=1, le=2**31 - 1)] = 1_048_576
+    lead_mm: Annotated[float, Field(gt=0)] = 10.0
+    input_delay_us: Annotated[float, Field(ge=0)] = 4.0
+    input_filter_us: Annotated[float, Field(ge=0)] = 0.0
+    latch: Literal["interpolated", "sampled"] = "interpolated"
+    sample_us: Annotated[float, Field(gt=0)] = 62.5
+
+
+class AxisTable(_Table):
+    """`[axis.NAME]`: one axis of the channel; the tables stand in the order of the axes."""
+
+    list: str
+    segment: Name
+    node: Annotated[int, Field(ge=1, le=127)]
+    drive: Name
+    plant: Name
+    probe_1: Name | None = None
+    probe_2: Name | None = None
+
+
+class PlantTable(_Table):
+    """`[plant.NAME]`: an FMU, its start values (`surface_mm = 100`) and what it is wired to.
+
+    fmu: name of a model of the library, or path of an .fmu beside the rig file.
+    """
+
+    fmu: str
+    start: dict[str, StartValue] = Field(default_factory=dict)
+    wire: dict[Name, Name] = Field(default_factory=dict)
+
+
+class RigFile(_Table):
+    """A whole rig; see docs/rigs.md for every key."""
+
+    title: str
+    cycle: CycleTable = CycleTable()
+    channel: ChannelTable
+    segment: dict[Name, SegmentTable]
+    drive: dict[Name, DriveTable]
+    axis: dict[Name, AxisTable]
+    plant: dict[Name, PlantTable]
+
+
+def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    merged = dict(below)
+    for key, value in above.items():
+        old = merged.get(key)
+        both_tables = isinstance(value, dict) and isinstance(old, dict)
+        merged[key] = _merge(old, value) if both_tables else value
+    return merged
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    if not path.is_file():
+        raise UserError("rig file not found", file=path)
+    text = path.read_text(encoding="utf-8-sig")
+    if not text.strip():
+        raise UserError("the rig file is empty", file=path, hint="see docs/rigs.md")
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        place = re.search(r"\(at line (\d+), column (\d+)\)", str(error))
+        line, column = (int(place[1]), int(place[2])) if place else (None, None)
+        message = re.sub(r" \(at .*\)", "", str(error))
+        raise UserError(f"no valid TOML: {message}", file=path, line=line, column=column) from error
+
+
+def _load(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], list[Path]]:
+    """Return the merged tables and the files they came from, nearest first.
+
+    Paths of lists and FMUs are made absolute, relative to the file that names them.
+    """
+    if path in above:
+        raise UserError("rig files name each other as base in a circle", file=path)
+    table = _read_toml(path)
+    _anchor_paths(table, path.parent)
+    base = table.pop("base", None)
+    if base is None:
+        return table, [path]
+    if not isinstance(base, str):
+        raise UserError("`base` must be the path of a rig file", file=path, value=base)
+    below, files = _load((path.parent / base).resolve(), (*above, path))
+    return _merge(below, table), [path, *files]
+
+
+def _anchor_paths(table: dict[str, Any], folder: Path) -> None:
+    lists = [table.get("channel"), *_tables(table.get("axis"))]
+    for entry in lists:
+        if isinstance(entry, dict) and isinstance(entry.get("list"), str):
+            entry["list"] = str((folder / entry["list"]).resolve())
+    for entry in _tables(table.get("plant")):
+        if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith(".fmu"):
+            entry["fmu"] = str((folder / entry["fmu"]).resolve())
+
+
+def _tables(value: Any) -> list[Any]:
+    return list(value.values()) if isinstance(value, dict) else []
+
+
+def _locate(files: list[Path], keys: tuple[str, ...]) -> tuple[Path, int | None]:
+    """Find file and line of a key path: its own line, else the header of its table."""
+    for depth in range(len(keys), 0, -1):
+        table, key = ".".join(keys[: depth - 1]), keys[depth - 1]
+        for file in files:
+            line = _find_key(file.read_text(encoding="utf-8-sig"), table, key)
+            if line is not None:
+                return file, line
+    return files[0], None
+
+
+def _find_key(text: str, table: str, key: str) -> int | None:
+    current = ""
+    wanted = f"{table}.{key}" if table else key
+    for number, line in enumerate(text.splitlines(), 1):
+        header = re.match(r"\s*\[([^\[\]]+)\]", line)
+        if header:
+            current = re.sub(r"[\s\"']", "", header[1])
+            if current == wanted:
+                return number
+        elif current == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*[.=]", line):
+            return number
+    return None
+
+
+def _known_keys(keys: tuple[str, ...]) -> list[str]:
+    """Return the keys that the table holding the last of `keys` may have."""
+    model: Any = RigFile
+    named = {
+        "segment": SegmentTable, "drive": DriveTable, "axis": AxisTable, "plant": PlantTable,
+        "cycle": CycleTable, "channel": ChannelTable,
+    }  # fmt: skip
+    if len(keys) > 1:
+        model = named.get(keys[0], RigFile)
+    return [*model.model_fields, *(["base"] if model is RigFile else [])]
+
+
+def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
+    """Read and check a rig file with its bases; return it and its files, nearest first.
+
+    Raises UserError with file, line and key for anything that is not a rig.
+    """
+    table, files = _load(path.resolve())
+    try:
+        return RigFile.model_validate(table), files
+    except ValidationError as error:
+        first = error.errors()[0]
+        keys = tuple(str(part) for part in first["loc"])
+        file, line = _locate(files, keys)
+        place = ".".join(keys)
+        if first["type"] == "extra_forbidden":
+            known = _known_keys(keys)
+            near = difflib.get_close_matches(keys[-1], known, n=1)
+            raise UserError(
+                f"unknown rig key {place}",
+                file=file,
+                line=line,
+                allowed=known,
+                hint=f"did you mean {near[0]}?" if near else None,
+            ) from error
+        if first["type"] == "missing":
+            raise UserError(f"the rig lacks the key {place}", file=file, line=line) from error
+        raise UserError(
+            f"{place}: {first['msg'].lower()}", file=file, line=line, value=first.get("input")
+        ) from error
+
+
+def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details: Any) -> UserError:
+    """Make a UserError that points at a key of the rig (for checks beyond the form)."""
+    file, line = _locate(files, keys)
+    return UserError(message, file=file, line=line, **details)

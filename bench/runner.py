@@ -1,0 +1,147 @@
+"""Runs the cases of plans: one machine per case, in this process or in a pool of them.
+
+The order of the results never depends on the number of processes, and neither does a result: each
+case is built from its row and its seed alone.
+"""
+
+import gc
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import TimeoutError as PoolTimeout
+from contextlib import contextmanager
+from pathlib import Path
+
+from pebble import ProcessExpired, ProcessPool
+
+from bench.assignment import Assignment
+from bench.checks import judge
+from bench.machine import Machine, SimulatedTimeOut
+from bench.observe import Observed
+from bench.plan import Case
+from bench.results import CaseResult, no_values
+from bench.rigfile import read_rig
+from bench.settings import Settings, read_settings
+from bench.verdict import Verdict, worst
+from kernel.cosim.fmu import PlantError
+from kernel.errors import UserError
+from kernel.nc.parser import read_program
+
+Stopwatch = Callable[[], float]
+"""Gives seconds of wall time; handed down by the command line, which alone may read a clock."""
+
+
+def no_stopwatch() -> float:
+    """Give no wall time: for runs whose duration nobody asks for."""
+    return 0.0
+
+
+def settings_of(case: Case) -> Settings:
+    """Read the rig of a case and apply its row. Raises UserError with the place of a mistake."""
+
+    def located(error: UserError, assignment: Assignment) -> UserError:
+        return case.error(
+            error.message,
+            assignment.column,
+            value=error.value if error.value is not None else assignment.value,
+            allowed=error.allowed,
+            hint=error.hint,
+        )
+
+    rig, files = read_rig(case.rig)
+    return read_settings(rig, files, [(item, located) for item in case.assignments()])
+
+
+def prepare(case: Case) -> None:
+    """Build the machine of a case and take it down again.
+
+    Raises UserError for everything that can be known before a run, so that a plan with a mistake
+    in its last row leaves nothing half-written.
+    """
+    settings = settings_of(case)
+    Machine(settings, read_program(case.program, tuple(settings.rig.axis))).close()
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Keep the garbage collector out of the cycles; a run allocates much and drops nothing."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch = no_stopwatch) -> CaseResult:
+    """Run one case and judge it; what goes wrong with the bench itself is verdict `error`."""
+    started = stopwatch()
+    try:
+        settings = settings_of(case)
+        program = read_program(case.program, tuple(settings.rig.axis))
+        machine = Machine(settings, program, bus_log=bus_log, seed=case.seed)
+    except UserError as error:
+        return no_values(case, Verdict.ERROR, str(error))
+    try:
+        with _without_collector():
+            try:
+                sim_ns = machine.run()
+            except (PlantError, SimulatedTimeOut, UserError) as error:
+                return no_values(
+                    case, Verdict.ERROR, str(error), wall_s=stopwatch() - started
+                )
+        return _judged(case, machine, sim_ns, stopwatch() - started)
+    finally:
+        machine.close()
+
+
+def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseResult:
+    observed = Observed(machine)
+    checks = []
+    for check in case.checks:
+        seen = observed.metric(check)
+        checks.append(judge(check, seen.value, seen.uncertainty, seen.note))
+    return CaseResult(
+        case=case,
+        verdict=worst([check.verdict for check in checks]),
+        checks=checks,
+        sim_s=sim_ns / 1e9,
+        wall_s=wall_s,
+        alarms=[alarm.id for alarm in machine.channel.alarms],
+        frame_log_sha256=machine.frame_hash.hexdigest(),
+        trace=observed.trace,
+        events=observed.events(),
+        messages=[message.text for message in machine.messages],
+        log=[str(alarm) for alarm in machine.channel.alarms],
+    )
+
+
+def run_cases(
+    cases: Sequence[Case],
+    bus_path: Callable[[str], Path],
+    *,
+    jobs: int,
+    timeout_s: float,
+    stopwatch: Stopwatch,
+) -> Iterator[CaseResult]:
+    """Yield the results as they come.
+
+    jobs: processes; 1 stays in this one. timeout_s: wall time that one case may take when it runs
+    in a process of its own; a case that hangs or kills its process costs its own row only.
+    """
+    if jobs == 1:
+        for case in cases:
+            yield run_case(case, bus_path(case.run), stopwatch)
+        return
+    with ProcessPool(max_workers=jobs) as pool:
+        futures = [
+            (case, pool.schedule(run_case, [case, bus_path(case.run), stopwatch], timeout=timeout_s))
+            for case in cases
+        ]
+        for case, future in futures:
+            try:
+                yield future.result()
+            except PoolTimeout:
+                reason = f"no end within {timeout_s:g} s of wall time"
+                yield no_values(case, Verdict.ERROR, reason, wall_s=timeout_s)
+            except ProcessExpired as error:
+                yield no_values(case, Verdict.ERROR, f"the process of this case died: {error}")

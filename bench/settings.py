@@ -1,0 +1,134 @@
+"""What a row of a plan (or `--set`) changes on a rig before it is built.
+
+`Settings` applies assignments to the tables of a rig; it knows where each one came from, so that
+a wrong value is told with the place where it was written.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from bench.assignment import Assignment
+from bench.rigfile import RigFile, SegmentTable
+from kernel.errors import UserError, nearest
+from kernel.parameters import ParameterSet, read_list
+
+FAULT_KINDS = ("drop",)
+
+Located = Callable[[UserError, Assignment], UserError]
+"""Turns an error of an assignment into one that names the place it was written at."""
+
+
+def as_written(error: UserError, assignment: Assignment) -> UserError:
+    """Name the assignment itself: the place of a `--set` on the command line."""
+    return UserError(
+        f"--set {assignment.column}={assignment.value}: {error.message}",
+        value=error.value,
+        allowed=error.allowed,
+        hint=error.hint,
+    )
+
+
+@dataclass
+class Settings:
+    """A rig with the assignments of one run applied.
+
+    axis, channel: parameter sets. start: plant instance -> assignments of its start values.
+    external: V.E variables by name. dropped: names of suppressed PDOs (`Z.TPDO2`).
+    """
+
+    rig: RigFile
+    files: list[Path]
+    channel: ParameterSet
+    axis: dict[str, ParameterSet]
+    segment: dict[str, SegmentTable]
+    start: dict[str, list[tuple[Assignment, Located | None]]] = field(default_factory=dict)
+    external: dict[str, float] = field(default_factory=dict)
+    dropped: list[str] = field(default_factory=list)
+
+    def apply(self, assignment: Assignment, located: Located) -> None:
+        """Apply one assignment. Raises UserError, with its place, for one that does not fit."""
+        try:
+            {
+                "set": self._set,
+                "plant": self._plant,
+                "bus": self._bus,
+                "plc": self._plc,
+                "fault": self._fault,
+            }[assignment.kind](assignment, located)
+        except UserError as error:
+            raise located(error, assignment) from error
+
+    def _set(self, item: Assignment, _located: Located) -> None:
+        known = {"channel": self.channel, **self.axis}
+        if item.target not in known:
+            raise UserError("the rig has no such axis", value=item.target, allowed=known)
+        known[item.target].set(item.name, item.value, item.column)
+
+    def _plant(self, item: Assignment, located: Located) -> None:
+        if item.target not in self.rig.plant:
+            raise UserError(
+                "the rig has no such plant", value=item.target, allowed=self.rig.plant
+            )
+        self.start.setdefault(item.target, []).append((item, located))
+
+    def _bus(self, item: Assignment, _located: Located) -> None:
+        if item.target not in self.segment:
+            raise UserError(
+                "the rig has no such segment", value=item.target, allowed=self.segment
+            )
+        fields = SegmentTable.model_fields
+        if item.name not in fields:
+            raise UserError(
+                "a segment has no such key",
+                value=item.name,
+                allowed=nearest(item.name, fields) or fields,
+            )
+        values = self.segment[item.target].model_dump()
+        values[item.name] = int(item.value) if item.value.isdigit() else item.value
+        try:
+            self.segment[item.target] = SegmentTable.model_validate(values)
+        except ValidationError as error:
+            raise UserError(
+                f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
+            ) from error
+
+    def _plc(self, item: Assignment, _located: Located) -> None:
+        if not item.name.startswith("V.E."):
+            raise UserError(
+                "only external variables come from the PLC side so far",
+                value=item.name,
+                allowed="V.E.<NAME>",
+            )
+        try:
+            self.external[item.name] = float(item.value)
+        except ValueError:
+            raise UserError("not a number", value=item.value) from None
+
+    def _fault(self, item: Assignment, _located: Located) -> None:
+        if item.name not in FAULT_KINDS:
+            raise UserError("unknown kind of fault", value=item.name, allowed=FAULT_KINDS)
+        pdos = [f"{axis}.{pdo}" for axis in self.axis for pdo in ("TPDO1", "TPDO2", "TPDO3",
+                                                                  "RPDO1")]
+        for name in item.value.split():
+            if name not in pdos:
+                raise UserError("no such telegram", value=name, allowed=pdos)
+            self.dropped.append(name)
+
+
+def read_settings(
+    rig: RigFile, files: list[Path], assignments: Sequence[tuple[Assignment, Located]]
+) -> Settings:
+    """Read the parameter lists of a rig and apply assignments in their order."""
+    settings = Settings(
+        rig=rig,
+        files=files,
+        channel=read_list(rig.channel.list, "channel"),
+        axis={name: read_list(axis.list, "axis") for name, axis in rig.axis.items()},
+        segment=dict(rig.segment),
+    )
+    for assignment, located in assignments:
+        settings.apply(assignment, located)
+    return settings

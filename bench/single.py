@@ -1,0 +1,38 @@
+"""One NC program on one rig: what `axisrig nc` does."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from bench.assignment import parse_assignment
+from bench.machine import Machine, SimulatedTimeOut
+from bench.rigfile import read_rig
+from bench.settings import as_written, read_settings
+from kernel.cosim.fmu import PlantError
+from kernel.errors import Alarm, UserError
+from kernel.nc.parser import read_program
+
+
+def run_program(
+    program: Path,
+    rig: Path,
+    assignments: Sequence[str],
+    bus_log: Path | None,
+    put_out: Callable[[str], None],
+) -> list[Alarm]:
+    """Run a program to its end and return its alarms in order.
+
+    assignments: texts of `--set`. put_out: takes each message when it is due.
+    Raises UserError for what is rejected before or while the program runs.
+    """
+    changes = [(parse_assignment(text), as_written) for text in assignments]
+    table, files = read_rig(rig)
+    settings = read_settings(table, files, changes)
+    parsed = read_program(program, tuple(table.axis))
+    machine = Machine(settings, parsed, bus_log=bus_log, put_out=put_out)
+    try:
+        machine.run()
+    except (PlantError, SimulatedTimeOut) as error:
+        raise UserError(str(error), file=program) from error
+    finally:
+        machine.close()
+    return machine.channel.alarms

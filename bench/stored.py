@@ -1,0 +1,112 @@
+"""A results folder read back: what the report, the JUnit file and later judging work from."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from bench.verdict import Verdict, worst
+from kernel.errors import UserError
+
+RESULT_COLUMNS = (
+    *("plan", "case", "run", "check", "metric", "value", "unit"),
+    *("lower", "upper", "uncertainty", "verdict", "reference"),
+)
+CASE_COLUMNS = (
+    *("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed"),
+    *("alarms", "frame_log_sha256"),
+)
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """One run of a results folder.
+
+    case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
+    info: `runs/<run>.json`: events, limits to draw, notes, messages, log, error.
+    trace: the Parquet file, or None when the run left none.
+    """
+
+    case: Mapping[str, str]
+    checks: Sequence[Mapping[str, str]]
+    info: Mapping[str, Any]
+    trace: Path | None
+
+    @property
+    def run(self) -> str:
+        """The run id."""
+        return self.case["run"]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict of the run."""
+        return Verdict.of(self.case["verdict"])
+
+
+@dataclass(frozen=True)
+class StoredResults:
+    """A results folder: the runs in the order of `cases.csv` and the manifest."""
+
+    folder: Path
+    runs: Sequence[StoredRun]
+    manifest: Mapping[str, Any]
+
+    @property
+    def input_columns(self) -> list[str]:
+        """The columns of the plans that `cases.csv` carries on."""
+        first = self.runs[0].case if self.runs else {}
+        return [column for column in first if column not in CASE_COLUMNS]
+
+    @property
+    def missing(self) -> int:
+        """How many planned runs have no result: above 0 for an interrupted campaign."""
+        planned = int(self.manifest.get("runs_planned", len(self.runs)))
+        return planned - len(self.runs)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst verdict; never better than aborted while runs are missing."""
+        verdicts = [run.verdict for run in self.runs]
+        return worst([*verdicts, Verdict.ABORTED] if self.missing > 0 else verdicts)
+
+
+def read_results(folder: Path) -> StoredResults:
+    """Read a results folder. Raises UserError when it is none."""
+    for name in ("cases.csv", "results.csv"):
+        if not (folder / name).is_file():
+            raise UserError(
+                f"no results folder: {name} is missing",
+                file=folder,
+                hint="give the folder that `axisrig run -o` wrote",
+            )
+    checks: dict[str, list[Mapping[str, str]]] = {}
+    for row in _rows(folder / "results.csv"):
+        checks.setdefault(row["run"], []).append(row)
+    runs = [
+        StoredRun(
+            case=row,
+            checks=checks.get(row["run"], []),
+            info=_json(folder / "runs" / f"{row['run']}.json"),
+            trace=_existing(folder / "traces" / f"{row['run']}.parquet"),
+        )
+        for row in _rows(folder / "cases.csv")
+    ]
+    return StoredResults(folder, runs, _json(folder / "manifest.json"))
+
+
+def _rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _json(path: Path) -> Mapping[str, Any]:
+    if not path.is_file():
+        return {}
+    content: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    return content
+
+
+def _existing(path: Path) -> Path | None:
+    return path if path.is_file() else None

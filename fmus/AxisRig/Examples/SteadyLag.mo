@@ -1,0 +1,20 @@
+within AxisRig.Examples;
+model SteadyLag "Axis in steady motion: the lag must be (1 - f) v/Kv"
+  parameter Units.Velocity feed = 0.02 "Feed";
+  parameter Units.Share feed_forward = 0 "Share of velocity feed-forward";
+  Drives.ServoAxis axis(feed_forward = feed_forward);
+  Units.Position lag "Demand minus position";
+equation
+  axis.reference_position = 0;
+  axis.reference_velocity = feed;
+  axis.reference_time = 0;
+  axis.reference_end = 1e3;
+  axis.enabled = true;
+  axis.force_limit = 1e9;
+  lag = axis.demand_position - axis.position;
+  annotation(
+    experiment(StopTime=3, Interval=1e-3),
+    Documentation(info="<html>
+<p>After three seconds the lag of the default axis (Kv 10 1/s) at 20 mm/s is 2 mm.</p>
+</html>"));
+end SteadyLag;

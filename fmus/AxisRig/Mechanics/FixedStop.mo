@@ -1,0 +1,28 @@
+within AxisRig.Mechanics;
+model FixedStop "Obstacle at rest that can only push"
+  parameter Units.Position stop_position = 1e3 "Where the slide touches";
+  parameter Integer stop_direction(min = -1, max = 1) = 1
+    "1: the stop is met in positive direction, -1: in negative direction";
+  parameter Units.Stiffness stiffness = 20e6 "Stiffness of the contact";
+  parameter Units.ContactDamping damping = 20 "Share of the spring force per velocity";
+  Interfaces.Flange flange "Moving side";
+  Units.Position penetration "How far the slide is past the first touch";
+  Units.Velocity velocity "Velocity into the stop";
+  Units.Force force "Force between stop and slide, never negative";
+equation
+  penetration = stop_direction*(flange.s - stop_position);
+  velocity = stop_direction*der(flange.s);
+  force = if penetration > 0 then max(0, stiffness*penetration*(1 + damping*velocity)) else 0;
+  flange.f = stop_direction*force;
+  assert(abs(stop_direction) > 0.5, "stop_direction must be 1 or -1");
+  annotation(
+    Documentation(info="<html>
+<p>Equation (Hunt-Crossley, exponent 1): F = max(0, k p (1 + a dp/dt)) while p &gt; 0.</p>
+<p>The damping share a makes the force continuous at touch and lets it end at zero when the slide
+leaves; the velocity is never set, so energy is only lost. Coefficient of restitution e at the speed
+v of impact from a v (1 + e) = ln((1 + a v)/(1 - a e v)).</p>
+<p>Assumption: the stop does not move. Limit: one point of contact. Source: K. H. Hunt, F. R. E.
+Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics 42
+(1975).</p>
+</html>"));
+end FixedStop;

@@ -1,0 +1,84 @@
+within AxisRig.Sensors;
+model TouchProbe "Touch probe against a plane, with edges located inside the step"
+  input Units.Time step_time "Beginning of the communication step";
+  input Units.Time step_size(start = 1e-3, min = 1e-9) "Length of the communication step";
+  input Units.Position x_start "x at the beginning of the step";
+  input Units.Velocity x_rate_start "Rate of x at the beginning of the step";
+  input Units.Position x_end "x at the end of the step";
+  input Units.Velocity x_rate_end "Rate of x at the end of the step";
+  input Units.Position y_start "y at the beginning of the step";
+  input Units.Velocity y_rate_start "Rate of y at the beginning of the step";
+  input Units.Position y_end "y at the end of the step";
+  input Units.Velocity y_rate_end "Rate of y at the end of the step";
+  input Units.Position z_start "z at the beginning of the step";
+  input Units.Velocity z_rate_start "Rate of z at the beginning of the step";
+  input Units.Position z_end "z at the end of the step";
+  input Units.Velocity z_rate_end "Rate of z at the end of the step";
+
+  parameter Units.Direction normal_x = 0 "Normal of the plane, towards free space: x";
+  parameter Units.Direction normal_y = 0 "Normal of the plane, towards free space: y";
+  parameter Units.Direction normal_z = 1 "Normal of the plane, towards free space: z";
+  parameter Units.Position surface = 0.1 "Distance of the plane from the origin along its normal";
+  parameter Units.Length ball_radius = 0 "Radius of the stylus ball";
+  parameter Units.Length pretravel = 0 "Deflection from contact to the switching point";
+  parameter Units.Time trigger_delay(min = 0) = 0 "From the switching point to the edge";
+  parameter Boolean inverted = false "Signal is true while the probe is free";
+
+  output Boolean signal "Switching output";
+  output Units.Time rising_time "Instant of the last rising edge of the signal";
+  output Units.Time falling_time "Instant of the last falling edge of the signal";
+  output Integer rising_count "Rising edges of the signal since the start";
+  output Integer falling_count "Falling edges of the signal since the start";
+  output Boolean contact "The ball touches the plane";
+  output Units.Time contact_time(start = 0, fixed = true) "Last instant at which the gap closed";
+  output Integer contact_count(start = 0, fixed = true) "How often the gap has closed";
+  output Units.Position contact_x(start = 0, fixed = true) "x at contact_time";
+  output Units.Position contact_y(start = 0, fixed = true) "y at contact_time";
+  output Units.Position contact_z(start = 0, fixed = true) "z at contact_time";
+  output Units.Position gap "Distance of the ball from the plane";
+protected
+  Real u(unit = "1") "Share of the step that has passed";
+  Units.Position x "Ball centre: x";
+  Units.Position y "Ball centre: y";
+  Units.Position z "Ball centre: z";
+  Boolean deflected "Deflected beyond the switching point";
+  EdgeDelay path(delay = trigger_delay);
+  EdgeCounter rising;
+  EdgeCounter falling;
+equation
+  u = (time - step_time)/step_size;
+  x = Math.hermite(x_start, x_rate_start, x_end, x_rate_end, step_size, u);
+  y = Math.hermite(y_start, y_rate_start, y_end, y_rate_end, step_size, u);
+  z = Math.hermite(z_start, z_rate_start, z_end, z_rate_end, step_size, u);
+  gap = normal_x*x + normal_y*y + normal_z*z - surface - ball_radius;
+  contact = gap <= 0;
+  deflected = gap <= -pretravel;
+  when contact then
+    contact_time = time;
+    contact_count = pre(contact_count) + 1;
+    contact_x = x;
+    contact_y = y;
+    contact_z = z;
+  end when;
+  path.u = deflected;
+  signal = path.y <> inverted;
+  rising.u = signal;
+  falling.u = not signal;
+  rising_time = rising.last;
+  rising_count = rising.count;
+  falling_time = falling.last;
+  falling_count = falling.count;
+  assert(abs(normal_x^2 + normal_y^2 + normal_z^2 - 1) < 1e-9,
+    "normal_x, normal_y, normal_z must be a unit vector");
+  annotation(
+    Documentation(info="<html>
+<p>Equations: gap = n.p - d - r. Contact at gap &lt;= 0, switching at gap &lt;= -pretravel; the
+signal follows after trigger_delay. p is the motion of the axes over the communication step as a
+cubic through both ends (Math.hermite).</p>
+<p>Assumptions: the probe does not act back on the axes; pre-travel is the same in all directions;
+no bounce. Limits: the level at the start is not an edge; a touch shorter than the internal step
+can be missed; at most four edges of one direction within trigger_delay.</p>
+<p>Source: Renishaw, touch-trigger probing: pre-travel and its repeatability; the trigger delay
+is a constant time (transmission).</p>
+</html>"));
+end TouchProbe;

@@ -1,0 +1,51 @@
+"""What the channel takes from the parameter lists, converted once to its own units."""
+
+from dataclasses import dataclass
+
+from kernel.clock import MS, US, TimeNs
+from kernel.motion.dynamics import Dynamics, Motion, axis_slopes
+from kernel.parameters import ParameterSet
+
+
+@dataclass(frozen=True)
+class CycleTiming:
+    """Time base: SYNC at k * period_ns, NC cycle `offset_ns` after it (design: one order).
+
+    buffer_cycles: FIFO between interpolator and position control.
+    """
+
+    period_ns: TimeNs = MS
+    offset_ns: TimeNs = 600 * US
+    buffer_cycles: int = 0
+
+
+@dataclass(frozen=True)
+class AxisSettings:
+    """One axis as the channel sees it.
+
+    may_measure: P-AXIS-00118. probing_offset_mm: P-AXIS-00467. window_mm: P-AXIS-00236, exact
+    stop. settling_ns: P-AXIS-00532 or P-AXIS-00151, 0 = not monitored. dynamics: per kind of
+    motion.
+    """
+
+    name: str
+    may_measure: bool
+    probing_offset_mm: float
+    window_mm: float
+    settling_ns: TimeNs
+    dynamics: dict[Motion, Dynamics]
+
+    @classmethod
+    def read(cls, name: str, axis: ParameterSet, channel: ParameterSet) -> "AxisSettings":
+        """Take the settings from the parameter sets of axis and channel."""
+        settling_us = axis.integer("getriebe[0].position_settling_time")
+        if settling_us < 0:
+            settling_us = axis.integer("getriebe[0].pos_einschw_zeit") * 1000
+        return cls(
+            name=name,
+            may_measure=axis.flag("kenngr.messachse"),
+            probing_offset_mm=axis.mm("kenngr.probing_offset"),
+            window_mm=axis.mm("getriebe[0].window"),
+            settling_ns=settling_us * US,
+            dynamics={motion: axis_slopes(axis, channel, motion) for motion in Motion},
+        )

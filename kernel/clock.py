@@ -1,0 +1,51 @@
+"""Simulated time: integer nanoseconds since the start of a run, and who may ask for it.
+
+Nothing in the kernel or the bench reads a wall clock. Whoever needs to act later asks the
+`Clock` for a call; the scheduler of the co-simulation master is its only implementation in
+simulation.
+"""
+
+from collections.abc import Callable
+from enum import IntEnum
+from typing import Protocol
+
+TimeNs = int
+
+US = 1_000
+MS = 1_000_000
+S = 1_000_000_000
+
+
+class Phase(IntEnum):
+    """Who acts first at one instant (docs/architecture.md, "One order").
+
+    Frames are delivered before applications read them; arbitration comes last, so that everything
+    requested at one instant competes by identifier and never by call order.
+    """
+
+    DELIVERY = 0
+    APPLICATION = 1
+    ARBITRATION = 2
+
+
+class Clock(Protocol):
+    """What a participant needs to know about time."""
+
+    @property
+    def now_ns(self) -> TimeNs:
+        """Return the current simulated time."""
+        ...
+
+    def call_at(self, time_ns: TimeNs, phase: Phase, action: Callable[[], None]) -> object:
+        """Call `action` at `time_ns` (not before now) in `phase`; return a handle."""
+        ...
+
+
+def seconds_to_ns(time_s: float) -> TimeNs:
+    """Round seconds to the nearest nanosecond."""
+    return round(time_s * S)
+
+
+def ns_to_seconds(time_ns: TimeNs) -> float:
+    """Give nanoseconds as seconds; exact to 1e-16 relative, never accumulated."""
+    return time_ns / S

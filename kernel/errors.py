@@ -1,0 +1,137 @@
+"""Two ways a run can go wrong for a reason that its user can mend, and the alarm catalogue.
+
+`UserError`  input is rejected before anything runs: file, line, column, value, what is allowed.
+             The command line ends with exit code 2.
+`Alarm`      the machine stops or warns while running: an ID of `errors.csv` with its values.
+             A class above 1 ends the program; the command line ends with exit code 1.
+
+Anything else that escapes is a defect of the bench.
+"""
+
+import csv
+import difflib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+
+class UserError(Exception):
+    """Input that cannot be accepted, told so that the reader can mend it.
+
+    message: what is wrong, one sentence without full stop.
+    file, line, column: where (line and column count from 1).
+    value: what was found. allowed: what may stand there. hint: what to do.
+    """
+
+    def __init__(  # noqa: PLR0913
+        self,
+        message: str,
+        *,
+        file: str | Path | None = None,
+        line: int | None = None,
+        column: int | None = None,
+        value: object = None,
+        allowed: Iterable[object] | str | None = None,
+        hint: str | None = None,
+    ) -> None:
+        self.message = message
+        self.file = None if file is None else str(file)
+        self.line, self.column = line, column
+        self.value, self.hint = value, hint
+        self.allowed = None
+        if allowed is not None:
+            self.allowed = (
+                allowed if isinstance(allowed, str) else ", ".join(str(item) for item in allowed)
+            )
+        super().__init__(str(self))
+
+    def __str__(self) -> str:
+        place = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
+        parts = [f"{place}: {self.message}" if place else self.message]
+        if self.value is not None:
+            parts.append(f"found {self.value!r}")
+        if self.allowed is not None:
+            parts.append(f"allowed: {self.allowed}")
+        if self.hint is not None:
+            parts.append(self.hint)
+        return "; ".join(parts)
+
+
+def nearest(word: str, known: Iterable[str], count: int = 3) -> list[str]:
+    """Return the names of `known` that look most like `word`, best first."""
+    names = {name.lower(): name for name in known}
+    return [names[hit] for hit in difflib.get_close_matches(word.lower(), names, n=count)]
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """One row of `errors.csv`.
+
+    id: the manual's ID, or one of ours from 900000 where none is documented.
+    reaction_class: 1 warning and correction, 2 program aborted, 4 motion stopped, 7 controlled
+        halt of the axis. text: our words with `{name}` places. remedy: what to do. source: where
+        the ID stands.
+    """
+
+    id: int
+    newer_id: int | None
+    reaction_class: int
+    reaction: str
+    text: str
+    values: tuple[str, ...]
+    remedy: str
+    source: str
+
+
+@cache
+def catalogue() -> Mapping[int, CatalogueEntry]:
+    """Read `errors.csv`, keyed by ID."""
+    text = resources.files(__package__).joinpath("errors.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(text.splitlines())
+    entries = [
+        CatalogueEntry(
+            id=int(row["id"]),
+            newer_id=int(row["newer_id"]) if row["newer_id"] else None,
+            reaction_class=int(row["class"]),
+            reaction=row["reaction"],
+            text=row["text"],
+            values=tuple(row["values"].split()),
+            remedy=row["remedy"],
+            source=row["source"],
+        )
+        for row in rows
+    ]
+    return {entry.id: entry for entry in entries}
+
+
+class Alarm(Exception):
+    """An entry of the catalogue that has come up, with the values of its text.
+
+    Raises KeyError for an ID or a value that the catalogue does not know: that is a defect.
+    """
+
+    def __init__(self, alarm_id: int, *, place: str | None = None, **values: object) -> None:
+        self.entry = catalogue()[alarm_id]
+        self.place = place
+        self.values = {name: values[name] for name in self.entry.values}
+        super().__init__(str(self))
+
+    @property
+    def id(self) -> int:
+        """The ID that the report and the exit code use."""
+        return self.entry.id
+
+    @property
+    def ends_program(self) -> bool:
+        """Whether the program ends: every class above the warning does."""
+        return self.entry.reaction_class > 1
+
+    def __str__(self) -> str:
+        text = self.entry.text.format(**self.values)
+        place = f" ({self.place})" if self.place else ""
+        return (
+            f"ID {self.entry.id} class {self.entry.reaction_class}: {text}{place}."
+            f" {self.entry.remedy}"
+        )

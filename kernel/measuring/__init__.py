@@ -1,0 +1,1 @@
+"""Measurement runs: arming the latches, judging the signals, delivering measured values."""

@@ -1,0 +1,196 @@
+"""One measurement run with the latch in the drive (measuring type 1, P-AXIS-00516 = DRIVE).
+
+The run is a small state machine that is evaluated once per NC cycle with this cycle's values:
+
+    CLEARING    latch control word 0 until no drive shows an enabled probe or a stored edge; so a
+                latch of an earlier run can never be taken for one of this run
+    ARMING      latch control word set until every drive has acknowledged
+    MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go
+    COLLECTING  the axes stand; every measuring axis must deliver a value that is proved
+    DONE        results are final
+
+It touches the machine through `LatchPort` only, one per measuring axis.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import Protocol
+
+from kernel.clock import TimeNs
+from kernel.errors import Alarm
+
+# Cycles that a drive may take to show a changed latch control word, and a latch to arrive after
+# standstill: four times the two to four cycles of known drives (docs/architecture.md).
+HANDSHAKE_CYCLES_MAX = 16
+
+
+class LatchPort(Protocol):
+    """The latch of one measuring axis."""
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def is_clear(self) -> bool: ...  # noqa: D102
+    @property
+    def is_armed(self) -> bool: ...  # noqa: D102
+    @property
+    def has_latched(self) -> bool: ...  # noqa: D102
+    @property
+    def latched_mm(self) -> float | None: ...  # noqa: D102
+    @property
+    def is_actuated(self) -> bool | None: ...  # noqa: D102
+
+    def arm(self) -> None: ...  # noqa: D102
+    def disarm(self) -> None: ...  # noqa: D102
+
+
+class RunState(Enum):
+    """Where a measurement run stands; see the module text."""
+
+    CLEARING = auto()
+    ARMING = auto()
+    MOVING = auto()
+    COLLECTING = auto()
+    DONE = auto()
+
+
+class Order(Enum):
+    """What the run asks of the motion in this cycle."""
+
+    NONE = auto()
+    START = auto()
+    BRAKE = auto()
+
+
+@dataclass
+class RunRecord:
+    """What a finished run delivers and when things happened (cycle instants, ns).
+
+    axes: the measuring axes. latched_mm: measured position per axis, ACS; empty without signal.
+    block: NC block for messages. signal_ns: cycle in which the first stored edge was seen.
+    """
+
+    axes: tuple[str, ...]
+    block: str = ""
+    begin_ns: TimeNs = 0
+    start_ns: TimeNs | None = None
+    signal_ns: TimeNs | None = None
+    end_ns: TimeNs | None = None
+    latched_mm: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def has_signal(self) -> bool:
+        """Whether every measuring axis has delivered a value."""
+        return len(self.latched_mm) == len(self.axes)
+
+
+class MeasuringRun:
+    """Evaluates one run; `evaluate` is called once per cycle until `state` is DONE.
+
+    ports: one latch per measuring axis. error_no_signal: P-CHAN-00176, alarm when no signal comes.
+    Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
+    does not acknowledge), 900003 (only some axes signalled), 900004 (no signal), 900009 (stale latch).
+    """
+
+    def __init__(
+        self, ports: Sequence[LatchPort], block: str, now_ns: TimeNs, error_no_signal: bool
+    ) -> None:
+        self._ports = ports
+        self._error_no_signal = error_no_signal
+        self._waited = 0
+        self.state = RunState.CLEARING
+        self.record = RunRecord(tuple(p.name for p in ports), block, begin_ns=now_ns)
+        self._check_not_actuated()
+        for port in ports:
+            port.disarm()
+
+    def _check_not_actuated(self) -> None:
+        for port in self._ports:
+            if port.is_actuated:
+                raise Alarm(50052, axis=port.name, block=self.record.block)
+
+    def evaluate(self, now_ns: TimeNs, is_standing: bool) -> Order:
+        """Advance the run with this cycle's values.
+
+        is_standing: the interpolation has ended and every axis is within its exact-stop window.
+        """
+        return {
+            RunState.CLEARING: self._clearing,
+            RunState.ARMING: self._arming,
+            RunState.MOVING: self._moving,
+            RunState.COLLECTING: self._collecting,
+            RunState.DONE: lambda _now, _standing: Order.NONE,
+        }[self.state](now_ns, is_standing)
+
+    def _enter(self, state: RunState) -> None:
+        self.state, self._waited = state, 0
+
+    def _wait(self, alarm_id: int, port: LatchPort) -> None:
+        self._waited += 1
+        if self._waited > HANDSHAKE_CYCLES_MAX:
+            raise Alarm(alarm_id, axis=port.name, cycles=self._waited - 1)
+
+    def _clearing(self, _now_ns: TimeNs, _is_standing: bool) -> Order:
+        for port in self._ports:
+            if not port.is_clear:
+                self._wait(900009, port)
+                return Order.NONE
+        for port in self._ports:
+            port.arm()
+        self._enter(RunState.ARMING)
+        return Order.NONE
+
+    def _arming(self, now_ns: TimeNs, _is_standing: bool) -> Order:
+        for port in self._ports:
+            if not port.is_armed:
+                self._wait(900002, port)
+                return Order.NONE
+        self._check_not_actuated()
+        self.record.start_ns = now_ns
+        self._enter(RunState.MOVING)
+        return Order.START
+
+    def _moving(self, now_ns: TimeNs, is_standing: bool) -> Order:
+        if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
+            self.record.signal_ns = now_ns
+            return Order.BRAKE
+        if is_standing:
+            self._enter(RunState.COLLECTING)
+            return self._collecting(now_ns, is_standing)
+        return Order.NONE
+
+    def _collecting(self, now_ns: TimeNs, _is_standing: bool) -> Order:
+        for port in self._ports:
+            value = port.latched_mm
+            if value is not None:
+                self.record.latched_mm.setdefault(port.name, value)
+        if self.record.has_signal:
+            return self._finish(now_ns)
+        self._waited += 1
+        if self._waited > HANDSHAKE_CYCLES_MAX:
+            self._judge_missing()
+            return self._finish(now_ns)
+        if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
+            self.record.signal_ns = now_ns
+        return Order.NONE
+
+    def _judge_missing(self) -> None:
+        """Values are missing for good: tell which of the four reasons it is."""
+        signalled = [p for p in self._ports if p.has_latched]
+        for port in signalled:
+            if port.name not in self.record.latched_mm:
+                raise Alarm(900001, axis=port.name, cycles=self._waited - 1)
+        silent = [p.name for p in self._ports if not p.has_latched]
+        if signalled:
+            others = " ".join(p.name for p in signalled)
+            raise Alarm(900003, axis=" ".join(silent), others=others)
+        if self._error_no_signal:
+            raise Alarm(900004, axis=" ".join(silent))
+
+    def _finish(self, now_ns: TimeNs) -> Order:
+        for port in self._ports:
+            port.disarm()
+        self.record.end_ns = now_ns
+        self._enter(RunState.DONE)
+        return Order.NONE

@@ -1,0 +1,1 @@
+"""Motion: velocity profile, effective dynamics, interpolator and set point buffer."""

@@ -1,0 +1,108 @@
+"""Interpolator: one set position per cycle along a straight path, and the buffer behind it."""
+
+import math
+from collections import deque
+from collections.abc import Mapping, Sequence
+
+from kernel.clock import S, TimeNs
+from kernel.motion.profile import Profile, Slope
+
+Positions = tuple[float, ...]
+
+
+class Interpolator:
+    """Executes one straight move at a time.
+
+    axes: names; every tuple of positions (mm) is in their order. cycle_ns: time between two calls
+    of `advance`. Positions are taken from the profile at k times the cycle, never accumulated.
+    """
+
+    def __init__(self, axes: Sequence[str], cycle_ns: TimeNs) -> None:
+        self.axes = tuple(axes)
+        self.positions_mm: Positions = (0.0,) * len(self.axes)
+        self.path_travelled_mm = 0.0
+        self.speed_mm_s = 0.0
+        self._cycle_ns = cycle_ns
+        self._start_mm = self._target_mm = self.positions_mm
+        self._direction = self.positions_mm
+        self._profile = Profile(0.0, 0.0, ())
+        self._cycle = 0
+        self._braking = False
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether the move has ended: further calls of `advance` give the same positions."""
+        return self._cycle * self._cycle_ns / S >= self._profile.duration_s
+
+    def hold(self, positions_mm: Positions) -> None:
+        """Take over where the axes stand; raises ValueError while a move has not ended."""
+        if not self.is_standing:
+            raise ValueError("a move has not ended")
+        self.positions_mm = positions_mm
+
+    def start(
+        self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Profile
+    ) -> None:
+        """Begin a move; the next `advance` gives the positions one cycle later.
+
+        An axis that is missing in `start_mm` or `target_mm` stands where it is. profile: as long
+        as the distance between start and target. Raises ValueError if it is not, or if a move
+        has not ended.
+        """
+        if not self.is_standing:
+            raise ValueError("a move has not ended")
+        held = dict(zip(self.axes, self.positions_mm, strict=True)) | dict(start_mm)
+        start = tuple(held[axis] for axis in self.axes)
+        target = tuple(target_mm.get(axis, held[axis]) for axis in self.axes)
+        length_mm = math.dist(start, target)
+        if abs(profile.end_mm - length_mm) > 1e-9 + 1e-12 * length_mm:
+            raise ValueError(f"profile of {profile.end_mm} mm for a path of {length_mm} mm")
+        scale = 1.0 / length_mm if length_mm > 0.0 else 0.0
+        self._direction = tuple((b - a) * scale for a, b in zip(start, target, strict=True))
+        self._start_mm, self._target_mm = start, target
+        self._profile, self._cycle, self._braking = profile, 0, False
+        self.positions_mm, self.path_travelled_mm, self.speed_mm_s = start, 0.0, 0.0
+
+    def advance(self) -> Positions:
+        """Move on by one cycle and return the set positions; standing, return them unchanged."""
+        if self.is_standing:
+            return self.positions_mm
+        self._cycle += 1
+        profile = self._profile
+        path_mm, self.speed_mm_s = profile.at(self._cycle * self._cycle_ns / S)
+        self.path_travelled_mm = path_mm
+        if self.is_standing and not self._braking:
+            self.positions_mm = self._target_mm
+        else:
+            self.positions_mm = tuple(
+                [a + c * path_mm for a, c in zip(self._start_mm, self._direction, strict=True)]
+            )
+        return self.positions_mm
+
+    def brake(self, deceleration: Slope) -> None:
+        """Delete the distance to go: stop on the path from the last set positions on."""
+        if self.is_standing:
+            return
+        self._profile = self._profile.brake(self._cycle * self._cycle_ns / S, deceleration)
+        self._cycle, self._braking = 0, True
+
+
+class SetpointBuffer:
+    """Delays set positions by a number of cycles between interpolator and position control.
+
+    n_cycles: how many, 0 passes through. positions_mm: what the buffer holds at first.
+    Source: FCT-C4, P-AXIS-00086, remark.
+    """
+
+    def __init__(self, n_cycles: int, positions_mm: Positions) -> None:
+        self._queue: deque[Positions] = deque([positions_mm] * (n_cycles + 1), maxlen=n_cycles + 1)
+
+    def shift(self, positions_mm: Positions) -> Positions:
+        """Put in the newest positions and return those of `n_cycles` cycles ago."""
+        self._queue.append(positions_mm)
+        return self._queue[0]
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether everything in the buffer is the same position: its output stands."""
+        return all(positions == self._queue[0] for positions in self._queue)

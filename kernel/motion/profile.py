@@ -1,0 +1,188 @@
+"""Velocity profile of one straight path with the linear slope: piecewise constant acceleration.
+
+The linear slope has two steps: up to a change-over speed one acceleration, above it another;
+the same for the deceleration. Source: P-AXIS-00011, 00012, 00221, 00282, 00283.
+All formulas are those of uniformly accelerated motion, s = (v1² - v0²) / 2a and t = (v1 - v0) / a.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+@dataclass(frozen=True)
+class Slope:
+    """Acceleration (or deceleration, also positive) below and above the change-over speed."""
+
+    a_low_mm_s2: float
+    a_high_mm_s2: float
+    change_over_mm_s: float
+
+    def __post_init__(self) -> None:
+        if min(self.a_low_mm_s2, self.a_high_mm_s2, self.change_over_mm_s) <= 0.0:
+            raise ValueError(f"a slope needs positive values: {self}")
+
+    def distance_mm(self, speed_mm_s: float) -> float:
+        """Return the path between standstill and `speed_mm_s`.
+
+        Source: s_b = (v² - v_s²) / 2 a_high + v_s² / 2 a_low for v above the change-over v_s.
+        """
+        low = min(speed_mm_s, self.change_over_mm_s)
+        above = (speed_mm_s - low) * (speed_mm_s + low)
+        return low * low / (2.0 * self.a_low_mm_s2) + above / (2.0 * self.a_high_mm_s2)
+
+    def duration_s(self, speed_mm_s: float) -> float:
+        """Return the time between standstill and `speed_mm_s`."""
+        low = min(speed_mm_s, self.change_over_mm_s)
+        return low / self.a_low_mm_s2 + (speed_mm_s - low) / self.a_high_mm_s2
+
+    def steps(self, speed_mm_s: float, from_mm_s: float = 0.0) -> list[tuple[float, float, float]]:
+        """Cut the ramp between two speeds at the change-over: (lower speed, upper speed, a)."""
+        change = self.change_over_mm_s
+        low_top, high_bottom = min(speed_mm_s, change), max(from_mm_s, change)
+        steps = []
+        if low_top > from_mm_s:
+            steps.append((from_mm_s, low_top, self.a_low_mm_s2))
+        if speed_mm_s > high_bottom:
+            steps.append((high_bottom, speed_mm_s, self.a_high_mm_s2))
+        return steps
+
+
+class Segment(NamedTuple):
+    """A part of constant acceleration: times, path and speed at both ends."""
+
+    start_s: float
+    end_s: float
+    start_mm: float
+    end_mm: float
+    start_mm_s: float
+    end_mm_s: float
+    a_mm_s2: float
+
+
+class Profile:
+    """Path and speed over time from `start_mm` to `end_mm`; time counts from 0.
+
+    segments: in order, without gaps in time; empty for a profile that stands.
+    """
+
+    __slots__ = ("duration_s", "end_mm", "segments", "start_mm")
+
+    def __init__(self, start_mm: float, end_mm: float, segments: tuple[Segment, ...]) -> None:
+        self.start_mm = start_mm
+        self.end_mm = end_mm
+        self.segments = segments
+        self.duration_s = segments[-1].end_s if segments else 0.0
+
+    def at(self, t_s: float) -> tuple[float, float]:
+        """Return path in mm and speed in mm/s at `t_s`; from the duration on exactly the end.
+
+        The path never goes back: rising speed is counted from the start of a segment, falling
+        speed from its end, so that every rounding is monotone. Neither path nor speed leaves the
+        values at the ends of its segment, however late the time and short the ramp.
+        """
+        if t_s >= self.duration_s:
+            return self.end_mm, 0.0
+        for segment in self.segments:
+            if t_s < segment.end_s:
+                break
+        t0, t1, s0, s1, v0, v1, a = segment
+        if a >= 0.0:
+            dt = t_s - t0
+            s, v = s0 + (v0 + 0.5 * a * dt) * dt, v0 + a * dt
+            return (s if s < s1 else s1), (v if v < v1 else v1)
+        dt = t1 - t_s
+        s, v = s1 - (v1 - 0.5 * a * dt) * dt, v1 - a * dt
+        return (s if s > s0 else s0), (v if v < v0 else v0)
+
+    def brake(self, t_s: float, deceleration: Slope) -> "Profile":
+        """Return the profile that stops from the state at `t_s`; its time counts from 0 there.
+
+        The path runs on from its value at `t_s`; the distance to go is deleted.
+        """
+        path_mm, speed_mm_s = self.at(t_s)
+        end_mm = path_mm + deceleration.distance_mm(speed_mm_s)
+        return _joined(path_mm, end_mm, [], 0.0, deceleration.steps(speed_mm_s))
+
+
+def plan(
+    distance_mm: float,
+    feed_mm_s: float,
+    acceleration: Slope,
+    deceleration: Slope,
+    start_speed_mm_s: float = 0.0,
+) -> Profile:
+    """Plan a path of `distance_mm` at no more than `feed_mm_s` that ends standing.
+
+    A path too short for the feed turns over at the highest speed from which it can still stop.
+    Raises ValueError if the path cannot be driven: a negative length, no feed, a start speed above
+    the feed or too high to stop on the path.
+    """
+    if distance_mm < 0.0 or feed_mm_s <= 0.0 or not 0.0 <= start_speed_mm_s <= feed_mm_s:
+        raise ValueError(f"no path: {distance_mm} mm at {start_speed_mm_s} to {feed_mm_s} mm/s")
+    if deceleration.distance_mm(start_speed_mm_s) > distance_mm * (1.0 + 1e-12):
+        raise ValueError(f"{start_speed_mm_s} mm/s cannot stop on {distance_mm} mm")
+    if distance_mm == 0.0:
+        return Profile(0.0, 0.0, ())
+    gained_mm = acceleration.distance_mm(start_speed_mm_s)
+    ramps_mm = acceleration.distance_mm(feed_mm_s) - gained_mm + deceleration.distance_mm(feed_mm_s)
+    if ramps_mm <= distance_mm:
+        peak_mm_s, cruise_mm = feed_mm_s, distance_mm - ramps_mm
+    else:
+        peak_mm_s, cruise_mm = _peak_mm_s(distance_mm + gained_mm, acceleration, deceleration), 0.0
+        peak_mm_s = min(max(peak_mm_s, start_speed_mm_s), feed_mm_s)
+    up = acceleration.steps(peak_mm_s, start_speed_mm_s)
+    return _joined(0.0, distance_mm, up, cruise_mm / peak_mm_s, deceleration.steps(peak_mm_s))
+
+
+def _peak_mm_s(distance_mm: float, acceleration: Slope, deceleration: Slope) -> float:
+    """Return the speed whose two ramps from and to standstill fill `distance_mm`.
+
+    Both ramps are linear in v² between the change-over speeds: s = k·v² + c, solved for v².
+    """
+    changes = sorted((acceleration.change_over_mm_s, deceleration.change_over_mm_s))
+    below_mm_s = 0.0
+    for change in changes:
+        if acceleration.distance_mm(change) + deceleration.distance_mm(change) > distance_mm:
+            break
+        below_mm_s = change
+    below_mm = acceleration.distance_mm(below_mm_s) + deceleration.distance_mm(below_mm_s)
+    per_v2 = 0.0
+    for slope in (acceleration, deceleration):
+        low = below_mm_s < slope.change_over_mm_s
+        per_v2 += 0.5 / (slope.a_low_mm_s2 if low else slope.a_high_mm_s2)
+    return math.sqrt(below_mm_s**2 + (distance_mm - below_mm) / per_v2)
+
+
+def _joined(
+    start_mm: float,
+    end_mm: float,
+    up: list[tuple[float, float, float]],
+    cruise_s: float,
+    down: list[tuple[float, float, float]],
+) -> Profile:
+    """Join ramp, constant speed and ramp to one profile that ends exactly at `end_mm`.
+
+    up, down: steps of the ramps, lowest speed first. The falling ramp is placed from the end
+    backwards, the rising one from the start; what rounding leaves lies between them.
+    """
+    falling_mm = [end_mm]
+    for low, high, a in down:
+        falling_mm.append(max(falling_mm[-1] - (high - low) * (high + low) / (2.0 * a), start_mm))
+    segments: list[Segment] = []
+    time_s, path_mm = 0.0, start_mm
+    for low, high, a in up:
+        end_of_step_mm = min(path_mm + (high - low) * (high + low) / (2.0 * a), falling_mm[-1])
+        end_s = time_s + (high - low) / a
+        segments.append(Segment(time_s, end_s, path_mm, end_of_step_mm, low, high, a))
+        time_s, path_mm = end_s, end_of_step_mm
+    if cruise_s > 0.0:
+        speed, end_s = down[-1][1], time_s + cruise_s
+        segments.append(Segment(time_s, end_s, path_mm, falling_mm[-1], speed, speed, 0.0))
+        time_s = end_s
+    for at in reversed(range(len(down))):
+        low, high, a = down[at]
+        end_s = time_s + (high - low) / a
+        segments.append(Segment(time_s, end_s, falling_mm[at + 1], falling_mm[at], high, low, -a))
+        time_s = end_s
+    return Profile(start_mm, end_mm, tuple(segments))

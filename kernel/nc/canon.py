@@ -1,0 +1,83 @@
+"""What the interpreter hands to the channel: plain commands in machine axes and millimetres.
+
+Everything the language knows of coordinate systems, shifts and variables is resolved here: a
+channel moves axes, runs measurements and puts out messages without reading a word of NC text.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Block:
+    """Where a command comes from.
+
+    line: first line of the block, from 1. number: the N number, None without one.
+    text: the block as written, on one line.
+    """
+
+    line: int
+    number: int | None
+    text: str
+
+    def __str__(self) -> str:
+        number = "" if self.number is None else f", block N{self.number}"
+        return f"line {self.line}{number}"
+
+
+@dataclass(frozen=True)
+class LinearMove:
+    """A straight move of all axes together.
+
+    target_acs_mm: every axis that changes, in axis coordinates. rapid: G0, else G1.
+    feed_mm_min: path feed, None for rapid.
+    """
+
+    block: Block
+    target_acs_mm: Mapping[str, float]
+    rapid: bool
+    feed_mm_min: float | None
+
+
+@dataclass(frozen=True)
+class MeasuringRun:
+    """A straight move that the probe signal ends (G100).
+
+    target_acs_mm: every axis that changes. programmed_axes: the axes named in the block.
+    measuring_axes: the axes that must be released and must signal: the moved ones without a
+    transformation, all three main axes as well under #CS.
+    Source: FCT-C4 section 4.
+    """
+
+    block: Block
+    target_acs_mm: Mapping[str, float]
+    programmed_axes: tuple[str, ...]
+    measuring_axes: tuple[str, ...]
+    feed_mm_min: float
+    measuring_type: int
+
+
+@dataclass(frozen=True)
+class Message:
+    """A text for the operator (#MSG); synchronous: put out when the machining has got here."""
+
+    block: Block
+    text: str
+    synchronous: bool
+
+
+@dataclass(frozen=True)
+class Wait:
+    """The interpreter goes on only after everything before this has been executed."""
+
+    block: Block
+
+
+@dataclass(frozen=True)
+class EndOfProgram:
+    """Nothing follows."""
+
+    block: Block
+
+
+Command = LinearMove | MeasuringRun | Message | Wait | EndOfProgram

@@ -1,0 +1,100 @@
+"""Texts of #MSG: format elements and their values.
+
+`%f %d %s` and their upper-case twins are the manual's (diagnosis manual, ID 21232);
+`%i %e %g`, flags, width and precision follow C.
+"""
+
+import re
+from collections.abc import Sequence
+
+from kernel.nc.syntax import Format, Text
+
+_ELEMENT = re.compile(
+    r"%(?:(?P<percent>%)|(?P<layout>[-+ 0#]*[0-9]{0,2}(?:\.[0-9]{0,2})?)"
+    r"(?P<letter>[A-Za-z]?))"
+)
+LETTERS = ("f", "d", "i", "s", "e", "g", "F", "D", "S")
+
+
+class FormatError(Exception):
+    """A text that cannot be put out.
+
+    position: offset in the text. value: the element. allowed: what may stand there.
+    """
+
+    def __init__(self, message: str, position: int, value: str, allowed: str) -> None:
+        super().__init__(message)
+        self.message, self.position = message, position
+        self.value, self.allowed = value, allowed
+
+
+class NotWhole(Exception):  # noqa: N818
+    """A number with a fraction for a format of whole numbers."""
+
+    def __init__(self, value: float, element: Format) -> None:
+        super().__init__()
+        self.value, self.element = value, f"%{element.layout}{element.letter}"
+
+
+def pieces_of(text: str) -> tuple[str | Format, ...]:
+    """Split a text into plain pieces and format elements; raises FormatError."""
+    pieces: list[str | Format] = []
+    end = 0
+    for match in _ELEMENT.finditer(text):
+        pieces.append(text[end : match.start()])
+        end = match.end()
+        if match["percent"]:
+            pieces.append("%")
+            continue
+        if match["letter"] not in LETTERS:
+            raise FormatError(
+                "unknown format element in the text",
+                match.start(),
+                match.group(),
+                ", ".join(f"%{letter}" for letter in (*LETTERS, "%")),
+            )
+        pieces.append(Format(match["layout"], match["letter"].lower()))
+    pieces.append(text[end:])
+    return tuple(piece for piece in pieces if piece != "")
+
+
+def check_arguments(pieces: Sequence[str | Format], is_text: Sequence[bool]) -> None:
+    """Check number and kind of the values behind the text; raises FormatError at position 0.
+
+    is_text: for each value whether it is a text.
+    """
+    elements = [piece for piece in pieces if isinstance(piece, Format)]
+    if len(elements) != len(is_text):
+        raise FormatError(
+            "number of format elements and number of values differ",
+            0,
+            f"{len(is_text)} values",
+            f"{len(elements)} values",
+        )
+    for index, (element, text) in enumerate(zip(elements, is_text, strict=True), start=1):
+        if text != (element.letter == "s"):
+            raise FormatError(
+                f"value {index} does not fit its format element",
+                0,
+                f"%{element.layout}{element.letter}",
+                "%s for a text, any other for a number",
+            )
+
+
+def formatted(pieces: Sequence[str | Format], values: Sequence[float | Text]) -> str:
+    """Put the values in; raises NotWhole for %d or %i of a number with a fraction."""
+    queue = iter(values)
+    return "".join(
+        piece if isinstance(piece, str) else _element_text(piece, next(queue)) for piece in pieces
+    )
+
+
+def _element_text(element: Format, value: float | Text) -> str:
+    pattern = f"%{element.layout}{element.letter}"
+    if isinstance(value, Text):
+        return pattern % value.value
+    if element.letter in "di":
+        if value != int(value):
+            raise NotWhole(value, element)
+        return pattern % int(value)
+    return pattern % value

@@ -1,0 +1,197 @@
+"""Builds `report.html`: one page that opens offline by double click, from the result files alone.
+
+Equal result folders give equal bytes: the page holds no clock and no path of the machine.
+"""
+
+import math
+import shlex
+from collections.abc import Mapping
+from decimal import Decimal
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, StrictUndefined
+from markupsafe import Markup
+
+from bench.stored import StoredResults, StoredRun, read_results
+from bench.verdict import Verdict
+from reports.bar import bar
+from reports.signals import chart, table
+
+_SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
+
+
+def build_report(results_dir: Path) -> Path:
+    """Write `report.html` into a results folder and return its path.
+
+    Raises UserError when the folder is none.
+    """
+    results = read_results(results_dir)
+    environment = Environment(
+        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    page = environment.from_string(_file("page.html")).render(
+        view=_page(results),
+        style=Markup(_file("vendor/uplot/uPlot.min.css") + _file("style.css")),
+        library=Markup(_file("vendor/uplot/uPlot.iife.min.js")),
+        script=Markup(_file("page.js")),
+        licence=_file("vendor/uplot/LICENSE"),
+    )
+    path = results_dir / "report.html"
+    path.write_text(page, encoding="utf-8", newline="\n")
+    return path
+
+
+def _file(name: str) -> str:
+    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _page(results: StoredResults) -> dict[str, Any]:
+    """Everything the template prints."""
+    manifest = results.manifest
+    output = str(manifest.get("output", results.folder.name))
+    runs = [_run(run, results.input_columns, output) for run in results.runs]
+    counts = [
+        (_verdict(verdict), sum(run.verdict == verdict for run in results.runs))
+        for verdict in Verdict
+    ]
+    return {
+        "plans": list(dict.fromkeys(run.case["plan"] for run in results.runs)),
+        "verdict": _verdict(results.verdict),
+        "counts": counts,
+        "missing": results.missing,
+        "planned": manifest.get("runs_planned", len(runs)),
+        "facts": _facts(results),
+        "files": _files(manifest),
+        "packages": manifest.get("packages", {}),
+        "runs": runs,
+        "glossary": table("glossary.csv"),
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, str]:
+    return {"word": verdict.word, "glyph": verdict.glyph}
+
+
+def _facts(results: StoredResults) -> list[tuple[str, str]]:
+    """The header of the report: what is known about the campaign."""
+    manifest, runs = results.manifest, results.runs
+    facts = {
+        "started": manifest.get("started"),
+        "command": shlex.join(manifest.get("command", [])),
+        "axisrig": manifest.get("axisrig"),
+        "Python": manifest.get("python"),
+        "platform": manifest.get("platform"),
+        "rigs": ", ".join(dict.fromkeys(run.case.get("rig", "") for run in runs)),
+        "simulated": f"{sum(float(run.case['sim_s']) for run in runs):.3f} s in {len(runs)} runs",
+        "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
+    }
+    return [(name, str(value)) for name, value in facts.items() if value]
+
+
+def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Files of the campaign with their SHA-256."""
+    plans = {plan["file"]: plan["sha256"] for plan in manifest.get("plans", [])}
+    return list({**plans, **manifest.get("files", {}), **manifest.get("fmus", {})}.items())
+
+
+def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
+    case, info = run.case, run.info
+    description, packed = chart(run.trace, info) if run.trace else (None, "")
+    checks = [_check(row, info.get("notes", {})) for row in run.checks]
+    inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
+    return {
+        "id": run.run,
+        "case": run.run.removeprefix(f"{case['plan']}-"),
+        "verdict": _verdict(run.verdict),
+        "title": case.get("title", ""),
+        "about": [(n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)],
+        "inputs": inputs,
+        "seed": case["seed"],
+        "sim_s": f"{float(case['sim_s']):.3f}",
+        "alarms": case["alarms"],
+        "hash": case["frame_log_sha256"],
+        "checks": checks,
+        # A run that ended before it could be judged needs one line, not one for each check.
+        "unjudged": bool(info.get("error")) and not any(row["value"] for row in run.checks),
+        "error": info.get("error"),
+        "messages": info.get("messages", []),
+        "log": info.get("log", []),
+        "events": _events(info),
+        "replay": shlex.join(["axisrig", "replay", output, run.run]),
+        "chart": description,
+        "data": packed,
+    }
+
+
+def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:
+    uncertainty = float(row["uncertainty"])
+    return {
+        "metric": row["metric"],
+        "condition": row["check"],
+        "value": _short(row["value"]),
+        "full": row["value"],
+        "unit": _unit(row["unit"]),
+        "uncertainty": _plain(uncertainty, 2) if uncertainty else "",
+        "verdict": _verdict(Verdict.of(row["verdict"])),
+        "reference": row["reference"],
+        "note": notes.get(row["metric"], ""),
+        "bar": _bar(row, uncertainty),
+    }
+
+
+def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
+    """The drawing of value and limits, or nothing where there is no number to draw."""
+    lower, upper = _number(row["lower"]), _number(row["upper"])
+    value = _number(row["value"])
+    if value is None or (lower is None and upper is None):
+        return Markup("")
+    label = f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
+    return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
+
+
+def _unit(name: str) -> str:
+    """A unit of the result files as a reader writes it."""
+    return name.replace("um", "µm")
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _short(text: str) -> str:
+    """A number with the digits that a reader compares; any other or short text as it is."""
+    number = _number(text)
+    return text if number is None or len(text) <= 9 else _plain(number, 7)
+
+
+def _plain(number: float, digits: int) -> str:
+    """A number with so many significant digits, without exponent where that stays short."""
+    text = f"{number:.{digits}g}"
+    if "e-" in text and abs(number) >= 1e-7:
+        text = f"{Decimal(text):f}"
+    return text
+
+
+def _events(info: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Events with their time, and the time since the contact (else the edge) before them."""
+    rows, origin_ns = [], None
+    for event in info.get("events", []):
+        if event["kind"] == "contact" or (event["kind"] == "edge" and origin_ns is None):
+            origin_ns = event["time_ns"]
+        since = "" if origin_ns is None else f"{(event['time_ns'] - origin_ns) / 1e6:.6f}"
+        rows.append(
+            {
+                "time": f"{event['time_ns'] / 1e6:.6f}",
+                "since": since,
+                "kind": event["kind"],
+                "label": event["label"],
+                "axis": event["axis"] or "",
+            }
+        )
+    return rows

@@ -1,0 +1,326 @@
+"use strict";
+(() => {
+  const css = (name) =>
+    getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
+  const NS_PER_MS = 1e6;
+  const LANES = 5, LANE_HEIGHT = 12;
+  /* The actual value is a broad band, on which truth shows as a line where the two agree. */
+  const WIDTHS = { set: 1.5, actual: 4, truth: 1 };
+  const drawn = new Map();
+
+  /* ---- signals: base64, gzip, byte planes, zig-zag differences (see encode.py) ---- */
+
+  async function unpack(base64) {
+    const packed = Uint8Array.from(atob(base64), (c) => c.charCodeAt(0));
+    const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
+    return new Uint8Array(await new Response(stream).arrayBuffer());
+  }
+
+  function column(octets, offset, rows, head) {
+    const scale = 10 ** head.digits;
+    const values = new Array(rows);
+    let sum = head.start;
+    for (let row = 0; row < rows; row++) {
+      let step = 0;
+      for (let plane = head.planes - 1; plane >= 0; plane--) {
+        step = step * 256 + octets[offset + plane * rows + row];
+      }
+      sum += step % 2 ? -(step + 1) / 2 : step / 2;
+      values[row] = sum / scale;
+    }
+    for (const [first, count] of head.gaps) values.fill(null, first, first + count);
+    return values;
+  }
+
+  async function decode(figure, chart) {
+    const octets = await unpack(figure.querySelector(".data").textContent);
+    const signals = {};
+    let offset = 0;
+    for (const head of chart.columns) {
+      signals[head.name] = column(octets, offset, chart.rows, head);
+      offset += head.planes * chart.rows;
+    }
+    signals.time_ms = signals.time_ns.map((t) => t / NS_PER_MS);
+    return signals;
+  }
+
+  /* ---- what stands on a plot besides the signals ---- */
+
+  function eventLines(events, labelled) {
+    return (u) => {
+      const { ctx, bbox } = u, ratio = devicePixelRatio;
+      const ends = new Array(LANES).fill(-Infinity);
+      ctx.save();
+      ctx.font = `${11 * ratio}px system-ui, sans-serif`;
+      ctx.lineWidth = ratio;
+      for (const event of events) {
+        const x = Math.round(u.valToPos(event.time_ns / NS_PER_MS, "x", true));
+        if (x < bbox.left || x > bbox.left + bbox.width) continue;
+        const colour = css(event.kind) || css("soft");
+        let top = bbox.top;
+        if (labelled) {
+          const width = ctx.measureText(event.label).width + 10 * ratio;
+          const lane = ends.findIndex((end) => end < x);
+          if (lane >= 0) {
+            const right = x + width > bbox.left + bbox.width;
+            ends[lane] = x + (right ? 4 * ratio : width);
+            top = bbox.top - (lane + 0.6) * LANE_HEIGHT * ratio;
+            ctx.fillStyle = colour;
+            ctx.textAlign = right ? "right" : "left";
+            ctx.textBaseline = "middle";
+            ctx.fillText(event.label, x + (right ? -4 : 4) * ratio, top);
+          }
+        }
+        ctx.strokeStyle = colour;
+        ctx.setLineDash([1.5 * ratio, 2.5 * ratio]);
+        ctx.beginPath();
+        ctx.moveTo(x + 0.5, top - LANE_HEIGHT * 0.4 * ratio);
+        ctx.lineTo(x + 0.5, bbox.top + bbox.height);
+        ctx.stroke();
+      }
+      ctx.restore();
+    };
+  }
+
+  function limitLines(limits) {
+    return (u) => {
+      const { ctx, bbox } = u, ratio = devicePixelRatio;
+      ctx.save();
+      ctx.font = `${10.5 * ratio}px system-ui, sans-serif`;
+      ctx.strokeStyle = ctx.fillStyle = css("limit");
+      ctx.textAlign = "right";
+      ctx.lineWidth = ratio;
+      for (const [i, limit] of limits.entries()) {
+        const y = Math.round(u.valToPos(limit.value, "y", true));
+        const above = y < bbox.top, below = y > bbox.top + bbox.height;
+        const right = bbox.left + bbox.width - 4 * ratio;
+        const text = `${limit.label} ${limit.value}`;
+        if (above || below) {
+          ctx.textBaseline = above ? "top" : "bottom";
+          const edge = above ? bbox.top + 2 * ratio : bbox.top + bbox.height - 2 * ratio;
+          ctx.fillText(`${above ? "▲" : "▼"} ${text}`, right, edge);
+          continue;
+        }
+        ctx.setLineDash([6 * ratio, 4 * ratio]);
+        ctx.beginPath();
+        ctx.moveTo(bbox.left, y + 0.5);
+        ctx.lineTo(bbox.left + bbox.width, y + 0.5);
+        ctx.stroke();
+        /* The lowest of several limits is named below its line, the others above theirs. */
+        const under = i === 0 && limits.length > 1;
+        ctx.textBaseline = under ? "top" : "bottom";
+        ctx.fillText(text, right, y + (under ? 3 : -2) * ratio);
+      }
+      ctx.restore();
+    };
+  }
+
+  /* ---- one run ---- */
+
+  function legendValue(unit) {
+    return (u, value) => (value == null ? "–" : `${+value.toFixed(6)}${unit ? " " + unit : ""}`);
+  }
+
+  function plotOptions(state, plot, series, place) {
+    const { chart, figure } = state;
+    const axisOf = (entry) => entry.axis == null || entry.axis === state.axis;
+    const events = chart.events.filter((e) => axisOf(e) || !chart.axes.includes(e.axis));
+    const limits = chart.limits
+      .filter((l) => l.plot === plot.plot && axisOf(l))
+      .sort((a, b) => a.value - b.value);
+    const grid = { stroke: () => css("faint"), width: 1 };
+    const ticks = { stroke: () => css("line"), width: 1, size: 4 };
+    const font = "11px system-ui, sans-serif";
+    const binary = plot.plot === "probe";
+    return {
+      width: figure.clientWidth,
+      height: plot.height + (place.first ? LANES * LANE_HEIGHT : 0) + (place.last ? 34 : 0),
+      padding: [place.first ? LANES * LANE_HEIGHT + 4 : 6, 14, place.last ? 0 : 4, 0],
+      cursor: { sync: { key: figure.id || state.key }, drag: { x: true, y: false }, y: false },
+      scales: {
+        x: { time: false },
+        y: binary ? { range: [-0.15, 1.15] } : {},
+      },
+      axes: [
+        {
+          stroke: () => css("soft"), grid, ticks, font,
+          size: place.last ? 40 : 0, show: true,
+          values: (u, splits) => (place.last ? splits.map((t) => +t.toFixed(6)) : []),
+          label: place.last ? "time in ms" : undefined, labelFont: font, labelSize: 16,
+        },
+        {
+          stroke: () => css("soft"), grid, ticks, font, size: 62,
+          label: plot.unit ? `${plot.title} · ${plot.unit}` : plot.title,
+          labelFont: "600 11px system-ui, sans-serif", labelSize: 16,
+          splits: binary ? () => [0, 1] : undefined,
+          space: 24,
+        },
+      ],
+      series: [
+        { label: "t", value: legendValue("ms") },
+        ...series.map((entry) => ({
+          label: entry.label,
+          stroke: () => css(entry.style) || css("other"),
+          width: WIDTHS[entry.style] || 1.25,
+          dash: entry.style === "set" ? [5, 3] : undefined,
+          points: { show: false },
+          value: legendValue(entry.unit),
+          paths: binary ? uPlot.paths.stepped({ align: 1 }) : undefined,
+        })),
+      ],
+      hooks: {
+        draw: [limitLines(limits), eventLines(events, place.first)],
+        setScale: [(u, key) => key === "x" && follow(state, u)],
+        ready: [(u) => place.first && u.root.querySelector(".u-series").classList.add("u-keep")],
+      },
+    };
+  }
+
+  /* Zooming one plot of a run zooms them all. */
+  function follow(state, source) {
+    if (state.busy) return;
+    state.busy = true;
+    const { min, max } = source.scales.x;
+    for (const u of state.plots) if (u !== source) u.setScale("x", { min, max });
+    state.view = [min, max];
+    state.busy = false;
+    markTools(state);
+  }
+
+  function zoom(state, [min, max]) {
+    state.view = [min, max];
+    state.busy = true;
+    for (const u of state.plots) u.setScale("x", { min, max });
+    state.busy = false;
+    markTools(state);
+  }
+
+  function render(state) {
+    const { chart, signals, figure } = state;
+    const stack = figure.querySelector(".stack");
+    for (const u of state.plots) u.destroy();
+    stack.replaceChildren();
+    const shown = chart.plots
+      .map((plot) => [plot, [...(plot.series[state.axis] || []), ...(plot.series["*"] || [])]])
+      .filter(([, series]) => series.length);
+    state.plots = [];
+    state.busy = true;
+    shown.forEach(([plot, series], i) => {
+      const place = { first: i === 0, last: i === shown.length - 1 };
+      const data = [signals.time_ms, ...series.map((entry) => signals[entry.column])];
+      state.plots.push(new uPlot(plotOptions(state, plot, series, place), data, stack));
+    });
+    state.busy = false;
+    zoom(state, state.view);
+  }
+
+  function button(text, action, pressed) {
+    const node = document.createElement("button");
+    node.type = "button";
+    node.textContent = text;
+    node.addEventListener("click", action);
+    node.pressed = pressed;
+    return node;
+  }
+
+  function markTools(state) {
+    for (const node of state.figure.querySelectorAll(".tools button")) {
+      node.setAttribute("aria-pressed", String(node.pressed()));
+    }
+  }
+
+  function buildTools(state) {
+    const { chart } = state;
+    const tools = state.figure.querySelector(".tools");
+    const at = (stretch) => () =>
+      Math.abs(state.view[0] - stretch[0]) + Math.abs(state.view[1] - stretch[1]) < 1e-6;
+    const gap = document.createElement("span");
+    gap.className = "gap";
+    tools.append(
+      ...chart.axes.map((axis) =>
+        button(axis, () => { state.axis = axis; render(state); }, () => state.axis === axis)),
+      gap,
+      ...state.windows.map((stretch) =>
+        button(stretch.label, () => zoom(state, stretch), at(stretch))),
+      button("whole run", () => zoom(state, state.whole), at(state.whole)),
+    );
+  }
+
+  async function draw(figure) {
+    if (drawn.has(figure)) return drawn.get(figure);
+    const work = (async () => {
+      const chart = JSON.parse(figure.querySelector(".chart").textContent);
+      const signals = await decode(figure, chart);
+      const times = signals.time_ms;
+      const windows = chart.windows.map((w) =>
+        Object.assign([w.start_ns / NS_PER_MS, w.end_ns / NS_PER_MS], { label: w.label }));
+      const whole = [times[0], times[times.length - 1]];
+      const state = {
+        figure, chart, signals, windows, whole, plots: [], busy: false,
+        axis: chart.axis, view: windows[0] || whole, key: figure.closest(".run").id,
+      };
+      buildTools(state);
+      render(state);
+      new ResizeObserver(() => {
+        const width = figure.clientWidth;
+        for (const u of state.plots) {
+          if (u.width !== width) u.setSize({ width, height: u.height });
+        }
+      }).observe(figure);
+      return state;
+    })();
+    drawn.set(figure, work);
+    return work;
+  }
+
+  /* ---- the page ---- */
+
+  const figures = [...document.querySelectorAll(".plots")];
+  const drawAll = () => Promise.all(figures.map(draw));
+  const watcher = new IntersectionObserver((entries) => {
+    for (const entry of entries) {
+      if (entry.isIntersecting) {
+        watcher.unobserve(entry.target);
+        draw(entry.target);
+      }
+    }
+  }, { rootMargin: "300px" });
+  figures.forEach((figure) => watcher.observe(figure));
+  document.getElementById("all").addEventListener("click", drawAll);
+  if (location.search === "?print") drawAll();
+
+  const repaint = async () => {
+    for (const work of drawn.values()) for (const u of (await work).plots) u.redraw();
+  };
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", repaint);
+
+  const boxes = [...document.querySelectorAll(".filter input")];
+  const find = document.getElementById("find");
+  const rows = [...document.querySelectorAll("tbody[data-run]")];
+  const cells = [...document.querySelectorAll(".map .cell")];
+  const runs = [...document.querySelectorAll(".run")];
+  function filter() {
+    const wanted = new Set(boxes.filter((box) => box.checked).map((box) => box.value));
+    const text = find.value.trim().toLowerCase();
+    rows.forEach((row, i) => {
+      const match = wanted.has(row.dataset.verdict)
+        && (!text || row.textContent.toLowerCase().includes(text));
+      row.hidden = cells[i].hidden = runs[i].hidden = !match;
+    });
+  }
+  boxes.forEach((box) => box.addEventListener("change", filter));
+  find.addEventListener("input", filter);
+
+  document.addEventListener("click", async (event) => {
+    const node = event.target.closest(".copy");
+    if (!node) return;
+    const area = document.createElement("textarea");
+    area.value = node.dataset.text;
+    document.body.append(area);
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+    node.textContent = "copied";
+    setTimeout(() => { node.textContent = "copy"; }, 1500);
+  });
+})();

@@ -1,0 +1,178 @@
+"""From a trace to plots: which signal goes where, and which stretch of time is worth looking at."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from reports.encode import encode_signal, pack
+
+SHARED = "*"
+"""Stands for the axis where a signal belongs to every axis, such as a probe."""
+
+_UNKNOWN_DIGITS = 6
+_APART_NS = 500_000_000
+_MARGIN_BEFORE = 0.6
+_MARGIN_AFTER = 0.4
+_MARGIN_LEAST_NS = 10_000_000
+_OF_A_MEASUREMENT = frozenset({"contact", "edge", "latch", "pdo", "brake", "standstill"})
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One row of `signals.csv`: how a column of a trace is drawn."""
+
+    suffix: str
+    plot: str
+    label: str
+    unit: str
+    digits: int
+    style: str
+    meaning: str
+
+
+@cache
+def signals() -> Mapping[str, Signal]:
+    """Read `signals.csv`, keyed by the part of the column name behind the first point."""
+    return {
+        row["suffix"]: Signal(**{**row, "digits": int(row["digits"])})
+        for row in table("signals.csv")
+    }
+
+
+def table(name: str) -> list[dict[str, Any]]:
+    """Read a CSV file of this package."""
+    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def chart(trace: Path, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+    """Return what the page needs to draw a run: the description, and the packed signals.
+
+    info: the run's JSON file (events, limits).
+    """
+    content = pq.read_table(trace)
+    columns, parts = _encode(content)
+    series = _series(content.column_names)
+    axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
+    time_ns = content.column("time_ns").to_numpy()
+    events = info.get("events", [])
+    description = {
+        "rows": content.num_rows,
+        "columns": columns,
+        "axes": axes,
+        "axis": _first_axis(content, axes, events),
+        "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
+        "events": events,
+        "limits": info.get("limits", []),
+        "windows": windows(events, int(time_ns[0]), int(time_ns[-1])),
+    }
+    return description, pack(parts)
+
+
+def _encode(content: pa.Table) -> tuple[list[dict[str, Any]], list[bytes]]:
+    columns, parts = [], []
+    for name in content.column_names:
+        values = content.column(name).to_numpy()
+        if name == "time_ns":
+            head, part = encode_signal(values.astype(np.int64), 0)
+        else:
+            head, part = encode_signal(values.astype(np.float64), _signal(name).digits)
+        columns.append({"name": name, **asdict(head)})
+        parts.append(part)
+    return columns, parts
+
+
+def _signal(column: str) -> Signal:
+    """How a column is drawn; one that the table does not know gets a plot of its own."""
+    suffix = column.partition(".")[2]
+    unknown = Signal(suffix, suffix, suffix, "", _UNKNOWN_DIGITS, "other", "")
+    return signals().get(suffix, unknown)
+
+
+def _series(columns: Sequence[str]) -> dict[str, dict[str, list[dict[str, str]]]]:
+    """Plot -> axis (or SHARED) -> series."""
+    plots: dict[str, dict[str, list[dict[str, str]]]] = {}
+    for column in columns:
+        if column == "time_ns":
+            continue
+        owner = column.partition(".")[0]
+        signal = _signal(column)
+        shared = signal.plot == "probe"
+        entry = {
+            "column": column,
+            "label": owner if shared else signal.label,
+            "unit": signal.unit,
+            "style": signal.style,
+        }
+        plots.setdefault(signal.plot, {}).setdefault(SHARED if shared else owner, []).append(entry)
+    return plots
+
+
+def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
+    """The plots that have something to show, in the order of `plots.csv`, unknown ones last."""
+    known = [{**row, "height": int(row["height"])} for row in table("plots.csv")]
+    names = {row["plot"] for row in known}
+    other = [
+        {"plot": name, "title": name, "unit": "", "height": 120}
+        for name in series
+        if name not in names
+    ]
+    return [row for row in (*known, *other) if row["plot"] in series]
+
+
+def _first_axis(
+    content: pa.Table, axes: Sequence[str], events: Sequence[Mapping[str, Any]]
+) -> str | None:
+    """The axis to show first: the one of an event, else the one that travels farthest."""
+    for event in events:
+        if event["axis"] in axes:
+            return str(event["axis"])
+    travel = {
+        axis: float(np.ptp(content.column(name).to_numpy()))
+        for axis in axes
+        for name in content.column_names
+        if name == f"{axis}.actual_mm"
+    }
+    return max(travel, key=lambda axis: travel[axis]) if travel else next(iter(axes), None)
+
+
+def windows(
+    events: Sequence[Mapping[str, Any]], start_ns: int, end_ns: int
+) -> list[dict[str, Any]]:
+    """Find the stretches worth a button: around each measurement and around each edge.
+
+    Events of a measurement are at most half a second apart. Each stretch has a margin and stays
+    inside the run; its keys are `label`, `start_ns`, `end_ns`.
+    """
+    groups: list[list[Mapping[str, Any]]] = []
+    for event in sorted(events, key=lambda e: int(e["time_ns"])):
+        if event["kind"] not in _OF_A_MEASUREMENT:
+            continue
+        if groups and event["time_ns"] - groups[-1][-1]["time_ns"] <= _APART_NS:
+            groups[-1].append(event)
+        else:
+            groups.append([event])
+    stretches = []
+    for number, group in enumerate(groups, start=1):
+        count = f" {number}" if len(groups) > 1 else ""
+        near = [event for event in group if event["kind"] != "standstill"]
+        for label, part in (("measurement", group), ("edge", near)):
+            if part:
+                first, last = part[0]["time_ns"], part[-1]["time_ns"]
+                length = max(last - first, _MARGIN_LEAST_NS if part is group else 0)
+                stretches.append(
+                    {
+                        "label": label + count,
+                        "start_ns": max(start_ns, first - round(length * _MARGIN_BEFORE)),
+                        "end_ns": min(end_ns, last + round(length * _MARGIN_AFTER)),
+                    }
+                )
+    return stretches

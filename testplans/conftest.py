@@ -1,0 +1,11 @@
+"""Makes every table in this folder a plan that pytest runs: `pytest testplans/`."""
+
+from pathlib import Path
+
+import pytest
+
+from bench.pytest_plugin import PlanFile, collect_plan
+
+
+def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> PlanFile | None:
+    return collect_plan(file_path, parent, Path(__file__).parent)

@@ -1,0 +1,20 @@
+%meas1  ; probe signal at Z = 100 mm in axis coordinates; expected values behind each message
+N05 #MEAS MODE[1]
+N10 G01 G90 Z200 F2000
+N20 G100 Z20 F2000
+N30 #MSG SYN["V.A.MESS.Z=%f", V.A.MESS.Z]  ; 100.0
+N31 #MSG SYN["V.A.MEAS.ACS.VALUE.Z=%f",
+    V.A.MEAS.ACS.VALUE.Z]  ; 100.0
+N32 #MSG SYN["V.A.MEAS.PCS.VALUE.Z=%f",
+    V.A.MEAS.PCS.VALUE.Z]  ; 100.0
+N40 #MSG SYN["V.A.MOFFS.Z=%f", V.A.MOFFS.Z]  ; 80.0
+N50 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 0.0
+N60 G101 Z1
+N70 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 80.0
+N80 G01 Z100 F1000
+N90 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]  ; 180.0
+N100 G102 Z1
+N110 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 0.0
+N120 G01 Z100 F1000
+N130 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]  ; 100.0
+N140 M30

@@ -1,0 +1,22 @@
+%meas2  ; probe signal at Z = 100 mm in axis coordinates; expected values behind each message
+N05 #MEAS MODE[1]
+N10 G92 Z33
+N20 G01 G90 Z200 F2000
+N30 G100 Z20 F2000
+N40 #MSG SYN["V.A.MESS.Z=%f", V.A.MESS.Z]  ; 100.0
+N41 #MSG SYN["V.A.MEAS.ACS.VALUE.Z=%f",
+    V.A.MEAS.ACS.VALUE.Z]  ; 100.0
+N42 #MSG SYN["V.A.MEAS.PCS.VALUE.Z=%f",
+    V.A.MEAS.PCS.VALUE.Z]  ; 67.0
+N50 #MSG SYN["V.A.MOFFS.Z=%f",
+    V.A.MOFFS.Z]  ; 47.0
+N60 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 0.0
+N70 G101 Z1
+N80 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 47.0
+N90 G01 Z100 F1000
+N100 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]  ; 180.0
+N110 G102 Z1
+N120 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 0.0
+N130 G01 Z100 F1000
+N140 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]  ; 133.0
+N150 M30

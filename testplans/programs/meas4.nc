@@ -1,0 +1,22 @@
+%meas4  ; probe signal at Z = 55.5 mm in axis coordinates; expected values behind each message
+N05 #MEAS MODE[1]
+N10 #CS ON[0,0,75,0,15,0]
+N20 G01 G90 X150 Z100 F2000
+N30 G100 Z-10 F1000
+N40 #MSG SYN["V.A.MESS.Z=%f", V.A.MESS.Z]  ; 20.0
+N41 #MSG SYN["V.A.MEAS.ACS.VALUE.Z=%f",
+    V.A.MEAS.ACS.VALUE.Z]  ; 55.5
+N42 #MSG SYN["V.A.MEAS.PCS.VALUE.Z=%f",
+    V.A.MEAS.PCS.VALUE.Z]  ; 20.0
+N50 #MSG SYN["V.A.MOFFS.Z=%f", V.A.MOFFS.Z]  ; 30.0
+N60 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 0.0
+N70 G101 Z1
+N80 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 30.0
+N90 G01 Z50 F1000
+N100 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]  ; 80.0
+N110 G102 Z1
+N120 #MSG SYN["V.A.MEIN.Z=%f", V.A.MEIN.Z]  ; 0.0
+N130 G01 Z50 F1000
+N140 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]  ; 50.0
+N150 #CS OFF
+N160 M30

@@ -1,0 +1,56 @@
+"""A clock, a segment of 1 Mbit/s, and a wire written down bit by bit without the code under test."""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+
+from bench.bus.frame import Frame
+from bench.bus.segment import Segment
+from kernel.cosim.scheduler import Scheduler
+
+GENERATOR = 0b1100010110011001
+"""x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1, written out from the CAN specification."""
+
+
+def wire_bits(can_id: int, data: bytes, extended: bool, remote: bool, dlc: int) -> str:
+    """Return SOF..CRC with stuff bits as text: polynomial division, then a walk over the bits."""
+    if extended:
+        identifier = f"{can_id:029b}"
+        head = f"0{identifier[:11]}11{identifier[11:]}{remote:d}00{dlc:04b}"
+    else:
+        head = f"0{can_id:011b}{remote:d}00{dlc:04b}"
+    head += "".join(f"{byte:08b}" for byte in data)
+    rest = int(head, 2) << 15
+    while rest.bit_length() > 15:
+        rest ^= GENERATOR << (rest.bit_length() - 16)
+    sent = ""
+    run = ""
+    for bit in head + f"{rest:015b}":
+        sent += bit
+        run = run + bit if run.endswith(bit) else bit
+        if len(run) == 5:
+            run = "1" if bit == "0" else "0"
+            sent += run
+    return sent
+
+
+@pytest.fixture(scope="session")
+def naive_wire() -> Callable[[int, bytes, bool, bool, int], str]:
+    return wire_bits
+
+
+@pytest.fixture(scope="session")
+def naive_bits() -> Callable[[Frame], int]:
+    """Length up to and with the intermission: 10 bits of tail, 3 of intermission."""
+    return lambda frame: len(wire_bits(*frame)) + 13
+
+
+@pytest.fixture
+def scheduler() -> Scheduler:
+    return Scheduler()
+
+
+@pytest.fixture
+def segment(scheduler: Scheduler) -> Iterator[Segment]:
+    with Segment("bus", 1_000_000, scheduler) as opened:
+        yield opened

@@ -1,0 +1,108 @@
+"""The object table, the EDS made from it, and two foreign readers of that EDS."""
+
+import subprocess
+import sys
+from dataclasses import fields
+from fractions import Fraction
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+from canopen.objectdictionary import ODVariable
+
+from bench.drive.eds import eds_text, object_dictionary
+from bench.drive.image import ProcessImage
+from bench.drive.objects import RECORD, object_rows, variables
+from bench.drive.profile import DriveProfile
+
+ROWS = object_rows()
+PROFILE = DriveProfile(encoder_increments=1 << 18, position_factor=Fraction(1, 2))
+
+
+def test_keys_are_unique_and_ordered() -> None:
+    keys = [(row.index, -1 if row.sub is None else row.sub) for row in ROWS]
+    assert keys == sorted(set(keys))
+
+
+def test_record_heads_have_members_and_a_count_that_fits() -> None:
+    for head in (row for row in ROWS if row.type == RECORD):
+        subs = [row.sub for row in ROWS if row.index == head.index and row.sub is not None]
+        assert subs == list(range(len(subs)))
+        if variables()[head.index, 0].access == "const":
+            assert int(variables()[head.index, 0].default) == len(subs) - 1
+
+
+def test_every_field_of_the_image_is_an_object_and_back() -> None:
+    named = {row.value for row in variables().values() if row.value}
+    assert named == {field.name for field in fields(ProcessImage)}
+
+
+def test_what_a_pdo_may_carry_stands_in_the_image() -> None:
+    for row in variables().values():
+        assert not row.pdo or row.value
+        assert row.pdo != "rx" or row.access == "rw"
+        assert row.pdo != "tx" or row.access == "ro"
+
+
+def test_every_writable_object_says_when_it_acts() -> None:
+    for row in variables().values():
+        assert bool(row.effect) == (row.access == "rw"), row
+
+
+def test_canopen_reads_back_what_the_table_says() -> None:
+    dictionary = object_dictionary(5, PROFILE)
+    from_profile = {(0x608F, 1): 1 << 18, (0x6092, 1): 1 << 17}
+    for key, row in variables().items():
+        read = dictionary.get_variable(*key)
+        assert isinstance(read, ODVariable)
+        assert read.name == row.name
+        assert read.data_type == row.data_type.code
+        assert read.access_type == ("rww" if row.pdo == "rx" else row.access)
+        assert read.pdo_mappable == bool(row.pdo)
+        assert (read.min, read.max) == (row.low, row.high)
+        if row.type == "STRING":
+            assert read.default == row.default
+        elif "$NODEID" in row.default:
+            assert read.default == 5 + int(row.default.removeprefix("$NODEID+"), 16)
+        else:
+            assert read.default == from_profile.get(key) or read.default == int(row.default, 0)
+    assert len(dictionary) == len({row.index for row in ROWS})
+
+
+def test_predefined_connection_set() -> None:
+    """Identifiers of CiA 301 for node 5; bit 31 marks the PDOs that are not in use."""
+    dictionary = object_dictionary(5, PROFILE)
+    rpdos = [dictionary[0x1400 + n][1].default for n in range(4)]
+    tpdos = [dictionary[0x1800 + n][1].default for n in range(4)]
+    assert rpdos == [0x205, 0x80000305, 0x80000405, 0x80000505]
+    assert tpdos == [0x40000185, 0x40000285, 0x40000385, 0xC0000485]
+
+
+def test_vendor_fields_are_numbers_and_signed_defaults_decimal() -> None:
+    text = eds_text(PROFILE)
+    for line in text.splitlines():
+        if line.startswith(("VendorNumber=", "ProductNumber=", "RevisionNumber=")):
+            int(line.split("=")[1], 0)
+    for row in variables().values():
+        if row.type.startswith("I"):
+            assert "x" not in row.default
+
+
+def test_equal_profiles_give_equal_text() -> None:
+    assert eds_text(DriveProfile()) == eds_text(DriveProfile())
+    assert eds_text(DriveProfile()) != eds_text(PROFILE)
+
+
+def test_foreign_checker_has_no_complaint(tmp_path: Path) -> None:
+    if find_spec("dcf") is None:
+        pytest.skip("dcf-tools is not installed (pip install dcf-tools)")
+    eds = tmp_path / "drive.eds"
+    eds.write_text(eds_text(PROFILE), encoding="ascii")
+    check = "import sys; from dcf.cli import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", check, "-n", "5", str(eds)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -1,0 +1,300 @@
+"""Programs as text: what is accepted, and where each error is found."""
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from kernel.errors import UserError
+from kernel.nc.parser import parse_program, read_program
+from kernel.nc.words import variables, words
+
+XYZ = ("X", "Y", "Z")
+
+
+def refused(text, axes=XYZ):
+    with pytest.raises(UserError) as caught:
+        parse_program(text, file="p.nc", axes=axes)
+    return caught.value
+
+
+# (text, line, column, part of the message, found value)
+ERRORS = [
+    # words
+    ("N10 G777 X1", 1, 5, "unknown G function", "G777"),
+    ("G1.5", 1, 1, "whole number", "G1.5"),
+    ("G-1", 1, 1, "whole number", "G-1"),
+    ("G=3", 1, 1, "whole number", "G"),
+    ("M7", 1, 1, "unknown M function", "M7"),
+    ("G1\nG1 Q10 F1", 2, 4, "no such axis", "Q"),
+    ("X2=0", 1, 1, "no such axis", "X2"),
+    ("G1 F1\n  X", 2, 3, "axis X has no value", "X"),
+    ("XV.A.ABS.X", 1, 1, "stands behind =", "XV.A.ABS.X"),
+    ("X1 X2", 1, 4, "axis twice", "X"),
+    ("F1 F2", 1, 4, "second feed", "F"),
+    ("F0", 1, 1, "feed", "F0"),
+    ("G1 F-3", 1, 4, "feed", "F-3"),
+    ("X10 N20", 1, 5, "block number", "N20"),
+    ("G100 F3", 1, 1, "G100 needs an axis", "G100"),
+    ("G92", 1, 1, "G92 needs an axis", "G92"),
+    ("G101", 1, 1, "G101 needs an axis", "G101"),
+    ("G0 X1\n%late", 2, 1, "first block", "%"),
+    # words of one group
+    ("G0 G1 X1", 1, 4, "exclude each other", "G1"),
+    ("G90 X1 G91", 1, 8, "exclude each other", "G91"),
+    ("G92 G100 X1", 1, 5, "exclude each other", "G100"),
+    ("M2 M30", 1, 4, "exclude each other", "M30"),
+    ("G1 G1", 1, 4, "exclude each other", "G1"),
+    # known, not acting
+    ("G2 X1", 1, 1, "not acting yet", "G2"),
+    ("N1 G310 X1", 1, 4, "not acting yet", "G310"),
+    ("G106", 1, 1, "not acting yet", "G106"),
+    ("G54", 1, 1, "not acting yet", "G54"),
+    ("D1", 1, 1, "not acting yet", "D1"),
+    ("P1=3", 1, 1, "not acting yet", "P1"),
+    ("M0", 1, 1, "not acting yet", "M0"),
+    ("N5 #TRAFO ON[9,98]", 1, 4, "not acting yet", "#TRAFO"),
+    ("#WAIT FOR V.E.X == 1", 1, 1, "not acting yet", "#WAIT FOR"),
+    ("#MEAS [TYPE=1]", 1, 1, "not acting yet", "#MEAS"),
+    ('#MSG HMI ["a"]', 1, 1, "not acting yet", "#MSG HMI"),
+    ("#DIST CTRL ON SURFACE", 1, 1, "not acting yet", "#DIST CTRL"),
+    ("X[INDP_SYN G100]", 1, 1, "not acting yet", "X["),
+    ("$IF 3", 1, 1, "not acting yet", "$"),
+    ("/N10 G0", 1, 1, "not acting yet", "/"),
+    ("X=ROUND[3]", 1, 3, "not acting yet", "ROUND"),
+    ("X=V.P.A", 1, 3, "not acting yet", "V.P.A"),
+    ("V.E.A=3", 1, 1, "not written", "V.E.A"),
+    # commands
+    ("N10 #MES MODE[1]", 1, 5, "unknown # command", "#MES MODE"),
+    ("#CS OFF X10", 1, 1, "unknown # command", "#CS OFF X10"),
+    ("#MEAS MODE[0]", 1, 1, "no such measuring type", "0"),
+    ("#MEAS MODE[8]", 1, 1, "no such measuring type", "8"),
+    ("#MEAS MODE[5/2]", 1, 1, "no such measuring type", "2.5"),
+    ("#MEAS MODE[]", 1, 1, "wrong values", None),
+    ("#MEAS MODE[1,2]", 1, 1, "wrong values", None),
+    ("#MEAS MODE[1][2]", 1, 1, "wrong values", None),
+    ("#CS ON", 1, 1, "wrong values", None),
+    ("#CS ON[1]", 1, 1, "wrong values", None),
+    ("#CS ON[1][0,0,1]", 1, 1, "wrong values", None),
+    ("#CS ON[1,2,3,4,5,6,7]", 1, 1, "wrong values", None),
+    ('#CS ON[1,"a"]', 1, 1, "wrong values", None),
+    ("#CS OFF[1]", 1, 1, "wrong values", None),
+    ("#MSG", 1, 1, "wrong values", None),
+    ("#MSG [1]", 1, 1, "wrong values", None),
+    ('#MSG ["a",]', 1, 1, "wrong values", None),
+    ('#MSG ["x %q"]', 1, 10, "unknown format", "%q"),
+    ('#MSG ["x %"]', 1, 10, "unknown format", "%"),
+    ('#MSG ["x %5", 1]', 1, 10, "unknown format", "%5"),
+    ('#MSG ["%f"]', 1, 8, "number of format elements", "0 values"),
+    ('#MSG ["a", 1]', 1, 8, "number of format elements", "1 values"),
+    ('#MSG ["%s", 1]', 1, 8, "value 1 does not fit", "%s"),
+    ('#MSG ["%f", "a"]', 1, 8, "value 1 does not fit", "%f"),
+    ('#MSG ["%f" V.A.ABS.X]', 1, 12, "does not belong", "V.A.ABS.X"),
+    # brackets, texts, line breaks
+    ("N10 #CS ON[0,0,33\nN20 G1 X1", 1, 11, "not closed", "["),
+    ("G1 F1\n#MEAS MODE[1", 2, 11, "not closed", "["),
+    ("X10 ]", 1, 5, "no bracket is open", "]"),
+    ("X10 )", 1, 5, "does not belong", ")"),
+    ('#MSG ["a\nb"]', 1, 7, "not closed", '"a'),
+    ("N10 \\", 1, 5, "line break", "\\"),
+    ("X1 \\ Y2", 1, 4, "line break", "\\"),
+    ("X=" + "[" * 21 + "1" + "]" * 21, 1, 23, "too deep", None),
+    # expressions
+    ("X==3", 1, 3, "does not belong", "="),
+    ("X=", 1, 3, "not complete", None),
+    ("X=2*(3+4)", 1, 5, "not complete", None),
+    ("X=(3+4)*2", 1, 8, "does not belong", "*"),
+    ("X=1+*2", 1, 5, "does not belong", "*"),
+    ("X=SIN 3", 1, 3, "does not belong", "SIN"),
+    ("X=SINE[3]", 1, 3, "unknown function", "SINE"),
+    ("X=1/0", 1, 3, "division by zero", None),
+    ("X=1+SQRT[-4]", 1, 3, "square root", None),
+    ("X=TAN[90]", 1, 3, "tangent", None),
+    ("X=V.A.MES.Z", 1, 3, "unknown variable", "V.A.MES.Z"),
+    ("X=V.A.MESS", 1, 3, "unknown variable", "V.A.MESS"),
+    ("X=V.A.MESS.C", 1, 3, "no such axis", "C"),
+    ("X" + "9" * 400, 1, 1, "too large", "999999999999.."),
+    # signs that are no language
+    ("G1 é", 1, 4, "does not belong", "é"),
+    ("; MEAS\n\n ?", 3, 2, "does not belong", "?"),
+]
+
+
+@pytest.mark.parametrize(("text", "line", "column", "message", "value"), ERRORS)
+def test_error_has_its_place_and_says_what_it_found(text, line, column, message, value):
+    error = refused(text)
+    assert (error.file, error.line, error.column) == ("p.nc", line, column)
+    assert message in error.message
+    assert error.value == value
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("X=V.A.MES.Z", "V.A.MESS.Z"),
+        ("X=V.A.MEAS.ACS.Z", "V.A.MEAS.ACS.VALUE.Z"),
+        ("#MES MODE[1]", "#MEAS MODE"),
+        ("#CS OF", "#CS OFF"),
+        ("X=SINE[3]", "SIN"),
+        ("G1 X", "X10"),
+        ("G1 Q1", "X, Y, Z"),
+        ("X=2*(3+4)", "[ ] group"),
+        ("G777", "G100"),
+        ('#MSG ["a"\nG1 X10\n]', "open since line 1, column 6"),
+        ("#CS ON[1]", "stored"),
+    ],
+)
+def test_error_tells_what_may_stand_there(text, told):
+    assert told in str(refused(text))
+
+
+def test_coordinate_system_needs_three_axes():
+    assert "three main axes" in refused("#CS ON[0,0,1]", axes=("X", "Z")).message
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("N10 G0 X1 ; N20 G777\nN30 M30", [10, 30]),
+        ("N10 (N20 G777) G0 X1", [10]),
+        ("N10 (outer (inner) G777) G0 X1", [10]),
+        ("N10 G0 X1 (open to the end\nN20 M30", [10, 20]),
+        ("N10 G0 \\\nX1\nN20 M30", [10, 20]),
+        ("N10 G0 \\ ; comment\nN15 X1\nN20 M30", [10, 20]),
+        ('N10 #MSG ["%f",\n   1]\nN20 M30', [10, 20]),
+        ('N10 #MSG ["a" ; comment ]\n]\nN20 M30', [10, 20]),
+        ("N10G0X1Y2\r\nN20M30\r\n", [10, 20]),
+        ("n10 g0 x1\n\n\tN 20 m30", [10, 20]),
+        ("N10", [10]),
+        ("% p (comment)\nN10 M30", [10]),
+    ],
+)
+def test_comments_continuations_and_spellings(text, numbers):
+    program = parse_program(text, axes=XYZ)
+    assert [part.block.number for part in program.blocks] == numbers
+
+
+def test_program_name_and_lines():
+    program = parse_program("\n; head\n% PART 7 ; comment\n\nN5 G0 \\\n X1\nM30", axes=XYZ)
+    assert program.name == "PART 7"
+    assert [part.block.line for part in program.blocks] == [5, 7]
+
+
+def test_coordinate_system_with_gaps_and_short_lists():
+    """Gaps and missing values are zero: the manual's two spellings of one system are the same."""
+    short = parse_program("#CS ON[,,10,,,45]", axes=XYZ).blocks[0].statement
+    long = parse_program("#CS ON[0,0,10,0,0,45]", axes=XYZ).blocks[0].statement
+    assert short == long
+    assert (
+        parse_program("#CS ON[0,0,10]", axes=XYZ).blocks[0].statement
+        == parse_program("#CS ON [0,0,10,0,0,0]", axes=XYZ).blocks[0].statement
+    )
+
+
+def test_file_that_cannot_be_read(tmp_path):
+    with pytest.raises(UserError, match=r"missing\.nc"):
+        read_program(tmp_path / "missing.nc", XYZ)
+    latin = tmp_path / "latin.nc"
+    latin.write_bytes(b"G0 X1 ; \xfcber\n")
+    with pytest.raises(UserError, match="UTF-8"):
+        read_program(latin, XYZ)
+
+
+def test_table_of_words_is_complete():
+    """Every acting word works in a program; every other one is refused with its meaning."""
+    for kind, spelled in (("G", "{} X1"), ("M", "{}"), ("command", "#{}"), ("function", "X={}[1]")):
+        for word in words(kind).values():
+            assert word.meaning
+            assert word.source
+            text = spelled.format(word.word)
+            if not word.acts:
+                assert word.meaning in refused(text).message
+            elif kind != "command":
+                parse_program(text, axes=XYZ)
+
+
+def test_table_of_variables_is_complete():
+    for row in variables():
+        assert row.meaning
+        assert row.source
+        text = f"X={row.name.replace('<axis>', 'X').replace('<name>', 'ANY')}"
+        if row.acts:
+            assert parse_program(text, axes=XYZ).variables
+        else:
+            assert row.meaning in refused(text).message
+
+
+PIECES = st.sampled_from(
+    [
+        *("N10", "G1", "G100", "G92", "M30", "F100", "X10", "X=", "Y-1.5", "V.A.MESS.Z", "V.E.A"),
+        *(
+            "#MSG",
+            "#MSG SYN",
+            "#CS ON",
+            "#CS OFF",
+            "#MEAS MODE",
+            "[",
+            "]",
+            "(",
+            ")",
+            ",",
+            '"',
+            "%f",
+        ),
+        *(
+            "+",
+            "-",
+            "*",
+            "/",
+            "=",
+            ";",
+            "\\",
+            "\n",
+            " ",
+            "1",
+            ".5",
+            "SIN",
+            "%",
+            "$",
+            "é",
+            "\t",
+            "#",
+        ),
+    ]
+)
+
+
+def user_error_of(text):
+    try:
+        parse_program(text, file="p.nc", axes=XYZ)
+    except UserError as error:
+        return error
+    return None
+
+
+def check_any_text(text):
+    """No other exception, and a place inside the text so that an editor can jump to it."""
+    error = user_error_of(text)
+    if error is not None:
+        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+        assert 1 <= error.line <= len(lines)
+        assert 1 <= error.column <= len(lines[error.line - 1]) + 1
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.text(max_size=60))
+@example("X=" + "-" * 3000 + "1")
+@example("X=" + "+".join(["V.A.ABS.X"] * 3000))
+@example("X=" + "[" * 20 + "1" + "]" * 20)
+@example("N" + "9" * 5000)
+@example("G" + "9" * 5000)
+@example('#MSG ["%' + "9" * 30 + 'f", 1]')
+@example("\x0b\x85 \u2028")
+@example("X\u0661")
+def test_any_text_is_accepted_or_a_user_error(text):
+    check_any_text(text)
+
+
+@settings(max_examples=500, deadline=None)
+@given(st.lists(PIECES, max_size=25).map("".join))
+def test_any_mix_of_words_is_accepted_or_a_user_error(text):
+    check_any_text(text)

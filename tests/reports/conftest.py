@@ -1,0 +1,159 @@
+"""A campaign made of formulas: 14 runs of a probing move, every verdict among them."""
+
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pytest
+
+from bench.checks import CheckResult, judge
+from bench.plan import Case, read_plan
+from bench.results import CaseResult, Event, ResultsWriter, build_manifest, no_values
+from bench.verdict import Verdict, worst
+
+FEEDS_MM_S = (1.0, 2.0, 5.0, 10.0, 16.7, 25.0, 50.0)
+KV = 10.0
+SURFACE_MM = 40.0
+DECELERATION_MM_S2 = 1000.0
+REST_S = 0.3
+
+Array = npt.NDArray[np.float64]
+
+
+def plan_text(cases: int) -> str:
+    """A plan of probing runs with limits on latch error, lag, overtravel and a message."""
+    head = (
+        "case,program,rig,title,requirement,plant:probe.trigger_delay_us,set:Z.kenngr.measure.edge,"
+        "check:latch_error_um:Z,check:latch_mm:Z,check:lag_mm_max:Z,check:overtravel_mm:Z,"
+        "check:msg:N30,check:alarms"
+    )
+    rows = [head]
+    for i in range(cases):
+        feed = FEEDS_MM_S[i % len(FEEDS_MM_S)]
+        alarms = "50052" if i == 9 else ""
+        rows.append(
+            f"feed_{feed:g}_{'a' if i < len(FEEDS_MM_S) else 'b'},probe.nc,machine.toml,"
+            f'"Touch at {feed:g} mm/s, {"rising" if i % 2 else "falling"} edge",REQ-{12 + i // 4},'
+            f"{3 + i},{'POS' if i % 2 else 'NEG'},"
+            f"-0.2 .. 0.2,39.99 .. 40.01,<= {feed / KV + 0.05:.3f},<= 5,40 +- 0.01,{alarms}"
+        )
+    return "\n".join(rows) + "\n"
+
+
+def probing_trace(feed: float, samples: int, noise: np.random.Generator) -> tuple[pa.Table, float]:
+    """Z runs to SURFACE_MM with a lag of v/Kv and brakes there; the contact time in s too."""
+    time_s = np.arange(samples) * 0.001
+    contact_s = min(REST_S + (SURFACE_MM / feed), 0.6 * time_s[-1])
+    braking_s = contact_s + 0.0036
+    start_mm = SURFACE_MM + feed * (contact_s - REST_S)
+
+    def position(t: Array) -> Array:
+        run = np.clip(np.minimum(t, braking_s) - REST_S, 0.0, None)
+        ramp = np.clip(t - braking_s, 0.0, feed / DECELERATION_MM_S2)
+        path = feed * run + feed * ramp - 0.5 * DECELERATION_MM_S2 * ramp**2
+        back = 12.0 * np.clip(t - braking_s - 0.35, 0.0, 0.4)
+        return start_mm - path + back
+
+    set_mm = position(time_s + 1.0 / KV) if feed < 0 else position(time_s)
+    truth = np.empty(samples)
+    truth[0] = set_mm[0]
+    for i in range(1, samples):
+        truth[i] = truth[i - 1] + 0.001 * KV * (set_mm[i - 1] - truth[i - 1])
+    truth += 2e-5 * np.sin(2 * np.pi * 60 * time_s) * feed / 10
+    actual = np.round((truth + noise.normal(0.0, 1e-5, samples)) / 1e-4) * 1e-4
+    columns: dict[str, npt.NDArray[np.generic]] = {
+        "time_ns": (np.arange(samples) * 1_000_000).astype(np.int64)
+    }
+    for axis, place in (("X", 120.0), ("Y", -35.5)):
+        wobble = place + 5e-5 * np.sin(2 * np.pi * 7 * time_s)
+        columns |= _axis(axis, np.full(samples, place), np.round(wobble, 4), wobble)
+    columns |= _axis("Z", set_mm, actual, truth)
+    signal = (truth <= SURFACE_MM) & (time_s > 0.1)
+    columns["probe.signal"] = signal.astype(np.int8)
+    hit = int(np.argmax(signal)) if signal.any() else int(contact_s * 1000)
+    return pa.table(columns), hit * 0.001
+
+
+def _axis(
+    axis: str, set_mm: Array, actual: Array, truth: Array
+) -> dict[str, npt.NDArray[np.generic]]:
+    return {
+        f"{axis}.set_mm": set_mm,
+        f"{axis}.actual_mm": actual,
+        f"{axis}.truth_mm": truth,
+        f"{axis}.velocity_mm_s": np.gradient(truth, 0.001),
+        f"{axis}.cnc_lag_mm": set_mm - actual,
+        f"{axis}.drive_lag_mm": set_mm - truth,
+    }
+
+
+def result(case: Case, samples: int) -> CaseResult:
+    """The run of a case: the numbers of its checks are chosen so that every verdict comes up."""
+    feed = float(case.case.split("_")[1])
+    trace, contact_s = probing_trace(feed, samples, np.random.default_rng(case.seed))
+    contact = round(contact_s * 1e9)
+    error_um = 0.02 * (case.index - 3) if case.index != 6 else 0.31
+    uncertainty = (0.004, 0.03, 0.06)[case.index % 3] if case.index != 5 else 0.17
+    values: dict[str, tuple[float | str | list[int] | None, float, str]] = {
+        "latch_error_um:Z": (error_um, uncertainty, "increment 0.1 µm, input jitter 1 µs"),
+        "latch_mm:Z": (SURFACE_MM + error_um / 1000, 0.00005, ""),
+        "lag_mm_max:Z": (feed / KV, 0.0, ""),
+        "overtravel_mm:Z": (feed * 0.0036 + feed**2 / 2000 + feed / KV, 0.0, ""),
+        "msg:N30": (f"{SURFACE_MM + error_um / 1000:.4f}", 0.0, ""),
+        "alarms": ([50052] if case.index == 9 else [], 0.0, ""),
+    }
+    if case.index == 9:
+        values["latch_error_um:Z"] = (None, 0.0, "the probe was actuated before the run: no latch")
+    checks: list[CheckResult] = [judge(c, *values[c.metric]) for c in case.checks]
+    return CaseResult(
+        case=case,
+        verdict=worst(item.verdict for item in checks),
+        checks=checks,
+        sim_s=samples * 0.001,
+        wall_s=0.41,
+        alarms=[50052] if case.index == 9 else [],
+        frame_log_sha256=f"{case.seed:08x}" * 8,
+        trace=trace,
+        events=[
+            Event(contact, "contact", "contact", "Z"),
+            Event(contact + 3_000 + case.index * 1_000, "edge", "edge", "Z"),
+            Event(contact + 4_000 + case.index * 1_000, "latch", "latch", "Z"),
+            Event(contact + 1_214_000, "pdo", "PDO with latch", "Z"),
+            Event(contact + 3_600_000, "brake", "brake", "Z"),
+            Event(contact + 3_600_000 + round(feed * 1e6) + 200_000_000, "standstill", "standstill"),
+        ],
+        messages=[f"MEASURED Z {SURFACE_MM + error_um / 1000:.4f}", "<b>&amp; end of program"],
+        log=["N10 G0 X120 Y-35.5", "N20 G100 Z0 F1000", "N30 #MSG"],
+    )
+
+
+def make_campaign(folder: Path, cases: int = 14, samples: int = 4000) -> Path:
+    """Write plan and results below `folder`; the last two runs are aborted and in error."""
+    (folder / "probe.nc").write_text("N10 G0 X120\n", encoding="utf-8")
+    (folder / "machine.toml").write_text("[machine]\n", encoding="utf-8")
+    (folder / "probing.csv").write_text(plan_text(cases), encoding="utf-8")
+    plan = read_plan(folder / "probing.csv")
+    manifest = build_manifest(
+        [plan],
+        command=["axisrig", "run", "probing.csv", "-o", "out/probing"],
+        started="2026-11-21 13:05:12 +01:00",
+        output="out/probing",
+    )
+    out = folder / "out"
+    with ResultsWriter(out, [plan], manifest) as writer:
+        for case in plan.cases:
+            if case.index == cases - 2:
+                writer.add(no_values(case, Verdict.ABORTED, "stopped with Ctrl-C", wall_s=0.1))
+            elif case.index == cases - 1:
+                reason = "FMU AxisRig.Drives.ServoAxis: status error in step 1204 <div>"
+                writer.add(no_values(case, Verdict.ERROR, reason, wall_s=0.2))
+            else:
+                writer.add(result(case, samples))
+    return out
+
+
+@pytest.fixture(scope="session")
+def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A results folder of 14 runs with 500 samples each."""
+    return make_campaign(tmp_path_factory.mktemp("campaign"), samples=500)
