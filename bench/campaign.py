@@ -1,7 +1,7 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
@@ -20,7 +20,19 @@ from bench.settings import read_settings
 from bench.table import SUFFIXES
 from bench.verdict import Verdict, exit_code, worst
 from kernel.errors import UserError
-from reports.build import build_report
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What a campaign left: the results folder and every result in plan order."""
+
+    folder: Path
+    results: Sequence[CaseResult]
+
+    @property
+    def exit_code(self) -> int:
+        """The exit code of the worst verdict."""
+        return exit_code(worst([result.verdict for result in self.results]))
 
 
 def plans_in(folder: Path) -> list[Path]:
@@ -48,8 +60,8 @@ def run_campaign(  # noqa: PLR0913
     command: Sequence[str],
     started: str,
     stopwatch: Stopwatch,
-) -> int:
-    """Run plans and return the exit code of the worst verdict.
+) -> Campaign:
+    """Run plans into a results folder.
 
     Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
     case. Raises UserError before the results folder is touched.
@@ -73,9 +85,7 @@ def run_campaign(  # noqa: PLR0913
             results.append(result)
             progress.console.print(_line(result))
             progress.update(task, advance=1, description=result.case.run)
-    _show(results)
-    print(build_report(folder))
-    return exit_code(worst([result.verdict for result in results]))
+    return Campaign(folder, results)
 
 
 def _selected(plan: Plan, select: str | None) -> Plan:
@@ -99,8 +109,8 @@ def _line(result: CaseResult) -> str:
     return f"{verdict.glyph} {verdict.word:<12} {result.case.run}"
 
 
-def _show(results: Sequence[CaseResult]) -> None:
-    """Print the verdict table: what failed in full, what passed in one line each."""
+def show_verdicts(results: Sequence[CaseResult]) -> None:
+    """Print the verdict table: what did not pass with its worst check, the rest in one line."""
     table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
     for column in ("verdict", "case", "checks", "worst check", "alarms"):
         table.add_column(column, overflow="fold")
@@ -160,5 +170,3 @@ def metrics_table() -> str:
         )
         lines.append(f"{form:<28}{metric.unit:<6}{metric.meaning} ({metric.source})")
     return "\n".join(lines)
-
-

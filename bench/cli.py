@@ -1,6 +1,7 @@
 """The command line: `axisrig <command>`. The only place that reads a wall clock.
 
-Heavy modules are imported inside the commands, so that `axisrig --help` answers at once.
+Heavy modules are imported inside the commands, so that `axisrig --help` answers at once
+(PLC0415 is switched off for this file).
 Exit codes: run and demo by the worst verdict (bench/verdict.py), nc 0 or 1, 2 for input that is
 rejected before anything runs.
 """
@@ -29,8 +30,11 @@ app.add_typer(fmu_app, name="fmu")
 
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Change one input, written as a column of a plan: "
-                 "set:Z.kenngr.measure.edge=NEG", metavar="COLUMN=VALUE"),
+    typer.Option(
+        "--set",
+        help="Change one input, written as a column of a plan: set:Z.kenngr.measure.edge=NEG",
+        metavar="COLUMN=VALUE",
+    ),
 ]
 EXIT_REJECTED = 2
 EXIT_INTERRUPTED = 4
@@ -66,9 +70,10 @@ def run(
     assignments: SetOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report."""
-    from bench.campaign import run_campaign
+    from bench.campaign import run_campaign, show_verdicts
+    from reports.build import build_report
 
-    verdict = run_campaign(
+    campaign = run_campaign(
         plans,
         out=out,
         select=select,
@@ -79,15 +84,17 @@ def run(
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         stopwatch=time.perf_counter,
     )
-    raise typer.Exit(verdict)
+    show_verdicts(campaign.results)
+    print(build_report(campaign.folder))
+    raise typer.Exit(campaign.exit_code)
 
 
 @app.command()
 @_rejecting
 def demo(
-    folder: Annotated[
-        Path, typer.Option("--plans", help="Folder with the plans.")
-    ] = Path("testplans"),
+    folder: Annotated[Path, typer.Option("--plans", help="Folder with the plans.")] = Path(
+        "testplans"
+    ),
     out: Annotated[Path, typer.Option("-o", "--out", help="Results folder.")] = Path("out/demo"),
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
 ) -> None:
@@ -154,17 +161,18 @@ def metrics() -> None:
 @app.command()
 @_rejecting
 def perf(
-    plan: Annotated[
-        Path, typer.Option("--plan", help="Plan to take the row from.")
-    ] = Path("testplans/latch_accuracy.csv"),
+    plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
+        "testplans/latch_accuracy.csv"
+    ),
     case: Annotated[str | None, typer.Option("--case", help="Row; the first by default.")] = None,
     repeats: Annotated[int, typer.Option("--repeats", min=1, help="Runs to time.")] = 5,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
 ) -> None:
     """Time one row with all its files written, and split a cycle into its parts."""
     from bench.perf import measure, show
+    from reports.build import build_report
 
-    result = measure(plan, case, repeats, time.perf_counter_ns)
+    result = measure(plan, case, repeats, time.perf_counter_ns, build_report)
     print(show(result, as_json))
 
 

@@ -37,7 +37,7 @@ SIMULATED_LIMIT_NS = 600_000 * MS
 FAULT_SEED_STRIDE = 1000
 
 
-class SimulatedTimeOut(Exception):
+class SimulatedTimeoutError(Exception):
     """A program did not end within the simulated time that a run may take."""
 
 
@@ -195,7 +195,7 @@ class Machine:
         """Commission the drives, run the program to its end, return the simulated time.
 
         Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
-        SimulatedTimeOut when the program does not end, UserError for what only running shows.
+        SimulatedTimeoutError when the program does not end, UserError for what only running shows.
         """
         self.plant.initialize(0)
         try:
@@ -205,7 +205,7 @@ class Machine:
             return self.scheduler.now_ns
         self.channel.start()
         if not self.scheduler.run_while(lambda: not self.channel.has_ended, SIMULATED_LIMIT_NS):
-            raise SimulatedTimeOut(
+            raise SimulatedTimeoutError(
                 f"the program did not end within {SIMULATED_LIMIT_NS // 1_000_000_000} s of"
                 " simulated time"
             )
@@ -216,9 +216,7 @@ class Machine:
             profile = drive_profile(self.settings.rig.drive[axis.drive])
             remote = SimRemoteNode(axis.node, object_dictionary(axis.node, profile))
             self.networks[axis.segment].add_node(remote)
-            commission(
-                remote, self.links[name].telegrams, self.timing.period_ns // US, name
-            )
+            commission(remote, self.links[name].telegrams, self.timing.period_ns // US, name)
 
     def close(self) -> None:
         """Free plants, segments and the bus log."""

@@ -4,7 +4,6 @@ Everything here compares what came over the bus with what the plant knows: conta
 positions are the probe FMU's, positions the axis FMU's. No kernel formula is used.
 """
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -13,7 +12,6 @@ import numpy as np
 import pyarrow as pa
 
 from bench.checks import Check, Value
-from bench.drive.touch_probe import Latch
 from bench.machine import Machine
 from bench.results import Event
 from kernel.clock import TimeNs
@@ -25,7 +23,6 @@ INSTANT_NS = 1.0
 # Cubic Hermite inside a drive tick of 0.25 ms across an acceleration step of 1000 mm/s2:
 # 0.0162 * 1000 * 0.00025**2 mm; the constant is of the design's error budget
 HERMITE_UM = 1e-3
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
@@ -99,18 +96,25 @@ class Observed:
         }
         return max(travels, key=lambda axis: travels[axis])
 
-    def latches(self, axis: str) -> list[Latch]:
-        """Return what the touch probe unit of an axis' drive has latched, oldest first."""
-        return list(self.machine.nodes[axis].touch_probe.latches)
+    def latches_ns(self, axis: str) -> list[tuple[TimeNs, int]]:
+        """Return the instants whose positions the drive of an axis stored, with their probe."""
+        probes = self.machine.nodes[axis].servo.touch_probe.probes
+        return sorted(
+            (time_ns, number)
+            for number, probe in enumerate(probes, 1)
+            for time_ns in probe.latch_instants_ns
+        )
 
-    def latch_in_run(self, axis: str, touch: Touch) -> Latch | None:
-        """Return the first latch of an axis inside a measurement run."""
-        found = [
-            latch
-            for latch in self.latches(axis)
-            if touch.record.begin_ns <= latch.time_ns <= touch.end_ns
-        ]
-        return found[0] if found else None
+    def latch_in_run_ns(self, axis: str, touch: Touch) -> TimeNs | None:
+        """Return the first latch instant of an axis inside a measurement run."""
+        return next(
+            (
+                time_ns
+                for time_ns, _ in self.latches_ns(axis)
+                if touch.record.begin_ns <= time_ns <= touch.end_ns
+            ),
+            None,
+        )
 
     # Metrics
 
@@ -125,8 +129,12 @@ class Observed:
     def _printed(self, check: Check) -> Observation:
         assert check.block is not None
         number, index = check.block
-        printed = self.machine.channel_messages.get(number, [])
-        values = [float(word) for text in printed for word in _numbers(text)]
+        values = [
+            value
+            for message in self.machine.messages
+            if f"N{message.block.number}" == number
+            for value in message.values
+        ]
         if len(values) < index:
             return Observation(None, note=f"block N{number} printed {len(values)} number(s)")
         return Observation(values[index - 1])
@@ -194,10 +202,10 @@ class Observed:
             return MISSING_RUN
         if touch.contact is None:
             return MISSING_CONTACT
-        latch = self.latch_in_run(self.moved_axis(touch.record), touch)
-        if latch is None:
+        latch_ns = self.latch_in_run_ns(self.moved_axis(touch.record), touch)
+        if latch_ns is None:
             return Observation(None, note="the drive latched nothing")
-        return Observation((latch.time_ns - touch.contact.time_ns) / 1e6, 2 * INSTANT_NS / 1e6)
+        return Observation((latch_ns - touch.contact.time_ns) / 1e6, 2 * INSTANT_NS / 1e6)
 
     def reaction_ms(self, _axis: str | None) -> Observation:
         """From the edge to the first set position that brakes (the cycle that computes it)."""
@@ -297,10 +305,8 @@ class Observed:
                 word = "rising" if level else "falling"
                 marks.append(Event(time_ns, "edge", f"{probe_name}: {word} edge", None))
         for axis in self.machine.links:
-            for latch in self.latches(axis):
-                marks.append(
-                    Event(latch.time_ns, "latch", f"{axis}: latch, probe {latch.probe}", axis)
-                )
+            for time_ns, number in self.latches_ns(axis):
+                marks.append(Event(time_ns, "latch", f"{axis}: latch of probe {number}", axis))
         for record in channel.records:
             if record.signal_ns is not None:
                 sync_ns = record.signal_ns - self.machine.timing.offset_ns
@@ -311,12 +317,6 @@ class Observed:
         for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
             marks.append(Event(time_ns, "alarm", f"ID {alarm.id}", None))
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))
-
-
-def _numbers(text: str) -> list[str]:
-    """Return the numbers of a message that stand for values: those behind the first `=`."""
-    _, sign, values = text.partition("=")
-    return _NUMBER.findall(values if sign else text)
 
 
 _METRICS: dict[str, Callable[[Observed, str | None], Observation]] = {

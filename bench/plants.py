@@ -4,7 +4,7 @@ from pathlib import Path
 
 from bench.assignment import Assignment, parse_assignment
 from bench.rigfile import PlantTable, rig_error
-from bench.settings import Located, Settings
+from bench.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
 from kernel.cosim.fmu import FmuSlave
@@ -75,8 +75,7 @@ def _start_values(settings: Settings, instance: str, table: PlantTable, slave: F
                 value=error.value,
                 allowed=error.allowed,
             ) from error
-    changes: list[tuple[Assignment, Located]] = settings.start.get(instance, [])
-    for item, located in changes:
+    for item, located in settings.start.get(instance, []):
         try:
             _set_start(slave, item)
         except UserError as error:
@@ -122,11 +121,17 @@ def _wire(
         raise rig_error(settings.files, keys, f"plant {instance} is wired to no axis")
     for group in table.wire:
         if not slave.has(*(f"{group}_{part}" for part in TRAJECTORY_INPUTS)):
-            groups = [name[:-6] for name in slave.names("input") if name.endswith("_start")
-                      and not name.endswith("_rate_start")]
+            groups = [
+                name[:-6]
+                for name in slave.names("input")
+                if name.endswith("_start") and not name.endswith("_rate_start")
+            ]
             raise rig_error(
-                settings.files, (*keys, group), f"{instance} has no input {group}",
-                value=group, allowed=groups,
+                settings.files,
+                (*keys, group),
+                f"{instance} has no input {group}",
+                value=group,
+                allowed=groups,
             )
     try:
         plant.add_probe(slave, table.wire)

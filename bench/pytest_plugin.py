@@ -19,7 +19,7 @@ from bench.verdict import Verdict
 from kernel.errors import UserError
 
 
-class CaseFailed(Exception):
+class CaseFailedError(Exception):
     """A case whose verdict is worse than marginal."""
 
     def __init__(self, result: CaseResult) -> None:
@@ -59,11 +59,11 @@ class CaseItem(pytest.Item):
             *((check.check.metric, value_text(check.value)) for check in result.checks),
         ]
         if result.verdict > Verdict.MARGINAL:
-            raise CaseFailed(result)
+            raise CaseFailedError(result)
 
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> str:  # type: ignore[override]
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> str:
         """Tell what failed in the words of the checks."""
-        if not isinstance(excinfo.value, CaseFailed):
+        if not isinstance(excinfo.value, CaseFailedError):
             return str(super().repr_failure(excinfo))
         result = excinfo.value.result
         lines = [f"{self.case.file}:{self.case.line}: {self.case.run}: {result.verdict.word}"]

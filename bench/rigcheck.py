@@ -1,6 +1,7 @@
 """Checks of a rig beyond its form: who is wired to whom, and whether the cycle fits on the bus."""
 
 from collections import Counter
+from collections.abc import Mapping
 
 from bench.bus.arithmetic import CycleArithmetic, PlannedFrame, cycle_arithmetic
 from bench.rigfile import rig_error
@@ -81,8 +82,11 @@ def _check_references(settings: Settings) -> None:
     if not rig.axis:
         raise rig_error(files, ("axis",), "the rig has no axis")
     for name, axis in rig.axis.items():
-        wanted = [("segment", axis.segment, rig.segment), ("drive", axis.drive, rig.drive),
-                  ("plant", axis.plant, rig.plant)]  # fmt: skip
+        wanted: list[tuple[str, str, Mapping[str, object]]] = [
+            ("segment", axis.segment, rig.segment),
+            ("drive", axis.drive, rig.drive),
+            ("plant", axis.plant, rig.plant),
+        ]
         wanted += [
             (key, probe, rig.plant)
             for key, probe in (("probe_1", axis.probe_1), ("probe_2", axis.probe_2))

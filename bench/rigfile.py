@@ -100,8 +100,9 @@ def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     merged = dict(below)
     for key, value in above.items():
         old = merged.get(key)
-        both_tables = isinstance(value, dict) and isinstance(old, dict)
-        merged[key] = _merge(old, value) if both_tables else value
+        if isinstance(value, dict) and isinstance(old, dict):
+            value = _merge(old, value)  # noqa: PLW2901
+        merged[key] = value
     return merged
 
 

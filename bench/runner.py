@@ -14,7 +14,7 @@ from pebble import ProcessExpired, ProcessPool
 
 from bench.assignment import Assignment
 from bench.checks import judge
-from bench.machine import Machine, SimulatedTimeOut
+from bench.machine import Machine, SimulatedTimeoutError
 from bench.observe import Observed
 from bench.plan import Case
 from bench.results import CaseResult, no_values
@@ -85,10 +85,8 @@ def run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch = no_stopwat
         with _without_collector():
             try:
                 sim_ns = machine.run()
-            except (PlantError, SimulatedTimeOut, UserError) as error:
-                return no_values(
-                    case, Verdict.ERROR, str(error), wall_s=stopwatch() - started
-                )
+            except (PlantError, SimulatedTimeoutError, UserError) as error:
+                return no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
         return _judged(case, machine, sim_ns, stopwatch() - started)
     finally:
         machine.close()
@@ -134,7 +132,10 @@ def run_cases(
         return
     with ProcessPool(max_workers=jobs) as pool:
         futures = [
-            (case, pool.schedule(run_case, [case, bus_path(case.run), stopwatch], timeout=timeout_s))
+            (
+                case,
+                pool.schedule(run_case, [case, bus_path(case.run), stopwatch], timeout=timeout_s),
+            )
             for case in cases
         ]
         for case, future in futures:

@@ -36,7 +36,7 @@ class Settings:
     """A rig with the assignments of one run applied.
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
-    external: V.E variables by name. dropped: names of suppressed PDOs (`Z.TPDO2`).
+    external: V.E variables by the name behind the prefix. dropped: names of suppressed PDOs (`Z.TPDO2`).
     """
 
     rig: RigFile
@@ -44,7 +44,7 @@ class Settings:
     channel: ParameterSet
     axis: dict[str, ParameterSet]
     segment: dict[str, SegmentTable]
-    start: dict[str, list[tuple[Assignment, Located | None]]] = field(default_factory=dict)
+    start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
     external: dict[str, float] = field(default_factory=dict)
     dropped: list[str] = field(default_factory=list)
 
@@ -69,16 +69,12 @@ class Settings:
 
     def _plant(self, item: Assignment, located: Located) -> None:
         if item.target not in self.rig.plant:
-            raise UserError(
-                "the rig has no such plant", value=item.target, allowed=self.rig.plant
-            )
+            raise UserError("the rig has no such plant", value=item.target, allowed=self.rig.plant)
         self.start.setdefault(item.target, []).append((item, located))
 
     def _bus(self, item: Assignment, _located: Located) -> None:
         if item.target not in self.segment:
-            raise UserError(
-                "the rig has no such segment", value=item.target, allowed=self.segment
-            )
+            raise UserError("the rig has no such segment", value=item.target, allowed=self.segment)
         fields = SegmentTable.model_fields
         if item.name not in fields:
             raise UserError(
@@ -103,15 +99,16 @@ class Settings:
                 allowed="V.E.<NAME>",
             )
         try:
-            self.external[item.name] = float(item.value)
+            self.external[item.name.removeprefix("V.E.")] = float(item.value)
         except ValueError:
             raise UserError("not a number", value=item.value) from None
 
     def _fault(self, item: Assignment, _located: Located) -> None:
         if item.name not in FAULT_KINDS:
             raise UserError("unknown kind of fault", value=item.name, allowed=FAULT_KINDS)
-        pdos = [f"{axis}.{pdo}" for axis in self.axis for pdo in ("TPDO1", "TPDO2", "TPDO3",
-                                                                  "RPDO1")]
+        pdos = [
+            f"{axis}.{pdo}" for axis in self.axis for pdo in ("TPDO1", "TPDO2", "TPDO3", "RPDO1")
+        ]
         for name in item.value.split():
             if name not in pdos:
                 raise UserError("no such telegram", value=name, allowed=pdos)

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from bench.assignment import parse_assignment
-from bench.machine import Machine, SimulatedTimeOut
+from bench.machine import Machine, SimulatedTimeoutError
 from bench.rigfile import read_rig
 from bench.settings import as_written, read_settings
 from kernel.cosim.fmu import PlantError
@@ -31,7 +31,7 @@ def run_program(
     machine = Machine(settings, parsed, bus_log=bus_log, put_out=put_out)
     try:
         machine.run()
-    except (PlantError, SimulatedTimeOut) as error:
+    except (PlantError, SimulatedTimeoutError) as error:
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()

@@ -98,7 +98,7 @@ def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
     case, info = run.case, run.info
-    description, packed = chart(run.trace, info) if run.trace else (None, "")
+    description, packed = chart(run.trace, info) if run.trace else ({}, "")
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
@@ -147,7 +147,9 @@ def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
     value = _number(row["value"])
     if value is None or (lower is None and upper is None):
         return Markup("")
-    label = f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
+    label = (
+        f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
+    )
     return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
 
 

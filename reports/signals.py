@@ -56,9 +56,11 @@ def table(name: str) -> list[dict[str, Any]]:
 def chart(trace: Path, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     """Return what the page needs to draw a run: the description, and the packed signals.
 
-    info: the run's JSON file (events, limits).
+    info: the run's JSON file (events, limits). The description is empty when the trace is.
     """
     content = pq.read_table(trace)
+    if content.num_rows == 0:
+        return {}, ""
     columns, parts = _encode(content)
     series = _series(content.column_names)
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})

@@ -162,7 +162,8 @@ def _last_rpdo_bits(
     """End of the last RPDO in bit times after the request of SYNC, intermission included.
 
     Either the bus has been busy with what goes first ever since SYNC, or that ended before the
-    offset and only one frame of lower priority may have slipped in. The later end counts.
+    offset and only one frame of lower priority may have slipped in. The later end counts. Where
+    that may be a TPDO, the TPDOs are late already, and the result is on the safe side.
     """
     if not rpdos:
         return bits_at_offset

@@ -10,7 +10,7 @@ not adapted; both would wait with the wall clock.
 """
 
 from types import TracebackType
-from typing import Any, Self, TextIO
+from typing import Any, Self
 
 import can
 import canopen
@@ -22,8 +22,6 @@ from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 from canopen.sdo.server import SdoServer
 
 from bench.bus.simbus import SimBus
-
-OdSource = ObjectDictionary | str | TextIO
 
 
 class SimCondition:
@@ -113,8 +111,8 @@ class SimRemoteNode(canopen.RemoteNode):
     Makes its subclasses wait so too: `class SimNode402(SimRemoteNode, BaseNode402)`.
     """
 
-    def __init__(self, node_id: int, object_dictionary: OdSource, load_od: bool = False) -> None:
-        super().__init__(node_id, object_dictionary, load_od)
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
         self.nmt = SimNmtMaster(self.nmt.id)
         self.emcy = SimEmcyConsumer()  # type: ignore[no-untyped-call]
 
@@ -243,7 +241,7 @@ class SimNetwork(canopen.Network):
         if isinstance(self.bus, SimBus) and upload_eds:
             raise NotImplementedError("reading the EDS from the node on a simulated bus")
         if isinstance(node, int) and not upload_eds:
-            node = SimRemoteNode(node, object_dictionary)  # type: ignore[arg-type]
+            node = SimRemoteNode(node, object_dictionary)
         return super().add_node(node, object_dictionary, upload_eds)
 
     def create_node(

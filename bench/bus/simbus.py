@@ -238,9 +238,7 @@ def message(
 ) -> can.Message:
     """Make a `can.Message` with its own copy of the data; timestamp in simulated seconds."""
     can_id, data, extended, remote, dlc = frame
-    made = can.Message(
-        time_ns / S, can_id, extended, remote, is_error, channel, dlc, bytearray(data)
-    )
+    made = can.Message(time_ns / S, can_id, extended, remote, is_error, channel, dlc, data)
     made.is_rx = is_rx
     return made
 

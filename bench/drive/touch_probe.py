@@ -70,10 +70,15 @@ class _Latch:
 
 
 class Probe:
-    """One touch probe: an input and its two latches (key: level after the edge)."""
+    """One touch probe: an input and its two latches (key: level after the edge).
+
+    latch_instants_ns: whose positions were stored, oldest first; for the observer of a run, no
+    object of the bus tells them.
+    """
 
     def __init__(self, circuit: InputCircuit, profile: DriveProfile) -> None:
         self.circuit, self._profile = circuit, profile
+        self.latch_instants_ns: list[TimeNs] = []
         self.reset()
 
     def reset(self) -> None:
@@ -108,7 +113,9 @@ class Probe:
                 continue
             if latch.stored and not self.function & _CONTINUOUS:
                 continue
-            latch.units = position_units_at(self._profile.latch_position_ns(latch_ns))
+            position_ns = self._profile.latch_position_ns(latch_ns)
+            latch.units = position_units_at(position_ns)
+            self.latch_instants_ns.append(position_ns)
             latch.stored = True
             latch.count = (latch.count + 1) & COUNTER_MASK
             latched = True

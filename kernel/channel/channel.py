@@ -44,7 +44,7 @@ class Channel:
     interpreter; the program is handed over by `load`.
     """
 
-    def __init__(  # noqa: PLR0913
+    def __init__(
         self,
         clock: Clock,
         timing: CycleTiming,

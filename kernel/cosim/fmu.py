@@ -94,16 +94,24 @@ class Exchange:
         variables = [slave.variable(name) for name in names]
         kinds = {str(v.type) for v in variables}
         if len(kinds) != 1 or not kinds <= set(_CTYPES):
-            raise UserError(f"FMU {slave.path.name}: {', '.join(names)} differ in type or have one "
-                            f"that cannot be exchanged", value=" ".join(sorted(kinds)),
-                            allowed=_CTYPES)
+            raise UserError(
+                f"FMU {slave.path.name}: {', '.join(names)} differ in type or have one "
+                f"that cannot be exchanged",
+                value=" ".join(sorted(kinds)),
+                allowed=_CTYPES,
+            )
         kind = kinds.pop()
         self.values: Any = (_CTYPES[kind] * len(names))()
         self._references = (ctypes.c_uint32 * len(names))(*(v.valueReference for v in variables))
         self._count = len(names)
         self._slave = slave
-        arguments = (slave.pointer, ctypes.addressof(self._references), self._count,
-                     ctypes.addressof(self.values), self._count)
+        arguments = (
+            slave.pointer,
+            ctypes.addressof(self._references),
+            self._count,
+            ctypes.addressof(self.values),
+            self._count,
+        )
         self._arguments = arguments
         self._get = slave.function(f"fmi3Get{kind}", _VALUE_SIGNATURE)
         self._set = slave.function(f"fmi3Set{kind}", _VALUE_SIGNATURE)
@@ -123,8 +131,16 @@ class Exchange:
 
 _POINTER, _SIZE = ctypes.c_void_p, ctypes.c_size_t
 _VALUE_SIGNATURE = (_POINTER, _POINTER, _SIZE, _POINTER, _SIZE)
-_STEP_SIGNATURE = (_POINTER, ctypes.c_double, ctypes.c_double, ctypes.c_bool,
-                   _POINTER, _POINTER, _POINTER, _POINTER)
+_STEP_SIGNATURE = (
+    _POINTER,
+    ctypes.c_double,
+    ctypes.c_double,
+    ctypes.c_bool,
+    _POINTER,
+    _POINTER,
+    _POINTER,
+    _POINTER,
+)
 
 
 class FmuSlave:
@@ -168,6 +184,7 @@ class FmuSlave:
     def function(self, name: str, signature: tuple[Any, ...]) -> Any:
         """Return the library function `name` with `signature`, keeping the interpreter lock."""
         address = ctypes.cast(self._slave.dll[name], ctypes.c_void_p).value
+        assert address is not None  # fmpy has checked that the function is there
         return ctypes.PYFUNCTYPE(ctypes.c_int, *signature)(address)
 
     def variable(self, name: str) -> ModelVariable:
@@ -212,8 +229,9 @@ class FmuSlave:
     def step_to(self, end_ns: TimeNs) -> None:
         """Advance the FMU to `end_ns`; PlantError when it refuses or returns early."""
         begin_ns = self.time_ns
-        status = self._do_step(self.pointer, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, True,
-                               *self._step_tail)
+        status = self._do_step(
+            self.pointer, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, True, *self._step_tail
+        )
         if status > FMI_WARNING:
             self.failed("doStep", status)
         if self._flags[1] or self._flags[2]:

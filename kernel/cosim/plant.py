@@ -165,7 +165,7 @@ class PlantProbe:
     def __init__(self, slave: FmuSlave, sources: Mapping[str, PlantAxis]) -> None:
         """sources: input group of the FMU (`x`) -> the axis whose load position it reads."""
         self.slave = slave
-        self._sources = list(sources.values())
+        self.sources = list(sources.values())
         self._groups = list(sources)
         names = ["step_time", "step_size"]
         names += [f"{group}_{part}" for group in sources for part in TRAJECTORY_INPUTS]
@@ -181,7 +181,7 @@ class PlantProbe:
         """Hand over the present positions as a trajectory at rest (initialisation)."""
         values = self._inputs.values
         values[0], values[1] = self.slave.time_ns * 1e-9, 1.0
-        for index, axis in enumerate(self._sources):
+        for index, axis in enumerate(self.sources):
             x = axis.outputs.values[0]
             values[2 + 4 * index : 6 + 4 * index] = [x, 0.0, x, 0.0]
         self._inputs.write()
@@ -232,7 +232,7 @@ class PlantProbe:
             self._contact.read()
             where = {
                 axis.slave.name: value * 1e3
-                for axis, value in zip(self._sources, self._contact.values, strict=True)
+                for axis, value in zip(self.sources, self._contact.values, strict=True)
             }
             self.contacts.append(Contact(seconds_to_ns(contact_s), where))
 
@@ -301,10 +301,12 @@ class Plant:
             axis.sample()
             ends[axis] = (x0, v0, values[0], values[1])
         for probe in self.probes.values():
-            probe.step(begin_ns, end_ns, [ends[axis] for axis in probe._sources])
+            probe.step(begin_ns, end_ns, [ends[axis] for axis in probe.sources])
         self.now_ns = end_ns
 
     def close(self) -> None:
         """Free every instance."""
-        for part in (*self.axes.values(), *self.probes.values()):
-            part.slave.close()
+        for axis in self.axes.values():
+            axis.slave.close()
+        for probe in self.probes.values():
+            probe.slave.close()

@@ -37,9 +37,7 @@ def map_telegram(sdo: Any, telegram: Telegram, node_id: int) -> None:
     communication[1].raw = cob_id
 
 
-def commission(
-    node: Any, telegrams: dict[str, Telegram], sync_period_us: int, axis: str
-) -> None:
+def commission(node: Any, telegrams: dict[str, Telegram], sync_period_us: int, axis: str) -> None:
     """Configure one drive and start it (NMT operational).
 
     node: canopen RemoteNode. Raises Alarm 900011 when the drive refuses an object or is silent.

@@ -106,9 +106,9 @@ class AxisLink:
             self._latch_increments = None
             return
         self._missing = 0
-        self.statusword, self.actual_increments, self._probe_status = self._codec[
-            "TPDO1"
-        ].unpack(first)
+        self.statusword, self.actual_increments, self._probe_status = self._codec["TPDO1"].unpack(
+            first
+        )
         # 60B9 and the latch object are one measured value only when one SYNC sampled both
         self._latch_increments = None
         if second is not None and self._probe_status & self._stored_bit:

@@ -12,7 +12,7 @@ The run is a small state machine that is evaluated once per NC cycle with this c
 It touches the machine through `LatchPort` only, one per measuring axis.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Protocol
@@ -90,7 +90,8 @@ class MeasuringRun:
 
     ports: one latch per measuring axis. error_no_signal: P-CHAN-00176, alarm when no signal comes.
     Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
-    does not acknowledge), 900003 (only some axes signalled), 900004 (no signal), 900009 (stale latch).
+    does not acknowledge), 900003 (only some axes signalled), 900004 (no signal),
+    900009 (stale latch).
     """
 
     def __init__(
@@ -101,6 +102,12 @@ class MeasuringRun:
         self._waited = 0
         self.state = RunState.CLEARING
         self.record = RunRecord(tuple(p.name for p in ports), block, begin_ns=now_ns)
+        self._steps: dict[RunState, Callable[[TimeNs, bool], Order]] = {
+            RunState.CLEARING: self._clearing,
+            RunState.ARMING: self._arming,
+            RunState.MOVING: self._moving,
+            RunState.COLLECTING: self._collecting,
+        }
         self._check_not_actuated()
         for port in ports:
             port.disarm()
@@ -115,13 +122,8 @@ class MeasuringRun:
 
         is_standing: the interpolation has ended and every axis is within its exact-stop window.
         """
-        return {
-            RunState.CLEARING: self._clearing,
-            RunState.ARMING: self._arming,
-            RunState.MOVING: self._moving,
-            RunState.COLLECTING: self._collecting,
-            RunState.DONE: lambda _now, _standing: Order.NONE,
-        }[self.state](now_ns, is_standing)
+        step = self._steps.get(self.state)
+        return step(now_ns, is_standing) if step else Order.NONE
 
     def _enter(self, state: RunState) -> None:
         self.state, self._waited = state, 0

@@ -129,8 +129,8 @@ def plan(
     if ramps_mm <= distance_mm:
         peak_mm_s, cruise_mm = feed_mm_s, distance_mm - ramps_mm
     else:
-        peak_mm_s, cruise_mm = _peak_mm_s(distance_mm + gained_mm, acceleration, deceleration), 0.0
-        peak_mm_s = min(max(peak_mm_s, start_speed_mm_s), feed_mm_s)
+        highest_mm_s = _peak_mm_s(distance_mm + gained_mm, acceleration, deceleration)
+        peak_mm_s, cruise_mm = min(highest_mm_s, feed_mm_s), 0.0  # rounding exceeds it
     up = acceleration.steps(peak_mm_s, start_speed_mm_s)
     return _joined(0.0, distance_mm, up, cruise_mm / peak_mm_s, deceleration.steps(peak_mm_s))
 

@@ -5,7 +5,7 @@ channel moves axes, runs measurements and puts out messages without reading a wo
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
@@ -59,11 +59,15 @@ class MeasuringRun:
 
 @dataclass(frozen=True)
 class Message:
-    """A text for the operator (#MSG); synchronous: put out when the machining has got here."""
+    """A text for the operator (#MSG); synchronous: put out when the machining has got here.
+
+    values: the numbers in the text, before they were formatted, in their order.
+    """
 
     block: Block
     text: str
     synchronous: bool
+    values: tuple[float, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

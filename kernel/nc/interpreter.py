@@ -236,7 +236,8 @@ class Interpreter:
             raise self._alarm(
                 900107, block, value=f"{fault.value:g}", format=fault.element
             ) from None
-        yield canon.Message(block, text, statement.synchronous)
+        numbers = tuple(value for value in values if not isinstance(value, Text))
+        yield canon.Message(block, text, statement.synchronous, numbers)
 
     # ---- values
 

@@ -1,7 +1,8 @@
-"""A clock, a segment of 1 Mbit/s, and a wire written down bit by bit without the code under test."""
+"""A clock, a segment of 1 Mbit/s, and the wire written down bit by bit as an own reference."""
 
 from collections.abc import Callable, Iterator
 
+import can
 import pytest
 
 from bench.bus.frame import Frame
@@ -32,6 +33,26 @@ def wire_bits(can_id: int, data: bytes, extended: bool, remote: bool, dlc: int) 
             run = "1" if bit == "0" else "0"
             sent += run
     return sent
+
+
+class _Watcher(can.Listener):
+    """Notes (time_ns, identifier, kind) of every frame that a tap shows."""
+
+    def __init__(self, segment: Segment) -> None:
+        self.segment = segment
+        self.seen: list[tuple[int, int, str]] = []
+        segment.tap(self)
+
+    def on_message_received(self, msg: can.Message) -> None:
+        kind = "error" if msg.is_error_frame else "remote" if msg.is_remote_frame else "data"
+        assert round(msg.timestamp * 1e9) == self.segment.now_ns
+        self.seen.append((self.segment.now_ns, msg.arbitration_id, kind))
+
+
+@pytest.fixture(scope="session")
+def watch() -> Callable[[Segment], list[tuple[int, int, str]]]:
+    """Return the growing list of what passes over the wire: (time_ns, identifier, kind)."""
+    return lambda segment: _Watcher(segment).seen
 
 
 @pytest.fixture(scope="session")

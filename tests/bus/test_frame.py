@@ -102,5 +102,5 @@ def test_lower_key_is_the_lower_arbitration_field_on_the_wire(one: Frame, two: F
 
 @pytest.mark.parametrize(("can_id", "data"), [(-1, b""), (1 << 29, b""), (1, bytes(9))])
 def test_impossible_frames_are_refused(can_id: int, data: bytes) -> None:
-    with pytest.raises(ValueError, match="identifier|data bytes"):
+    with pytest.raises(ValueError, match=r"identifier|data bytes"):
         data_frame(can_id, data)

@@ -70,6 +70,12 @@ def test_run_while_times_out_at_start_plus_timeout(scheduler: Scheduler) -> None
     assert scheduler.now_ns == 107
 
 
+def test_event_at_the_very_timeout_still_ends_the_wait(scheduler: Scheduler) -> None:
+    seen: list[int] = []
+    scheduler.call_at(100, Phase.APPLICATION, lambda: seen.append(1))
+    assert scheduler.run_while(lambda: not seen, 100)
+
+
 def test_wait_without_limit_and_without_events_is_an_error(scheduler: Scheduler) -> None:
     with pytest.raises(RuntimeError, match="no event"):
         scheduler.run_while(lambda: True, None)

@@ -110,7 +110,7 @@ class DriveBench:
         """Send RPDO1 in its default mapping."""
         self.master.send_message(0x200 + NODE, struct.pack("<HiH", controlword, target, function))
 
-    def operational(self, at_ms: int = 2) -> None:
+    def operational(self, at_ms: float = 2) -> None:
         self.run_to_ms(at_ms)
         self.remote.nmt.send_command(1)
         self.run_to_ms(at_ms + 0.5)
@@ -158,9 +158,7 @@ def drive_bench() -> Iterator[Callable[..., DriveBench]]:
             )
             port = segment.port("master")
             heard: list[tuple[int, int, bytes]] = []
-            port.attach(
-                lambda m: heard.append((segment.now_ns, m.arbitration_id, bytes(m.data)))
-            )
+            port.attach(lambda m: heard.append((segment.now_ns, m.arbitration_id, bytes(m.data))))
             master = SimNetwork(port).connect()
             far = remote(NODE, object_dictionary(NODE, profile))
             master.add_node(far)

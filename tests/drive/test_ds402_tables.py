@@ -42,9 +42,7 @@ CASES = [
 
 @pytest.mark.parametrize(("state", "command", "word", "number"), CASES)
 def test_every_command_in_every_state(state: str, command: str, word: int, number: str) -> None:
-    expected = (
-        (State[state], None) if number == "." else (State[TARGETS[int(number)]], int(number))
-    )
+    expected = (State[state], None) if number == "." else (State[TARGETS[int(number)]], int(number))
     assert ds402.command_of(word, 0) is Command[command]
     assert ds402.transition(State[state], word, 0) == expected
 

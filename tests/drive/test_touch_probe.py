@@ -233,9 +233,7 @@ def test_input_circuit_against_a_look_per_nanosecond(
     edges: list[int], filter_ns: int, looks_ns: list[int]
 ) -> None:
     """Whenever the drive looks, the edges that came through are those of the reference."""
-    circuit = InputCircuit(
-        Signal(edges), DriveProfile(input_delay_ns=0, input_filter_ns=filter_ns)
-    )
+    circuit = InputCircuit(Signal(edges), DriveProfile(input_delay_ns=0, input_filter_ns=filter_ns))
     come = [hit for look in [*looks_ns, 120] for hit in circuit.passed(look)]
     assert [(latch_ns, level) for _, latch_ns, level in come] == debounced(edges, filter_ns, 120)
     assert all(latch_ns == edge_ns + filter_ns for edge_ns, latch_ns, _ in come)

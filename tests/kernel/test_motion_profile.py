@@ -218,6 +218,7 @@ def test_start_speed_that_can_just_stop() -> None:
 
 
 @given(speeds(), slopes(), slopes(), st.floats(1.0, 2.0))
+@example(428.0, ONE_STEP, Slope(1173.0, 1576.0, 245.0), 1.5)  # start rounded below 0
 def test_start_speed_on_exactly_its_stopping_distance(
     v: float, up: Slope, down: Slope, feed_share: float
 ) -> None:
@@ -225,18 +226,23 @@ def test_start_speed_on_exactly_its_stopping_distance(
     d = ramp_mm(v, down)
     profile = plan(d, v * feed_share, up, down, v)
     assert profile.at(profile.duration_s) == (d, 0.0)
+    assert profile.at(0.0)[0] >= 0.0
     assert profile.at(0.0)[1] == pytest.approx(v, rel=1e-6)
     assert profile.duration_s == pytest.approx(ramp_s(v, down), rel=1e-5)
 
 
 @given(speeds(), slopes(), slopes(), st.sampled_from([0.0, math.inf]))
+@example(426.0, Slope(1954.0, 867.0, 2.0), Slope(1547.0, 1183.0, 163.0), 0.0)  # peak above v
+@example(160.0, Slope(856.0, 794.0, 201.0), Slope(214.0, 1460.0, 298.0), 0.0)  # ramps overlap
 def test_ramps_that_fill_the_path_but_for_rounding(
     v: float, up: Slope, down: Slope, towards: float
 ) -> None:
     d = math.nextafter(ramp_mm(v, up) + ramp_mm(v, down), towards)
     profile = plan(d, v, up, down)
     assert profile.duration_s == pytest.approx(ramp_s(v, up) + ramp_s(v, down), rel=1e-9)
-    assert all(speed <= v for _, _, speed in samples(profile, 10))
+    course = samples(profile, 10)
+    assert all(speed <= v for _, _, speed in course)
+    assert all(a[1] <= b[1] for a, b in pairwise(course))
 
 
 def test_no_distance_stands() -> None:

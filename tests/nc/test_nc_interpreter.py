@@ -1,11 +1,9 @@
-"""What programs do: modal words, shifts, measuring results, messages, alarms."""
+"""What programs do: modal words, shifts, measuring results, alarms."""
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message, Wait
-from kernel.nc.interpreter import Interpreter
-from kernel.nc.parser import parse_program
+from kernel.errors import Alarm
+from kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message
 
 XYZ = ("X", "Y", "Z")
 
@@ -192,24 +190,24 @@ def test_measured_flag_prints_as_whole_number_and_as_float(run, at_four):
     assert texts(run(text, at_four)) == ["1 1.000000"]
 
 
-def test_second_run_without_signal_takes_the_value_away(run, at_four):
-    before = f"{RUN}\nG0 X20\nG100 X30"
-    assert value_of(run, "V.A.MERF.X", before, machine=at_four) == 0
+@pytest.mark.parametrize(
+    "second", ["G0 X20\nG100 X30", "G100 X4 Y10"], ids=["no signal", "programmed without path"]
+)
+def test_second_run_without_measurement_takes_the_value_away(run, plane_machine, second):
+    """An old value would be taken for a new one, so neither flag nor value stays."""
+
+    def machine():
+        return plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+
+    assert value_of(run, "V.A.MERF.X", f"{RUN}\n{second}", machine=machine()) == 0
     with pytest.raises(Alarm) as caught:
-        value_of(run, "V.A.MESS.X", before, machine=at_four)
+        value_of(run, "V.A.MESS.X", f"{RUN}\n{second}", machine=machine())
     assert caught.value.id == 900101
 
 
 def test_values_of_axes_not_programmed_later_are_kept(run, at_four):
     shown = '#MSG ["%g %d %d", V.A.MESS.X, V.A.MERF.X, V.A.MERF.Y]'
     assert texts(run(f"{RUN}\nG100 Y10\n{shown}", at_four)) == ["4 1 0"]
-
-
-def test_axis_programmed_without_path_loses_its_value(run, plane_machine):
-    """X stands at its target, so nobody measured it: an old value would be taken for a new one."""
-    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
-    before = f"{RUN}\nG100 X4 Y10"
-    assert value_of(run, "V.A.MERF.X", before, machine=machine) == 0
 
 
 def test_broken_signal_line_of_one_axis(run, plane_machine):
@@ -317,88 +315,3 @@ def test_switching_off_all_systems_needs_none(run):
         {"X": 1.0},
         {"X": 2.0},
     ]
-
-
-# ---- messages and values
-
-
-def test_synchronous_message_waits_and_plain_message_does_not(run):
-    commands = run('#MSG ["a"]\n#MSG SYN ["b"]\n#MSG SYN["c"]')
-    assert [type(c) for c in commands] == [Message, Wait, Message, Wait, Message, EndOfProgram]
-    assert [c.synchronous for c in commands if isinstance(c, Message)] == [False, True, True]
-
-
-@pytest.mark.parametrize(
-    ("text", "expected"),
-    [
-        ('"plain"', "plain"),
-        ('"%f", 1/3', "0.333333"),
-        ('"%F", 2', "2.000000"),
-        ('"%8.2f|", 3.14159', "    3.14|"),
-        ('"%-6d|%i|%D", 5, 7, 9', "5     |7|9"),
-        ('"%e", 12345', "1.234500e+04"),
-        ('"%g", 0.5', "0.5"),
-        ('"%s and %S", "x;y", "(z)"', "x;y and (z)"),
-        ('"100 %%"', "100 %"),
-        ('"a;b(c)"', "a;b(c)"),
-    ],
-)
-def test_message_texts(run, text, expected):
-    assert texts(run(f"#MSG [{text}]")) == [expected]
-
-
-@pytest.mark.parametrize(
-    ("expression", "expected"),
-    [
-        ("1+2*3", 7),
-        ("[1+2]*3", 9),
-        ("10-4-3", 3),
-        ("24/4/3", 2),
-        ("2*-3", -6),
-        ("--2", 2),
-        ("-[2+3]", -5),
-        (".5+1.", 1.5),
-        ("ABS[-4]", 4),
-        ("SQRT[2*8]", 4),
-        ("SIN[30]", 0.5),
-        ("COS[60]", 0.5),
-        ("TAN[45]", 1),
-        ("sin[ 30 ] * 2", 1),
-        ("SIN[30]+COS[SIN[0]]", 1.5),
-        ("V.A.ABS.X*2+1", 9),
-        ("v.a.abs.x", 4),
-        ("-V.A.ABS.X", -4),
-        ("V.E.SURFACE.HEIGHT/2", 1.25),
-    ],
-)
-def test_expressions(run, expression, expected):
-    external = {"Surface.Height": 2.5}
-    assert value_of(run, expression, "G0 X4", external=external) == pytest.approx(expected)
-
-
-def test_expressions_in_axis_words_and_feed(run):
-    (move,) = moves(run("G1 X=2*[3+4] Y=V.E.A F=60*5", external={"A": 1.5}))
-    assert dict(move.target_acs_mm) == {"X": 14.0, "Y": 1.5}
-    assert move.feed_mm_min == 300.0
-
-
-def test_unknown_external_variable_is_refused_before_anything_runs(plane_machine):
-    program = parse_program('G0 X1\n#MSG ["%f", V.E.HIGHT]', file="p.nc", axes=XYZ)
-    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
-    with pytest.raises(UserError) as caught:
-        Interpreter(program, XYZ, machine, external={"HEIGHT": 1.0, "TIME": 2.0})
-    error = caught.value
-    assert (error.file, error.line, error.column) == ("p.nc", 2, 13)
-    assert error.hint == "nearest: V.E.HEIGHT"
-
-
-def test_external_value_is_read_when_the_block_uses_it(plane_machine):
-    live = {"A": 1.0}
-    program = parse_program('#MSG ["%g", V.E.A]\n#MSG ["%g", V.E.A]', axes=XYZ)
-    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
-    seen = []
-    for command in Interpreter(program, XYZ, machine, external=live).commands():
-        if isinstance(command, Message):
-            seen.append(command.text)
-            live["A"] = 2.0
-    assert seen == ["1", "2"]

@@ -92,6 +92,7 @@ ERRORS = [
     # brackets, texts, line breaks
     ("N10 #CS ON[0,0,33\nN20 G1 X1", 1, 11, "not closed", "["),
     ("G1 F1\n#MEAS MODE[1", 2, 11, "not closed", "["),
+    ("N10 #CS ON[0,0,33\nN20 G1 X1\nN30 ]", 1, 11, "not closed", "["),
     ("X10 ]", 1, 5, "no bracket is open", "]"),
     ("X10 )", 1, 5, "does not belong", ")"),
     ('#MSG ["a\nb"]', 1, 7, "not closed", '"a'),

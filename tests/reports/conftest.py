@@ -43,7 +43,7 @@ def plan_text(cases: int) -> str:
 
 def probing_trace(feed: float, samples: int, noise: np.random.Generator) -> tuple[pa.Table, float]:
     """Z runs to SURFACE_MM with a lag of v/Kv and brakes there; the contact time in s too."""
-    time_s = np.arange(samples) * 0.001
+    time_s = np.arange(samples, dtype=np.float64) * 0.001
     contact_s = min(REST_S + (SURFACE_MM / feed), 0.6 * time_s[-1])
     braking_s = contact_s + 0.0036
     start_mm = SURFACE_MM + feed * (contact_s - REST_S)
@@ -53,9 +53,9 @@ def probing_trace(feed: float, samples: int, noise: np.random.Generator) -> tupl
         ramp = np.clip(t - braking_s, 0.0, feed / DECELERATION_MM_S2)
         path = feed * run + feed * ramp - 0.5 * DECELERATION_MM_S2 * ramp**2
         back = 12.0 * np.clip(t - braking_s - 0.35, 0.0, 0.4)
-        return start_mm - path + back
+        return np.asarray(start_mm - path + back, dtype=np.float64)
 
-    set_mm = position(time_s + 1.0 / KV) if feed < 0 else position(time_s)
+    set_mm = position(time_s)
     truth = np.empty(samples)
     truth[0] = set_mm[0]
     for i in range(1, samples):
@@ -121,7 +121,9 @@ def result(case: Case, samples: int) -> CaseResult:
             Event(contact + 4_000 + case.index * 1_000, "latch", "latch", "Z"),
             Event(contact + 1_214_000, "pdo", "PDO with latch", "Z"),
             Event(contact + 3_600_000, "brake", "brake", "Z"),
-            Event(contact + 3_600_000 + round(feed * 1e6) + 200_000_000, "standstill", "standstill"),
+            Event(
+                contact + 3_600_000 + round(feed * 1e6) + 200_000_000, "standstill", "standstill"
+            ),
         ],
         messages=[f"MEASURED Z {SURFACE_MM + error_um / 1000:.4f}", "<b>&amp; end of program"],
         log=["N10 G0 X120 Y-35.5", "N20 G100 Z0 F1000", "N30 #MSG"],

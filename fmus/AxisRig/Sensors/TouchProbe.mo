@@ -37,30 +37,50 @@ model TouchProbe "Touch probe against a plane, with edges located inside the ste
   output Units.Position contact_z(start = 0, fixed = true) "z at contact_time";
   output Units.Position gap "Distance of the ball from the plane";
 protected
-  Real u(unit = "1") "Share of the step that has passed";
-  Units.Position x "Ball centre: x";
-  Units.Position y "Ball centre: y";
-  Units.Position z "Ball centre: z";
+  Real passed(unit = "1") "Share of the step that has passed";
+  CubicPath x "Ball centre: x";
+  CubicPath y "Ball centre: y";
+  CubicPath z "Ball centre: z";
   Boolean deflected "Deflected beyond the switching point";
+  Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(delay = trigger_delay);
   EdgeCounter rising;
   EdgeCounter falling;
+initial equation
+  pre(deflected_at_start) = gap <= -pretravel;
 equation
-  u = (time - step_time)/step_size;
-  x = Math.hermite(x_start, x_rate_start, x_end, x_rate_end, step_size, u);
-  y = Math.hermite(y_start, y_rate_start, y_end, y_rate_end, step_size, u);
-  z = Math.hermite(z_start, z_rate_start, z_end, z_rate_end, step_size, u);
-  gap = normal_x*x + normal_y*y + normal_z*z - surface - ball_radius;
+  passed = (time - step_time)/step_size;
+  x.start = x_start;
+  x.start_rate = x_rate_start;
+  x.finish = x_end;
+  x.finish_rate = x_rate_end;
+  x.span = step_size;
+  x.passed = passed;
+  y.start = y_start;
+  y.start_rate = y_rate_start;
+  y.finish = y_end;
+  y.finish_rate = y_rate_end;
+  y.span = step_size;
+  y.passed = passed;
+  z.start = z_start;
+  z.start_rate = z_rate_start;
+  z.finish = z_end;
+  z.finish_rate = z_rate_end;
+  z.span = step_size;
+  z.passed = passed;
+  gap = normal_x*x.position + normal_y*y.position + normal_z*z.position - surface - ball_radius;
   contact = gap <= 0;
   deflected = gap <= -pretravel;
   when contact then
     contact_time = time;
     contact_count = pre(contact_count) + 1;
-    contact_x = x;
-    contact_y = y;
-    contact_z = z;
+    contact_x = x.position;
+    contact_y = y.position;
+    contact_z = z.position;
   end when;
+  deflected_at_start = pre(deflected_at_start);
   path.u = deflected;
+  path.u_start = deflected_at_start;
   signal = path.y <> inverted;
   rising.u = signal;
   falling.u = not signal;
@@ -74,7 +94,7 @@ equation
     Documentation(info="<html>
 <p>Equations: gap = n.p - d - r. Contact at gap &lt;= 0, switching at gap &lt;= -pretravel; the
 signal follows after trigger_delay. p is the motion of the axes over the communication step as a
-cubic through both ends (Math.hermite).</p>
+cubic through both ends (CubicPath).</p>
 <p>Assumptions: the probe does not act back on the axes; pre-travel is the same in all directions;
 no bounce. Limits: the level at the start is not an edge; a touch shorter than the internal step
 can be missed; at most four edges of one direction within trigger_delay.</p>

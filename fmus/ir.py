@@ -1,0 +1,131 @@
+"""From a Modelica model to the compiler's solve representation, as plain Python data.
+
+Source: behaviour of rumoca 0.10.2; the layout is pinned by `SCHEMA_VERSION`.
+"""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import rumoca
+
+from fmus.errors import BuildError
+
+SCHEMA_VERSION = 71
+TARGET = Path(__file__).parent / "target"
+
+# The compiler prints mappings nearly as JSON: strings are escaped as in Rust, some words differ.
+_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[A-Za-z]+')
+_WORDS = {"none": "null", "undefined": "null", "inf": "Infinity", "nan": "NaN", "NaN": "NaN"}
+
+
+@dataclass(frozen=True)
+class Source:
+    """A place in the library: path relative to the folder that holds the library, line from 1."""
+
+    file: str
+    line: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}"
+
+
+@dataclass(frozen=True)
+class Ir:
+    """What the compiler knows about one model.
+
+    solve: programs and layout. dae: variables with their attributes. files: text of each source
+    file by the compiler's file number. root: the folder that holds the library.
+    """
+
+    model: str
+    solve: Mapping[str, Any]
+    dae: Mapping[str, Any]
+    files: Mapping[int, tuple[Path, str]]
+    root: Path
+
+    def place(self, span: Mapping[str, int] | None) -> Source | None:
+        """Where a span of the compiler lies; None when it is not from a file."""
+        if span is None or span.get("source") not in self.files:
+            return None
+        path, text = self.files[span["source"]]
+        name = path.relative_to(self.root).as_posix() if path.is_relative_to(self.root) else path
+        prefix = text.encode()[: span["start"]]
+        return Source(str(name), prefix.count(b"\n") + 1)
+
+    def error(self, span: Mapping[str, int] | None, message: str) -> BuildError:
+        """A BuildError at a span."""
+        place = self.place(span)
+        if place is None:
+            return BuildError(self.model, None, message)
+        return BuildError(place.file, place.line, message)
+
+
+def compile_model(model: str, library: Path) -> Ir:
+    """Compile `model` (full name) of the library in folder `library`.
+
+    Raises BuildError when the compiler refuses the model or its representation is a different one.
+    """
+    entry = library / "package.mo" if library.is_dir() else library
+    if not entry.is_file():
+        raise BuildError(entry, None, "there is no Modelica library")
+    try:
+        compiled = rumoca.Session().load(str(entry), model=model)
+        text = compiled.codegen(str(TARGET)).files[0].content
+        source_map = json.loads(compiled.to_json("dae"))["source_map"]["files"]
+    except (rumoca.RumocaError, RuntimeError) as error:
+        raise _refused(error, model, library) from error
+    data = json.loads(_TOKEN.sub(_as_json, text))
+    found = data["solve"]["schema_version"]
+    if found != SCHEMA_VERSION:
+        raise BuildError(
+            None, None, f"rumoca {rumoca.version()} writes schema {found}, not {SCHEMA_VERSION}"
+        )
+    files = {number: (Path(name).resolve(), text) for number, name, text in source_map}
+    root = (library if library.is_dir() else entry).resolve().parent
+    return Ir(model, data["solve"], data["dae"], files, root)
+
+
+def _as_json(match: re.Match[str]) -> str:
+    token = match.group(0)
+    if token.startswith('"'):
+        return re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m.group(1), 16):04x}", token)
+    return _WORDS.get(token, token)
+
+
+def _refused(error: Exception, model: str, library: Path) -> BuildError:
+    """Find the place that the compiler complains about; it names it in its text or not at all."""
+    text = str(error)
+    for file in sorted(library.rglob("*.mo")) if library.is_dir() else [library]:
+        for diagnostic in rumoca.validate(str(file)):
+            place = re.search(r"\[[^\]\s]+:(\d+):\d+\]", diagnostic.message)
+            if place and diagnostic.level == "error":
+                message = re.search(r"× (.+)", diagnostic.message)
+                return BuildError(
+                    file, int(place.group(1)), message.group(1) if message else "syntax error"
+                )
+    first = text.splitlines()[0] if text else type(error).__name__
+    name = re.search(r"[`']([\w.\[\]]+)[`']", first)
+    file = _file_of(model, library)
+    line = _line_of(name.group(1), file) if name and file else None
+    return BuildError(file or library, line, first)
+
+
+def _file_of(model: str, library: Path) -> Path | None:
+    """The file that holds a class of the library."""
+    if library.is_file():
+        return library
+    candidate = library.parent.joinpath(*model.split(".")).with_suffix(".mo")
+    return candidate if candidate.is_file() else None
+
+
+def _line_of(name: str, file: Path) -> int | None:
+    """The first line of `file` in which the last part of `name` stands as a word."""
+    word = re.compile(rf"\b{re.escape(re.sub(r'[\[\]\d]+$', '', name).split('.')[-1])}\b")
+    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+        if word.search(line):
+            return number
+    return None

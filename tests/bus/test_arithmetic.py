@@ -1,0 +1,127 @@
+"""Worst case of the cycle against sums written by hand and against a searched simulation."""
+
+import random
+
+import pytest
+
+from bench.bus.arithmetic import SYNC, PlannedFrame, cycle_arithmetic
+from bench.bus.frame import worst_case_bits
+from kernel.clock import MS, US
+
+RATE = 1_000_000
+
+
+def tpdos(drives: int) -> list[PlannedFrame]:
+    first = [PlannedFrame(f"TPDO1 drive {n}", 0x180 + n, 8) for n in range(1, drives + 1)]
+    return first + [PlannedFrame(f"TPDO2 drive {n}", 0x280 + n, 4) for n in range(1, drives + 1)]
+
+
+def rpdos(drives: int) -> list[PlannedFrame]:
+    return [PlannedFrame(f"RPDO1 drive {n}", 0x200 + n, 8) for n in range(1, drives + 1)]
+
+
+def test_two_drives_take_785_us() -> None:
+    """55 + 2 * (135 + 95 + 135); deliveries are 3 bits before the end of the intermission."""
+    found = cycle_arithmetic(RATE, MS, 600 * US, tpdos(2), rpdos(2))
+    assert found.busy_ns == (55 + 2 * (135 + 95 + 135)) * US == 785 * US
+    assert found.last_tpdo_ns == (55 + 2 * (135 + 95) - 3) * US
+    assert found.last_rpdo_ns == (600 + 2 * 135 - 3) * US
+    assert found.fits
+
+
+def test_three_drives_do_not_fit() -> None:
+    """55 + 3 * 365 = 1150 us. RPDOs (0x201) overtake the waiting TPDO2s (0x281) at the offset."""
+    found = cycle_arithmetic(RATE, MS, 600 * US, tpdos(3), rpdos(3))
+    assert found.busy_ns == 1150 * US
+    assert not found.fits
+    assert found.last_tpdo_ns == (55 + 3 * (135 + 95) + 3 * 135 - 3) * US
+    assert found.last_rpdo_ns == (600 + 95 + 3 * 135 - 3) * US
+
+
+def test_event_of_lower_priority_blocks_once_and_the_longest_counts() -> None:
+    events = [PlannedFrame("TPDO3", 0x381, 4), PlannedFrame("heartbeat", 0x701, 1)]
+    found = cycle_arithmetic(RATE, MS, 600 * US, tpdos(2), rpdos(2), events)
+    assert found.last_tpdo_ns == (95 + 515 - 3) * US
+    assert not found.tpdos_in_time
+    assert found.last_rpdo_ns == (600 + 95 + 270 - 3) * US
+    assert found.rpdos_in_time
+    assert (found.busy_ns, found.event_ns) == (785 * US, (95 + 65) * US)
+
+
+def test_events_of_higher_priority_all_count() -> None:
+    """Two EMCYs of 135 bits go before the PDOs; a heartbeat of 65 bits was on the wire."""
+    events = [PlannedFrame(f"EMCY {n}", 0x80 + n, 8) for n in (1, 2)]
+    events.append(PlannedFrame("heartbeat", 0x701, 1))
+    found = cycle_arithmetic(RATE, MS, 640 * US, tpdos(1), rpdos(1), events)
+    assert found.last_tpdo_ns == (65 + 55 + 135 + 95 + 2 * 135 - 3) * US
+    assert found.last_rpdo_ns == (640 + 65 + 2 * 135 + 135 - 3) * US
+
+
+def test_nothing_but_sync() -> None:
+    found = cycle_arithmetic(500_000, 4 * MS, 2 * MS, [], [])
+    assert (found.last_tpdo_ns, found.last_rpdo_ns) == (104 * US, 2 * MS)
+    assert found.rpdo_limit_ns == 4 * MS - 6 * US
+
+
+def test_times_are_rounded_up() -> None:
+    """52 bits at 3 Mbit/s are 17333.3 ns."""
+    assert cycle_arithmetic(3_000_000, MS, MS // 2, [], []).last_tpdo_ns == 17_334
+
+
+def test_table_shows_every_frame_and_the_sums() -> None:
+    events = [PlannedFrame("heartbeat", 0x701, 1)]
+    lines = cycle_arithmetic(RATE, MS, 570 * US, tpdos(2), rpdos(2), events).table().splitlines()
+    assert [line.split() for line in lines[1:3]] == [
+        ["0", "SYNC", "0x80", "0", "55", "55.0", "55.0"],
+        ["SYNC", "TPDO1", "drive", "1", "0x181", "8", "135", "135.0", "190.0"],
+    ]
+    assert lines[7].split()[-1] == "785.0"
+    assert lines[8].split() == ["event", "heartbeat", "0x701", "1", "65", "65.0", "850.0"]
+    assert [line.split(":")[-1].strip() for line in lines[9:]] == ["7.0 over", "in time", "in time"]
+    assert lines[9].startswith("last TPDO delivered    577.0 of 570.0 us")
+
+
+def simulated(
+    frames: list[tuple[float, PlannedFrame]], up: list[PlannedFrame], offset: int
+) -> dict[str, float]:
+    """Run one cycle in bit times: non-preemptive, lowest identifier first; end of each frame."""
+    waiting, ends, now = list(frames), {}, min(time for time, _ in frames)
+    while waiting:
+        ready = [item for item in waiting if item[0] <= now]
+        if not ready:
+            now = min(time for time, _ in waiting)
+            continue
+        item = min(ready, key=lambda item: item[1].can_id)
+        waiting.remove(item)
+        now += worst_case_bits(item[1].data_bytes)
+        ends[item[1].name] = now
+        if item[1] is SYNC:
+            waiting += [(now - 3, frame) for frame in up]
+    return ends
+
+
+@pytest.mark.parametrize("offset", [200, 400, 600, 700])
+@pytest.mark.parametrize("drives", [1, 2, 3])
+def test_no_moment_of_the_events_is_worse_than_the_arithmetic(drives: int, offset: int) -> None:
+    """Events at random moments around both requests; the bound holds and is nearly reached."""
+    numbers = random.Random(drives * 1000 + offset)
+    events = [
+        PlannedFrame("EMCY", 0x81, 8),
+        PlannedFrame("TPDO3", 0x381, 4),
+        PlannedFrame("SDO", 0x581, 8),
+    ]
+    up, down = tpdos(drives), rpdos(drives)
+    found = cycle_arithmetic(RATE, 10 * MS, offset * US, up, down, events)
+    worst_up = worst_down = 0.0
+    for _ in range(4000):
+        moments = [
+            numbers.choice((-0.01, 0, 60, offset - 0.01, numbers.uniform(-135, 900)))
+            for _ in events
+        ]
+        frames: list[tuple[float, PlannedFrame]] = list(zip(moments, events, strict=True))
+        frames += [(0, SYNC), *((offset, frame) for frame in down)]
+        ends = simulated(frames, up, offset)
+        worst_up = max(worst_up, *(ends[frame.name] for frame in up))
+        worst_down = max(worst_down, *(ends[frame.name] for frame in down))
+    assert found.last_tpdo_ns / US - 100 < worst_up - 3 <= found.last_tpdo_ns / US
+    assert found.last_rpdo_ns / US - 100 < worst_down - 3 <= found.last_rpdo_ns / US

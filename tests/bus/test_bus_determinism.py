@@ -1,0 +1,73 @@
+"""The same inputs give the same bytes in another process with another hash seed."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+
+RUN = """
+import hashlib, random, sys, threading
+from pathlib import Path
+import can
+from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
+from bench.bus.canopen_sim import SimLocalNode, SimNetwork, SimRemoteNode
+from bench.bus.faults import DropById, ErrorAtBit
+from bench.bus.record import FrameHash, blf_writer
+from bench.bus.segment import Segment
+from kernel.clock import MS, Phase
+from kernel.cosim.scheduler import Scheduler
+
+def dictionary():
+    od = ObjectDictionary()
+    for index, kind, default in ((0x607A, INTEGER32, 1), (0x1008, VISIBLE_STRING, "x" * 40)):
+        variable = ODVariable(hex(index), index)
+        variable.data_type, variable.default, variable.access_type = kind, default, "rw"
+        od.add_object(variable)
+    return od
+
+scheduler, digest, numbers = Scheduler(), FrameHash(), random.Random(7)
+logs = [blf_writer(sys.argv[1]), can.Logger(sys.argv[2])]
+for name in ("x", "y"):
+    segment = Segment(name, 1_000_000, scheduler)
+    segment.observe(digest)
+    for log in logs:
+        segment.tap(log)
+    segment.add_fault(DropById(0x181, share=0.2, seed=1))
+    def destroy(frame, port, attempt):
+        return ErrorAtBit(numbers.randint(1, 60)) if numbers.random() < 0.01 else None
+    segment.add_fault(destroy)
+    master = SimNetwork(segment.port("master")).connect()
+    for node_id in (1, 2):
+        drive = SimNetwork(segment.port(f"drive {node_id}", "mailbox")).connect()
+        drive[node_id] = SimLocalNode(node_id, dictionary())
+        master[node_id] = SimRemoteNode(node_id, dictionary())
+        def answer(can_id, data, timestamp, drive=drive, node_id=node_id):
+            for base in (0x280, 0x180):
+                drive.send_message(base + node_id, numbers.randbytes(8))
+        drive.subscribe(0x80, answer)
+    master.sync.start(0.001)
+    for node_id in (1, 2):
+        assert master[node_id].sdo[0x1008].raw == "x" * 40
+        master[node_id].sdo[0x607A].raw = node_id
+scheduler.run_until(300 * MS)
+for log in logs:
+    log.stop()
+assert threading.active_count() == 1
+print(digest.frames, digest.hexdigest())
+for path in sys.argv[1:]:
+    print(hashlib.sha256(Path(path).read_bytes()).hexdigest())
+"""
+
+
+def test_hash_and_logs_are_the_same_bytes_in_another_process(tmp_path: Path) -> None:
+    runs = []
+    for seed in ("1", "2"):
+        command = [sys.executable, "-c", RUN, f"{tmp_path}/{seed}.blf", f"{tmp_path}/{seed}.log"]
+        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
+        runs.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment))
+    outputs = [run.communicate()[0] for run in runs]
+    assert [run.returncode for run in runs] == [0, 0]
+    assert outputs[0] == outputs[1]
+    assert int(outputs[0].split()[0]) > 2 * 300 * 5

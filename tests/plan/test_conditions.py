@@ -1,0 +1,224 @@
+"""Conditions: how a cell is read, and where the guard band draws its lines."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench.checks import (
+    Check,
+    known_metrics,
+    parse_check,
+    parse_condition,
+    value_text,
+)
+from bench.verdict import Verdict
+from kernel.errors import UserError
+
+P, M, INC, F = Verdict.PASS, Verdict.MARGINAL, Verdict.INCONCLUSIVE, Verdict.FAIL
+
+
+@pytest.mark.parametrize(
+    ("text", "lower", "upper"),
+    [
+        ("<= 0.5", None, 0.5),
+        ("<=0.5", None, 0.5),
+        ("< 1", None, 1.0),
+        (">= 2", 2.0, None),
+        ("> -2.5e-3", -0.0025, None),
+        ("== 70331", 70331.0, 70331.0),
+        ("70331", 70331.0, 70331.0),
+        ("66.99 .. 67.01", 66.99, 67.01),
+        ("-1..-.5", -1.0, -0.5),
+        ("-1e3 .. 1e-3", -1000.0, 0.001),
+        ("100 +- 0.001", 99.999, 100.001),
+        ("100 ± 0.001", 99.999, 100.001),
+        ("20.0045 +/- 0.01", 19.9945, 20.0145),
+        ("!= 3", None, None),
+    ],
+)
+def test_limits_are_those_a_reader_writes_down(
+    text: str, lower: float | None, upper: float | None
+) -> None:
+    condition = parse_condition(text, "number")
+    assert (condition.lower, condition.upper) == (lower, upper)
+
+
+@pytest.mark.parametrize(
+    "text", ["<= 0,5", "=> 2", "5 .. 4", "about 3", "", "<=", "nan", "== TRUE"]
+)
+def test_a_number_metric_refuses(text: str) -> None:
+    with pytest.raises(UserError):
+        parse_condition(text, "number")
+
+
+def test_a_decimal_comma_is_named() -> None:
+    with pytest.raises(UserError, match="decimal point"):
+        parse_condition("<= 0,5", "number")
+    with pytest.raises(UserError, match="decimal point"):
+        parse_condition("0,5", "any")
+
+
+# Limits 0 .. 10 with u = 1: inconclusive up to 1 from a limit, marginal up to 2, pass beyond.
+@pytest.mark.parametrize(
+    ("value", "verdict"),
+    [
+        (5.0, P), (2.001, P), (2.0, M), (1.001, M), (1.0, INC), (0.0, INC), (-1.0, INC),
+        (7.999, P), (8.0, M), (8.999, M), (9.0, INC), (10.0, INC), (11.0, INC), (11.001, F),
+        (-1.001, F),
+    ],
+)  # fmt: skip
+def test_guard_band_is_the_uncertainty(value: float, verdict: Verdict) -> None:
+    assert parse_condition("0 .. 10").judge(value, 1.0) == verdict
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "verdict"),
+    [
+        ("<= 0.5", 0.5, P),
+        ("<= 0.5", 0.5000001, F),
+        ("< 0.5", 0.5, F),
+        ("< 0.5", 0.4999999, P),
+        (">= 2", 2, P),
+        ("> 2", 2, F),
+        ("== 70331", 70331, P),
+        ("== 70331", 70332, F),
+        ("!= 3", 3, F),
+        ("!= 3", 3.1, P),
+        ("66.99 .. 67.01", 67.01, P),
+        ("66.99 .. 67.01", 67.0101, F),
+        ("100 +- 0.001", 100.001, P),
+        ("<= 0.5", -math.inf, P),
+        ("<= 0.5", math.inf, F),
+    ],
+)
+def test_without_uncertainty_the_limit_decides(text: str, value: float, verdict: Verdict) -> None:
+    assert parse_condition(text).judge(value) == verdict
+
+
+def test_unequal_keeps_its_distance() -> None:
+    condition = parse_condition("!= 3")
+    assert [condition.judge(3.0 + d, 1.0) for d in (0.5, 1.0, 1.5, 2.0, 2.5)] == [INC, INC, M, M, P]
+
+
+@pytest.mark.parametrize("text", ["<= 0.5", "> 2", "0 .. 1", "!= 3", "== TRUE"])
+@pytest.mark.parametrize("uncertainty", [0.0, 1.0, 1e9])
+def test_a_missing_value_never_passes(text: str, uncertainty: float) -> None:
+    condition = parse_condition(text)
+    assert condition.judge(None, uncertainty) == F
+    assert condition.judge(math.nan, uncertainty) == F
+    assert parse_condition("none", "alarms").judge(None) == F
+
+
+@pytest.mark.parametrize("uncertainty", [-0.1, math.nan])
+def test_an_impossible_uncertainty_is_a_defect(uncertainty: float) -> None:
+    with pytest.raises(ValueError, match="uncertainty"):
+        parse_condition("<= 1").judge(0.5, uncertainty)
+
+
+@given(
+    value=st.floats(-100, 100),
+    low=st.floats(-50, 50),
+    width=st.floats(0, 50),
+    u=st.floats(0.001, 20),
+)
+def test_pass_means_every_value_within_the_uncertainty_is_inside(
+    value: float, low: float, width: float, u: float
+) -> None:
+    """The claim behind the guard band, checked at both ends of the interval value +- u."""
+    high = low + width
+    verdict = parse_condition(f"{low!r} .. {high!r}").judge(value, u)
+    ends_inside = [low <= value + end <= high for end in (-u, u)]
+    tiny = 1e-9
+    if verdict <= M:
+        assert low - tiny <= value - u
+        assert value + u <= high + tiny
+    elif verdict == F:
+        assert not any(ends_inside)
+
+
+@pytest.mark.parametrize(
+    ("text", "found", "verdict"),
+    [
+        ("none", [], P),
+        ("==", [], P),
+        ("== none", [], P),
+        ("none", [50059], F),
+        ("50059", [50059], P),
+        ("== 50059", [50059, 50052], F),
+        ("== 50059 50052", [50059, 50052], P),
+        ("== 50052 50059", [50059, 50052], F),
+        ("!= none", [50059], P),
+        ("!= none", [], F),
+        ("contains 50052", [50059, 50052], P),
+        ("contains 50052 70331", [50059, 50052], F),
+    ],
+)
+def test_alarms_are_a_list_in_order(text: str, found: list[int], verdict: Verdict) -> None:
+    assert parse_condition(text, "alarms").judge(found) == verdict
+
+
+@pytest.mark.parametrize("text", ["contains", "<= 3", "50059, 50052", "fifty", "contains50052"])
+def test_alarms_refuse(text: str) -> None:
+    with pytest.raises(UserError):
+        parse_condition(text, "alarms")
+
+
+def test_text_and_printed_numbers() -> None:
+    assert parse_condition("== TRUE").judge("TRUE") == P
+    assert parse_condition("TRUE").judge("FALSE") == F
+    assert parse_condition("!= TRUE").judge("FALSE") == P
+    assert parse_condition("66.99 .. 67.01").judge(" 67.0000 ") == P
+    assert parse_condition("66.99 .. 67.01").judge("not found") == F
+    assert parse_condition("70331", "text").judge("70331") == P
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (None, ""), (0.1, "0.1"), (1e-9, "1e-09"), (70331, "70331"), ([5, 7], "5 7"),
+        ([], ""), ("TRUE", "TRUE"), (np.float64(0.1), "0.1"), (np.int64(7), "7"),
+    ],
+)  # fmt: skip
+def test_values_as_text(value: object, text: str) -> None:
+    assert value_text(value) == text  # type: ignore[arg-type]
+
+
+def test_checks_name_axis_block_and_unit() -> None:
+    latch = parse_check("latch_error_um:X", "<= 0.5", "probing.csv:2")
+    assert (latch.name, latch.axis, latch.block, latch.unit) == ("latch_error_um", "X", None, "um")
+    assert parse_check("latch_error_um", "<= 0.5", "").axis is None
+    assert parse_check("msg:N30", "67", "").block == ("N30", 1)
+    assert parse_check("msg:N30.2", "67", "").block == ("N30", 2)
+    assert isinstance(latch, Check)
+
+
+@pytest.mark.parametrize(
+    ("metric", "words"),
+    [
+        ("latch_eror_um:X", "latch_error_um"),
+        ("msg", "msg:N30"),
+        ("msg:30", "msg:N30"),
+        ("msg:N30.0", "unknown metric"),
+        ("alarms:X", "cannot be asked for"),
+        ("latch_error_um:X.2", "latch_error_um:X"),
+        ("", "unknown metric"),
+    ],
+)
+def test_unknown_metrics_are_refused_with_a_hint(metric: str, words: str) -> None:
+    with pytest.raises(UserError, match=words):
+        parse_check(metric, "<= 1", "probing.csv:2")
+
+
+def test_the_metrics_table_is_sound() -> None:
+    for name, metric in known_metrics().items():
+        assert metric.name == name
+        assert metric.scope in {"run", "axis", "block"}
+        assert metric.type in {"number", "text", "alarms", "any"}
+        assert metric.plot in {"", "position", "velocity", "lag"}
+        assert metric.meaning
+        assert metric.source
+        spelled = metric.unit.replace("/", "_")
+        assert not spelled or f"_{spelled}" in name, "the name ends in the unit"

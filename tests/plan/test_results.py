@@ -1,0 +1,222 @@
+"""The results folder: columns, order, bytes, interruption, JUnit."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from bench.checks import judge
+from bench.plan import Case, Plan, read_plan
+from bench.results import CaseResult, Event, ResultsWriter, build_manifest, no_values
+from bench.stored import read_results
+from bench.verdict import Verdict
+from kernel.errors import UserError
+
+PlanWriter = Callable[..., Path]
+
+TEXT = (
+    "case,program,rig,title,requirement,set:Z.edge,check:latch_error_um:Z,check:lag_mm_max:Z\n"
+    "a,probe.nc,machine.toml,first,REQ-1,NEG,<= 0.5,<= 2\n"
+    "b,probe.nc,machine.toml,second,,,-1 .. 1,\n"
+    "c,probe.nc,machine.toml,third,,POS,!= 3,\n"
+)
+
+
+@pytest.fixture
+def plan(write_plan: PlanWriter) -> Plan:
+    return read_plan(write_plan(TEXT))
+
+
+def run_case(case: Case, error_um: float | None = 0.1) -> CaseResult:
+    values: dict[str, Any] = {"latch_error_um:Z": error_um, "lag_mm_max:Z": 1.7, "alarms": []}
+    checks = [judge(check, values[check.metric], 0.0, "why") for check in case.checks]
+    trace = pa.table(
+        {
+            "time_ns": np.arange(5, dtype=np.int64) * 1_000_000,
+            "Z.set_mm": np.linspace(0.0, 0.1, 5),
+            "probe.signal": np.array([0, 0, 1, 1, 1], dtype=np.int8),
+        }
+    )
+    return CaseResult(
+        case,
+        max(item.verdict for item in checks),
+        checks,
+        sim_s=0.005,
+        frame_log_sha256="ab" * 32,
+        trace=trace,
+        events=[Event(2_000_000, "latch", "latch", "Z"), Event(1_000_000, "edge", "edge", "Z")],
+        messages=["Z 67.0 \x00 <&>"],
+    )
+
+
+def write(folder: Path, plan: Plan, order: list[int], error_um: float | None = 0.1) -> Path:
+    manifest = build_manifest([plan], command=["axisrig"], started="then", output="out")
+    with ResultsWriter(folder, [plan], manifest) as writer:
+        for index in order:
+            writer.add(run_case(plan.cases[index], error_um))
+    return folder
+
+
+def rows(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def test_the_columns_are_those_other_tools_build_on(plan: Plan, tmp_path: Path) -> None:
+    out = write(tmp_path / "out", plan, [0, 1, 2])
+    head = (out / "results.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert head == (
+        "plan,case,run,check,metric,value,unit,lower,upper,uncertainty,verdict,reference"
+    )
+    head = (out / "cases.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert head == (
+        "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,"
+        "program,rig,title,requirement,set:Z.edge"
+    )
+    first = rows(out / "results.csv")[0]
+    assert first == {
+        "plan": "probing", "case": "a", "run": "probing-a", "check": "<= 0.5",
+        "metric": "latch_error_um:Z", "value": "0.1", "unit": "um", "lower": "", "upper": "0.5",
+        "uncertainty": "0.0", "verdict": "pass", "reference": "probing.csv:2",
+    }  # fmt: skip
+    case = rows(out / "cases.csv")[0]
+    assert (case["program"], case["set:Z.edge"], case["alarms"]) == ("probe.nc", "NEG", "")
+
+
+def test_any_order_of_ending_gives_the_same_bytes(plan: Plan, tmp_path: Path) -> None:
+    """Everything but the manifest; wall_s is 0 in both."""
+    one = write(tmp_path / "one", plan, [0, 1, 2])
+    two = write(tmp_path / "two", plan, [2, 0, 1])
+    names = sorted(p.relative_to(one) for p in one.rglob("*") if p.is_file())
+    assert len(names) == 4 + 3 * 2
+    for name in names:
+        assert (one / name).read_bytes() == (two / name).read_bytes(), name
+
+
+def test_numbers_come_back_to_the_last_bit(plan: Plan, tmp_path: Path) -> None:
+    value = 0.1 + 0.2
+    out = write(tmp_path / "out", plan, [0], value)
+    assert float(rows(out / "results.csv")[0]["value"]) == value
+    trace = pq.read_table(out / "traces" / "probing-a.parquet")
+    assert trace.column("Z.set_mm").to_numpy().tolist() == np.linspace(0.0, 0.1, 5).tolist()
+    column = pq.ParquetFile(out / "traces" / "probing-a.parquet").metadata.row_group(0).column(1)
+    assert (column.compression, "BYTE_STREAM_SPLIT" in column.encodings) == ("ZSTD", True)
+
+
+def test_an_interrupted_campaign_keeps_what_it_has(plan: Plan, tmp_path: Path) -> None:
+    def campaign() -> None:
+        with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
+            writer.add(run_case(plan.cases[1]))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        campaign()
+    results = read_results(tmp_path / "out")
+    assert [run.run for run in results.runs] == ["probing-b"]
+    assert (results.missing, results.verdict) == (2, Verdict.ABORTED)
+    assert results.manifest["finished"] is False
+
+
+def test_rows_are_on_disk_as_soon_as_a_run_ends(plan: Plan, tmp_path: Path) -> None:
+    writer = ResultsWriter(tmp_path / "out", [plan], {})
+    writer.add(run_case(plan.cases[2]))
+    assert [row["run"] for row in rows(tmp_path / "out" / "cases.csv")] == ["probing-c"]
+    assert len(read_results(tmp_path / "out").runs[0].checks) == 2
+
+
+def test_a_check_nobody_judged_is_an_error(plan: Plan, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
+        result = run_case(plan.cases[0])
+        writer.add(CaseResult(result.case, Verdict.PASS, result.checks[:1]))
+    (run,) = read_results(tmp_path / "out").runs
+    assert [check["verdict"] for check in run.checks] == ["pass", "error", "error"]
+    assert run.verdict == Verdict.ERROR
+
+
+def test_a_run_without_values_says_why(plan: Plan, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
+        writer.add(no_values(plan.cases[0], Verdict.ERROR, "the FMU ended the process"))
+    (run,) = read_results(tmp_path / "out").runs
+    assert {check["value"] for check in run.checks} == {""}
+    assert run.info["notes"]["latch_error_um:Z"] == run.info["error"] == "the FMU ended the process"
+
+
+def test_defects_of_the_runner_are_loud(plan: Plan, tmp_path: Path) -> None:
+    writer = ResultsWriter(tmp_path / "out", [plan], {})
+    writer.add(run_case(plan.cases[0]))
+    with pytest.raises(ValueError, match="written before"):
+        writer.add(run_case(plan.cases[0]))
+    bad = run_case(plan.cases[1])
+    bad.trace = pa.table({"time_s": [0.0]})
+    with pytest.raises(ValueError, match="time_ns"):
+        writer.add(bad)
+
+
+def test_only_results_folders_are_replaced(plan: Plan, tmp_path: Path) -> None:
+    out = write(tmp_path / "out", plan, [0, 1, 2])
+    (out / "notes.txt").write_text("mine", encoding="utf-8")
+    write(out, plan, [0])
+    assert (out / "notes.txt").read_text(encoding="utf-8") == "mine"
+    assert [p.name for p in (out / "traces").iterdir()] == ["probing-a.parquet"]
+    with pytest.raises(UserError, match="no results folder"):
+        write(tmp_path, plan, [0])
+    with pytest.raises(UserError, match="not a folder"):
+        write(tmp_path / "probe.nc", plan, [0])
+    with pytest.raises(UserError, match="missing"):
+        read_results(tmp_path)
+
+
+def test_limits_of_magnitudes_are_drawn_on_both_sides(plan: Plan, tmp_path: Path) -> None:
+    out = write(tmp_path / "out", plan, [0])
+    info = json.loads((out / "runs" / "probing-a.json").read_text(encoding="utf-8"))
+    assert [(limit["plot"], limit["axis"], limit["value"]) for limit in info["limits"]] == [
+        ("lag", "Z", 2.0),
+        ("lag", "Z", -2.0),
+    ]
+    assert [event["kind"] for event in info["events"]] == ["edge", "latch"]
+
+
+def test_junit_carries_values_limits_and_requirement(plan: Plan, tmp_path: Path) -> None:
+    with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
+        writer.add(run_case(plan.cases[0], 0.7))
+        writer.add(run_case(plan.cases[1], None))
+        writer.add(no_values(plan.cases[2], Verdict.ABORTED, "stopped \x07 by hand"))
+    suite = ElementTree.parse(tmp_path / "out" / "junit.xml").getroot().find("testsuite")
+    assert suite is not None
+    counts = {name: suite.get(name) for name in ("name", "tests", "failures", "errors")}
+    assert counts == {"name": "probing", "tests": "3", "failures": "2", "errors": "1"}
+    first, second, third = suite.findall("testcase")
+    properties = {p.get("name"): p.get("value") for p in first.iter("property")}
+    assert properties["latch_error_um:Z.value"] == "0.7"
+    assert properties["latch_error_um:Z.upper"] == "0.5"
+    assert properties["latch_error_um:Z.unit"] == "um"
+    assert properties["requirement"] == "REQ-1"
+    assert properties["seed"] == str(plan.cases[0].seed)
+    failure = first.find("failure")
+    assert failure is not None
+    assert "latch_error_um:Z is 0.7 um, asked for <= 0.5" in (failure.get("message") or "")
+    assert "no value" in "".join(second.find("failure").itertext())  # type: ignore[union-attr]
+    error = third.find("error")
+    assert error is not None
+    assert (error.get("type"), error.get("message")) == ("aborted", "stopped \ufffd by hand")
+    assert first.findtext("system-out") == "Z 67.0 \ufffd <&>"
+
+
+def test_the_manifest_names_what_the_campaign_was_made_with(plan: Plan, tmp_path: Path) -> None:
+    out = write(tmp_path / "out", plan, [0, 1, 2])
+    manifest = json.loads((out / "manifest.json").read_text(encoding="utf-8"))
+    # SHA-256 of "N10 M30\n", computed with sha256sum.
+    assert manifest["files"]["probe.nc"] == PROBE_SHA256
+    assert (manifest["started"], manifest["output"]) == ("then", "out")
+    assert (manifest["runs_planned"], manifest["finished"]) == (3, True)
+    assert manifest["plans"][0]["runs"] == 3
+
+
+PROBE_SHA256 = "f6999beee91cf11d8ba72fcb14b398de080107e34979b28c88f89efdab07dcd4"

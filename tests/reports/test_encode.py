@@ -1,0 +1,122 @@
+"""Signals through the report's encoding and back, by a decoder written from its description."""
+
+import base64
+import gzip
+import json
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from reports.build import build_report
+from reports.encode import encode_signal, pack
+
+Array = npt.NDArray[np.float64]
+
+
+def decode(
+    octets: bytes, rows: int, start: int, planes: int, digits: int, gaps: list[Any]
+) -> Array:
+    """Undo the four steps with plain integers."""
+    values, total = [], start
+    for row in range(rows):
+        step = sum(octets[plane * rows + row] << (8 * plane) for plane in range(planes))
+        total += -(step + 1) // 2 if step % 2 else step // 2
+        values.append(total / 10**digits)
+    result = np.array(values)
+    for first, count in gaps:
+        result[first : first + count] = np.nan
+    return result
+
+
+def back(values: Array, digits: int) -> Array:
+    head, octets = encode_signal(values, digits)
+    assert len(octets) == head.planes * len(values)
+    return decode(octets, len(values), head.start, head.planes, head.digits, head.gaps)
+
+
+def test_nanometres_over_metres_come_back_exactly() -> None:
+    values = np.array([0.0, 4000.000001, -4000.0, 1e-6, -1e-6, 12.345678])
+    assert back(values, 6).tolist() == values.tolist()
+
+
+def test_gaps_come_back_as_gaps() -> None:
+    values = np.array([np.nan, 1.0, np.nan, np.nan, 2.0, np.nan])
+    np.testing.assert_array_equal(back(values, 3), values)
+
+
+def test_a_constant_costs_one_plane_and_a_single_sample_works() -> None:
+    head, octets = encode_signal(np.full(1000, 123.456), 6)
+    assert (head.planes, len(octets)) == (1, 1000)
+    assert back(np.array([7.5]), 1).tolist() == [7.5]
+
+
+def test_time_in_nanoseconds_is_exact() -> None:
+    time_ns = np.array([0, 1_000_000, 2_000_001, 9_007_199_254_740_991], dtype=np.int64)
+    head, octets = encode_signal(time_ns, 0)
+    assert decode(octets, 4, head.start, head.planes, 0, []).tolist() == time_ns.tolist()
+
+
+def test_values_beyond_the_range_are_refused() -> None:
+    with pytest.raises(OverflowError):
+        encode_signal(np.array([1e15]), 6)
+
+
+@given(hnp.arrays(np.float64, st.integers(1, 50), elements=st.floats(-1e6, 1e6)))
+def test_no_value_is_off_by_more_than_half_a_step(values: Array) -> None:
+    assert np.abs(back(values, 6) - values).max() <= 0.5e-6 * (1 + 1e-6)
+
+
+def _charts(page: str) -> list[tuple[dict[str, Any], str]]:
+    pattern = (
+        r'class="chart">(.*?)</script>\s*<script type="text/plain" class="data">(.*?)</script>'
+    )
+    return [(json.loads(a), b) for a, b in re.findall(pattern, page, re.DOTALL)]
+
+
+def test_the_page_holds_every_sample_of_the_trace(campaign: Path) -> None:
+    page = build_report(campaign).read_text(encoding="utf-8")
+    charts = _charts(page)
+    assert len(charts) == 12
+    trace = pq.read_table(campaign / "traces" / "probing-feed_1_a.parquet")
+    chart, packed = charts[0]
+    octets, offset = gzip.decompress(base64.b64decode(packed)), 0
+    for head in chart["columns"]:
+        size = head["planes"] * chart["rows"]
+        part = octets[offset : offset + size]
+        offset += size
+        name, rest = head["name"], {k: v for k, v in head.items() if k != "name"}
+        found = decode(part, chart["rows"], **rest)
+        truth = trace.column(name).to_numpy()
+        assert np.abs(found - truth).max() <= 0.500001 * 10.0 ** -head["digits"], name
+    assert offset == len(octets)
+
+
+@pytest.mark.skipif(shutil.which("node") is None, reason="needs node")
+def test_the_script_of_the_page_decodes_what_python_encodes(tmp_path: Path) -> None:
+    """Runs the page's own `unpack` and `column` in node."""
+    values = np.array([0.0, 4000.000001, -4000.0, np.nan, -1e-6, 12.345678])
+    head, octets = encode_signal(values, 6)
+    script = (Path(build_report.__code__.co_filename).parent / "page.js").read_text("utf-8")
+    functions = script[
+        script.index("async function unpack") : script.index("async function decode")
+    ]
+    heads = json.dumps({"start": head.start, "planes": head.planes, "digits": 6, "gaps": head.gaps})
+    (tmp_path / "decode.mjs").write_text(
+        f"{functions}\nunpack({json.dumps(pack([octets]))}).then((o) =>"
+        f" console.log(JSON.stringify(column(o, 0, {len(values)}, {heads}))));\n",
+        encoding="utf-8",
+    )
+    out = subprocess.run(
+        ["node", str(tmp_path / "decode.mjs")], capture_output=True, text=True, check=True
+    )
+    assert json.loads(out.stdout) == [0, 4000.000001, -4000, None, -1e-6, 12.345678]

@@ -1,0 +1,205 @@
+"""The page: nothing from outside, nothing unescaped, everything that a reader looks for."""
+
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+
+from kernel.errors import UserError
+from reports.bar import WIDTH, bar, scale
+from reports.build import build_report
+from reports.signals import signals, table, windows
+
+VOID = {"meta", "link", "input", "br", "img", "hr"}
+
+
+class Page(HTMLParser):
+    """Collects tags, checks that they close in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.stack: list[str] = []
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.text: list[str] = []
+        self.feed(text)
+        assert self.stack == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag not in VOID:
+            self.stack.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.stack.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if not {"script", "style"} & set(self.stack):
+            self.text.append(data)
+
+    def find(self, tag: str, **attributes: str) -> list[dict[str, str | None]]:
+        return [
+            found
+            for name, found in self.tags
+            if name == tag and all(found.get(k.strip("_")) == v for k, v in attributes.items())
+        ]
+
+
+@pytest.fixture(scope="module")
+def source(campaign: Path) -> str:
+    return build_report(campaign).read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page(source: str) -> Page:
+    return Page(source)
+
+
+def test_nothing_is_loaded_from_outside(page: Page, source: str) -> None:
+    for tag, attributes in page.tags:
+        for name in ("src", "srcset", "href", "action", "data", "poster"):
+            target = attributes.get(name)
+            assert target is None or target.startswith("#"), (tag, target)
+    assert page.find("link") == []
+    style = "".join(re.findall(r"<style>(.*?)</style>", source, re.DOTALL))
+    assert "url(" not in style
+    assert "@import" not in style
+    policy = page.find("meta", http_equiv="x") or [
+        a for _, a in page.tags if a.get("http-equiv") == "Content-Security-Policy"
+    ]
+    assert (policy[0]["content"] or "").startswith("default-src 'none'")
+
+
+def test_equal_inputs_give_equal_bytes(campaign: Path, tmp_path: Path) -> None:
+    """Also from a folder of another name and place, and over an older report."""
+    other = tmp_path / "elsewhere"
+    shutil.copytree(campaign, other)
+    first = build_report(campaign).read_bytes()
+    assert build_report(campaign).read_bytes() == first
+    assert build_report(other).read_bytes() == first
+
+
+def test_text_of_the_bench_cannot_become_markup(page: Page, source: str) -> None:
+    assert "status error in step 1204 <div>" in "".join(page.text)
+    assert "<b>&amp; end of program" in "".join(page.text)
+    assert (
+        "<div>"
+        not in re.sub(r"<script.*?</script>", "", source, flags=re.DOTALL).split("step 1204", 1)[1][
+            :8
+        ]
+    )
+
+
+def test_every_run_has_a_target_a_row_a_cell_and_a_replay_command(page: Page) -> None:
+    runs = [a["id"] for a in page.find("article")]
+    assert len(runs) == len(set(runs)) == 14
+    assert runs[0] == "probing-feed_1_a"
+    assert [a["data-run"] for a in page.find("tbody") if "data-run" in a] == runs
+    links = [a["href"] for a in page.find("a")]
+    assert all(links.count(f"#{run}") == 3 for run in runs)
+    copies = [a["data-text"] for a in page.find("button") if a.get("class") == "copy"]
+    assert copies[0] == "axisrig replay out/probing probing-feed_1_a"
+    ids = [a["id"] for _, a in page.tags if a.get("id")]
+    assert len(ids) == len(set(ids))
+
+
+def test_verdicts_are_glyph_word_and_colour(page: Page) -> None:
+    text = " ".join(" ".join(page.text).split())
+    for words in ("✔ pass", "~ marginal", "? inconclusive", "✖ fail", "■ aborted", "! error"):
+        assert words in text
+    counts = [a for a in page.find("li") if (a.get("class") or "").startswith("tile")]
+    assert len(counts) == 6
+
+
+def test_missing_values_say_why(page: Page) -> None:
+    text = "".join(page.text)
+    assert "the probe was actuated before the run: no latch" in text
+    assert "stopped with Ctrl-C" in text
+    assert "This run left no signals." in text
+
+
+def test_tables_are_readable_without_eyes(page: Page) -> None:
+    assert len(page.find("caption")) == len(page.find("table"))
+    assert all(a.get("scope") for a in page.find("th"))
+    assert all(a.get("aria-label") for a in page.find("svg"))
+    assert page.find("html", lang="en")
+
+
+def test_an_interrupted_campaign_is_said_to_be_one(campaign: Path, tmp_path: Path) -> None:
+    part = tmp_path / "part"
+    shutil.copytree(campaign, part)
+    for name, keep in (("cases.csv", 3), ("results.csv", 13)):
+        lines = (part / name).read_text(encoding="utf-8").splitlines(keepends=True)
+        (part / name).write_text("".join(lines[:keep]), encoding="utf-8")
+    text = "".join(Page(build_report(part).read_text(encoding="utf-8")).text)
+    assert "12 of 14 planned runs left no result" in text
+
+
+def test_other_folders_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(UserError, match="no results folder"):
+        build_report(tmp_path)
+
+
+def test_scripts_cannot_end_early() -> None:
+    folder = Path(build_report.__code__.co_filename).parent
+    for name in ("page.js", "vendor/uplot/uPlot.iife.min.js"):
+        assert "</script" not in (folder / name).read_text(encoding="utf-8").lower()
+    assert "MIT License" in (folder / "vendor/uplot/LICENSE").read_text(encoding="utf-8")
+
+
+def _x(svg: str, kind: str) -> list[float]:
+    return [float(x) for x in re.findall(rf'class="{kind}[^"]*" x1?="([\d.]+)"', svg)]
+
+
+def test_the_bar_puts_a_value_between_its_limits() -> None:
+    """In the middle of both limits the marker (3 wide) stands in the middle of the drawing."""
+    svg = bar(67.0, 0.0, 66.99, 67.01, "pass", "67 mm")
+    (marker,) = _x(svg, "bar-value")
+    assert marker + 1.5 == pytest.approx(WIDTH / 2, abs=0.1)
+    left, right = _x(svg, "bar-limit")
+    assert left < marker < right
+    assert (left + right) / 2 == pytest.approx(WIDTH / 2, abs=0.1)
+
+
+def test_the_bar_shows_a_value_far_outside_as_an_arrow() -> None:
+    assert "<path" in bar(99.0, 0.0, 66.99, 67.01, "fail", "99 mm")
+    assert "bar-inconclusive" in bar(0.4, 0.05, None, 0.5, "marginal", "0.4 um")
+
+
+@pytest.mark.parametrize(
+    ("value", "lower", "upper"),
+    [(0.1, None, 0.5), (-3.0, None, 0.5), (5.0, 2.0, None), (70331.0, 70331.0, 70331.0),
+     (0.0, 0.0, 0.0), (0.0, None, 0.0), (-5.0, -2.0, None)],
+)  # fmt: skip
+def test_every_bar_has_room(value: float, lower: float | None, upper: float | None) -> None:
+    area = scale(value, 0.01, lower, upper)
+    assert area.low < area.high
+    assert area.holds(lower if lower is not None else upper if upper is not None else 0.0)
+
+
+def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> None:
+    """100 ms long: 60 ms before, 40 ms after; the second one, 1 s later, is cut by the end."""
+    ms = 1_000_000
+    events = [
+        {"time_ns": 1000 * ms, "kind": "contact"},
+        {"time_ns": 1010 * ms, "kind": "brake"},
+        {"time_ns": 1100 * ms, "kind": "standstill"},
+        {"time_ns": 2100 * ms, "kind": "contact"},
+        {"time_ns": 2200 * ms, "kind": "standstill"},
+        {"time_ns": 5 * ms, "kind": "alarm"},
+    ]
+    found = {w["label"]: (w["start_ns"], w["end_ns"]) for w in windows(events, 0, 2210 * ms)}
+    assert found["measurement 1"] == (940 * ms, 1140 * ms)
+    assert found["edge 1"] == (994 * ms, 1014 * ms)
+    assert found["measurement 2"] == (2040 * ms, 2210 * ms)
+    assert windows([], 0, 100) == []
+
+
+def test_the_tables_of_the_report_fit_together() -> None:
+    plots = {row["plot"] for row in table("plots.csv")}
+    assert {signal.plot for signal in signals().values()} <= plots
+    assert all(row["term"] and row["meaning"] for row in table("glossary.csv"))
