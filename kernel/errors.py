@@ -25,7 +25,7 @@ class UserError(Exception):
     value: what was found. allowed: what may stand there. hint: what to do.
     """
 
-    def __init__(  # noqa: PLR0913
+    def __init__(
         self,
         message: str,
         *,

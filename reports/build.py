@@ -145,7 +145,8 @@ def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
     """The drawing of value and limits, or nothing where there is no number to draw."""
     lower, upper = _number(row["lower"]), _number(row["upper"])
     value = _number(row["value"])
-    if value is None or (lower is None and upper is None):
+    limited = lower is not None or upper is not None
+    if value is None or not limited or not math.isfinite(uncertainty):
         return Markup("")
     label = (
         f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"

@@ -22,6 +22,7 @@ _APART_NS = 500_000_000
 _MARGIN_BEFORE = 0.6
 _MARGIN_AFTER = 0.4
 _MARGIN_LEAST_NS = 10_000_000
+_EDGE_LEAST_NS = 100_000
 _OF_A_MEASUREMENT = frozenset({"contact", "edge", "latch", "pdo", "brake", "standstill"})
 
 
@@ -149,32 +150,47 @@ def _first_axis(
 def windows(
     events: Sequence[Mapping[str, Any]], start_ns: int, end_ns: int
 ) -> list[dict[str, Any]]:
-    """Find the stretches worth a button: around each measurement and around each edge.
+    """Find the stretches worth a button: around each measurement and around its edge.
 
-    Events of a measurement are at most half a second apart. Each stretch has a margin and stays
-    inside the run; its keys are `label`, `start_ns`, `end_ns`.
+    A measurement ends with its standstill; the edge when the probe leaves the surface is no part
+    of it. Each stretch has a margin and stays inside the run; its keys are `label`, `start_ns`,
+    `end_ns`.
     """
+    measurements = _measurements(events)
+    stretches = []
+    for number, group in enumerate(measurements, start=1):
+        count = f" {number}" if len(measurements) > 1 else ""
+        first = group[0]["time_ns"]
+        reaction = [event["time_ns"] for event in group if event["kind"] != "standstill"]
+        for label, last, least in (
+            ("measurement", group[-1]["time_ns"], _MARGIN_LEAST_NS),
+            ("edge", max(reaction, default=first), _EDGE_LEAST_NS),
+        ):
+            length = max(last - first, least)
+            stretches.append(
+                {
+                    "label": label + count,
+                    "start_ns": max(start_ns, first - round(length * _MARGIN_BEFORE)),
+                    "end_ns": min(end_ns, last + round(length * _MARGIN_AFTER)),
+                }
+            )
+    return stretches
+
+
+def _measurements(events: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+    """Group the events of each measurement: until its standstill, or half a second of nothing."""
     groups: list[list[Mapping[str, Any]]] = []
     for event in sorted(events, key=lambda e: int(e["time_ns"])):
         if event["kind"] not in _OF_A_MEASUREMENT:
             continue
-        if groups and event["time_ns"] - groups[-1][-1]["time_ns"] <= _APART_NS:
-            groups[-1].append(event)
-        else:
-            groups.append([event])
-    stretches = []
-    for number, group in enumerate(groups, start=1):
-        count = f" {number}" if len(groups) > 1 else ""
-        near = [event for event in group if event["kind"] != "standstill"]
-        for label, part in (("measurement", group), ("edge", near)):
-            if part:
-                first, last = part[0]["time_ns"], part[-1]["time_ns"]
-                length = max(last - first, _MARGIN_LEAST_NS if part is group else 0)
-                stretches.append(
-                    {
-                        "label": label + count,
-                        "start_ns": max(start_ns, first - round(length * _MARGIN_BEFORE)),
-                        "end_ns": min(end_ns, last + round(length * _MARGIN_AFTER)),
-                    }
-                )
-    return stretches
+        last = groups[-1][-1] if groups else None
+        if (
+            last is None
+            or last["kind"] == "standstill"
+            or event["time_ns"] - last["time_ns"] > _APART_NS
+        ):
+            groups.append([])
+        groups[-1].append(event)
+    # A lone edge is the probe leaving the surface, unless there is nothing else to look at.
+    whole = [group for group in groups if {event["kind"] for event in group} != {"edge"}]
+    return whole or groups

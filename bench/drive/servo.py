@@ -132,7 +132,6 @@ class Servo:
         if not self._follows:
             # Whatever target stands there, operation starts where the axis is
             self._follows = True
-            self._exceeded_ns = None
             image.target_position = self.scaling.position_units(motor_m)
             self.axis.command(now_ns, motor_m, 0.0, now_ns, True)
             return motor_m

@@ -291,7 +291,7 @@ class Channel:
     def _is_in_position(self) -> bool:
         """Whether the interpolation stands and every axis is in its exact-stop window.
 
-        Raises Alarm 900010 when an axis does not get there within its settling time.
+        Raises Alarm 70082 when an axis does not get there within its settling time.
         """
         if not (self.interpolator.is_standing and self._buffer.is_settled):
             self._settling_since_ns = None
@@ -305,7 +305,7 @@ class Channel:
                 waited_ns = now_ns - self._settling_since_ns
                 if 0 < axis.settling_ns < waited_ns:
                     raise Alarm(
-                        900010,
+                        70082,
                         axis=axis.name,
                         lag_mm=f"{lag_mm:.4f}",
                         window_mm=f"{axis.window_mm:.4f}",

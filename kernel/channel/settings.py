@@ -38,14 +38,11 @@ class AxisSettings:
     @classmethod
     def read(cls, name: str, axis: ParameterSet, channel: ParameterSet) -> "AxisSettings":
         """Take the settings from the parameter sets of axis and channel."""
-        settling_us = axis.integer("getriebe[0].position_settling_time")
-        if settling_us < 0:
-            settling_us = axis.integer("getriebe[0].pos_einschw_zeit") * 1000
         return cls(
             name=name,
             may_measure=axis.flag("kenngr.messachse"),
             probing_offset_mm=axis.mm("kenngr.probing_offset"),
             window_mm=axis.mm("getriebe[0].window"),
-            settling_ns=settling_us * US,
+            settling_ns=axis.ns("getriebe[0].position_settling_time"),
             dynamics={motion: axis_slopes(axis, channel, motion) for motion in Motion},
         )

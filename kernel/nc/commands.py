@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from kernel.errors import UserError
 from kernel.nc import message
 from kernel.nc.coordinates import MAIN_AXES
+from kernel.nc.measuring_types import measuring_types
 from kernel.nc.source import Source
 from kernel.nc.syntax import (
     Expression,
@@ -18,9 +19,6 @@ from kernel.nc.syntax import (
     Text,
 )
 from kernel.nc.words import Word
-
-# Source: FCT-C4 section 3, table of the measuring types.
-MEASURING_TYPES = range(1, 8)
 
 COMPONENTS = 6
 
@@ -70,7 +68,7 @@ def not_acting(source: Source, offset: int, shown: str, word: Word) -> UserError
 
 def is_measuring_type(value: float) -> bool:
     """Tell whether a number is one of the measuring types. Source: FCT-C4 section 3."""
-    return value in MEASURING_TYPES
+    return value in measuring_types()
 
 
 def command_statement(given: CommandText) -> Statement:
@@ -89,7 +87,7 @@ def _measuring_mode(given: CommandText) -> MeasuringMode:
             "no such measuring type",
             given.offset,
             value=f"{chosen.value:g}",
-            allowed=MEASURING_TYPES,
+            allowed=measuring_types(),
         )
     return MeasuringMode(chosen)
 

@@ -10,6 +10,7 @@ from kernel.nc.canon import Block
 from kernel.nc.commands import is_measuring_type
 from kernel.nc.coordinates import Coordinates, Frame, Measured
 from kernel.nc.expressions import NoValue, evaluate
+from kernel.nc.measuring_types import measuring_types
 from kernel.nc.syntax import (
     Expression,
     MeasuringMode,
@@ -22,10 +23,6 @@ from kernel.nc.syntax import (
     Text,
     Words,
 )
-
-ACTING_TYPES = (1,)
-TYPES_OF_G310 = (5, 6)
-
 
 # What the variables of an axis read: positions always have a value, results only after a run.
 _POSITIONS: Mapping[str, Callable[[Coordinates, str], float]] = {
@@ -154,9 +151,15 @@ class Interpreter:
 
     def _measure(self, block: Block, values: Mapping[str, float]) -> Iterator[canon.Command]:
         """G100, type 1. Source: FCT-C4 sections 3 and 4."""
-        if self._type in TYPES_OF_G310:
+        kind = measuring_types()[self._type]
+        if kind.command != "G100":
             raise self._alarm(20138, block, type=self._type)
-        self._require_acting(block, self._type)
+        if kind.axes_max is not None and len(values) > kind.axes_max:
+            raise self._alarm(
+                50061, block, programmed=len(values), maximum=kind.axes_max, type=self._type
+            )
+        if not kind.acts:
+            raise self._alarm(900102, block, type=self._type)
         feed_mm_min = self._feed(block, "G100")
         target_mm = self._coordinates.aim(values, absolute=self._absolute)
         if not target_mm:
@@ -210,10 +213,7 @@ class Interpreter:
         value = self._value(block, mode.measuring_type)
         if not is_measuring_type(value):
             raise self._alarm(900104, block, value=f"{value:g}")
-        chosen = int(value)
-        if chosen not in TYPES_OF_G310:
-            self._require_acting(block, chosen)
-        self._type = chosen
+        self._type = int(value)
 
     def _switch_off(self, block: Block, all_systems: bool) -> None:
         if all_systems:
@@ -268,17 +268,13 @@ class Interpreter:
 
     def _feed(self, block: Block, word: str) -> float:
         if self._feed_mm_min is None or self._feed_mm_min <= 0:
-            raise self._alarm(900106, block, word=word)
+            raise self._alarm(20008, block, word=word)
         return self._feed_mm_min
 
     # ---- refusals
 
-    def _require_acting(self, block: Block, measuring_type: int) -> None:
-        if measuring_type not in ACTING_TYPES:
-            raise self._alarm(900102, block, type=measuring_type)
-
     def _require_offset_type(self, block: Block, g_function: str) -> None:
-        if self._type in TYPES_OF_G310:
+        if measuring_types()[self._type].command != "G100":
             raise self._alarm(20772, block, g_function=g_function, type=self._type)
 
     def _check_external(self) -> None:

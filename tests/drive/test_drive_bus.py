@@ -195,6 +195,40 @@ def test_inhibit_time_delays_a_change_and_drops_what_came_back(drive_bench: Make
         assert abs(later - earlier - 5 * MS) < 10_000
 
 
+def test_change_held_by_the_inhibit_time_is_lost_with_its_pdo(drive_bench: Make) -> None:
+    """High is seen at 5 and held until 7.3; at 6.6 the PDO is taken out of use."""
+    bench = drive_bench(inputs=([4_500_000], None))
+    sdo = bench.remote.sdo
+    sdo[0x1802][1].raw = 0x80000383
+    sdo[0x1802][3].raw = 40
+    sdo[0x1802][1].raw = 0x383
+    bench.operational(3.3)
+    bench.sync_at_ms(5)
+    bench.sync_at_ms(6)
+    sdo[0x1802][1].raw = 0x80000383
+    bench.run_to_ms(10)
+    assert len(bench.frames(0x383)) == 1
+
+
+def test_start_tells_the_level_of_now(drive_bench: Make) -> None:
+    """The edge came before the start and no SYNC has ever come."""
+    bench = drive_bench(inputs=([1_500_000], None))
+    bench.operational(3)
+    assert bench.frames(0x383) == [bytes.fromhex("00000100")]
+
+
+def test_statusword_as_event_follows_an_sdo_command_at_once(drive_bench: Make) -> None:
+    bench = drive_bench()
+    sdo = bench.remote.sdo
+    sdo[0x1A03][1].raw = 0x60410010
+    sdo[0x1A03][0].raw = 1
+    sdo[0x1803][1].raw = 0x483
+    bench.operational(4)
+    sdo[0x6040].raw = 0x06
+    bench.run_to_ms(5)
+    assert bench.frames(0x483) == [b"\x50\x02", b"\x31\x02"]
+
+
 # NMT, heartbeat
 
 
@@ -216,6 +250,9 @@ def test_no_pdo_before_start_and_after_stop(drive_bench: Make) -> None:
     bench.sync_at_ms(6)
     assert len(bench.frames(0x183)) == 1
     assert bench.remote.sdo[0x607A].raw == 0
+    bench.master.send_message(0x203, b"\x06\x00")  # too short, but nobody is listening
+    bench.run_to_ms(12)
+    assert bench.frames(0x083) == []
 
 
 def test_stopped_node_answers_nothing_but_nmt(drive_bench: Make) -> None:
@@ -284,6 +321,10 @@ def test_sync_identifier_follows_1005(drive_bench: Make) -> None:
     bench.master.send_message(0x81, b"")
     bench.run_to_ms(5)
     assert len(bench.frames(0x183)) == 1
+    bench.remote.nmt.send_command(129)
+    bench.operational(6)
+    bench.sync_at_ms(7)
+    assert len(bench.frames(0x183)) == 2
 
 
 # Refusals, by the abort codes of CiA 301

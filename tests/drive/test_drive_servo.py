@@ -171,6 +171,29 @@ def test_following_error_fault_after_window_and_time_out(drive_bench: Make, fake
     assert int.from_bytes(bench.frames(0x183)[-1][:2], "little") == 0x0250
 
 
+def test_node_reset_ends_a_fault_without_a_message(drive_bench: Make, fake_axis: Any) -> None:
+    bench = drive_bench(fake_axis(motion=lambda t: 0.0))
+    bench.remote.sdo[0x6065].raw = 100
+    bench.operational()
+    bench.enable(3)
+    bench.set_values(0x0F, 1000)
+    for k in (6, 7, 8):
+        bench.sync_at_ms(k)
+    assert bench.node.state is State.FAULT
+    bench.remote.nmt.send_command(129)
+    bench.run_to_ms(10)
+    assert bench.remote.sdo[0x6041].raw == 0x0250
+    assert bench.remote.sdo[0x1001].raw == 0
+    assert len(bench.frames(0x083)) == 1
+    bench.remote.sdo[0x6065].raw = 100
+    bench.operational(15)
+    bench.enable(16)
+    bench.set_values(0x0F, 1000)
+    bench.sync_at_ms(19)
+    bench.sync_at_ms(20)
+    assert len(bench.frames(0x083)) == 2  # the same error is a new one
+
+
 def test_window_not_exceeded_long_enough_is_no_fault(drive_bench: Make, fake_axis: Any) -> None:
     """The encoder is off by 3 mm from 8 to 10 ms only; time-out 3 ms starts over."""
     axis = fake_axis(motion=lambda t: 0.003 if 0.0085 < t < 0.0105 or t > 0.0115 else 0.0)

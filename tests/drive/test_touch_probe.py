@@ -79,6 +79,12 @@ def test_edge_before_arming_that_comes_through_later_does_not_latch() -> None:
     assert at(probe, 2000) == 0x0001
 
 
+def test_edge_at_the_instant_of_arming_comes_too_early() -> None:
+    probe = unit(Signal([1000]), profile=DriveProfile(input_delay_ns=100))
+    at(probe, 1000, POS_1)
+    assert at(probe, 2000) == 0x0001
+
+
 def test_edge_that_comes_through_after_disarming_does_not_latch() -> None:
     probe = unit(Signal([1950]), profile=DriveProfile(input_delay_ns=100))
     at(probe, 1000, POS_1)

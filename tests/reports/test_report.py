@@ -5,12 +5,14 @@ import shutil
 from html.parser import HTMLParser
 from pathlib import Path
 
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 from kernel.errors import UserError
 from reports.bar import WIDTH, bar, scale
 from reports.build import build_report
-from reports.signals import signals, table, windows
+from reports.signals import chart, signals, table, windows
 
 VOID = {"meta", "link", "input", "br", "img", "hr"}
 
@@ -144,6 +146,22 @@ def test_other_folders_are_refused(tmp_path: Path) -> None:
         build_report(tmp_path)
 
 
+def test_a_run_whose_trace_is_empty_is_shown_without_plots(campaign: Path, tmp_path: Path) -> None:
+    other = tmp_path / "empty"
+    shutil.copytree(campaign, other)
+    trace = other / "traces" / "probing-feed_1_a.parquet"
+    pq.write_table(pq.read_table(trace).slice(0, 0), trace)
+    assert len(Page(build_report(other).read_text(encoding="utf-8")).find("figure")) == 11
+
+
+def test_a_signal_that_the_table_does_not_know_gets_a_plot(tmp_path: Path) -> None:
+    trace = pa.table({"time_ns": [0, 1], "Z.gap_mm": [0.5, 0.25], "Z.set_mm": [1.0, 2.0]})
+    pq.write_table(trace, tmp_path / "run.parquet")
+    description, _ = chart(tmp_path / "run.parquet", {})
+    assert [plot["plot"] for plot in description["plots"]] == ["position", "gap_mm"]
+    assert description["axes"] == ["Z"]
+
+
 def test_scripts_cannot_end_early() -> None:
     folder = Path(build_report.__code__.co_filename).parent
     for name in ("page.js", "vendor/uplot/uPlot.iife.min.js"):
@@ -188,6 +206,7 @@ def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> Non
         {"time_ns": 1000 * ms, "kind": "contact"},
         {"time_ns": 1010 * ms, "kind": "brake"},
         {"time_ns": 1100 * ms, "kind": "standstill"},
+        {"time_ns": 1300 * ms, "kind": "edge"},  # the probe leaves the surface
         {"time_ns": 2100 * ms, "kind": "contact"},
         {"time_ns": 2200 * ms, "kind": "standstill"},
         {"time_ns": 5 * ms, "kind": "alarm"},
@@ -196,7 +215,11 @@ def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> Non
     assert found["measurement 1"] == (940 * ms, 1140 * ms)
     assert found["edge 1"] == (994 * ms, 1014 * ms)
     assert found["measurement 2"] == (2040 * ms, 2210 * ms)
+    assert len(found) == 4
     assert windows([], 0, 100) == []
+    (measurement, edge) = windows([{"time_ns": 500 * ms, "kind": "edge"}], 0, 1000 * ms)
+    assert (measurement["start_ns"], measurement["end_ns"]) == (494 * ms, 504 * ms)
+    assert (edge["start_ns"], edge["end_ns"]) == (500 * ms - 60_000, 500 * ms + 40_000)
 
 
 def test_the_tables_of_the_report_fit_together() -> None:

@@ -1,0 +1,289 @@
+"""Writes the C source and the model description of one FMU."""
+
+import hashlib
+import re
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import jinja2
+
+from fmus.expressions import Expr, Writer, c_number
+from fmus.ir import TARGET, Ir
+from fmus.system import Assignment, System, read_system
+from fmus.variables import Variable, read_units, read_variables, start_vectors
+
+TOKEN_MARK = "@TOKEN@"
+INDENT = "    "
+
+
+@dataclass(frozen=True)
+class Generated:
+    """Texts of one FMU.
+
+    identifier: modelIdentifier, the name of the library file. token: instantiationToken, a hash
+    of everything in the two texts.
+    """
+
+    model: str
+    identifier: str
+    token: str
+    source: str
+    description: str
+
+
+def identifier_of(model: str) -> str:
+    """The modelIdentifier of a model: its full name as a C identifier."""
+    return re.sub(r"\W", "_", model)
+
+
+def generate(ir: Ir, step_s: float) -> Generated:
+    """Write the texts for a compiled model with an internal step of `step_s` seconds.
+
+    Raises BuildError for any construct that the runtime does not hold.
+    """
+    system = read_system(ir)
+    variables = read_variables(ir, system)
+    source = _source(ir, system, variables, step_s)
+    description = _description(ir, variables, step_s)
+    digest = hashlib.sha256()
+    digest.update(source.encode())
+    digest.update(description.encode())
+    token = digest.hexdigest()[:32]
+    return Generated(
+        ir.model,
+        identifier_of(ir.model),
+        token,
+        source.replace(TOKEN_MARK, token),
+        description.replace(TOKEN_MARK, token),
+    )
+
+
+def _templates() -> jinja2.Environment:
+    return jinja2.Environment(
+        loader=jinja2.FileSystemLoader(TARGET),
+        undefined=jinja2.StrictUndefined,
+        autoescape=lambda name: bool(name and name.endswith(".xml.jinja")),
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+
+
+class _Names:
+    """C names of the slots of both vectors."""
+
+    def __init__(self, ir: Ir, state_count: int) -> None:
+        self._state_count = state_count
+        self.slots: list[tuple[str, int]] = []
+        self._p: dict[int, str] = {}
+        self._y: dict[int, str] = {}
+        for name, binding in ir.solve["layout"]["bindings"].items():
+            ((vector, where),) = binding.items()
+            plain = re.sub(r"\W", "_", name)
+            if vector == "P":
+                # The index keeps a.b and a_b apart.
+                text = f"P{where['index']}_{plain}"
+                self.slots.append((text, where["index"]))
+                self._p[where["index"]] = text
+            else:
+                self._y[where["index"]] = f"y{where['index']}_{plain}"
+        self.slots.sort(key=lambda slot: slot[1])
+
+    def p(self, index: int) -> str:
+        """Slot of p as C text."""
+        return f"p[{self._p.get(index, index)}]"
+
+    def local(self, index: int) -> str:
+        """Name of the local constant that holds an algebraic variable."""
+        return self._y.get(index, f"y{index}")
+
+    def in_derivatives(self, leaf: Expr) -> str:
+        """A leaf where states come as x and algebraics are local constants."""
+        if leaf.kind == "p":
+            return self.p(leaf.index)
+        return f"x[{leaf.index}]" if leaf.index < self._state_count else self.local(leaf.index)
+
+    def in_vectors(self, leaf: Expr) -> str:
+        """A leaf where everything rests in the vectors."""
+        return self.p(leaf.index) if leaf.kind == "p" else f"y[{leaf.index}]"
+
+
+def _note(assignment: Assignment) -> str:
+    return f" /* {assignment.place} */" if assignment.place else ""
+
+
+def _text(lines: Iterable[str]) -> str:
+    return "\n".join(INDENT + line for line in lines)
+
+
+def _needed(system: System, roots: Sequence[Expr]) -> list[Assignment]:
+    """The algebraic equations that `roots` depend on, in order."""
+    needed: set[int] = set()
+    for root in roots:
+        needed |= root.unknowns()
+    chosen = []
+    for assignment in reversed(system.algebraics):
+        if assignment.index in needed:
+            needed |= assignment.value.unknowns()
+            chosen.append(assignment)
+    return chosen[::-1]
+
+
+def _from_states(
+    system: System, names: _Names, roots: Sequence[Expr], store: Callable[[int, str], str]
+) -> str:
+    """Code that computes `roots` from the states alone; `store` writes result number and text."""
+    writer = Writer(names.in_derivatives)
+    for assignment in _needed(system, roots):
+        writer.share([assignment.value])
+        value = writer.real(assignment.value)
+        writer.lines.append(
+            f"const double {names.local(assignment.index)} = {value};{_note(assignment)}"
+        )
+    for number, root in enumerate(roots):
+        writer.share([root])
+        writer.lines.append(store(number, writer.real(root)))
+    return _text(writer.lines)
+
+
+def _in_sequence(assignments: Sequence[Assignment], names: _Names) -> str:
+    """Assignments in the vectors, one after the other."""
+    writer = Writer(names.in_vectors)
+    for assignment in assignments:
+        writer.share([assignment.value])
+        target = names.in_vectors(Expr(assignment.vector, index=assignment.index))
+        writer.lines.append(f"{target} = {writer.real(assignment.value)};{_note(assignment)}")
+    return _text(writer.lines)
+
+
+def _from_snapshot(system: System, names: _Names) -> tuple[str, str]:
+    """Discrete equations: all values first, then the stores of equations and of when-clauses."""
+    writer = Writer(names.in_vectors)
+    rows = [*system.updates, *system.whens]
+    writer.share([row.value for row in rows])
+    for number, row in enumerate(rows):
+        writer.lines.append(f"const double u{number} = {writer.real(row.value)};{_note(row)}")
+    stores = [f"{names.p(row.index)} = u{number};" for number, row in enumerate(rows)]
+    count = len(system.updates)
+    return _text(writer.lines + stores[:count]), _text(stores[count:])
+
+
+def _assertions(system: System, names: _Names) -> str:
+    lines = []
+    for assertion in system.assertions:
+        writer = Writer(names.in_vectors)
+        failed = writer.truth(assertion.failed)
+        message = f"{assertion.place}: {assertion.message}" if assertion.place else ""
+        text = (message or assertion.message).replace("\\", "\\\\").replace('"', '\\"')
+        lines += [f"if {failed} {{", f'{INDENT}return "{text}";', "}"]
+    return _text(lines)
+
+
+def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float) -> str:
+    names = _Names(ir, system.state_count)
+    start_y, start_p = start_vectors(ir, system)
+    updates, whens = _from_snapshot(system, names)
+    previous = [
+        f"{names.p(slot)} = {names.in_vectors(Expr(vector, index=index))};"
+        for slot, vector, index in system.previous
+    ]
+    return (
+        _templates()
+        .get_template("model.c.jinja")
+        .render(
+            model=ir.model,
+            states=system.state_count,
+            y_count=system.y_count,
+            p_count=system.p_count,
+            step=c_number(step_s),
+            slots=names.slots,
+            start_y=[c_number(value) for value in [*start_y, 0.0]],
+            start_p=[c_number(value) for value in [*start_p, 0.0]],
+            variables=[_row(variable) for variable in variables],
+            relations=[
+                {
+                    "memory": relation.memory,
+                    "at_zero": relation.at_zero,
+                    "place": str(relation.place or ""),
+                }
+                for relation in system.relations
+            ],
+            derivatives=_from_states(
+                system,
+                names,
+                [row.value for row in system.derivatives],
+                lambda number, text: f"dx[{number}] = {text};",
+            ),
+            relation_functions=_from_states(
+                system,
+                names,
+                [relation.function for relation in system.relations],
+                lambda number, text: f"z[{number}] = {text};",
+            ),
+            algebraics=_in_sequence(system.algebraics, names),
+            initial=_in_sequence(system.initial, names),
+            runtime=_in_sequence(system.runtime, names),
+            updates=updates,
+            whens=whens,
+            previous=_text(previous),
+            assertions=_assertions(system, names),
+        )
+    )
+
+
+def _row(variable: Variable) -> dict[str, str]:
+    """A variable as a row of the C table."""
+    classes = {"input": "CLASS_INPUT", "parameter": "CLASS_PARAMETER"}
+    low = -float("inf") if variable.minimum is None else variable.minimum
+    high = float("inf") if variable.maximum is None else variable.maximum
+    return {
+        "name": variable.name,
+        "type": f"TYPE_{variable.type.upper()}",
+        "class": classes.get(variable.causality, "CLASS_OUTPUT"),
+        "vector": f"IN_{variable.vector.upper()}",
+        "index": str(variable.index),
+        "min": c_number(low),
+        "max": c_number(high),
+    }
+
+
+def _description(ir: Ir, variables: Sequence[Variable], step_s: float) -> str:
+    used = {variable.unit for variable in variables if variable.unit} | {"s"}
+    units = [row for unit, row in read_units().items() if unit in used]
+    return (
+        _templates()
+        .get_template("modelDescription.xml.jinja")
+        .render(
+            model=ir.model,
+            identifier=identifier_of(ir.model),
+            text=_class_text(ir),
+            step=repr(step_s),
+            units=units,
+            exponents=("kg", "m", "s", "A", "rad"),
+            variables=variables,
+            outputs=[v for v in variables if v.causality == "output"],
+            unknowns=[v for v in variables if v.causality in ("output", "calculatedParameter")],
+            number=_number,
+        )
+    )
+
+
+def _number(variable: Variable, value: float) -> str:
+    """A value as XML text of the type of its variable."""
+    if variable.type == "Float64":
+        return repr(value)
+    if variable.type == "Int32":
+        return str(int(value))
+    return "true" if value else "false"
+
+
+def _class_text(ir: Ir) -> str:
+    """The description string of the model's class."""
+    name = ir.model.split(".")[-1]
+    pattern = re.compile(rf'\b(?:model|block)\s+{name}\s+"((?:[^"\\]|\\.)*)"')
+    for path, text in ir.files.values():
+        found = pattern.search(text)
+        if found and Path(path).stem in (name, "package"):
+            return found.group(1)
+    return ""

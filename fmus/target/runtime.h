@@ -1,0 +1,50 @@
+/* What a generated model gives to the runtime, and small helpers of the generated code.
+ *
+ * A model lives in two vectors: y (N_X states, then what follows from them at the same instant)
+ * and p (parameters, inputs, discrete variables, previous values, relation memory). The functions
+ * have no other memory, so that instances never meet.
+ */
+#ifndef AXISRIG_RUNTIME_H
+#define AXISRIG_RUNTIME_H
+
+#include <math.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef enum { TYPE_FLOAT64, TYPE_INT32, TYPE_BOOLEAN } VariableType;
+typedef enum { CLASS_OUTPUT, CLASS_INPUT, CLASS_PARAMETER } VariableClass;
+typedef enum { IN_Y, IN_P, IS_TIME } VariableVector;
+
+typedef struct {
+    const char *name;
+    VariableType type;
+    VariableClass class;
+    VariableVector vector;
+    int index;
+    double min, max;
+} VariableInfo;
+
+/* How a relation reads its function at exactly zero; below zero it is true. */
+typedef enum { ZERO_IS_FALSE, ZERO_IS_TRUE, ZERO_KEEPS } AtZero;
+
+typedef struct {
+    int memory; /* slot in p */
+    AtZero at_zero;
+    const char *place; /* file:line */
+} RelationInfo;
+
+/* Generated (model.c). */
+static void model_derivatives(double t, const double *restrict x, const double *restrict p, double *restrict dx);
+static void model_relations(double t, const double *restrict x, const double *restrict p, double *restrict z);
+static void model_algebraics(double t, double *restrict y, const double *restrict p);
+static void model_initial(double t, double *y, double *p);
+static void model_runtime(double t, const double *y, double *p);
+static void model_updates(double t, const double *y, double *p, bool at_start);
+static void model_previous(const double *y, double *p);
+static const char *model_failed_assertion(double t, const double *y, const double *p);
+
+static inline double smaller(double a, double b) { return b < a ? b : a; }
+static inline double larger(double a, double b) { return b > a ? b : a; }
+
+#endif

@@ -1,0 +1,216 @@
+/* Integration with a fixed step, events located inside it.
+ *
+ * Between events every relation rests at its remembered value, so that the right-hand side is
+ * smooth. After each internal step the functions of the relations are looked at: one that
+ * contradicts its memory lies past an event. The earliest such instant is enclosed to TIME_TOLERANCE,
+ * the state is taken just past it, and the discrete equations are iterated until nothing changes.
+ */
+#include <float.h>
+#include <string.h>
+
+#define TIME_TOLERANCE 1e-11 /* s */
+#define MAX_SEARCH 200       /* evaluations to enclose one event */
+#define MAX_ITERATIONS 100   /* of the discrete equations at one instant */
+#define MAX_EVENTS 10000     /* in one communication step */
+
+/* Everything that an instance remembers between two calls. */
+typedef struct {
+    double t;
+    double y[N_Y + 1];
+    double p[N_P + 1];
+} Core;
+
+/* What went wrong. place: file:line or "". index: of the variable, or -1. */
+typedef enum {
+    SOLVER_OK,
+    SOLVER_NOT_FINITE,
+    SOLVER_NO_FIXED_POINT,
+    SOLVER_TOO_MANY_EVENTS,
+    SOLVER_ASSERTION,
+} SolverResult;
+
+typedef struct {
+    SolverResult result;
+    double t;
+    int state;        /* of SOLVER_NOT_FINITE: index in y */
+    const char *text; /* of SOLVER_ASSERTION: the message, of SOLVER_TOO_MANY_EVENTS: the place */
+} SolverReport;
+
+static SolverReport report(SolverResult result, double t, int state, const char *text)
+{
+    const SolverReport r = {result, t, state, text};
+    return r;
+}
+
+static bool relation_value(int k, double z, double memory)
+{
+    if (z != 0.0) {
+        return z < 0.0;
+    }
+    return RELATIONS[k].at_zero == ZERO_KEEPS ? memory != 0.0
+                                              : RELATIONS[k].at_zero == ZERO_IS_TRUE;
+}
+
+static bool contradicts(int k, double z, const double *p)
+{
+    const double memory = p[RELATIONS[k].memory];
+    return relation_value(k, z, memory) != (memory != 0.0);
+}
+
+/* The first relation that contradicts its memory, or -1. */
+static int first_contradiction(const double *z, const double *p)
+{
+    for (int k = 0; k < N_RELATIONS; k++) {
+        if (contradicts(k, z[k], p)) {
+            return k;
+        }
+    }
+    return -1;
+}
+
+/* One step of the classical fourth-order Runge-Kutta method. */
+static void runge_kutta(double t, const double *x, const double *p, double h, double *result)
+{
+    double k1[N_X + 1], k2[N_X + 1], k3[N_X + 1], k4[N_X + 1], at[N_X + 1];
+    model_derivatives(t, x, p, k1);
+    for (int i = 0; i < N_X; i++) {
+        at[i] = x[i] + 0.5 * h * k1[i];
+    }
+    model_derivatives(t + 0.5 * h, at, p, k2);
+    for (int i = 0; i < N_X; i++) {
+        at[i] = x[i] + 0.5 * h * k2[i];
+    }
+    model_derivatives(t + 0.5 * h, at, p, k3);
+    for (int i = 0; i < N_X; i++) {
+        at[i] = x[i] + h * k3[i];
+    }
+    model_derivatives(t + h, at, p, k4);
+    for (int i = 0; i < N_X; i++) {
+        result[i] = x[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+    }
+}
+
+/* The first state that is not a finite number, or -1. */
+static int not_finite(const double *y, int count)
+{
+    for (int i = 0; i < count; i++) {
+        if (!isfinite(y[i])) {
+            return i;
+        }
+    }
+    return -1;
+}
+
+static void refresh_relations(Core *c)
+{
+    double z[N_RELATIONS + 1];
+    model_relations(c->t, c->y, c->p, z);
+    for (int k = 0; k < N_RELATIONS; k++) {
+        double *memory = &c->p[RELATIONS[k].memory];
+        *memory = relation_value(k, z[k], *memory) ? 1.0 : 0.0;
+    }
+}
+
+/* Bring all discrete variables into agreement at one instant. */
+static SolverReport settle(Core *c, bool at_start)
+{
+    for (int i = 0; i < MAX_ITERATIONS; i++) {
+        Core before;
+        memcpy(&before, c, sizeof before);
+        if (at_start) {
+            model_initial(c->t, c->y, c->p);
+        }
+        model_algebraics(c->t, c->y, c->p);
+        refresh_relations(c);
+        model_runtime(c->t, c->y, c->p);
+        model_updates(c->t, c->y, c->p, at_start);
+        model_runtime(c->t, c->y, c->p);
+        model_previous(c->y, c->p);
+        if (memcmp(&before, c, sizeof before) == 0) {
+            const char *failed = model_failed_assertion(c->t, c->y, c->p);
+            const int bad = not_finite(c->y, N_Y);
+            if (failed != NULL) {
+                return report(SOLVER_ASSERTION, c->t, -1, failed);
+            }
+            return bad < 0 ? report(SOLVER_OK, c->t, -1, "")
+                           : report(SOLVER_NOT_FINITE, c->t, bad, "");
+        }
+    }
+    return report(SOLVER_NO_FIXED_POINT, c->t, -1, "");
+}
+
+/* Enclose the earliest contradiction inside (0, h]; z0 and z1 are the functions at both ends.
+ *
+ * The estimate is the secant of each contradicting function; every third one is the middle, so that
+ * the enclosure shrinks in any case. Returns the far end; x1 and z1 belong to it.
+ */
+static double locate(const Core *c, double h, double *z0, double *z1, double *x1)
+{
+    const double tolerance = larger(TIME_TOLERANCE, 4.0 * DBL_EPSILON * fabs(c->t));
+    double low = 0.0, high = h;
+    for (int n = 0; n < MAX_SEARCH && high - low > tolerance; n++) {
+        double guess = high;
+        for (int k = 0; k < N_RELATIONS; k++) {
+            if (contradicts(k, z1[k], c->p) && z0[k] != z1[k]) {
+                guess = smaller(guess, low + (high - low) * z0[k] / (z0[k] - z1[k]));
+            }
+        }
+        if (n % 3 == 2) {
+            guess = 0.5 * (low + high);
+        }
+        guess = larger(low + 0.5 * tolerance, smaller(guess, high - 0.5 * tolerance));
+        double x[N_X + 1], z[N_RELATIONS + 1];
+        runge_kutta(c->t, c->y, c->p, guess, x);
+        model_relations(c->t + guess, x, c->p, z);
+        if (first_contradiction(z, c->p) < 0) {
+            low = guess;
+            memcpy(z0, z, sizeof z);
+        } else {
+            high = guess;
+            memcpy(z1, z, sizeof z);
+            memcpy(x1, x, sizeof x);
+        }
+    }
+    return high;
+}
+
+/* Advance to t_end. On failure the core rests where the last internal step began. */
+static SolverReport advance(Core *c, double t_end)
+{
+    double z0[N_RELATIONS + 1], z1[N_RELATIONS + 1], x1[N_X + 1];
+    int events = 0;
+    model_relations(c->t, c->y, c->p, z0);
+    while (c->t < t_end) {
+        const double left = t_end - c->t;
+        const bool last = left < INTERNAL_STEP * (1.0 + 1e-6);
+        const double h = last ? left : INTERNAL_STEP;
+        double t_next = last ? t_end : c->t + h;
+        runge_kutta(c->t, c->y, c->p, h, x1);
+        const int bad = not_finite(x1, N_X);
+        if (bad >= 0) {
+            return report(SOLVER_NOT_FINITE, t_next, bad, "");
+        }
+        model_relations(t_next, x1, c->p, z1);
+        const int crossed = first_contradiction(z1, c->p);
+        if (crossed >= 0) {
+            const double inside = locate(c, h, z0, z1, x1);
+            t_next = inside < h ? c->t + inside : t_next;
+        }
+        memcpy(c->y, x1, N_X * sizeof(double));
+        c->t = t_next;
+        if (crossed >= 0) {
+            const SolverReport settled = settle(c, false);
+            if (settled.result != SOLVER_OK) {
+                return settled;
+            }
+            if (++events > MAX_EVENTS) {
+                return report(SOLVER_TOO_MANY_EVENTS, c->t, -1, RELATIONS[crossed].place);
+            }
+            model_relations(c->t, c->y, c->p, z1);
+        }
+        memcpy(z0, z1, sizeof z0);
+    }
+    model_algebraics(c->t, c->y, c->p);
+    const int bad = not_finite(c->y, N_Y);
+    return bad < 0 ? report(SOLVER_OK, c->t, -1, "") : report(SOLVER_NOT_FINITE, c->t, bad, "");
+}
