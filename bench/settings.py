@@ -36,7 +36,7 @@ class Settings:
     """A rig with the assignments of one run applied.
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
-    external: V.E variables by the name behind the prefix. dropped: names of suppressed PDOs (`Z.TPDO2`).
+    external: V.E variables by the name behind the prefix. dropped: suppressed PDOs (`Z.TPDO2`).
     """
 
     rig: RigFile

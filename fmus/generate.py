@@ -200,6 +200,7 @@ def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float
             slots=names.slots,
             start_y=[c_number(value) for value in [*start_y, 0.0]],
             start_p=[c_number(value) for value in [*start_p, 0.0]],
+            y_names=ir.solve["solve_layout"]["solver_maps"]["names"],
             variables=[_row(variable) for variable in variables],
             relations=[
                 {

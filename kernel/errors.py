@@ -106,7 +106,7 @@ def catalogue() -> Mapping[int, CatalogueEntry]:
     return {entry.id: entry for entry in entries}
 
 
-class Alarm(Exception):
+class Alarm(Exception):  # noqa: N818
     """An entry of the catalogue that has come up, with the values of its text.
 
     Raises KeyError for an ID or a value that the catalogue does not know: that is a defect.
