@@ -124,7 +124,8 @@ def _file_of(model: str, library: Path) -> Path | None:
 
 def _line_of(name: str, file: Path) -> int | None:
     """The first line of `file` in which the last part of `name` stands as a word."""
-    word = re.compile(rf"\b{re.escape(re.sub(r'[\[\]\d]+$', '', name).split('.')[-1])}\b")
+    last = name.split(".")[-1].split("[")[0]
+    word = re.compile(rf"\b{re.escape(last)}\b")
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
         if word.search(line):
             return number

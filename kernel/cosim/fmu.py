@@ -156,6 +156,7 @@ class FmuSlave:
         self._variables = {v.name: v for v in self.description.modelVariables}
         self._messages: list[str] = []
         self.time_ns: TimeNs = 0
+        self._can_terminate = False
         working_directory = Path.cwd()
         try:
             self._slave = FMU3Slave(
@@ -223,6 +224,7 @@ class FmuSlave:
         try:
             self._slave.enterInitializationMode(startTime=ns_to_seconds(start_ns))
             self._slave.exitInitializationMode()
+            self._can_terminate = True
         except Exception as error:  # fmpy turns a bad status into a plain Exception
             raise PlantError(self.name, start_ns, self._explain(str(error))) from error
 
@@ -240,6 +242,7 @@ class FmuSlave:
 
     def failed(self, what: str, status: int) -> None:
         """Raise PlantError with the messages that the FMU logged."""
+        self._can_terminate = False  # FMI 3.0, 2.3.1: after an error only freeing is allowed
         words = {2: "discard", 3: "error", 4: "fatal"}
         raise PlantError(
             self.name, self.time_ns, self._explain(f"{what}: {words.get(status, status)}")
@@ -251,6 +254,7 @@ class FmuSlave:
     def close(self) -> None:
         """Terminate and free the instance; the library stays loaded for the next one."""
         if self.pointer:
-            self._slave.terminate()
+            if self._can_terminate:
+                self._slave.terminate()
             self._slave.fmi3FreeInstance(self._slave.component)
             self.pointer = 0

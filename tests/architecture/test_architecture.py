@@ -1,0 +1,365 @@
+"""What holds for every module: who imports whom, what nobody may import, size, docstrings."""
+
+import ast
+import csv
+import re
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PACKAGES = ("kernel", "bench", "fmus", "reports")
+
+# Left imports nothing of what stands further right; several in one place may import each other.
+ORDER: tuple[tuple[str, ...], ...] = (
+    ("kernel.clock", "kernel.errors", "kernel.parameters"),
+    ("kernel.nc",),
+    ("kernel.motion",),
+    ("kernel.measuring", "kernel.distance"),
+    ("kernel.drives", "kernel.plc"),
+    ("kernel.cosim",),
+    ("kernel.channel",),
+    ("bench",),
+    ("reports",),
+    ("bench.cli",),
+)
+MAY_IMPORT_FMUS = ("bench", "bench.cli")
+RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
+
+WALL_CLOCK = {"time", "datetime"}
+MAY_READ_WALL_CLOCK = "bench.cli"
+CONCURRENCY = {"threading", "asyncio", "concurrent", "sched", "_thread"}
+# The identity of the caller, and the exception that a pool of processes raises
+STARTS_NOTHING = {"threading.get_ident", "concurrent.futures.TimeoutError"}
+
+MODULE_LINES_MAX, FUNCTION_LINES_MAX = 450, 70
+# Module or module.function -> why it may be longer
+LONG: dict[str, str] = {}
+
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+
+
+def _modules() -> dict[str, Path]:
+    found = {}
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+MODULES = _modules()
+TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+def _imports(module: str) -> Iterator[tuple[int, str]]:
+    """Line and full name of everything a module imports, at any depth of its code."""
+    is_package = MODULES[module].name == "__init__.py"
+    for node in ast.walk(TREES[module]):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parts = module.split(".")
+                kept = parts[: len(parts) - node.level + is_package]
+                base = ".".join([*kept, *([base] if base else [])])
+            for alias in node.names:
+                whole = f"{base}.{alias.name}"
+                yield node.lineno, whole if whole in MODULES else base
+
+
+def _imported_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Line and full name of every absolute import, down to the name behind `import`."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom) and not node.level:
+            yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
+
+
+def _place(module: str) -> str | None:
+    """The entry of `ORDER` that a module belongs to: the longest one that it begins with."""
+    parts = module.split(".")
+    names = (".".join(parts[:count]) for count in range(len(parts), 0, -1))
+    return next((name for name in names if name in RANKS), None)
+
+
+def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[str]:
+    place = _place(module)
+    errors = []
+    for line, name in imports:
+        top = name.partition(".")[0]
+        if top not in PACKAGES:
+            continue
+        if top == "fmus":
+            fits = module.partition(".")[0] == "fmus" or place in MAY_IMPORT_FMUS
+        elif name == "kernel":
+            fits = place is not None  # the bare package holds nothing
+        else:
+            other = _place(name)
+            fits = place is not None and other is not None and RANKS[other] <= RANKS[place]
+        if not fits:
+            errors.append(f"{module}:{line} imports {name}")
+    return errors
+
+
+def test_imports_point_to_the_left() -> None:
+    errors = [text for module in MODULES for text in _direction_errors(module, _imports(module))]
+    assert errors == []
+
+
+def test_every_module_has_a_place_in_the_order() -> None:
+    inside = [name for name in MODULES if name != "kernel" and name.partition(".")[0] != "fmus"]
+    assert [name for name in inside if _place(name) is None] == []
+
+
+@pytest.mark.parametrize(
+    ("module", "imported", "fits"),
+    [
+        ("kernel.nc.parser", "kernel.errors", True),
+        ("kernel.errors", "kernel.nc.parser", False),
+        ("kernel.channel.channel", "bench.machine", False),
+        ("bench.machine", "bench.cli", False),
+        ("bench.cli", "reports.build", True),
+        ("reports.build", "bench.results", True),
+        ("bench.plants", "fmus", True),
+        ("kernel.cosim.fmu", "fmus.build", False),
+        ("fmus.build", "kernel.errors", False),
+        ("fmus.build", "fmus.errors", True),
+        ("kernel.newcomer", "kernel.errors", False),
+        ("kernel.clock", "numpy", True),
+    ],
+)
+def test_the_rule_itself_tells_left_from_right(module: str, imported: str, fits: bool) -> None:
+    assert (_direction_errors(module, [(1, imported)]) == []) is fits
+
+
+def test_wall_clock_and_threads_stay_outside() -> None:
+    found = []
+    for module, tree in TREES.items():
+        forbidden = CONCURRENCY | (WALL_CLOCK if module != MAY_READ_WALL_CLOCK else set())
+        for line, name in _imported_names(tree):
+            if name.partition(".")[0] in forbidden and name not in STARTS_NOTHING:
+                found.append(f"{module}:{line} imports {name}")
+    assert found == []
+
+
+def _dotted(node: ast.expr) -> str:
+    if isinstance(node, ast.Attribute):
+        return f"{_dotted(node.value)}.{node.attr}"
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _calls(tree: ast.AST) -> Iterator[tuple[ast.Call, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            yield node, _dotted(node.func)
+
+
+def test_nobody_sleeps() -> None:
+    found = [
+        f"{module}:{node.lineno}"
+        for module, tree in TREES.items()
+        for node, name in _calls(tree)
+        if name.rpartition(".")[2] == "sleep"
+    ]
+    assert found == []
+
+
+def _unseeded(tree: ast.AST) -> list[int]:
+    """Lines that draw from a generator nobody seeded."""
+    lines = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module in ("random", "numpy.random"):
+            names = {alias.name for alias in node.names}
+            if not names <= {"Random", "Generator", "default_rng"}:
+                lines.append(node.lineno)
+    for node, name in _calls(tree):
+        given = bool(node.args or node.keywords)
+        if name in ("random.Random", "Random") or name.endswith("default_rng"):
+            if not given:
+                lines.append(node.lineno)
+        elif name.startswith(("random.", "np.random.", "numpy.random.", "secrets.")) or name in (
+            "uuid.uuid4",
+            "uuid.uuid1",
+            "os.urandom",
+        ):
+            lines.append(node.lineno)
+    return lines
+
+
+def test_every_random_number_is_seeded() -> None:
+    found = [f"{name}:{line}" for name, tree in TREES.items() for line in _unseeded(tree)]
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        ("import random\nrandom.Random(7).random()", []),
+        ("import random\nrandom.random()", [2]),
+        ("import random\nrandom.Random()", [2]),
+        ("from random import choice", [1]),
+        ("np.random.default_rng(3)", []),
+        ("np.random.default_rng()", [1]),
+        ("np.random.normal()", [1]),
+    ],
+)
+def test_the_search_for_unseeded_numbers_finds_them(text: str, lines: list[int]) -> None:
+    assert _unseeded(ast.parse(text)) == lines
+
+
+def _functions(tree: ast.AST, prefix: str = "") -> Iterator[tuple[str, Function]]:
+    """Every function and method with its qualified name, nested ones included."""
+    for node in ast.iter_child_nodes(tree):
+        if isinstance(node, Function | ast.ClassDef):
+            name = f"{prefix}{node.name}"
+            if not isinstance(node, ast.ClassDef):
+                yield name, node
+            yield from _functions(node, f"{name}.")
+        else:
+            yield from _functions(node, prefix)
+
+
+def _too_long() -> Iterator[tuple[str, int]]:
+    for module, tree in TREES.items():
+        lines = len(MODULES[module].read_text(encoding="utf-8").splitlines())
+        if lines > MODULE_LINES_MAX:
+            yield module, lines
+        for name, node in _functions(tree):
+            count = (node.end_lineno or node.lineno) - node.lineno + 1
+            if count > FUNCTION_LINES_MAX:
+                yield f"{module}.{name}", count
+
+
+def test_modules_and_functions_stay_short() -> None:
+    assert [f"{name}: {lines}" for name, lines in _too_long() if name not in LONG] == []
+
+
+def test_every_exemption_from_the_length_is_needed() -> None:
+    assert set(LONG) <= {name for name, _ in _too_long()}
+
+
+def _is_stub(node: Function) -> bool:
+    """Whether a function only declares, as in a Protocol or an overload."""
+    last = node.body[-1]
+    return isinstance(last, ast.Expr) and (
+        isinstance(last.value, ast.Constant) and last.value.value is ...
+    )
+
+
+def _undocumented(tree: ast.Module) -> Iterator[str]:
+    if ast.get_docstring(tree) is None:
+        yield "module"
+    for node in tree.body:
+        if not isinstance(node, Function | ast.ClassDef) or node.name.startswith("_"):
+            continue
+        if ast.get_docstring(node) is None:
+            yield node.name
+        for method in node.body if isinstance(node, ast.ClassDef) else []:
+            if (
+                isinstance(method, Function)
+                and not method.name.startswith("_")
+                and not _is_stub(method)
+                and ast.get_docstring(method) is None
+            ):
+                yield f"{node.name}.{method.name}"
+
+
+def test_everything_public_is_described() -> None:
+    found = [f"{module}: {name}" for module, tree in TREES.items() for name in _undocumented(tree)]
+    assert found == []
+
+
+# Files
+
+
+def _files(*suffixes: str) -> list[Path]:
+    """Files of the project: those of its folders and those directly in the root."""
+    folders = [*PACKAGES, "testplans", "tests", "docs", ".ci"]
+    found = [path for path in ROOT.iterdir() if path.is_file() and path.name != ".git"]
+    for folder in folders:
+        found += (path for path in (ROOT / folder).rglob("*") if path.is_file())
+    return [
+        path
+        for path in sorted(found)
+        if "__pycache__" not in path.parts and (not suffixes or path.suffix in suffixes)
+    ]
+
+
+def _machine_paths() -> list[str]:
+    """Folders of whatever machine this runs on; only those deep enough to be no common word."""
+    candidates = {ROOT, Path.home(), Path(sys.prefix), Path(sys.base_prefix)}
+    candidates.add(Path(tempfile.gettempdir()) / "w")
+    return sorted(str(path) for path in candidates if len(path.parts) > 2)
+
+
+# A home folder with a user's name in it, on any system
+HOME = re.compile(r"(?<![\w.])(?:/(?:home|Users)/[a-z]\w*|[A-Za-z]:\\\\?Users\\)")
+
+
+def test_no_file_names_a_folder_of_one_machine() -> None:
+    known = _machine_paths()
+    found = []
+    for path in _files():
+        text = path.read_bytes().decode("utf-8", errors="replace")
+        for number, line in enumerate(text.splitlines(), 1):
+            if any(name in line for name in known) or HOME.search(line):
+                found.append(f"{path.relative_to(ROOT)}:{number}")
+    assert found == []
+
+
+@pytest.mark.parametrize(
+    ("line", "hit"),
+    [
+        ("see " + "/".join(["", "home", "anna", "rigs"]), True),
+        ("C:" + "\\" + "Users" + "\\anna", True),
+        ("docs/home/index.md", False),
+        ("https://example.org/users/anna", False),
+    ],
+)
+def test_home_folders_are_recognised(line: str, hit: bool) -> None:
+    assert (HOME.search(line) is not None) is hit
+
+
+def _texts(package: str) -> set[str]:
+    """The string constants in the code of a package, docstrings excepted."""
+    found: set[str] = set()
+    for module, tree in TREES.items():
+        if module.partition(".")[0] != package:
+            continue
+        described = {
+            id(node.body[0].value)
+            for node in ast.walk(tree)
+            if isinstance(node, Function | ast.ClassDef | ast.Module)
+            and node.body
+            and isinstance(node.body[0], ast.Expr)
+        }
+        found |= {
+            node.value.rpartition("/")[2]
+            for node in ast.walk(tree)
+            if isinstance(node, ast.Constant)
+            and isinstance(node.value, str)
+            and id(node) not in described
+        }
+    return found
+
+
+TABLES = [path for path in _files(".csv") if path.relative_to(ROOT).parts[0] in PACKAGES]
+
+
+@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
+def test_every_table_that_ships_is_read_by_its_package(table: Path) -> None:
+    assert table.name in _texts(table.relative_to(ROOT).parts[0])
+
+
+@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
+def test_every_table_has_a_rectangular_form(table: Path) -> None:
+    rows = list(csv.reader(table.read_text(encoding="utf-8").splitlines()))
+    assert len(rows) > 1
+    assert len(set(rows[0])) == len(rows[0])
+    assert {len(row) for row in rows} == {len(rows[0])}
