@@ -140,6 +140,26 @@ def check(
 
 @app.command()
 @_rejecting
+def replay(
+    folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
+    run_id: Annotated[str, typer.Argument(metavar="RUN", help="Run id, as in cases.csv.")],
+    bus_log: Annotated[
+        Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
+    ] = None,
+) -> None:
+    """Run one case of a results folder again and say whether every frame came again."""
+    from bench.campaign import show_verdicts
+    from bench.replay import replay as run_again
+    from bench.verdict import exit_code
+
+    again = run_again(folder, run_id, bus_log)
+    show_verdicts([again.result])
+    print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
+    raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)
+
+
+@app.command()
+@_rejecting
 def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
 ) -> None:

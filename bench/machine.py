@@ -204,12 +204,16 @@ class Machine:
             self.channel.abort(alarm)
             return self.scheduler.now_ns
         self.channel.start()
-        if not self.scheduler.run_while(lambda: not self.channel.has_ended, SIMULATED_LIMIT_NS):
-            raise SimulatedTimeoutError(
-                f"the program did not end within {SIMULATED_LIMIT_NS // 1_000_000_000} s of"
-                " simulated time"
-            )
-        return self.scheduler.now_ns
+        scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
+        limit_ns = scheduler.now_ns + SIMULATED_LIMIT_NS
+        while not channel.has_ended:
+            if scheduler.now_ns >= limit_ns:
+                raise SimulatedTimeoutError(
+                    f"the program did not end within {SIMULATED_LIMIT_NS // 1_000_000_000} s of"
+                    " simulated time"
+                )
+            scheduler.run_until(scheduler.now_ns + period_ns)
+        return scheduler.now_ns
 
     def _commission(self) -> None:
         for name, axis in self.settings.rig.axis.items():

@@ -28,8 +28,7 @@ from kernel.errors import UserError
 PARTS: dict[str, list[tuple[type, str]]] = {
     "kernel": [(Channel, "cycle")],
     "codec": [(AxisLink, "take"), (AxisLink, "send"), (DriveNode, "_sync")],
-    "bus": [(Segment, "_arbitrate"), (Segment, "_deliver"), (SimBus, "send_raw"),
-            (SimBus, "send")],
+    "bus": [(Segment, "_arbitrate"), (Segment, "_end_of_frame"), (SimBus, "send_raw")],
     "fmu": [(Plant, "_step")],
     "recording": [(Recorder, "__call__")],
 }  # fmt: skip

@@ -230,7 +230,7 @@ def build_manifest(
         "machine": platform.machine(),
         "packages": {name: _version(name) for name in _PACKAGES},
         "plans": [
-            {"name": p.name, "file": p.path.name, "sha256": _sha256(p.path), "runs": len(p.cases)}
+            {"name": p.name, "path": str(p.path), "sha256": _sha256(p.path), "runs": len(p.cases)}
             for p in plans
         ],
         "files": files,

@@ -1,20 +1,18 @@
 """Builds the plant FMUs and keeps them in a cache.
 
-    from fmus import ensure_built
-    path = ensure_built("AxisRig.Drives.ServoAxis")
+`ensure_built("AxisRig.Drives.ServoAxis")` gives the path of an FMU that is up to date.
 """
 
 import hashlib
-import os
+import importlib.metadata
+import importlib.util
 import shutil
 import tempfile
 import zipfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-import fmpy
 import platformdirs
-import rumoca
 
 from fmus.compiler import (
     FLAGS,
@@ -25,7 +23,7 @@ from fmus.compiler import (
     this_platform,
 )
 from fmus.errors import BuildError
-from fmus.generate import Generated, generate
+from fmus.generate import RUNTIME, Generated, generate
 from fmus.ir import TARGET, compile_model
 
 LIBRARY = Path(__file__).parent / "AxisRig"
@@ -33,7 +31,6 @@ MODELS: tuple[str, ...] = ("AxisRig.Drives.ServoAxis", "AxisRig.Sensors.TouchPro
 STEP_S = 50e-6
 
 HEADERS = ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h")
-RUNTIME = ("runtime.h", "solver.c", "fmi3.c", "fmi3_absent.c")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 _BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiBuildDescription fmiVersion="3.0">
@@ -76,11 +73,11 @@ def build(model: str, path: Path, library: Path = LIBRARY, step_s: float = STEP_
         _write_sources(sources, generated)
         binary = work / "binaries" / target.folder / f"{generated.identifier}{target.ending}"
         binary.parent.mkdir(parents=True)
-        compile_library(compiler, sources / f"{generated.identifier}.c", [sources], binary)
+        compile_library(compiler, sources / f"{generated.identifier}.c", binary)
         (work / "modelDescription.xml").write_text(generated.description, encoding="utf-8")
         packed = work / "packed"
         _pack(work, sorted(p for p in work.rglob("*") if p.is_file()), packed)
-        os.replace(packed, path)
+        packed.replace(path)
     return path
 
 
@@ -99,7 +96,11 @@ def _write_sources(folder: Path, generated: Generated) -> None:
 
 
 def _headers() -> list[Path]:
-    folder = Path(fmpy.__file__).parent / "c-code"
+    """The FMI headers; fmpy is only located, not loaded."""
+    found = importlib.util.find_spec("fmpy")
+    if found is None or found.origin is None:
+        raise BuildError(None, None, "the package fmpy is not installed")
+    folder = Path(found.origin).parent / "c-code"
     return [folder / name for name in HEADERS]
 
 
@@ -122,7 +123,7 @@ def cache_key(
     parts: dict[str, bytes] = {
         "model": model.encode(),
         "step": repr(step_s).encode(),
-        "rumoca": rumoca.version().encode(),
+        "rumoca": importlib.metadata.version("rumoca").encode(),
         "compiler": (compiler or find_compiler()).identity.encode(),
         "flags": " ".join((*FLAGS, *LINK)).encode(),
         "platform": this_platform().folder.encode(),

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 UNARY: Mapping[str, str] = {
-    "Neg": "-{0}",
-    "Not": "!{0}",
+    "Neg": "(-{0})",
+    "Not": "(!{0})",
     "Abs": "fabs({0})",
     "Sqrt": "sqrt({0})",
     "Exp": "exp({0})",
@@ -50,6 +50,8 @@ COMPARE: Mapping[str, str] = {
     "Eq": "({0} == {1})",
     "Ne": "({0} != {1})",
 }
+_OPERANDS = ("arg", "lhs", "rhs", "cond", "if_true", "if_false")
+_LEAVES = {"LoadY": "y", "LoadP": "p", "LoadTime": "time"}
 LOGICAL = frozenset({"And", "Or", "Not", *COMPARE})
 
 
@@ -133,29 +135,19 @@ def read_program(ops: Sequence[Mapping[str, Any]]) -> dict[int, Expr]:
 
 def _node(op: Mapping[str, Any], registers: Mapping[int, Expr]) -> Expr:
     """One op with a single result."""
-    match op["kind"]:
-        case "LoadY":
-            return Expr("y", index=op["index"])
-        case "LoadP":
-            return parameter(op["index"])
-        case "LoadTime":
-            return Expr("time")
-        case "Const":
-            return const(float(op["value"]))
-        case "TensorLoad" if op["input"] == "P" and op["count"] == 1 and op["lanes"] == 1:
-            return parameter(op["input_start"])
-        case "Unary" if op["operator"] in UNARY:
-            return Expr(op["operator"], (registers[op["arg"]],))
-        case "Binary" if op["operator"] in BINARY:
-            return Expr(op["operator"], (registers[op["lhs"]], registers[op["rhs"]]))
-        case "Compare" if op["operator"] in COMPARE:
-            return Expr(op["operator"], (registers[op["lhs"]], registers[op["rhs"]]))
-        case "Select":
-            parts = (op["cond"], op["if_true"], op["if_false"])
-            return Expr("Select", tuple(registers[part] for part in parts))
-        case _:
-            name = op.get("operator", op["kind"])
-            raise UnsupportedError(f"the operation {op['kind']} {name} is not known")
+    kind = op["kind"]
+    operator = op.get("operator", kind)
+    inner = {"Unary": UNARY, "Binary": BINARY, "Compare": COMPARE, "Select": ("Select",)}
+    if operator in inner.get(kind, ()):
+        parts = [op[name] for name in _OPERANDS if name in op]
+        return Expr(operator, tuple(registers[part] for part in parts))
+    if kind == "Const" and op["value_class"] == "finite":
+        return const(float(op["value"]))
+    if kind == "TensorLoad" and op["input"] == "P" and op["count"] == op["lanes"] == 1:
+        return parameter(op["input_start"])
+    if kind in _LEAVES:
+        return Expr(_LEAVES[kind], index=op.get("index", 0))
+    raise UnsupportedError(f"the operation {kind} {'' if operator == kind else operator}".strip())
 
 
 def _conditional(op: Mapping[str, Any]) -> list[Expr]:
@@ -181,6 +173,8 @@ ONE = const(1.0)
 
 
 def _negated(e: Expr) -> Expr:
+    if e is ZERO:
+        return ZERO
     if e.kind == "const":
         return const(-e.value)
     if e.kind == "Neg":
@@ -203,11 +197,9 @@ def _sum(a: Expr, b: Expr) -> Expr:
 def _difference(a: Expr, b: Expr) -> Expr:
     if b is ZERO:
         return a
-    if a is ZERO:
-        return _negated(b)
     if a.kind == b.kind == "const":
         return const(a.value - b.value)
-    return Expr("Sub", (a, b))
+    return _negated(b) if a is ZERO else Expr("Sub", (a, b))
 
 
 def _product(a: Expr, b: Expr) -> Expr:
@@ -224,30 +216,26 @@ def _affine(e: Expr, unknown: int) -> tuple[Expr, Expr]:
     """Split `e` into slope and rest, e = slope*y[unknown] + rest; neither reads the unknown."""
     if unknown not in e.unknowns():
         return ZERO, e
+    if e.kind == "y":
+        return ONE, ZERO
+    parts = [_affine(arg, unknown) for arg in e.args]
+    (s0, r0), (s1, r1) = parts[0], parts[-1]
     match e.kind:
-        case "y":
-            return ONE, ZERO
         case "Neg":
-            slope, rest = _affine(e.args[0], unknown)
-            return _negated(slope), ZERO if rest is ZERO else _negated(rest)
-        case "Add" | "Sub":
-            (s0, r0), (s1, r1) = (_affine(arg, unknown) for arg in e.args)
-            join: Callable[[Expr, Expr], Expr] = _sum if e.kind == "Add" else _difference
-            return join(s0, s1), join(r0, r1)
-        case "Mul":
-            (s0, r0), (s1, r1) = (_affine(arg, unknown) for arg in e.args)
-            if s1 is ZERO:
-                return _product(s0, r1), _product(r0, r1)
-            if s0 is ZERO:
-                return _product(r0, s1), _product(r0, r1)
-        case "Div":
-            if unknown not in e.args[1].unknowns():
-                slope, rest = _affine(e.args[0], unknown)
-                divided = ZERO if rest is ZERO else Expr("Div", (rest, e.args[1]))
-                return Expr("Div", (slope, e.args[1])), divided
+            pair = (_difference(ZERO, s0), _difference(ZERO, r0))
+        case "Add":
+            pair = (_sum(s0, s1), _sum(r0, r1))
+        case "Sub":
+            pair = (_difference(s0, s1), _difference(r0, r1))
+        case "Mul" if s1 is ZERO:
+            pair = (_product(s0, r1), _product(r0, r1))
+        case "Mul" if s0 is ZERO:
+            pair = (_product(r0, s1), _product(r0, r1))
+        case "Div" if s1 is ZERO:
+            pair = (Expr("Div", (s0, r1)), ZERO if r0 is ZERO else Expr("Div", (r0, r1)))
         case _:
-            pass
-    raise NotAffineError
+            raise NotAffineError
+    return pair
 
 
 def solve_for(residual: Expr, unknown: int) -> Expr:
@@ -330,19 +318,12 @@ class Writer:
 
     def _plain(self, node: Expr) -> str:
         kind, args = node.kind, node.args
-        if kind == "const":
-            return f"({c_number(node.value)})" if node.value < 0 else c_number(node.value)
-        if kind == "time":
-            return "t"
-        if kind in ("y", "p"):
-            return self._leaf(node)
+        if not args:
+            text = {"const": c_number(node.value), "time": "t"}.get(kind) or self._leaf(node)
+            return f"({text})" if text.startswith("-") else text
         if kind == "Select":
             condition, yes, no = self.truth(args[0]), self.real(args[1]), self.real(args[2])
             return f"({condition} ? {yes} : {no})"
-        if kind in ("And", "Or", "Not"):
-            table = UNARY if kind == "Not" else BINARY
-            return table[kind].format(*(self.truth(arg) for arg in args))
-        if kind == "Neg":
-            return f"(-{self.real(args[0])})"
         table = UNARY if kind in UNARY else BINARY if kind in BINARY else COMPARE
-        return table[kind].format(*(self.real(arg) for arg in args))
+        write = self.truth if kind in ("And", "Or", "Not") else self.real
+        return table[kind].format(*(write(arg) for arg in args))

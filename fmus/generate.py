@@ -13,6 +13,7 @@ from fmus.ir import TARGET, Ir
 from fmus.system import Assignment, System, read_system
 from fmus.variables import Variable, read_units, read_variables, start_vectors
 
+RUNTIME = ("runtime.h", "solver.c", "fmi3.c", "fmi3_absent.c")
 TOKEN_MARK = "@TOKEN@"
 INDENT = "    "
 
@@ -22,7 +23,7 @@ class Generated:
     """Texts of one FMU.
 
     identifier: modelIdentifier, the name of the library file. token: instantiationToken, a hash
-    of everything in the two texts.
+    of the two texts and of the runtime.
     """
 
     model: str
@@ -49,6 +50,8 @@ def generate(ir: Ir, step_s: float) -> Generated:
     digest = hashlib.sha256()
     digest.update(source.encode())
     digest.update(description.encode())
+    for name in RUNTIME:
+        digest.update((TARGET / name).read_bytes())
     token = digest.hexdigest()[:32]
     return Generated(
         ir.model,
@@ -60,7 +63,7 @@ def generate(ir: Ir, step_s: float) -> Generated:
 
 
 def _templates() -> jinja2.Environment:
-    return jinja2.Environment(
+    environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TARGET),
         undefined=jinja2.StrictUndefined,
         autoescape=lambda name: bool(name and name.endswith(".xml.jinja")),
@@ -68,6 +71,14 @@ def _templates() -> jinja2.Environment:
         lstrip_blocks=True,
         keep_trailing_newline=True,
     )
+    environment.filters["c_string"] = _c_string
+    return environment
+
+
+def _c_string(text: str) -> str:
+    """Text as a C string literal."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n")
+    return f'"{escaped}"'
 
 
 class _Names:
@@ -174,9 +185,8 @@ def _assertions(system: System, names: _Names) -> str:
     for assertion in system.assertions:
         writer = Writer(names.in_vectors)
         failed = writer.truth(assertion.failed)
-        message = f"{assertion.place}: {assertion.message}" if assertion.place else ""
-        text = (message or assertion.message).replace("\\", "\\\\").replace('"', '\\"')
-        lines += [f"if {failed} {{", f'{INDENT}return "{text}";', "}"]
+        text = f"{assertion.place}: {assertion.message}" if assertion.place else assertion.message
+        lines += [f"if ({failed}) {{", f"{INDENT}return {_c_string(text)};", "}"]
     return _text(lines)
 
 

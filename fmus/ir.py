@@ -109,9 +109,9 @@ def _refused(error: Exception, model: str, library: Path) -> BuildError:
                 )
     first = text.splitlines()[0] if text else type(error).__name__
     name = re.search(r"[`']([\w.\[\]]+)[`']", first)
-    file = _file_of(model, library)
-    line = _line_of(name.group(1), file) if name and file else None
-    return BuildError(file or library, line, first)
+    home = _file_of(model, library)
+    line = _line_of(name.group(1), home) if name and home else None
+    return BuildError(home or library, line, first)
 
 
 def _file_of(model: str, library: Path) -> Path | None:
@@ -124,7 +124,7 @@ def _file_of(model: str, library: Path) -> Path | None:
 
 def _line_of(name: str, file: Path) -> int | None:
     """The first line of `file` in which the last part of `name` stands as a word."""
-    last = name.split(".")[-1].split("[")[0]
+    last = name.rpartition(".")[2].partition("[")[0]
     word = re.compile(rf"\b{re.escape(last)}\b")
     for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
         if word.search(line):

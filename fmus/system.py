@@ -6,6 +6,7 @@ values, relation memory). Each relation has a function whose sign decides it; be
 value rests in p.
 """
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -125,24 +126,28 @@ def _refuse_unsupported(ir: Ir) -> None:
     solve = ir.solve
     layout, events, clocks = solve["solve_layout"], solve["events"], solve["clocks"]
     initial, discrete = solve["initialization"], solve["discrete"]
-    if clocks["activation_parameter_indices"] or clocks["periodic_event_schedules"]:
-        raise ir.error(_find(ir, "sample"), "sample() and clocks are not supported")
-    if solve["artifacts"]["continuous"]["mass_matrix"]["kind"] != "identity":
-        raise ir.error(None, "a mass matrix is not supported")
-    if layout["initial_event_parameter_index"] is not None:
-        raise ir.error(_find(ir, "initial"), "initial() is not supported")
-    if layout["terminal_event_parameter_index"] is not None:
-        raise ir.error(_find(ir, "terminal"), "terminal() is not supported")
-    if layout["initial_homotopy_parameter_index"] is not None:
-        raise ir.error(_find(ir, "homotopy"), "homotopy() is not supported")
-    if initial["residual"]["nodes"] or initial["projection_plan"]["blocks"]:
-        raise ir.error(None, "initial equations must give their unknown explicitly")
-    for name in ("scheduled_root_conditions", "scheduled_time_events", "dynamic_time_event_names"):
-        if events[name]:
-            raise ir.error(None, f"{name.replace('_', ' ')} are not supported")
-    for binding in layout["pre_param_bindings"]:
-        if binding["clock_schedule"] is not None:
-            raise ir.error(None, "clocked variables are not supported")
+    implicit = solve["continuous"]["implicit_rhs"]["scalar_plan"]
+    clocked = [b for b in layout["pre_param_bindings"] if b["clock_schedule"] is not None]
+    mass = solve["artifacts"]["continuous"]["mass_matrix"]["kind"]
+    refused: Sequence[tuple[object, str | None, str]] = (
+        (clocks["activation_parameter_indices"], "sample", "sample() and clocks are"),
+        (clocks["periodic_event_schedules"], "sample", "sample() and clocks are"),
+        (clocked, None, "clocked variables are"),
+        (layout["initial_event_parameter_index"] is not None, "initial", "initial() is"),
+        (layout["terminal_event_parameter_index"] is not None, "terminal", "terminal() is"),
+        (layout["initial_homotopy_parameter_index"] is not None, "homotopy", "homotopy() is"),
+        (initial["residual"]["nodes"], None, "an initial equation without explicit unknown is"),
+        (initial["projection_plan"]["blocks"], None, "a system of initial equations is"),
+        (events["scheduled_root_conditions"], None, "a scheduled root condition is"),
+        (events["scheduled_time_events"], None, "a scheduled time event is"),
+        (events["dynamic_time_event_names"], None, "a dynamic time event is"),
+        (mass != "identity", None, "a mass matrix is"),
+        (any(discrete["observation_refresh"]), None, "an observed discrete variable is"),
+        (implicit["uses_linear_solve_component"], None, "a linear system of equations is"),
+    )
+    for found, word, message in refused:
+        if found:
+            raise ir.error(_find(ir, word), f"{message} not supported")
     spans = [program.get("span") for program in _programs(discrete)]
     for target, span in zip(discrete["update_targets"], spans, strict=True):
         if "P" not in target:
@@ -159,12 +164,14 @@ def _programs(discrete: Mapping[str, Any]) -> list[Mapping[str, Any]]:
     ]
 
 
-def _find(ir: Ir, word: str) -> Mapping[str, int] | None:
+def _find(ir: Ir, word: str | None) -> Mapping[str, int] | None:
     """The span of the first use of a built-in function in the model's files."""
+    if word is None:
+        return None
     for number, (_, text) in ir.files.items():
-        start = text.encode().find(f"{word}(".encode())
-        if start >= 0:
-            return {"source": number, "start": start}
+        found = re.search(rf"\b{word}\s*\(", text)
+        if found:
+            return {"source": number, "start": len(text[: found.start()].encode())}
     return None
 
 
@@ -182,7 +189,7 @@ def _rows(ir: Ir, plan: Mapping[str, Any]) -> list[Assignment]:
         try:
             outputs = read_program(program["ops"])
         except UnsupportedError as error:
-            raise ir.error(span, f"{error} to the exporter") from error
+            raise ir.error(span, f"{error} is not supported") from error
         rows += [Assignment("y", i, value, ir.place(span)) for i, value in outputs.items()]
     return sorted(rows, key=lambda row: row.index)
 
@@ -191,9 +198,7 @@ def _targeted(
     ir: Ir, plan: Mapping[str, Any], targets: Sequence[Mapping[str, Any]]
 ) -> list[Assignment]:
     """Each output of a plan as an assignment to the target of the same number."""
-    return [
-        Assignment(*_slot(targets[row.index]), row.value, row.place) for row in _rows(ir, plan)
-    ]
+    return [Assignment(*_slot(targets[row.index]), row.value, row.place) for row in _rows(ir, plan)]
 
 
 def _algebraics(ir: Ir, state_count: int) -> list[Assignment]:

@@ -92,7 +92,7 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
 
 def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Files of the campaign with their SHA-256."""
-    plans = {plan["file"]: plan["sha256"] for plan in manifest.get("plans", [])}
+    plans = {plan["path"]: plan["sha256"] for plan in manifest.get("plans", [])}
     return list({**plans, **manifest.get("files", {}), **manifest.get("fmus", {})}.items())
 
 

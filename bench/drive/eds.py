@@ -6,6 +6,7 @@ are numbers, because other readers refuse anything else.
 
 import io
 from collections.abc import Iterable
+from functools import cache
 
 from canopen.objectdictionary import ObjectDictionary
 from canopen.objectdictionary.eds import import_eds
@@ -39,8 +40,12 @@ def eds_text(profile: DriveProfile, file_name: str = "axisrig-drive.eds") -> str
     return "\n".join(lines) + "\n"
 
 
+@cache
 def object_dictionary(node_id: int, profile: DriveProfile) -> ObjectDictionary:
-    """Return the dictionary of the drive with `node_id` as canopen reads it from the EDS."""
+    """Return the dictionary of the drive with `node_id` as canopen reads it from the EDS.
+
+    Master and drive share it: values live in the nodes, the dictionary only describes.
+    """
     dictionary: ObjectDictionary = import_eds(  # type: ignore[no-untyped-call]
         io.StringIO(eds_text(profile)), node_id
     )

@@ -1,0 +1,71 @@
+"""`axisrig replay DIR RUN`: run one case of a results folder again and compare the frames."""
+
+import csv
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from bench.assignment import INPUT_KINDS
+from bench.plan import Case, read_plan
+from bench.results import CaseResult
+from bench.runner import run_case
+from kernel.errors import UserError, nearest
+
+
+@dataclass(frozen=True)
+class Replay:
+    """A run made again; `recorded_sha256` is the frame hash of the results folder."""
+
+    result: CaseResult
+    recorded_sha256: str
+
+    @property
+    def is_same(self) -> bool:
+        """Whether every frame came again at the same nanosecond."""
+        return self.result.frame_log_sha256 == self.recorded_sha256
+
+
+def replay(folder: Path, run: str, bus_log: Path | None) -> Replay:
+    """Run `run` of the results folder again, with the inputs that were recorded for it.
+
+    Raises UserError when the folder, the run or its plan cannot be found.
+    """
+    row = _recorded(folder, run)
+    plan = read_plan(_plan_path(folder, row["plan"]))
+    inputs = {
+        column: value
+        for column, value in row.items()
+        if value and ":" in column and column.partition(":")[0] in INPUT_KINDS
+    }
+    case = _find(plan.cases, run, inputs)
+    return Replay(run_case(case, bus_log), row["frame_log_sha256"])
+
+
+def _recorded(folder: Path, run: str) -> dict[str, str]:
+    path = folder / "cases.csv"
+    if not path.is_file():
+        raise UserError("no results folder: cases.csv is missing", file=folder)
+    with path.open(encoding="utf-8", newline="") as file:
+        rows = {row["run"]: row for row in csv.DictReader(file)}
+    if run not in rows:
+        raise UserError(
+            "the folder has no such run", file=path, value=run, allowed=nearest(run, rows) or rows
+        )
+    return rows[run]
+
+
+def _plan_path(folder: Path, name: str) -> Path:
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    paths = {plan["name"]: Path(plan["path"]) for plan in manifest["plans"]}
+    path = paths[name]
+    if not path.is_file():
+        raise UserError("the plan of this run is not there any more", file=path)
+    return path
+
+
+def _find(cases: Sequence[Case], run: str, inputs: Mapping[str, str]) -> Case:
+    found = next((case for case in cases if case.run == run), None)
+    if found is None:
+        raise UserError("the plan has no such run any more", value=run)
+    return replace(found, inputs=inputs)

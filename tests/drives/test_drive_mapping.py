@@ -1,0 +1,172 @@
+"""What the kernel writes into a drive at start-up, and that the drive then does it."""
+
+import struct
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from kernel.drives.commissioning import commission
+from kernel.drives.mapping import MappedObject, telegrams
+from kernel.errors import Alarm
+
+Make = Callable[..., Any]
+NODE = 3
+OPERATIONAL = 5
+
+
+# Mapping table against CiA 301 and CiA 402, written out by hand
+
+
+@pytest.mark.parametrize(
+    ("name", "cob_id", "entries", "form"),
+    [
+        ("RPDO1", 0x203, [0x60400010, 0x607A0020, 0x60B80010], "<HiH"),
+        ("TPDO1", 0x183, [0x60410010, 0x60640020, 0x60B90010], "<HiH"),
+        ("TPDO2", 0x283, [0x60BA0020], "<i"),
+        ("TPDO3", 0x383, [0x60FD0020], "<I"),
+    ],
+)
+def test_telegrams_carry_what_the_design_says(
+    name: str, cob_id: int, entries: list[int], form: str
+) -> None:
+    telegram = telegrams(0x60BA)[name]
+    assert telegram.cob_id(NODE) == cob_id
+    assert [mapped.entry for mapped in telegram.objects] == entries
+    assert telegram.codec.format == form
+    assert telegram.length == struct.calcsize(form)
+
+
+def test_only_the_latch_object_in_use_is_sent() -> None:
+    for latch in (0x60BA, 0x60BB, 0x60BC, 0x60BD):
+        (mapped,) = telegrams(latch)["TPDO2"].objects
+        assert (mapped.index, mapped.bits, mapped.signed) == (latch, 32, True)
+
+
+def test_cyclic_telegrams_go_with_every_sync_and_inputs_on_change() -> None:
+    types = {name: telegram.transmission for name, telegram in telegrams(0x60BA).items()}
+    assert types == {"RPDO1": 1, "TPDO1": 1, "TPDO2": 1, "TPDO3": 254}
+    assert [t.name for t in telegrams(0x60BA).values() if not t.is_cyclic] == ["TPDO3"]
+    assert telegrams(0x60BA)["TPDO3"].inhibit_100us == 10  # 1 ms
+
+
+# Written over SDO
+
+
+@pytest.mark.parametrize(
+    ("probe_input", "edge", "latch"),
+    [(1, "POS", 0x60BA), (1, "NEG", 0x60BB), (2, "POS", 0x60BC), (2, "NEG", 0x60BD)],
+)
+def test_the_drive_holds_the_mapping_after_start_up(
+    link_bench: Make, probe_input: int, edge: str, latch: int
+) -> None:
+    bench = link_bench(probe_input=probe_input, edge=edge)
+    bench.commission()
+    read = bench.read
+    assert [read(0x1A01, sub) for sub in range(2)] == [1, latch << 16 | 0x20]
+    assert [read(0x1600, sub) for sub in range(4)] == [3, 0x60400010, 0x607A0020, 0x60B80010]
+    assert [read(0x1A00, sub) for sub in range(4)] == [3, 0x60410010, 0x60640020, 0x60B90010]
+    assert [read(0x1A02, sub) for sub in range(2)] == [1, 0x60FD0020]
+    assert [read(index, 1) for index in (0x1400, 0x1800, 0x1801, 0x1802)] == [
+        0x203, 0x183, 0x283, 0x383,
+    ]  # fmt: skip
+    assert [read(index, 2) for index in (0x1400, 0x1800, 0x1801, 0x1802)] == [1, 1, 1, 254]
+    assert read(0x1802, 3) == 10
+    assert bench.remote.sdo[0x1006].raw == 1000
+    assert bench.remote.sdo[0x6060].raw == 8  # cyclic synchronous position
+
+
+def test_what_is_mapped_is_what_comes_over_the_bus(link_bench: Make) -> None:
+    bench = link_bench(start_mm=12.5, level=True)
+    bench.commission()
+    bench.cycle(12.5)
+    (first,) = bench.frames(0x183)
+    statusword, actual, probe_status = struct.unpack("<HiH", first)
+    assert actual == 1_310_720  # 12.5 mm * 104857.6 increments/mm
+    assert statusword & 0x4F == 0x40  # switch on disabled
+    assert probe_status == 0
+    assert bench.frames(0x283) == [bytes(4)]
+    assert bench.frames(0x383) == [struct.pack("<I", 1 << 16)]  # probe input 1 is high
+    assert bench.link.actual_mm == 12.5
+
+
+def test_set_position_and_words_go_out_as_mapped(link_bench: Make) -> None:
+    bench = link_bench(start_mm=-2.0)
+    bench.commission()
+    bench.link.power = True
+    bench.link.arm()
+    bench.cycle(-2.0)
+    (sent,) = bench.frames(0x203)
+    controlword, target, function = struct.unpack("<HiH", sent)
+    assert controlword & 0x87 == 0x06  # shutdown: the first step from switch on disabled
+    assert target == -209_715  # -2 mm * 104857.6 = -209715.2
+    assert function == 0x0011  # enable probe 1, positive edge
+    bench.cycle(-2.0)
+    assert struct.unpack("<HiH", bench.frames(0x183)[-1])[2] == 0x0001  # acknowledged
+
+
+def _downloads(heard: list[tuple[int, int, bytes]]) -> list[tuple[int, int, int]]:
+    """(index, sub, value) of every expedited SDO download, CiA 301 7.2.4.3.3."""
+    found = []
+    for _, can_id, data in heard:
+        if can_id == 0x600 + NODE and data[0] & 0xE2 == 0x22:
+            index, sub = struct.unpack_from("<HB", data, 1)
+            found.append((index, sub, int.from_bytes(data[4 : 8 - (data[0] >> 2 & 3)], "little")))
+    return found
+
+
+def test_a_mapping_is_changed_in_the_order_of_the_standard(link_bench: Make) -> None:
+    """CiA 301 7.5.2.36: disable, empty the mapping, entries, their number, type, enable."""
+    bench = link_bench()
+    bench.commission()
+    writes = [w for w in _downloads(bench.heard) if w[0] in (0x1800, 0x1A00)]
+    assert writes == [
+        (0x1800, 1, 0x80000183),
+        (0x1A00, 0, 0),
+        (0x1A00, 1, 0x60410010),
+        (0x1A00, 2, 0x60640020),
+        (0x1A00, 3, 0x60B90010),
+        (0x1A00, 0, 3),
+        (0x1800, 2, 1),
+        (0x1800, 1, 0x183),
+    ]
+
+
+def test_operational_comes_last_and_only_then_pdos_flow(link_bench: Make) -> None:
+    bench = link_bench()
+    bench.commission()
+    ids = [can_id for _, can_id, _ in bench.heard]
+    last_answer = max(n for n, can_id in enumerate(ids) if can_id == 0x580 + NODE)
+    (start,) = [n for n, can_id in enumerate(ids) if can_id == 0x000]
+    assert last_answer < start
+    assert bench.heard[start][2] == bytes([1, NODE])
+    assert all(can_id not in (0x183, 0x283, 0x383) for can_id in ids[:start])
+
+
+# Alarm 900011
+
+
+def test_900011_when_the_node_is_silent(link_bench: Make) -> None:
+    bench = link_bench(silent=True)
+    with pytest.raises(Alarm) as caught:
+        bench.commission()
+    alarm = caught.value
+    assert alarm.id == 900011
+    assert (alarm.values["axis"], alarm.values["node"]) == ("Z", NODE)
+    assert "0x1006" in str(alarm.values["step"])
+    assert 0x000 not in [can_id for _, can_id, _ in bench.heard]  # never started
+
+
+def test_900011_when_the_drive_refuses_an_object(link_bench: Make) -> None:
+    """0x6502 is supported drive modes: known to the drive, never mappable into a PDO."""
+    bench = link_bench()
+    bench.scheduler.run_until(2_000_000)
+    unknown = MappedObject(0x6502, 0, 32, False, "nothing")
+    wrong = {**telegrams(0x60BA)}
+    wrong["TPDO2"] = replace(wrong["TPDO2"], objects=(unknown,))
+    with pytest.raises(Alarm) as caught:
+        commission(bench.remote, wrong, 1000, "Z")
+    assert caught.value.id == 900011
+    assert caught.value.values["step"] == "mapping of TPDO2"
+    assert "0x0604" in str(caught.value.values["answer"]).replace(" ", "")

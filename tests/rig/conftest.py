@@ -1,0 +1,76 @@
+"""A rig file with its lists in a folder of its own, to be changed line by line."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.assignment import parse_assignment
+from bench.rigfile import read_rig
+from bench.settings import Settings, as_written, read_settings
+
+RIG = """\
+title = "one axis"
+
+[cycle]
+cycle_offset_us = 600
+
+[channel]
+list = "lists/channel.lst"
+
+[segment.can1]
+bitrate = 1_000_000
+
+[drive.servo]
+lead_mm = 10.0
+
+[axis.Z]
+list = "lists/axis-z.lst"
+segment = "can1"
+node = 3
+drive = "servo"
+plant = "z"
+probe_1 = "probe"
+
+[plant.z]
+fmu = "AxisRig.Drives.ServoAxis"
+start = { position_start_mm = 130, kv = 40 }
+
+[plant.probe]
+fmu = "AxisRig.Sensors.TouchProbe"
+wire = { z = "z" }
+"""
+
+
+@pytest.fixture
+def rig_file(tmp_path: Path) -> Callable[..., Path]:
+    """Write the rig; each argument is a pair (old text, new text) that must fit once."""
+    lists = tmp_path / "lists"
+    lists.mkdir()
+    (lists / "channel.lst").write_text("messtyp 1\n")
+    for axis in "XYZ":
+        (lists / f"axis-{axis.lower()}.lst").write_text(f"kopf.log_achs_name {axis}\n")
+
+    def write(*changes: tuple[str, str], name: str = "rig.toml") -> Path:
+        text = RIG
+        for old, new in changes:
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def settings_of() -> Callable[..., Settings]:
+    """Read a rig and apply assignments written as on the command line."""
+
+    def read(path: Path, *assignments: str) -> Settings:
+        rig, files = read_rig(path)
+        return read_settings(
+            rig, files, [(parse_assignment(text), as_written) for text in assignments]
+        )
+
+    return read
