@@ -6,7 +6,7 @@ What is not in the tables below stops the build.
 
 import math
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -81,18 +81,25 @@ class Expr:
         """Whether the C text of this node is a truth value."""
         return self.kind in LOGICAL
 
-    def leaves(self) -> Iterable["Expr"]:
-        """Every leaf below this node, each node visited once."""
+    def nodes(self) -> Iterator["Expr"]:
+        """This node and everything below it, each once."""
         seen: set[int] = set()
         stack = [self]
         while stack:
             node = stack.pop()
-            if id(node) in seen:
-                continue
-            seen.add(id(node))
-            stack.extend(node.args)
-            if not node.args:
+            if id(node) not in seen:
+                seen.add(id(node))
+                stack.extend(node.args)
                 yield node
+
+    def leaves(self) -> Iterator["Expr"]:
+        """Every leaf of this expression, each once."""
+        return (node for node in self.nodes() if not node.args)
+
+    @property
+    def moves(self) -> bool:
+        """Whether the value can change between events."""
+        return any(leaf.kind in ("time", "y") for leaf in self.leaves())
 
     def unknowns(self) -> set[int]:
         """The indices of `y` that this expression reads."""

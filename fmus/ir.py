@@ -76,8 +76,12 @@ def compile_model(model: str, library: Path) -> Ir:
         compiled = rumoca.Session().load(str(entry), model=model)
         text = compiled.codegen(str(TARGET)).files[0].content
         source_map = json.loads(compiled.to_json("dae"))["source_map"]["files"]
-    except (rumoca.RumocaError, RuntimeError) as error:
-        raise _refused(error, model, library) from error
+    except BaseException as error:
+        # A panic of the compiler comes as an exception outside Exception.
+        panic = type(error).__module__ == "pyo3_runtime"
+        if panic or isinstance(error, rumoca.RumocaError | RuntimeError):
+            raise _refused(error, model, library) from error
+        raise
     data = json.loads(_TOKEN.sub(_as_json, text))
     found = data["solve"]["schema_version"]
     if found != SCHEMA_VERSION:
@@ -96,7 +100,7 @@ def _as_json(match: re.Match[str]) -> str:
     return _WORDS.get(token, token)
 
 
-def _refused(error: Exception, model: str, library: Path) -> BuildError:
+def _refused(error: BaseException, model: str, library: Path) -> BuildError:
     """Find the place that the compiler complains about; it names it in its text or not at all."""
     text = str(error)
     for file in sorted(library.rglob("*.mo")) if library.is_dir() else [library]:
@@ -110,16 +114,21 @@ def _refused(error: Exception, model: str, library: Path) -> BuildError:
     first = text.splitlines()[0] if text else type(error).__name__
     name = re.search(r"[`']([\w.\[\]]+)[`']", first)
     home = _file_of(model, library)
-    line = _line_of(name.group(1), home) if name and home else None
-    return BuildError(home or library, line, first)
+    word = name.group(1) if name else model
+    line = _line_of(word, home) or _line_of(model, home)
+    return BuildError(home, line, first)
 
 
-def _file_of(model: str, library: Path) -> Path | None:
-    """The file that holds a class of the library."""
-    if library.is_file():
-        return library
-    candidate = library.parent.joinpath(*model.split(".")).with_suffix(".mo")
-    return candidate if candidate.is_file() else None
+def _file_of(model: str, library: Path) -> Path:
+    """The file that holds a class of the library: its own, or that of a package around it."""
+    parts = model.split(".")[1:]
+    while parts and library.is_dir():
+        file = library.joinpath(*parts)
+        for candidate in (file.with_suffix(".mo"), file / "package.mo"):
+            if candidate.is_file():
+                return candidate
+        parts.pop()
+    return library / "package.mo" if library.is_dir() else library
 
 
 def _line_of(name: str, file: Path) -> int | None:

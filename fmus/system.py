@@ -6,13 +6,21 @@ values, relation memory). Each relation has a function whose sign decides it; be
 value rests in p.
 """
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from fmus.expressions import Expr, NotAffineError, UnsupportedError, read_program, solve_for
+from fmus.expressions import (
+    COMPARE,
+    Expr,
+    NotAffineError,
+    UnsupportedError,
+    parameter,
+    read_program,
+    solve_for,
+)
 from fmus.ir import Ir, Source
+from fmus.support import at, refuse_steps_in_time, refuse_unknown_slots, refuse_unsupported
 
 # How a relation reads its function at exactly zero, as runtime.h has it.
 AT_ZERO: Mapping[str, str] = {
@@ -85,33 +93,22 @@ def read_system(ir: Ir) -> System:
 
     Raises BuildError with the place of the construct.
     """
-    _refuse_unsupported(ir)
+    refuse_unsupported(ir)
     solve = ir.solve
-    layout = solve["solve_layout"]
-    discrete = solve["discrete"]
-    count = layout["state_scalar_count"]
-    by_output = {
-        a.index: a for a in _rows(ir, solve["continuous"]["derivative_rhs"]["scalar_plan"])
-    }
-    if sorted(by_output) != list(range(count)):
-        raise ir.error(None, "not every state has a derivative")
-    updates = _targeted(ir, discrete["rhs_plan"], discrete["update_targets"])
+    layout, discrete, initial = solve["solve_layout"], solve["discrete"], solve["initialization"]
+    runtime = discrete["runtime_assignment_plan"]
     offset = discrete["rhs_plan"]["output_count"]
-    whens = _targeted(ir, discrete["guarded_assignment_plan"], discrete["update_targets"][offset:])
-    if len(updates) + len(whens) != len(discrete["update_targets"]):
-        raise ir.error(None, "discrete equations and their targets do not match")
-    initial = solve["initialization"]
-    return System(
+    system = System(
         y_count=solve["layout"]["y_scalars"],
         p_count=solve["layout"]["p_scalars"],
-        derivatives=[by_output[index] for index in range(count)],
-        algebraics=_algebraics(ir, count),
+        derivatives=_derivatives(ir),
+        algebraics=_algebraics(ir, layout["state_scalar_count"]),
         initial=_targeted(ir, initial["update_plan"], initial["update_targets"]),
-        runtime=_targeted(
-            ir, discrete["runtime_assignment_plan"], discrete["runtime_assignment_targets"]
+        runtime=_targeted(ir, runtime, discrete["runtime_assignment_targets"]),
+        updates=_targeted(ir, discrete["rhs_plan"], discrete["update_targets"]),
+        whens=_targeted(
+            ir, discrete["guarded_assignment_plan"], discrete["update_targets"][offset:]
         ),
-        updates=updates,
-        whens=whens,
         previous=[
             (binding["dest_p_index"], *_slot(binding["source"]))
             for binding in layout["pre_param_bindings"]
@@ -119,60 +116,34 @@ def read_system(ir: Ir) -> System:
         relations=_relations(ir),
         assertions=_assertions(ir),
     )
+    if ir.dae["systems"]["events"]["time_events"]:
+        system = _with_time_relations(ir, system)
+    _check(ir, system)
+    return system
 
 
-def _refuse_unsupported(ir: Ir) -> None:
-    """Stop at everything in the representation that the runtime does not act on."""
-    solve = ir.solve
-    layout, events, clocks = solve["solve_layout"], solve["events"], solve["clocks"]
-    initial, discrete = solve["initialization"], solve["discrete"]
-    implicit = solve["continuous"]["implicit_rhs"]["scalar_plan"]
-    clocked = [b for b in layout["pre_param_bindings"] if b["clock_schedule"] is not None]
-    mass = solve["artifacts"]["continuous"]["mass_matrix"]["kind"]
-    refused: Sequence[tuple[object, str | None, str]] = (
-        (clocks["activation_parameter_indices"], "sample", "sample() and clocks are"),
-        (clocks["periodic_event_schedules"], "sample", "sample() and clocks are"),
-        (clocked, None, "clocked variables are"),
-        (layout["initial_event_parameter_index"] is not None, "initial", "initial() is"),
-        (layout["terminal_event_parameter_index"] is not None, "terminal", "terminal() is"),
-        (layout["initial_homotopy_parameter_index"] is not None, "homotopy", "homotopy() is"),
-        (initial["residual"]["nodes"], None, "an initial equation without explicit unknown is"),
-        (initial["projection_plan"]["blocks"], None, "a system of initial equations is"),
-        (events["scheduled_root_conditions"], None, "a scheduled root condition is"),
-        (events["scheduled_time_events"], None, "a scheduled time event is"),
-        (events["dynamic_time_event_names"], None, "a dynamic time event is"),
-        (mass != "identity", None, "a mass matrix is"),
-        (any(discrete["observation_refresh"]), None, "an observed discrete variable is"),
-        (implicit["uses_linear_solve_component"], None, "a linear system of equations is"),
-    )
-    for found, word, message in refused:
-        if found:
-            raise ir.error(_find(ir, word), f"{message} not supported")
-    spans = [program.get("span") for program in _programs(discrete)]
-    for target, span in zip(discrete["update_targets"], spans, strict=True):
-        if "P" not in target:
-            raise ir.error(span, "reinit() is not supported")
+def _check(ir: Ir, system: System) -> None:
+    """Refuse values that the runtime would not keep as the compiler means them."""
+    continuous = [(row.value, row.place) for row in (*system.derivatives, *system.algebraics)]
+    refuse_steps_in_time(ir, continuous)
+    rows = (*system.initial, *system.runtime, *system.updates, *system.whens)
+    everything = [(row.value, row.place) for row in rows]
+    everything += [(relation.function, relation.place) for relation in system.relations]
+    known = {row.index for row in rows if row.vector == "p"}
+    known |= {slot for slot, _, _ in system.previous}
+    known |= {relation.memory for relation in system.relations}
+    for binding in ir.solve["layout"]["bindings"].values():
+        vector, index = _slot(binding)
+        known |= {index} if vector == "p" else set()
+    refuse_unknown_slots(ir, continuous + everything, known)
 
 
-def _programs(discrete: Mapping[str, Any]) -> list[Mapping[str, Any]]:
-    """The program of each update target, in the order of the targets."""
-    return [
-        program
-        for plan in ("rhs_plan", "guarded_assignment_plan")
-        for program in discrete[plan]["programs"]
-        for _ in range(program["output_count"])
-    ]
-
-
-def _find(ir: Ir, word: str | None) -> Mapping[str, int] | None:
-    """The span of the first use of a built-in function in the model's files."""
-    if word is None:
-        return None
-    for number, (_, text) in ir.files.items():
-        found = re.search(rf"\b{word}\s*\(", text)
-        if found:
-            return {"source": number, "start": len(text[: found.start()].encode())}
-    return None
+def _derivatives(ir: Ir) -> list[Assignment]:
+    rows = _rows(ir, ir.solve["continuous"]["derivative_rhs"]["scalar_plan"])
+    count = ir.solve["solve_layout"]["state_scalar_count"]
+    if [row.index for row in rows] != list(range(count)):
+        raise ir.error(None, "not every state has a derivative")
+    return rows
 
 
 def _slot(target: Mapping[str, Any]) -> tuple[str, int]:
@@ -212,14 +183,14 @@ def _algebraics(ir: Ir, state_count: int) -> list[Assignment]:
     for row in _rows(ir, continuous["implicit_rhs"]["scalar_plan"]):
         target = targets[row.index]
         if target is None:
-            raise _at(ir, row.place, "an equation without an unknown")
+            raise at(ir, row.place, "an equation without an unknown")
         _, unknown = _slot(target)
         try:
             value = solve_for(row.value, unknown)
         except NotAffineError:
             name = _name(ir, unknown)
             message = f"the equation for {name} is not linear in it; solve it by hand"
-            raise _at(ir, row.place, message) from None
+            raise at(ir, row.place, message) from None
         solved[unknown] = Assignment("y", unknown, value, row.place)
     missing = set(range(state_count, ir.solve["layout"]["y_scalars"])) - solved.keys()
     if missing:
@@ -237,7 +208,7 @@ def _in_order(ir: Ir, solved: Mapping[int, Assignment], state_count: int) -> lis
         if not ready:
             names = ", ".join(sorted(_name(ir, i) for i in waiting))
             first = waiting[min(waiting)]
-            raise _at(ir, first.place, f"algebraic loop among {names}")
+            raise at(ir, first.place, f"algebraic loop among {names}")
         for index in ready:
             order.append(waiting.pop(index))
         done.update(ready)
@@ -246,11 +217,6 @@ def _in_order(ir: Ir, solved: Mapping[int, Assignment], state_count: int) -> lis
 
 def _name(ir: Ir, index: int) -> str:
     return str(ir.solve["solve_layout"]["solver_maps"]["names"][index])
-
-
-def _at(ir: Ir, place: Source | None, message: str) -> Exception:
-    error = ir.error(None, message)
-    return error if place is None else type(error)(place.file, place.line, message)
 
 
 def _relations(ir: Ir) -> list[Relation]:
@@ -264,7 +230,7 @@ def _relations(ir: Ir) -> list[Relation]:
     relations = []
     for row, slot, domain, place in zip(rows, memory, domains, places, strict=True):
         if domain not in AT_ZERO:
-            raise _at(ir, place, f"zero domain {domain} of a relation is not known")
+            raise at(ir, place, f"zero domain {domain} of a relation is not known")
         relations.append(Relation(row.value, slot, AT_ZERO[domain], place))
     return relations
 
@@ -280,3 +246,66 @@ def _assertions(ir: Ir) -> list[Assertion]:
         text = "".join(part["Text"] for part in parts)
         assertions.append(Assertion(row.value, text, ir.place(action.get("span"))))
     return assertions
+
+
+class _TimeRelations:
+    """Gives comparisons of the time with something at rest a memory and a function of their own.
+
+    The compiler leaves them as they are and lists their instants apart; as relations they are
+    located like all others.
+    """
+
+    def __init__(self, ir: Ir, first_slot: int) -> None:
+        self._ir, self._next = ir, first_slot
+        self._slots: dict[str, int] = {}
+        self.found: list[Relation] = []
+
+    def in_row(self, row: Assignment) -> Assignment:
+        """`row` with the memory in place of each such comparison."""
+        return replace(row, value=self._rewritten(row.value, row.place))
+
+    def _rewritten(self, node: Expr, place: Source | None) -> Expr:
+        if node.kind in COMPARE and node.moves and not node.unknowns():
+            return parameter(self._slot(node, place))
+        args = tuple(self._rewritten(arg, place) for arg in node.args)
+        unchanged = all(new is old for new, old in zip(args, node.args, strict=True))
+        return node if unchanged else replace(node, args=args)
+
+    def _slot(self, node: Expr, place: Source | None) -> int:
+        left, right = node.args
+        if node.kind in ("Eq", "Ne"):
+            raise at(self._ir, place, "the time can only be compared by <, <=, >, >=")
+        below = node.kind in ("Lt", "Le")
+        key = str(node)
+        if key not in self._slots:
+            self._slots[key] = self._next
+            function = Expr("Sub", (left, right) if below else (right, left))
+            at_zero = "ZERO_IS_TRUE" if node.kind in ("Le", "Ge") else "ZERO_IS_FALSE"
+            self.found.append(Relation(function, self._next, at_zero, place))
+            self._next += 1
+        return self._slots[key]
+
+
+def _with_time_relations(ir: Ir, system: System) -> System:
+    """The system with time events as relations."""
+    times = _TimeRelations(ir, system.p_count)
+    derivatives, algebraics, runtime, updates, whens = (
+        [times.in_row(row) for row in rows]
+        for rows in (
+            system.derivatives,
+            system.algebraics,
+            system.runtime,
+            system.updates,
+            system.whens,
+        )
+    )
+    return replace(
+        system,
+        p_count=system.p_count + len(times.found),
+        derivatives=derivatives,
+        algebraics=algebraics,
+        runtime=runtime,
+        updates=updates,
+        whens=whens,
+        relations=[*system.relations, *times.found],
+    )

@@ -1,12 +1,11 @@
 """The variables of an FMU: names, causality, units and start values from the compiler's list."""
 
 import csv
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from fmus.errors import BuildError
 from fmus.ir import Ir
 from fmus.system import System
 
@@ -66,29 +65,45 @@ def _literal(ir: Ir, expression: int | None) -> float | None:
 
 def _start(ir: Ir, variable: Mapping[str, Any]) -> float:
     """Start value of one scalar; 0 where the model gives none."""
-    attributes = variable["attributes"]
-    for name in ("binding", "start"):
-        values = attributes[f"{name}_values"]
-        if values is not None:
-            return float(values[0])
-        literal = _literal(ir, attributes[name])
-        if literal is not None:
-            return literal
+    given = [name for name in ("binding", "start") if variable["attributes"][name] is not None]
+    for name in given:
+        value = _number(ir, variable, name)
+        if value is not None:
+            return value
+    if given:
+        span = variable["declaration"].get("span")
+        raise ir.error(span, f"the start value of {variable['name']} is not a number")
     return 0.0
 
 
-def _first(values: Sequence[float] | None) -> float | None:
-    return None if values is None else float(values[0])
+def _number(ir: Ir, variable: Mapping[str, Any], name: str) -> float | None:
+    """An attribute as the compiler evaluated it, None where the model gives none."""
+    attributes = variable["attributes"]
+    values = attributes[f"{name}_values"]
+    return _literal(ir, attributes[name]) if values is None else float(values[0])
+
+
+def _refuse_moving(ir: Ir, variable: Mapping[str, Any], name: str) -> None:
+    """Refuse an attribute that follows a parameter: it would rest at the default's value."""
+    expression = variable["attributes"][name]
+    if expression is not None:
+        found = ir.dae["expressions"][expression]
+        if found["variability"] != "constant":
+            span = found["provenance"].get("span")
+            message = f"{name} of {variable['name']} must not depend on a parameter"
+            raise ir.error(span, message)
 
 
 def start_vectors(ir: Ir, system: System) -> tuple[list[float], list[float]]:
     """Start values of y and p. Slots without a name (previous values, memory) start at 0."""
     vectors = {"y": [0.0] * system.y_count, "p": [0.0] * system.p_count}
     bindings = ir.solve["layout"]["bindings"]
+    follows = {(a.vector, a.index) for a in system.initial}
     for variable in ir.dae["variables"]:
-        _single(ir, variable)
         if variable["name"] in bindings:
             ((vector, where),) = bindings[variable["name"]].items()
+            if (vector.lower(), where["index"]) not in follows:
+                _refuse_moving(ir, variable, "start")
             vectors[vector.lower()][where["index"]] = _start(ir, variable)
     for slot, vector, index in system.previous:
         vectors["p"][slot] = vectors[vector][index]
@@ -106,6 +121,7 @@ def read_variables(ir: Ir, system: System) -> list[Variable]:
     units = read_units()
     variables: list[Variable] = []
     for variable in ir.dae["variables"]:
+        _single(ir, variable)
         name, role = variable["name"], variable["role"]
         if role == "constant" or name not in bindings or (role == "parameter" and "." in name):
             continue
@@ -141,8 +157,12 @@ def _variable(
         causality = "output" if attributes["causality"] == "output" else "local"
         if role in ("discrete_real", "discrete_value"):
             variability = "discrete"
-    if causality == "output" and attributes["unit"] is None and kind == "Float64":
-        raise BuildError(ir.model, None, f"output {variable['name']} has no unit")
+    if kind == "Float64" and causality != "local":
+        if attributes["unit"] is None:
+            span = variable["declaration"].get("span")
+            raise ir.error(span, f"{variable['name']} has no unit")
+        _refuse_moving(ir, variable, "minimum")
+        _refuse_moving(ir, variable, "maximum")
     return Variable(
         reference=reference,
         name=variable["name"],
@@ -151,8 +171,8 @@ def _variable(
         variability=variability,
         start=start,
         unit=attributes["unit"],
-        minimum=_first(attributes["minimum_values"]),
-        maximum=_first(attributes["maximum_values"]),
+        minimum=_number(ir, variable, "minimum"),
+        maximum=_number(ir, variable, "maximum"),
         description=attributes["description"] or "",
         vector=slot[0],
         index=slot[1],

@@ -7,6 +7,7 @@ Hermite polynomial, whose error over 0.25 ms across an acceleration step of 1000
 0.0162 * 1000 * 0.00025**2 = 1e-6 um (docs/architecture.md, "How exact is an edge").
 """
 
+import struct
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Mapping, Sequence
@@ -57,14 +58,23 @@ class PlantAxis:
         self._inputs = Exchange(slave, AXIS_INPUTS)
         self._enabled = Exchange(slave, ["enabled"])
         self.outputs = Exchange(slave, AXIS_OUTPUTS)
+        self.tick = (0.0, 0.0, 0.0, 0.0)
         self._times: deque[TimeNs] = deque(maxlen=HISTORY_TICKS)
-        self._motion: deque[tuple[float, ...]] = deque(maxlen=HISTORY_TICKS)
+        self._motion: deque[list[float]] = deque(maxlen=HISTORY_TICKS)
 
     def sample(self) -> None:
         """Read the outputs at the present time into the history."""
         self.outputs.read()
         self._times.append(self.slave.time_ns)
-        self._motion.append(tuple(self.outputs.values))
+        self._motion.append(self.outputs.values[:])
+
+    def step_to(self, end_ns: TimeNs) -> None:
+        """Step the FMU; `tick` then holds load position and velocity at both ends."""
+        begin = self._motion[-1]
+        self.slave.step_to(end_ns)
+        self.sample()
+        end = self._motion[-1]
+        self.tick = (begin[0], begin[1], end[0], end[1])
 
     def advance_to(self, time_ns: TimeNs) -> None:
         """Bring the whole plant to `time_ns`."""
@@ -171,7 +181,8 @@ class PlantProbe:
         names += [f"{group}_{part}" for group in sources for part in TRAJECTORY_INPUTS]
         self._inputs = Exchange(slave, names)
         self._counts = Exchange(slave, self.COUNTS)
-        self._last_counts = (0, 0, 0)
+        self._pack = struct.Struct(f"={len(names)}d").pack_into  # ten assignments in one call
+        self._last_counts = [0, 0, 0]
         self._times = Exchange(slave, self.TIMES)
         self._contact = Exchange(slave, [f"contact_{group}" for group in sources])
         self.signal = PlantSignal(False)
@@ -192,28 +203,25 @@ class PlantProbe:
         level.read()
         self.signal.level = bool(level.values[0])
         self._counts.read()
-        self._last_counts = tuple(self._counts.values)
+        self._last_counts = self._counts.values[:]
 
-    def step(self, begin_ns: TimeNs, end_ns: TimeNs, motion: Sequence[tuple[float, ...]]) -> None:
+    def step(self, begin_ns: TimeNs, end_ns: TimeNs, motion: Sequence[float]) -> None:
         """Step over [begin_ns, end_ns].
 
-        motion: per source (position, velocity) at the begin and at the end, m and m/s, flat.
+        motion: per source position and velocity at the begin and at the end, m and m/s.
         """
-        values = self._inputs.values
-        values[0], values[1] = begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9
-        index = 2
-        for ends in motion:
-            values[index], values[index + 1], values[index + 2], values[index + 3] = ends
-            index += 4
+        self._pack(
+            self._inputs.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *motion
+        )
         self._inputs.write()
         self.slave.step_to(end_ns)
         self._counts.read()
-        counts = tuple(self._counts.values)
+        counts = self._counts.values[:]
         if counts != self._last_counts:
             self._collect(counts)
             self._last_counts = counts
 
-    def _collect(self, counts: tuple[int, ...]) -> None:
+    def _collect(self, counts: list[int]) -> None:
         new = [now - last for now, last in zip(counts, self._last_counts, strict=True)]
         if max(new) > 1:
             raise PlantError(
@@ -292,16 +300,13 @@ class Plant:
             self._step(begin_ns + span_ns * index // count)
 
     def _step(self, end_ns: TimeNs) -> None:
-        begin_ns = self.now_ns
-        ends: dict[PlantAxis, tuple[float, ...]] = {}
         for axis in self.axes.values():
-            values = axis.outputs.values
-            x0, v0 = values[0], values[1]
-            axis.slave.step_to(end_ns)
-            axis.sample()
-            ends[axis] = (x0, v0, values[0], values[1])
+            axis.step_to(end_ns)
         for probe in self.probes.values():
-            probe.step(begin_ns, end_ns, [ends[axis] for axis in probe.sources])
+            motion: list[float] = []
+            for axis in probe.sources:
+                motion += axis.tick
+            probe.step(self.now_ns, end_ns, motion)
         self.now_ns = end_ns
 
     def close(self) -> None:

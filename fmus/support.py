@@ -1,0 +1,102 @@
+"""What the runtime does not hold: a model with it stops the build instead of going wrong."""
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from fmus.errors import BuildError
+from fmus.expressions import Expr
+from fmus.ir import Ir, Source
+
+
+def refuse_unsupported(ir: Ir) -> None:
+    """Stop at every part of the representation that nothing here acts on.
+
+    Raises BuildError with the place of the construct where the compiler tells it.
+    """
+    solve, temporal = ir.solve, ir.dae["systems"]["temporal"]
+    layout, events, clocks = solve["solve_layout"], solve["events"], solve["clocks"]
+    initial, discrete = solve["initialization"], solve["discrete"]
+    implicit = solve["continuous"]["implicit_rhs"]["scalar_plan"]
+    clocked = [b for b in layout["pre_param_bindings"] if b["clock_schedule"] is not None]
+    mass = solve["artifacts"]["continuous"]["mass_matrix"]["kind"]
+    refused: Sequence[tuple[object, str | None, str]] = (
+        (clocks["activation_parameter_indices"], "sample", "sample() and clocks are"),
+        (clocks["periodic_event_schedules"], "sample", "sample() and clocks are"),
+        (clocked, "sample", "sample() and clocks are"),
+        (layout["initial_event_parameter_index"] is not None, "initial", "initial() is"),
+        (layout["terminal_event_parameter_index"] is not None, "terminal", "terminal() is"),
+        (layout["initial_homotopy_parameter_index"] is not None, "homotopy", "homotopy() is"),
+        (temporal["delays"], "delay", "delay() is"),
+        (temporal["terminals"], "terminal", "terminal() is"),
+        (temporal["previous"], "previous", "previous() is"),
+        (initial["residual"]["nodes"], None, "an initial equation without explicit unknown is"),
+        (initial["projection_plan"]["blocks"], None, "a system of initial equations is"),
+        (events["scheduled_root_conditions"], None, "a scheduled root condition is"),
+        (mass != "identity", None, "a mass matrix is"),
+        (any(discrete["observation_refresh"]), None, "an observed discrete variable is"),
+        (implicit["uses_linear_solve_component"], None, "a linear system of equations is"),
+    )
+    for found, word, message in refused:
+        if found:
+            raise ir.error(_find(ir, word), f"{message} not supported")
+    spans = [program.get("span") for program in _programs(discrete)]
+    if len(spans) != len(discrete["update_targets"]):
+        raise ir.error(None, "discrete equations and their targets do not match")
+    for target, span in zip(discrete["update_targets"], spans, strict=True):
+        if "P" not in target:
+            raise ir.error(span, "reinit() is not supported")
+
+
+def _programs(discrete: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """The program of each update target, in the order of the targets."""
+    return [
+        program
+        for plan in ("rhs_plan", "guarded_assignment_plan")
+        for program in discrete[plan]["programs"]
+        for _ in range(program["output_count"])
+    ]
+
+
+def _find(ir: Ir, word: str | None) -> Mapping[str, int] | None:
+    """The span of the first use of a built-in function in the model's files."""
+    if word is None:
+        return None
+    for number, (_, text) in ir.files.items():
+        found = re.search(rf"\b{word}\s*\(", text)
+        if found:
+            return {"source": number, "start": len(text[: found.start()].encode())}
+    return None
+
+
+def refuse_steps_in_time(ir: Ir, rows: Iterable[tuple[Expr, Source | None]]) -> None:
+    """Stop at floor() and the like of something that moves: their jumps are not events here.
+
+    Raises BuildError with the place of the equation.
+    """
+    for value, place in rows:
+        for node in value.nodes():
+            if node.kind in ("Floor", "Ceil") and node.moves:
+                raise at(
+                    ir, place, "mod(), floor() and the like of a moving value are not supported"
+                )
+
+
+def refuse_unknown_slots(
+    ir: Ir, rows: Iterable[tuple[Expr, Source | None]], known: set[int]
+) -> None:
+    """Stop at values of p that nothing computes: the compiler means something not known here.
+
+    Raises BuildError with the place of the equation.
+    """
+    for value, place in rows:
+        for leaf in value.leaves():
+            if leaf.kind == "p" and leaf.index not in known:
+                raise at(ir, place, "an internal value of the compiler is not supported")
+
+
+def at(ir: Ir, place: Source | None, message: str) -> BuildError:
+    """A BuildError at a place of the source, or at the model where there is none."""
+    if place is None:
+        return ir.error(None, message)
+    return BuildError(place.file, place.line, message)

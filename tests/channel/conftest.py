@@ -1,0 +1,345 @@
+"""A channel with drives on a simulated bus; the axes behind them have a closed form.
+
+An axis is a position loop of first order, x' = Kv (demand - x). On a demand of constant velocity
+x(t) = demand(t) - v/Kv + C exp(-Kv t), so every position and every crossing is exact.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass, field, replace
+
+import pytest
+
+from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from bench.bus.segment import Segment
+from bench.drive.eds import object_dictionary
+from bench.drive.node import DriveNode
+from bench.drive.profile import DriveProfile
+from kernel.channel import AxisSettings, Channel, CycleTiming
+from kernel.clock import MS, S, US
+from kernel.cosim.scheduler import Scheduler
+from kernel.drives.commissioning import commission
+from kernel.drives.link import AxisLink, LinkSettings
+from kernel.motion.dynamics import Dynamics, Motion
+from kernel.motion.profile import Slope
+from kernel.nc import canon
+
+INCREMENTS_PER_MM = 2**20 / 10
+LIMIT_NS = 20 * S
+
+
+@dataclass(frozen=True)
+class Piece:
+    """Motion from `begin_ns` on: position there, and the demand (a ramp that ends at `end_ns`)."""
+
+    begin_ns: int
+    position_m: float
+    demand_m: float
+    velocity_m_s: float
+    end_ns: int
+    enabled: bool
+
+    def demand_at(self, time_ns: int) -> float:
+        return self.demand_m + self.velocity_m_s * (min(time_ns, self.end_ns) - self.begin_ns) / S
+
+    def position_at(self, time_ns: int, kv: float) -> float:
+        if not self.enabled:
+            return self.position_m
+        ramp_end_ns = max(self.begin_ns, min(time_ns, self.end_ns))
+        lag_m = self.velocity_m_s / kv
+        rest = self.position_m - self.demand_m + lag_m
+        on_ramp_m = self.demand_at(ramp_end_ns) - lag_m
+        on_ramp_m += rest * math.exp(-kv * (ramp_end_ns - self.begin_ns) / S)
+        gap = on_ramp_m - self.demand_at(ramp_end_ns)
+        return self.demand_at(ramp_end_ns) + gap * math.exp(-kv * (time_ns - ramp_end_ns) / S)
+
+
+class FirstOrderAxis:
+    """The axis. droop_m: how far it stays away from where it should be."""
+
+    def __init__(self, world: "World", start_m: float, kv: float, droop_m: float = 0.0) -> None:
+        self._world, self.kv, self.droop_m = world, kv, droop_m
+        self.pieces = [Piece(0, start_m, start_m, 0.0, 0, False)]
+
+    def _piece(self, time_ns: int) -> Piece:
+        return next(p for p in reversed(self.pieces) if p.begin_ns <= time_ns)
+
+    def position_at(self, time_ns: int) -> float:
+        return self._piece(time_ns).position_at(time_ns, self.kv)
+
+    def demand_at(self, time_ns: int) -> float:
+        return self._piece(time_ns).demand_at(time_ns)
+
+    def advance_to(self, time_ns: int) -> None:
+        self._world.advance_to(time_ns)
+
+    def command(
+        self, time_ns: int, position_m: float, velocity_m_s: float, end_ns: int, enabled: bool
+    ) -> None:
+        here_m = self.position_at(time_ns)
+        self.pieces.append(Piece(time_ns, here_m, position_m, velocity_m_s, end_ns, enabled))
+
+    def motor_position_m(self) -> float:
+        return self.motor_position_m_at(self._world.now_ns)
+
+    def motor_velocity_m_s(self) -> float:
+        return 0.0
+
+    def demand_position_m(self) -> float:
+        return self.demand_at(self._world.now_ns)
+
+    def motor_position_m_at(self, time_ns: int) -> float:
+        assert time_ns <= self._world.now_ns
+        return self.position_at(time_ns) - self.droop_m
+
+
+@dataclass
+class PlaneProbe:
+    """A probe that is deflected while an axis stands at or below a plane."""
+
+    axis: FirstOrderAxis
+    plane_m: float
+    level: bool = False
+    edges: list[tuple[int, bool]] = field(default_factory=list)
+
+    def is_deflected(self, time_ns: int) -> bool:
+        return self.axis.position_at(time_ns) <= self.plane_m
+
+    def look(self, begin_ns: int, end_ns: int) -> None:
+        """Find the crossing inside a step, to the nanosecond."""
+        now = self.is_deflected(end_ns)
+        if now == self.level:
+            return
+        low, high = begin_ns, end_ns
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (low, middle) if self.is_deflected(middle) == now else (middle, high)
+        self.edges.append((high, now))
+        self.level = now
+
+
+class World:
+    """All axes and the probe under one time."""
+
+    def __init__(self) -> None:
+        self.now_ns = 0
+        self.probe: PlaneProbe | None = None
+
+    def advance_to(self, time_ns: int) -> None:
+        if time_ns > self.now_ns:
+            if self.probe is not None:
+                self.probe.look(self.now_ns, time_ns)
+            self.now_ns = time_ns
+
+
+@dataclass(frozen=True)
+class AxisSpec:
+    """One axis of a bench; a_mm_s2: of every ramp. probed: whether the probe leads to its drive."""
+
+    name: str
+    start_mm: float = 0.0
+    kv: float = 40.0
+    droop_mm: float = 0.0
+    a_mm_s2: float = 1000.0
+    speed_max_mm_s: float = 500.0
+    may_measure: bool = True
+    probing_offset_mm: float = 0.0
+    window_mm: float = 0.001
+    settling_ns: int = 2 * S
+    probed: bool = True
+
+    def settings(self) -> AxisSettings:
+        slope = Slope(self.a_mm_s2, self.a_mm_s2, self.speed_max_mm_s)
+        dynamics = Dynamics(slope, slope, slope, self.speed_max_mm_s)
+        return AxisSettings(
+            self.name,
+            self.may_measure,
+            self.probing_offset_mm,
+            self.window_mm,
+            self.settling_ns,
+            dict.fromkeys(Motion, dynamics),
+        )
+
+
+@dataclass
+class Sample:
+    """What one cycle left behind: its instant, set positions at its end, state of the links."""
+
+    time_ns: int
+    set_mm: tuple[float, ...]
+    sent_mm: tuple[float, ...]
+    power: bool
+
+
+class ChannelBench:
+    """Scheduler, one segment, a drive per axis, the channel; everything is seen from outside."""
+
+    def __init__(self, specs: tuple[AxisSpec, ...], open_: ExitStack, **options: object) -> None:
+        self.scheduler = Scheduler()
+        self.segment = open_.enter_context(
+            Segment("channel bus", 1_000_000, self.scheduler)
+        )
+        self.world = World()
+        self.frames: list[tuple[int, int, bytes]] = []
+        self.segment.observe(lambda t, _name, frame, _e: self.frames.append((t, *frame[:2])))
+        self.axes = {
+            s.name: FirstOrderAxis(self.world, s.start_mm / 1e3, s.kv, s.droop_mm / 1e3)
+            for s in specs
+        }
+        plane_mm = options.pop("plane_mm", None)
+        if isinstance(plane_mm, float):
+            axis = self.axes[specs[-1].name]
+            self.world.probe = PlaneProbe(axis, plane_mm / 1e3)
+            self.world.probe.level = self.world.probe.is_deflected(0)
+        input_delay_ns = int(str(options.pop("input_delay_ns", 0)))
+        self.profile = DriveProfile(input_delay_ns=input_delay_ns)
+        self.nodes = {s.name: self._node(n, s) for n, s in enumerate(specs, 1)}
+        self.network = SimNetwork(self.segment.port("cnc")).connect()
+        self.links = [
+            AxisLink(LinkSettings(s.name, n, INCREMENTS_PER_MM, lag_delay_cycles=2), self.network)
+            for n, s in enumerate(specs, 1)
+        ]
+        self.remotes = {}
+        for number, spec in enumerate(specs, 1):
+            remote = SimRemoteNode(number, object_dictionary(number, self.profile))
+            self.network.add_node(remote)
+            self.remotes[spec.name] = remote
+        self.messages: list[tuple[int, str]] = []
+        self.samples: list[Sample] = []
+        timing = CycleTiming(MS, 620 * US, int(str(options.pop("buffer_cycles", 0))))
+        self.channel = Channel(
+            self.scheduler,
+            timing,
+            [s.settings() for s in specs],
+            self.links,
+            [self.network],
+            error_no_signal=bool(options.pop("error_no_signal", False)),
+            put_out=lambda m: self.messages.append((self.scheduler.now_ns, m.text)),
+        )
+        assert not options, options
+        self.channel.observers.append(self._observe)
+
+    def _node(self, number: int, spec: AxisSpec) -> DriveNode:
+        network = SimNetwork(self.segment.port(spec.name)).connect()
+        return DriveNode(
+            spec.name,
+            number,
+            network,
+            self.scheduler,
+            self.axes[spec.name],
+            (self.world.probe if spec.probed else None, None),
+            self.profile,
+        )
+
+    def _observe(self, channel: Channel) -> None:
+        self.samples.append(
+            Sample(
+                self.scheduler.now_ns,
+                channel.interpolator.positions_mm,
+                tuple(link.set_mm for link in self.links),
+                any(link.power for link in self.links),
+            )
+        )
+
+    def prepare(self, commands: Iterable[canon.Command]) -> None:
+        """Commission the drives and start the cyclic exchange with a program."""
+        for name, link in zip(self.axes, self.links, strict=True):
+            commission(self.remotes[name], link.telegrams, 1000, name)
+        self.channel.load(iter(commands))
+        self.channel.start()
+
+    def run(self, commands: Iterable[canon.Command]) -> "ChannelBench":
+        """Run a program to its end."""
+        self.prepare(commands)
+        self.finish()
+        return self
+
+    def finish(self, limit_ns: int = LIMIT_NS) -> None:
+        ended = self.scheduler.run_while(lambda: not self.channel.has_ended, limit_ns)
+        assert ended, f"still {self.channel.state.name} after {limit_ns / S} s"
+
+    # What was seen
+
+    @property
+    def alarm_ids(self) -> list[int]:
+        return [alarm.id for alarm in self.channel.alarms]
+
+    def set_mm(self, axis: str) -> list[float]:
+        index = list(self.axes).index(axis)
+        return [sample.set_mm[index] for sample in self.samples]
+
+    def final_mm(self, axis: str) -> float:
+        """Where the interpolation ended."""
+        return self.set_mm(axis)[-1]
+
+    def sync_ns(self) -> list[int]:
+        """Delivery of every SYNC."""
+        return [time_ns for time_ns, can_id, _ in self.frames if can_id == 0x080]
+
+    def edge_ns(self) -> int:
+        """The one edge of the probe signal."""
+        assert self.world.probe is not None
+        ((time_ns, _),) = self.world.probe.edges[:1]
+        return time_ns
+
+
+# Programs as the interpreter hands them over
+
+
+def block(number: int) -> canon.Block:
+    return canon.Block(number, number * 10, f"N{number * 10}")
+
+
+def move(number: int, feed_mm_min: float, **target_mm: float) -> canon.LinearMove:
+    return canon.LinearMove(block(number), target_mm, False, feed_mm_min)
+
+
+def probe(number: int, feed_mm_min: float, **target_mm: float) -> canon.MeasuringRun:
+    axes = tuple(target_mm)
+    return canon.MeasuringRun(block(number), target_mm, axes, axes, feed_mm_min, 1)
+
+
+def message(number: int, text: str, *, synchronous: bool) -> canon.Message:
+    return canon.Message(block(number), text, synchronous)
+
+
+def wait(number: int) -> canon.Wait:
+    return canon.Wait(block(number))
+
+
+def end(number: int = 99) -> canon.EndOfProgram:
+    return canon.EndOfProgram(block(number))
+
+
+@dataclass(frozen=True)
+class Words:
+    """The helpers above, for tests that cannot import them."""
+
+    move: Callable[..., canon.LinearMove] = move
+    probe: Callable[..., canon.MeasuringRun] = probe
+    message: Callable[..., canon.Message] = message
+    wait: Callable[..., canon.Wait] = wait
+    end: Callable[..., canon.EndOfProgram] = end
+    axis: type[AxisSpec] = AxisSpec
+    replace: Callable[..., AxisSpec] = replace
+
+
+@pytest.fixture
+def words() -> Words:
+    return Words()
+
+
+@pytest.fixture
+def channel_bench() -> Iterator[Callable[..., ChannelBench]]:
+    """Make a bench: axes, and by name plane_mm (of the last axis), buffer_cycles,
+    input_delay_ns, error_no_signal."""
+    with ExitStack() as stack:
+
+        def make(*specs: AxisSpec, **options: object) -> ChannelBench:
+            made = stack.enter_context(ExitStack())
+            bench = ChannelBench(specs, made, **options)
+            stack.callback(made.close)
+            return bench
+
+        yield make

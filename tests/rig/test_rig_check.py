@@ -1,0 +1,200 @@
+"""Checks of a rig beyond its form: references, nodes, lists, and the arithmetic of its buses."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.rigcheck import axis_telegrams, check_rig, segment_schedules
+from bench.settings import Settings
+from kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+
+# Worst-case bits of a classic frame with 11 bit identifier, 3 bits of intermission included:
+# 47 + 8 n + floor((34 + 8 n - 1) / 4), Davis et al. 2007
+BITS = {0: 55, 4: 95, 8: 135}
+PER_DRIVE_US = 2 * BITS[8] + BITS[4]  # RPDO1, TPDO1 and TPDO2 at 1 Mbit/s
+SECOND_AXIS = """
+[axis.Y]
+list = "lists/axis-y.lst"
+segment = "can1"
+node = {node}
+drive = "servo"
+plant = "{plant}"
+
+[plant.y]
+fmu = "AxisRig.Drives.ServoAxis"
+
+[axis.Z]
+"""
+
+
+def _refused(settings: Settings) -> UserError:
+    with pytest.raises(UserError) as caught:
+        check_rig(settings)
+    return caught.value
+
+
+def _line(path: Path, text: str) -> int:
+    return 1 + next(n for n, line in enumerate(path.read_text().splitlines()) if text in line)
+
+
+@pytest.mark.parametrize(
+    ("key", "old", "unknown", "known"),
+    [
+        ("segment", 'segment = "can1"', "can9", "can1"),
+        ("drive", 'drive = "servo"', "stepper", "servo"),
+        ("plant", 'plant = "z"', "zz", "z, probe"),
+        ("probe_1", 'probe_1 = "probe"', "prob", "z, probe"),
+    ],
+)
+def test_a_reference_to_nothing_is_refused(
+    rig_file: Write, settings_of: Read, key: str, old: str, unknown: str, known: str
+) -> None:
+    path = rig_file((old, f'{key} = "{unknown}"'))
+    error = _refused(settings_of(path))
+    assert f"axis Z: {key}" in error.message
+    assert (error.file, error.line) == (str(path.resolve()), _line(path, f'"{unknown}"'))
+    assert (error.value, error.allowed) == (unknown, known)
+
+
+def test_a_rig_without_axes_is_refused(tmp_path: Path, rig_file: Write, settings_of: Read) -> None:
+    text = rig_file().read_text()
+    without = re.sub(r"\[axis\.Z\].*?(?=\[plant)", "[axis]\n", text, flags=re.DOTALL)
+    path = tmp_path / "none.toml"
+    path.write_text(without)
+    assert "no axis" in _refused(settings_of(path)).message
+
+
+def test_one_node_id_twice_on_a_segment_is_refused(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("[axis.Z]\n", SECOND_AXIS.format(node=3, plant="y")))
+    error = _refused(settings_of(path))
+    assert "same node id" in error.message
+    assert "can1" in error.message
+    assert error.value == 3
+    assert error.line == _line(path, "[axis.Z]") + 3  # the second of the two
+
+
+def test_one_node_id_on_two_segments_is_fine(rig_file: Write, settings_of: Read) -> None:
+    second = SECOND_AXIS.format(node=3, plant="y").replace('"can1"', '"can2"')
+    check_rig(settings_of(rig_file(("[axis.Z]\n", "[segment.can2]\n" + second))))
+
+
+def test_two_axes_on_one_plant_are_refused(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("[axis.Z]\n", SECOND_AXIS.format(node=4, plant="z")))
+    error = _refused(settings_of(path))
+    assert "one plant" in error.message
+    assert error.value == "z"
+
+
+def test_the_list_of_another_axis_is_refused(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("axis-z.lst", "axis-x.lst"))
+    error = _refused(settings_of(path))
+    assert error.file == str(path.parent.resolve() / "lists" / "axis-x.lst")
+    assert (error.value, error.allowed) == ("X", "Z")
+
+
+def test_a_list_without_a_name_fits_any_axis(
+    rig_file: Write, settings_of: Read, tmp_path: Path
+) -> None:
+    (tmp_path / "lists" / "axis-z.lst").write_text("kenngr.messachse 1\n")
+    check_rig(settings_of(rig_file()))
+
+
+# Time on the bus
+
+
+@pytest.mark.parametrize("offset_us", [1000, 1500])
+def test_a_cycle_offset_outside_the_period_is_refused(
+    rig_file: Write, settings_of: Read, offset_us: int
+) -> None:
+    path = rig_file(("cycle_offset_us = 600", f"cycle_offset_us = {offset_us}"))
+    error = _refused(settings_of(path))
+    assert error.line == _line(path, "cycle_offset_us")
+    assert (error.value, error.allowed) == (offset_us, "0 .. 999 us")
+
+
+@pytest.mark.parametrize(
+    ("offset_us", "fits"),
+    # An event frame of 95 us is on the wire, then SYNC 55, TPDO1 135 and TPDO2 95: the last TPDO
+    # is delivered 3 bits before 380 us. RPDO1: 95 + 135 us behind the offset, 3 bits before the
+    # next SYNC at the latest.
+    [(100, False), (376, False), (377, True), (600, True), (770, True), (771, False)],
+)
+def test_the_cycle_offset_must_lie_between_tpdos_and_rpdos(
+    rig_file: Write, settings_of: Read, offset_us: int, fits: bool
+) -> None:
+    path = rig_file(("cycle_offset_us = 600", f"cycle_offset_us = {offset_us}"))
+    settings = settings_of(path)
+    if fits:
+        check_rig(settings)
+        return
+    error = _refused(settings)
+    assert "does not fit on segment can1" in error.message
+    assert "over" in error.message
+    assert error.line == _line(path, "[segment.can1]")
+    assert "cycle_offset_us" in (error.hint or "")
+
+
+def test_three_drives_on_one_segment_are_refused_with_the_arithmetic(
+    tmp_path: Path, settings_of: Read
+) -> None:
+    """SYNC and three drives take 55 + 3 * 365 = 1150 us of 1000 us."""
+    path = tmp_path / "three.toml"
+    path.write_text(
+        f'base = "{(RIGS / "probe-xyz.toml").as_posix()}"\n[axis.Z]\nsegment = "can1"\n'
+    )
+    error = _refused(settings_of(path))
+    lines = error.message.splitlines()
+    assert "does not fit on segment can1" in lines[0]
+    for frame in ("SYNC", *(f"{a}.{p}PDO1" for a in "XYZ" for p in "RT"), "Z.TPDO2", "X.TPDO3"):
+        assert any(frame in line for line in lines), frame
+    (total,) = [line for line in lines if line.startswith("cyclic frames")]
+    assert "1150.0 of 1000.0 us" in total
+    assert "150.0 over" in total
+
+
+def test_a_slower_segment_is_refused_where_a_plan_asks_for_it(
+    rig_file: Write, settings_of: Read
+) -> None:
+    """At 500 kbit/s SYNC and one drive take 2 * 420 = 840 us: too late for both limits."""
+    settings = settings_of(rig_file(), "bus:can1.bitrate=500000")
+    assert segment_schedules(settings)["can1"].busy_ns == 840_000
+    assert "does not fit" in _refused(settings).message
+
+
+def test_busy_time_of_the_shipped_rigs(settings_of: Read) -> None:
+    schedules = segment_schedules(settings_of(RIGS / "probe-xyz.toml"))
+    assert schedules["can1"].busy_ns == 785_000
+    assert schedules["can1"].busy_ns == (BITS[0] + 2 * PER_DRIVE_US) * 1000
+    assert schedules["can2"].busy_ns == (BITS[0] + PER_DRIVE_US) * 1000
+    assert schedules["can1"].event_ns == 2 * BITS[4] * 1000
+    # One event frame, SYNC and the TPDOs of two drives, delivered before the intermission
+    last_us = BITS[4] + BITS[0] + 2 * (BITS[8] + BITS[4]) - 3
+    assert schedules["can1"].last_tpdo_ns == last_us * 1000
+
+
+@pytest.mark.parametrize("path", sorted(RIGS.glob("*.toml")), ids=lambda path: path.name)
+def test_shipped_rigs_pass(settings_of: Read, path: Path) -> None:
+    check_rig(settings_of(path))
+
+
+@pytest.mark.parametrize(
+    ("assignments", "latch"),
+    [
+        ((), 0x60BA),
+        (("set:Z.kenngr.measure.edge=NEG",), 0x60BB),
+        (("set:Z.kenngr.measure.input=2",), 0x60BC),
+        (("set:Z.kenngr.measure.input=2", "set:Z.kenngr.measure.edge=NEG"), 0x60BD),
+        (("set:Z.kenngr.mess_neg_flanke=1",), 0x60BB),
+    ],
+)
+def test_the_latch_object_follows_from_input_and_edge(
+    rig_file: Write, settings_of: Read, assignments: tuple[str, ...], latch: int
+) -> None:
+    telegrams = axis_telegrams(settings_of(rig_file(), *assignments), "Z")
+    assert [mapped.index for mapped in telegrams["TPDO2"].objects] == [latch]

@@ -1,0 +1,136 @@
+"""Assignments of a plan row or of --set: what each kind changes and what each mistake says."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.assignment import Assignment, parse_assignment
+from bench.rigfile import read_rig
+from bench.settings import Settings, read_settings
+from kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+
+
+def _refused(settings_of: Read, path: Path, text: str) -> UserError:
+    with pytest.raises(UserError) as caught:
+        settings_of(path, text)
+    error = caught.value
+    assert text in error.message, "the error names the place where the value was written"
+    return error
+
+
+# What they change
+
+
+def test_set_changes_axis_and_channel(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(
+        rig_file(),
+        "set:Z.kenngr.measure.edge=NEG",
+        "set:Z.kenngr.probing_offset=20000",
+        "set:channel.meas_error_no_signal=1",
+    )
+    assert settings.axis["Z"].word("kenngr.measure.edge") == "NEG"
+    assert settings.axis["Z"].mm("kenngr.probing_offset") == 2.0  # 20000 * 0.1 um
+    assert settings.channel.flag("meas_error_no_signal") is True
+
+
+def test_the_last_assignment_wins(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(rig_file(), "bus:can1.bitrate=500000", "bus:can1.bitrate=800000")
+    assert settings.segment["can1"].bitrate == 800_000
+
+
+def test_bus_changes_the_run_and_not_the_rig(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(rig_file(), "bus:can1.bitrate=500000")
+    assert settings.segment["can1"].bitrate == 500_000
+    assert settings.rig.segment["can1"].bitrate == 1_000_000
+
+
+def test_plant_values_are_kept_in_their_order_for_the_fmu(
+    rig_file: Write, settings_of: Read
+) -> None:
+    settings = settings_of(
+        rig_file(), "plant:probe.surface_mm=100.5", "plant:probe.trigger_delay_us=20"
+    )
+    kept = [(item.name, item.si()) for item, _ in settings.start["probe"]]
+    assert kept == [("surface", 0.1005), ("trigger_delay", 2e-5)]
+
+
+def test_plc_gives_external_variables(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(rig_file(), "plc:V.E.FEED=1200", "plc:V.E.SIDE=-1")
+    assert settings.external == {"FEED": 1200.0, "SIDE": -1.0}
+
+
+def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(rig_file(), "fault:drop=Z.TPDO2 Z.RPDO1")
+    assert settings.dropped == ["Z.TPDO2", "Z.RPDO1"]
+
+
+# What they refuse
+
+
+@pytest.mark.parametrize(
+    ("text", "value", "told"),
+    [
+        ("set:Q.kenngr.measure.edge=NEG", "Q", "channel, Z"),
+        ("set:Z.kenngr.measure.edges=NEG", "kenngr.measure.edges", "kenngr.measure.edge"),
+        ("set:Z.kenngr.measure.edge=LEFT", "LEFT", "POS, NEG"),
+        ("set:Z.kenngr.measure.input=3", "3", "0 .. 2"),
+        ("set:Z.kenngr.messachse=yes", "yes", "0 .. 1"),
+        ("set:channel.messtyp=8", "8", "1 .. 7"),
+        ("set:channel.messtyp=2", None, "1"),
+        ("set:Z.messtyp=1", "messtyp", "parameter of the channel"),
+        ("plant:q.surface_mm=1", "q", "z, probe"),
+        ("bus:can7.bitrate=500000", "can7", "can1"),
+        ("bus:can1.bitrates=500000", "bitrates", "bitrate"),
+        ("bus:can1.bitrate=300000", "300000", "bitrate"),
+        ("bus:can1.bitrate=fast", "fast", "bitrate"),
+        ("bus:can1.interface=socketcan", "socketcan", "axisrig"),
+        ("plc:FEED=3", "FEED", "V.E.<NAME>"),
+        ("plc:V.E.FEED=fast", "fast", "not a number"),
+        ("fault:delay=Z.TPDO1", "delay", "drop"),
+        ("fault:drop=Z.TPDO4", "Z.TPDO4", "Z.TPDO1, Z.TPDO2, Z.TPDO3, Z.RPDO1"),
+        ("fault:drop=Z.TPDO1 X.TPDO1", "X.TPDO1", "Z.TPDO1"),
+    ],
+)
+def test_each_wrong_assignment_names_itself_and_what_is_allowed(
+    rig_file: Write, settings_of: Read, text: str, value: str | None, told: str
+) -> None:
+    error = _refused(settings_of, rig_file(), text)
+    assert error.value == value
+    assert told in str(error)
+
+
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+@pytest.mark.xfail(
+    strict=True, reason="bench/settings.py: _plc takes nan and inf, with which no program can work"
+)
+def test_an_external_variable_is_a_finite_number(
+    rig_file: Write, settings_of: Read, number: str
+) -> None:
+    _refused(settings_of, rig_file(), f"plc:V.E.FEED={number}")
+
+
+def test_whoever_wrote_the_value_is_asked_for_the_place(rig_file: Write) -> None:
+    """A plan hands over its own function, which knows the cell."""
+    asked: list[tuple[str, str]] = []
+
+    def cell(error: UserError, assignment: Assignment) -> UserError:
+        asked.append((error.message, assignment.column))
+        return UserError(error.message, file="plan.csv", line=7, column=4)
+
+    rig, files = read_rig(rig_file())
+    good = parse_assignment("set:Z.kenngr.measure.edge=NEG")
+    bad = parse_assignment("bus:can7.bitrate=500000")
+    with pytest.raises(UserError, match=r"^plan\.csv:7:4: the rig has no such segment"):
+        read_settings(rig, files, [(good, cell), (bad, cell)])
+    assert asked == [("the rig has no such segment", "bus:can7.bitrate")]
+
+
+def test_a_list_that_is_not_there_is_named(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("lists/axis-z.lst", "lists/axis-w.lst"))
+    with pytest.raises(UserError) as caught:
+        settings_of(path)
+    assert caught.value.file == str(path.parent.resolve() / "lists" / "axis-w.lst")
