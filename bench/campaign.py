@@ -112,8 +112,8 @@ def _line(result: CaseResult) -> str:
 def show_verdicts(results: Sequence[CaseResult]) -> None:
     """Print the verdict table: what did not pass with its worst check, the rest in one line."""
     table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
-    for column in ("verdict", "case", "checks", "worst check", "alarms"):
-        table.add_column(column, overflow="fold")
+    for column in ("verdict", "case", "checks", "what did not pass", "alarms"):
+        table.add_column(column, overflow="fold", no_wrap=column in ("verdict", "case"))
     for result in results:
         worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
         text = ""

@@ -7,7 +7,9 @@ x(t) = demand(t) - v/Kv + C exp(-Kv t), so every position and every crossing is 
 import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from itertools import count
+from typing import Any
 
 import pytest
 
@@ -26,7 +28,9 @@ from kernel.motion.profile import Slope
 from kernel.nc import canon
 
 INCREMENTS_PER_MM = 2**20 / 10
+OFFSET_NS = 620 * US
 LIMIT_NS = 20 * S
+_NUMBERS = count()  # open segments have names of their own
 
 
 @dataclass(frozen=True)
@@ -175,11 +179,17 @@ class Sample:
 class ChannelBench:
     """Scheduler, one segment, a drive per axis, the channel; everything is seen from outside."""
 
-    def __init__(self, specs: tuple[AxisSpec, ...], open_: ExitStack, **options: object) -> None:
+    def __init__(
+        self,
+        specs: tuple[AxisSpec, ...],
+        *,
+        plane_mm: float | None = None,
+        input_delay_ns: int = 0,
+        buffer_cycles: int = 0,
+        error_no_signal: bool = False,
+    ) -> None:
         self.scheduler = Scheduler()
-        self.segment = open_.enter_context(
-            Segment("channel bus", 1_000_000, self.scheduler)
-        )
+        self.segment = Segment(f"channel bus {next(_NUMBERS)}", 1_000_000, self.scheduler)
         self.world = World()
         self.frames: list[tuple[int, int, bytes]] = []
         self.segment.observe(lambda t, _name, frame, _e: self.frames.append((t, *frame[:2])))
@@ -187,12 +197,10 @@ class ChannelBench:
             s.name: FirstOrderAxis(self.world, s.start_mm / 1e3, s.kv, s.droop_mm / 1e3)
             for s in specs
         }
-        plane_mm = options.pop("plane_mm", None)
-        if isinstance(plane_mm, float):
+        if plane_mm is not None:
             axis = self.axes[specs[-1].name]
             self.world.probe = PlaneProbe(axis, plane_mm / 1e3)
             self.world.probe.level = self.world.probe.is_deflected(0)
-        input_delay_ns = int(str(options.pop("input_delay_ns", 0)))
         self.profile = DriveProfile(input_delay_ns=input_delay_ns)
         self.nodes = {s.name: self._node(n, s) for n, s in enumerate(specs, 1)}
         self.network = SimNetwork(self.segment.port("cnc")).connect()
@@ -207,17 +215,16 @@ class ChannelBench:
             self.remotes[spec.name] = remote
         self.messages: list[tuple[int, str]] = []
         self.samples: list[Sample] = []
-        timing = CycleTiming(MS, 620 * US, int(str(options.pop("buffer_cycles", 0))))
+        timing = CycleTiming(MS, OFFSET_NS, buffer_cycles)
         self.channel = Channel(
             self.scheduler,
             timing,
             [s.settings() for s in specs],
             self.links,
             [self.network],
-            error_no_signal=bool(options.pop("error_no_signal", False)),
+            error_no_signal=error_no_signal,
             put_out=lambda m: self.messages.append((self.scheduler.now_ns, m.text)),
         )
-        assert not options, options
         self.channel.observers.append(self._observe)
 
     def _node(self, number: int, spec: AxisSpec) -> DriveNode:
@@ -322,7 +329,6 @@ class Words:
     wait: Callable[..., canon.Wait] = wait
     end: Callable[..., canon.EndOfProgram] = end
     axis: type[AxisSpec] = AxisSpec
-    replace: Callable[..., AxisSpec] = replace
 
 
 @pytest.fixture
@@ -332,14 +338,12 @@ def words() -> Words:
 
 @pytest.fixture
 def channel_bench() -> Iterator[Callable[..., ChannelBench]]:
-    """Make a bench: axes, and by name plane_mm (of the last axis), buffer_cycles,
-    input_delay_ns, error_no_signal."""
+    """Make a bench of axes; plane_mm belongs to the last of them."""
     with ExitStack() as stack:
 
-        def make(*specs: AxisSpec, **options: object) -> ChannelBench:
-            made = stack.enter_context(ExitStack())
-            bench = ChannelBench(specs, made, **options)
-            stack.callback(made.close)
+        def make(*specs: AxisSpec, **options: Any) -> ChannelBench:
+            bench = ChannelBench(specs, **options)
+            stack.callback(bench.segment.close)
             return bench
 
         yield make
