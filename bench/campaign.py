@@ -91,7 +91,9 @@ def run_campaign(  # noqa: PLR0913
 def _selected(plan: Plan, select: str | None) -> Plan:
     if select is None:
         return plan
-    return replace(plan, cases=tuple(case for case in plan.cases if matches(select, case)))
+    exact = tuple(case for case in plan.cases if select in (case.case, case.run))
+    fitting = exact or tuple(case for case in plan.cases if matches(select, case))
+    return replace(plan, cases=fitting)
 
 
 def _progress() -> Progress:
@@ -132,7 +134,12 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
             result.error or text,
             " ".join(str(number) for number in result.alarms),
         )
-    Console(highlight=False).print(table)
+    console = Console(highlight=False)
+    console.print(table)
+    for result in results:
+        if result.verdict > Verdict.MARGINAL:
+            for line in result.log:
+                console.print(f"{result.case.run}: {line}", soft_wrap=True)
 
 
 def check_file(path: Path) -> str:

@@ -1,4 +1,7 @@
-"""`-k EXPR`: choosing cases by words in their name, joined by and, or, not and brackets."""
+"""`-k EXPR`: choosing cases by words in their name, joined by and, or, not and brackets.
+
+An expression that is the whole name of a case means that case alone (bench/campaign.py).
+"""
 
 import re
 

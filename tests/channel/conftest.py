@@ -19,7 +19,7 @@ from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
 from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
-from kernel.clock import MS, S, US
+from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.commissioning import commission
 from kernel.drives.link import AxisLink, LinkSettings

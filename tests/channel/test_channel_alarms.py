@@ -1,11 +1,13 @@
 """What stops a channel, and how: which alarm, which motion, and that it ends."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import pytest
 
 from bench.bus.faults import DropById
+from kernel.errors import Alarm
 
 Make = Callable[..., Any]
 MS, S = 1_000_000, 1_000_000_000
@@ -25,7 +27,7 @@ def _moving(bench: Any, axis: str, behind_mm: float) -> None:
 
 def _assert_braked(values: list[float], v_mm_s: float) -> None:
     """From the last full step on: constant deceleration, v^2/2a further, then standstill."""
-    steps = [b - a for a, b in zip(values, values[1:], strict=False)]
+    steps = [b - a for a, b in pairwise(values)]
     full = max(n for n, step in enumerate(steps) if abs(step - v_mm_s * T_S) < 1e-9)
     assert values[-1] - values[full + 1] == pytest.approx(v_mm_s**2 / (2 * A_MM_S2), abs=1e-9)
     braking = steps[full + 1 : full + 6]
@@ -95,13 +97,13 @@ def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -
 # Exact stop
 
 
-def test_900010_when_an_axis_stays_outside_its_window(channel_bench: Make, words: Any) -> None:
+def test_70082_when_an_axis_stays_outside_its_window(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(
-        words.axis("Z", droop_mm=0.05, window_mm=0.01, settling_ns=50 * MS),
+        words.axis("Z", kv=400.0, droop_mm=0.05, window_mm=0.01, settling_ns=50 * MS)
     )
     bench.run([words.move(1, 3000.0, Z=20.0), words.end()])
     (alarm,) = bench.channel.alarms
-    assert alarm.id == 900010
+    assert alarm.id == 70082
     assert alarm.values["axis"] == "Z"
     assert float(alarm.values["lag_mm"]) == pytest.approx(0.05, abs=5e-4)
     assert float(alarm.values["window_mm"]) == 0.01
@@ -154,7 +156,7 @@ def test_a_drive_fault_brakes_every_axis(channel_bench: Make, words: Any) -> Non
     bench = _fault_in_motion(channel_bench, words)
     path = [value / 0.6 for value in bench.set_mm("Y")]
     assert path[-1] < 90.0
-    steps = [b - a for a, b in zip(path, path[1:], strict=False)]
+    steps = [b - a for a, b in pairwise(path)]
     full = max(n for n, step in enumerate(steps) if abs(step - 0.05) < 1e-9)
     assert path[-1] - path[full + 1] == pytest.approx(50.0**2 / (2 * 1250.0), abs=1e-9)
     assert bench.set_mm("Z") == pytest.approx([value / 0.6 * 0.8 for value in bench.set_mm("Y")])
@@ -177,14 +179,14 @@ def test_a_faulty_drive_is_not_switched_on_again(channel_bench: Make, words: Any
     assert not any(word & 0x80 for word in words_sent)
 
 
-def test_an_alarm_stops_the_motion_with_braking(channel_bench: Make, words: Any) -> None:
-    """The level of the probe input is unknown and no answer comes: 900006 after four cycles."""
+def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, words: Any) -> None:
+    """Y moves; Z stands, is pushed 1 mm away, and its drive faults."""
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Y=60.0), words.end()])
     _moving(bench, "Y", 12.0)
-    bench.nodes["Z"].image.following_window = 0
-    bench.axes["Z"].droop_m = 1e-3  # Z is pushed away: its drive faults
+    bench.nodes["Z"].image.following_window = 1
     bench.nodes["Z"].image.following_timeout_ms = 0
+    bench.axes["Z"].droop_m = 1e-3
     bench.finish()
     assert bench.alarm_ids == [900005]
     _assert_braked(bench.set_mm("Y"), 50.0)
@@ -196,7 +198,7 @@ def test_an_alarm_stops_the_motion_with_braking(channel_bench: Make, words: Any)
     reason="kernel/channel/channel.py: take() raises in every cycle of STOPPING, so it never ends",
 )
 def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) -> None:
-    bench = channel_bench(words.axis("Z", droop_mm=0.0))
+    bench = channel_bench(words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Z=60.0), words.end()])
     if moving:
         _moving(bench, "Z", 12.0)
@@ -218,8 +220,6 @@ def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -
 def test_an_alarm_of_the_interpreter_ends_the_program_standing(
     channel_bench: Make, words: Any
 ) -> None:
-    from kernel.errors import Alarm  # noqa: PLC0415
-
     def commands() -> Any:
         yield words.move(1, 3000.0, Z=5.0)
         yield words.wait(1)

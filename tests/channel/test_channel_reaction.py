@@ -8,6 +8,7 @@ v (t_k - t_edge + (1 + n) T) + v^2/2a behind the demand at the edge.
 
 from bisect import bisect_left
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import pytest
@@ -23,8 +24,8 @@ TOLERANCE_MM = 3 * INCREMENT_MM
 
 def _overtravel_mm(bench: Any) -> float:
     """How far the interpolation ends behind the demand at the edge; Z moves down."""
-    demand_mm: float = bench.axes["Z"].demand_at(bench.edge_ns()) * 1e3
-    return demand_mm - bench.final_mm("Z")
+    over_mm: float = bench.axes["Z"].demand_at(bench.edge_ns()) * 1e3 - bench.final_mm("Z")
+    return over_mm
 
 
 def _probe_down(channel_bench: Make, words: Any, feed_mm_s: float, **options: Any) -> Any:
@@ -63,9 +64,7 @@ def test_the_cycle_behind_the_first_sync_brakes_and_no_earlier_one(
     (record,) = bench.channel.records
     assert 0 < record.signal_ns - sync_ns < MS
 
-    moved = [(b.time_ns, a.set_mm[0] - b.set_mm[0]) for a, b in zip(
-        bench.samples, bench.samples[1:], strict=False
-    )]  # fmt: skip
+    moved = [(b.time_ns, a.set_mm[0] - b.set_mm[0]) for a, b in pairwise(bench.samples)]
     before = [step for time_ns, step in moved if time_ns < record.signal_ns][-5:]
     assert before == pytest.approx([v * T_S] * 5)
     behind = [step for time_ns, step in moved if time_ns >= record.signal_ns][:5]
@@ -86,9 +85,7 @@ def test_the_latched_value_is_the_encoder_at_the_edge(channel_bench: Make, words
 def test_each_buffer_cycle_adds_v_t(channel_bench: Make, words: Any, buffer_cycles: int) -> None:
     v = 20.0
     without = _probe_down(channel_bench, words, v, plane_mm=110.0)
-    with_buffer = _probe_down(
-        channel_bench, words, v, plane_mm=110.0, buffer_cycles=buffer_cycles
-    )
+    with_buffer = _probe_down(channel_bench, words, v, plane_mm=110.0, buffer_cycles=buffer_cycles)
     # Everything behind the buffer happens n periods later, so the edge has the same phase
     later_ns = with_buffer.edge_ns() - without.edge_ns()
     assert later_ns % MS in (0, 1, MS - 1)
@@ -172,7 +169,7 @@ def test_the_path_speed_is_the_feed_and_each_axis_has_its_share(
     bench.run([words.move(1, 3000.0, Y=30.0, Z=40.0), words.end()])
     for axis, speed_mm_s in (("Y", 30.0), ("Z", 40.0)):
         values = bench.set_mm(axis)
-        steps = [b - a for a, b in zip(values, values[1:], strict=False)]
+        steps = [b - a for a, b in pairwise(values)]
         assert max(steps) / T_S == pytest.approx(speed_mm_s, rel=1e-9)
 
 
@@ -191,7 +188,7 @@ def test_a_g1_behind_a_run_starts_where_the_run_stopped(channel_bench: Make, wor
     lowest = values.index(min(values))
     assert 108.0 < values[lowest] < 110.0
     assert values[-1] == 120.0
-    steps = [abs(b - a) for a, b in zip(values, values[1:], strict=False)]
+    steps = [abs(b - a) for a, b in pairwise(values)]
     assert max(steps) <= 20.0 * T_S * (1 + 1e-9)
     rising = values[lowest:]
     # From standstill with a: the first cycles travel a t^2 / 2

@@ -1,0 +1,110 @@
+"""An FMU under test, driven through fmpy alone."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import fmpy
+import pytest
+from fmpy.fmi3 import FMU3Slave
+
+from fmus import ensure_built
+
+SERVO = "AxisRig.Drives.ServoAxis"
+PROBE = "AxisRig.Sensors.TouchProbe"
+
+
+class Fmu:
+    """One instance of an FMU with variables by name; keeps the messages that it logs."""
+
+    def __init__(self, path: Path, folder: Path, **start: float) -> None:
+        self.description = fmpy.read_model_description(str(path))
+        self._variables = {v.name: v for v in self.description.modelVariables}
+        self.messages: list[str] = []
+        self.slave = FMU3Slave(
+            guid=self.description.guid,
+            unzipDirectory=str(folder),
+            modelIdentifier=self.description.coSimulation.modelIdentifier,
+            instanceName="under test",
+        )
+        self.slave.instantiate(loggingOn=True, logMessage=self._log)
+        self.time = 0.0
+        self.start(**start)
+
+    def start(self, **values: float) -> None:
+        """Set values and go through initialization."""
+        self.slave.enterInitializationMode(startTime=0.0)
+        self.set(**values)
+        self.slave.exitInitializationMode()
+        self.time = 0.0
+
+    def _log(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
+        self.messages.append(message.decode())
+
+    def _call(self, kind: str, name: str) -> Any:
+        return getattr(self.slave, f"{kind}{self._variables[name].type}")
+
+    def set(self, **values: float) -> None:
+        for name, value in values.items():
+            self._call("set", name)([self._variables[name].valueReference], [value])
+
+    def get(self, name: str) -> Any:
+        return self._call("get", name)([self._variables[name].valueReference])[0]
+
+    def __getattr__(self, name: str) -> Any:
+        """A variable of the FMU as an attribute."""
+        if name.startswith("_") or name not in self._variables:
+            raise AttributeError(name)
+        return self.get(name)
+
+    def outputs(self) -> dict[str, Any]:
+        """All outputs by name."""
+        return {
+            v.name: self.get(v.name)
+            for v in self.description.modelVariables
+            if v.causality == "output"
+        }
+
+    def step(self, size: float) -> None:
+        self.slave.doStep(self.time, size)
+        self.time += size
+
+
+@pytest.fixture(scope="session")
+def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A cache of FMUs for this session."""
+    return tmp_path_factory.mktemp("fmus")
+
+
+@pytest.fixture(scope="session")
+def load(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Fmu]]:
+    """Loads a model by full name, or a built file, with start values."""
+    folders: dict[Path, Path] = {}
+    instances: list[Fmu] = []
+
+    def loader(model: str | Path, **start: float) -> Fmu:
+        path = model if isinstance(model, Path) else ensure_built(model, cache)
+        if path not in folders:
+            folders[path] = tmp_path_factory.mktemp("unpacked")
+            fmpy.extract(str(path), str(folders[path]))
+        instances.append(Fmu(path, folders[path], **start))
+        return instances[-1]
+
+    yield loader
+    for instance in instances:
+        instance.slave.freeInstance()
+    for folder in folders.values():
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def servo(load: Callable[..., Fmu]) -> Callable[..., Fmu]:
+    """A servo axis with start values."""
+    return lambda **start: load(SERVO, **start)
+
+
+@pytest.fixture
+def probe(load: Callable[..., Fmu]) -> Callable[..., Fmu]:
+    """A touch probe with start values."""
+    return lambda **start: load(PROBE, **start)

@@ -1,0 +1,54 @@
+"""The Modelica library as text: every class documented, every file in its package's order."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from fmus.build import LIBRARY
+
+FILES = sorted(LIBRARY.rglob("*.mo"))
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: f.relative_to(LIBRARY).as_posix())
+def test_class_is_documented_and_within_its_package(file: Path):
+    text = file.read_text(encoding="utf-8")
+    inside = file.parent if file.name != "package.mo" else file.parent.parent
+    names = () if file.parent == LIBRARY and file.name == "package.mo" else (
+        LIBRARY.name, *inside.relative_to(LIBRARY).parts
+    )
+    assert text.startswith(f"within {'.'.join(names)};" if names else "within;")
+    assert "Documentation(info=" in text
+    own = file.stem if file.name != "package.mo" else file.parent.name
+    assert re.search(rf'^(package|model|block|connector) {own} "[^"]+"', text, re.M)
+
+
+@pytest.mark.parametrize("order", sorted(LIBRARY.rglob("package.order")), ids=str)
+def test_package_order_lists_the_classes(order: Path):
+    listed = set(order.read_text(encoding="utf-8").split())
+    folder = order.parent
+    found = {p.stem for p in folder.glob("*.mo")} - {"package"}
+    found |= {p.name for p in folder.iterdir() if (p / "package.mo").is_file()}
+    inner = re.findall(
+        r"^  (?:connector|model|block|function) (\w+)",
+        (folder / "package.mo").read_text(encoding="utf-8"),
+        re.M,
+    )
+    assert listed == found | set(inner)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: f.relative_to(LIBRARY).as_posix())
+def test_every_real_has_a_unit(file: Path):
+    """`Real` stands only with a unit; everything else uses a type of Units."""
+    for line in file.read_text(encoding="utf-8").splitlines():
+        if re.search(r"\bReal\b", line) and "constant Real pi" not in line:
+            assert "unit =" in line, line
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda f: f.relative_to(LIBRARY).as_posix())
+def test_model_with_equations_names_its_source(file: Path):
+    text = file.read_text(encoding="utf-8")
+    physical = file.parent.name in ("Drives", "Mechanics") and file.name != "package.mo"
+    if physical and file.stem != "ServoAxis":
+        for word in ("Equation", "Assumption", "Limit", "Source:"):
+            assert word in text, word
