@@ -18,7 +18,7 @@ from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
 from bench.drive.profile import DriveProfile
-from bench.plants import build_plant
+from bench.plants import build_plant, check_plants
 from bench.recorder import Recorder
 from bench.rigcheck import check_rig, segment_schedules
 from bench.rigfile import DriveTable
@@ -87,6 +87,7 @@ class Machine:
             self.frame_hash = FrameHash()
             self.plant = build_plant(settings)
             self._open.callback(self.plant.close)
+            check_plants(settings, self.plant)
             self.segments = self._build_segments(bus_log)
             self.nodes = self._build_nodes()
             self.networks = {

@@ -1,5 +1,6 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from bench.assignment import Assignment, parse_assignment
@@ -139,3 +140,25 @@ def _wire(
         raise rig_error(
             settings.files, keys, error.message, value=error.value, allowed=error.allowed
         ) from error
+
+
+def check_plants(settings: Settings, plant: Plant) -> None:
+    """Check that axes drive axis FMUs and that their inputs are wired to probes.
+
+    Raises UserError with file, line and key of the rig.
+    """
+    for name, axis in settings.rig.axis.items():
+        wanted: list[tuple[str, str | None, Mapping[str, object], str]] = [
+            ("plant", axis.plant, plant.axes, "an axis plant"),
+            ("probe_1", axis.probe_1, plant.probes, "a probe"),
+            ("probe_2", axis.probe_2, plant.probes, "a probe"),
+        ]
+        for key, instance, known, kind in wanted:
+            if instance is not None and instance not in known:
+                raise rig_error(
+                    settings.files,
+                    ("axis", name, key),
+                    f"axis {name}: {key} must name {kind} of this rig",
+                    value=instance,
+                    allowed=known or "none in this rig",
+                )

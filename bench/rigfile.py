@@ -20,7 +20,7 @@ StartValue = bool | int | float
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
 
 class CycleTable(_Table):
@@ -109,7 +109,14 @@ def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 def _read_toml(path: Path) -> dict[str, Any]:
     if not path.is_file():
         raise UserError("rig file not found", file=path)
-    text = path.read_text(encoding="utf-8-sig")
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise UserError(f"the rig file cannot be read: {error.strerror}", file=path) from error
+    except UnicodeDecodeError as error:
+        raise UserError(
+            "the rig file is not UTF-8 text", file=path, value=f"byte {error.start}"
+        ) from error
     if not text.strip():
         raise UserError("the rig file is empty", file=path, hint="see docs/rigs.md")
     try:
@@ -171,7 +178,7 @@ def _find_key(text: str, table: str, key: str) -> int | None:
         header = re.match(r"\s*\[([^\[\]]+)\]", line)
         if header:
             current = re.sub(r"[\s\"']", "", header[1])
-            if current == wanted:
+            if current == wanted or current.startswith(f"{wanted}."):
                 return number
         elif current == table and re.match(rf"\s*[\"']?{re.escape(key)}[\"']?\s*[.=]", line):
             return number
@@ -199,7 +206,8 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
     try:
         return RigFile.model_validate(table), files
     except ValidationError as error:
-        first = error.errors()[0]
+        # A misspelt key is also a missing one; the spelling is what helps
+        first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
         keys = tuple(str(part) for part in first["loc"])
         file, line = _locate(files, keys)
         place = ".".join(keys)

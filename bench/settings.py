@@ -4,6 +4,7 @@
 a wrong value is told with the place where it was written.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,7 +84,7 @@ class Settings:
                 allowed=nearest(item.name, fields) or fields,
             )
         values = self.segment[item.target].model_dump()
-        values[item.name] = int(item.value) if item.value.isdigit() else item.value
+        values[item.name] = int(item.value) if item.value.isdecimal() else item.value
         try:
             self.segment[item.target] = SegmentTable.model_validate(values)
         except ValidationError as error:
@@ -99,9 +100,12 @@ class Settings:
                 allowed="V.E.<NAME>",
             )
         try:
-            self.external[item.name.removeprefix("V.E.")] = float(item.value)
+            value = float(item.value)
         except ValueError:
-            raise UserError("not a number", value=item.value) from None
+            value = math.nan
+        if not math.isfinite(value):
+            raise UserError("not a number", value=item.value)
+        self.external[item.name.removeprefix("V.E.")] = value
 
     def _fault(self, item: Assignment, _located: Located) -> None:
         if item.name not in FAULT_KINDS:

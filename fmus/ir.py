@@ -108,15 +108,19 @@ def _refused(error: BaseException, model: str, library: Path) -> BuildError:
             place = re.search(r"\[[^\]\s]+:(\d+):\d+\]", diagnostic.message)
             if place and diagnostic.level == "error":
                 message = re.search(r"× (.+)", diagnostic.message)
-                return BuildError(
-                    file, int(place.group(1)), message.group(1) if message else "syntax error"
-                )
+                what = message.group(1) if message else "syntax error"
+                return BuildError(_short(file, library), int(place.group(1)), what)
     first = text.splitlines()[0] if text else type(error).__name__
     name = re.search(r"[`']([\w.\[\]]+)[`']", first)
     home = _file_of(model, library)
     word = name.group(1) if name else model
     line = _line_of(word, home) or _line_of(model, home)
-    return BuildError(home, line, first)
+    return BuildError(_short(home, library), line, first)
+
+
+def _short(file: Path, library: Path) -> str:
+    """A file as it is named in messages: from the folder that holds the library."""
+    return file.relative_to(library.parent).as_posix()
 
 
 def _file_of(model: str, library: Path) -> Path:

@@ -37,7 +37,7 @@ class Variable:
 
 
 def read_units() -> dict[str, dict[str, str]]:
-    """The known units with their SI exponents and factor, by unit text."""
+    """The known units with their SI exponents, by unit text."""
     with UNITS_FILE.open(encoding="utf-8", newline="") as file:
         return {row["unit"]: row for row in csv.DictReader(file)}
 

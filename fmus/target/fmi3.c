@@ -273,7 +273,8 @@ SET(Boolean, fmi3Boolean, TYPE_BOOLEAN)
 /* --- steps ------------------------------------------------------------------------------ */
 
 fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoint,
-                      fmi3Float64 communicationStepSize, fmi3Boolean noSetFMUStatePriorToCurrentPoint,
+                      fmi3Float64 communicationStepSize,
+                      fmi3Boolean noSetFMUStatePriorToCurrentPoint,
                       fmi3Boolean *eventHandlingNeeded, fmi3Boolean *terminateSimulation,
                       fmi3Boolean *earlyReturn, fmi3Float64 *lastSuccessfulTime)
 {
@@ -289,7 +290,8 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     }
     const double room = 1e-9 + 1e-12 * fabs(core->t);
     if (!(fabs(currentCommunicationPoint - core->t) <= room)) {
-        return fail(me, "fmi3DoStep: at t = %.12g s, not %.12g s", core->t, currentCommunicationPoint);
+        return fail(me, "fmi3DoStep: at t = %.12g s, not %.12g s", core->t,
+                    currentCommunicationPoint);
     }
     const double end = currentCommunicationPoint + communicationStepSize;
     if (!(communicationStepSize > 0.0) || !isfinite(end)) {

@@ -35,8 +35,10 @@ typedef struct {
 } RelationInfo;
 
 /* Generated (model.c). */
-static void model_derivatives(double t, const double *restrict x, const double *restrict p, double *restrict dx);
-static void model_relations(double t, const double *restrict x, const double *restrict p, double *restrict z);
+static void model_derivatives(double t, const double *restrict x, const double *restrict p,
+                              double *restrict dx);
+static void model_relations(double t, const double *restrict x, const double *restrict p,
+                            double *restrict z);
 static void model_algebraics(double t, double *restrict y, const double *restrict p);
 static void model_initial(double t, double *y, double *p);
 static void model_runtime(double t, const double *y, double *p);

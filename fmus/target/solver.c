@@ -2,8 +2,9 @@
  *
  * Between events every relation rests at its remembered value, so that the right-hand side is
  * smooth. After each internal step the functions of the relations are looked at: one that
- * contradicts its memory lies past an event. The earliest such instant is enclosed to TIME_TOLERANCE,
- * the state is taken just past it, and the discrete equations are iterated until nothing changes.
+ * contradicts its memory lies past an event. The earliest such instant is enclosed to
+ * TIME_TOLERANCE, the state is taken just past it, and the discrete equations are iterated until
+ * nothing changes.
  */
 #include <float.h>
 #include <string.h>
@@ -181,10 +182,9 @@ static SolverReport advance(Core *c, double t_end)
     int events = 0;
     model_relations(c->t, c->y, c->p, z0);
     while (c->t < t_end) {
-        const double left = t_end - c->t;
-        const bool last = left < INTERNAL_STEP * (1.0 + 1e-6);
-        const double h = last ? left : INTERNAL_STEP;
-        double t_next = last ? t_end : c->t + h;
+        const bool last = t_end - c->t < INTERNAL_STEP * (1.0 + 1e-6);
+        double t_next = last ? t_end : c->t + INTERNAL_STEP;
+        const double h = t_next - c->t; /* of the rounded times: their sum is exact */
         runge_kutta(c->t, c->y, c->p, h, x1);
         const int bad = not_finite(x1, N_X);
         if (bad >= 0) {

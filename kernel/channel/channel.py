@@ -97,6 +97,8 @@ class Channel:
     def _sync(self) -> None:
         if self.has_ended:
             return
+        for link in self.links:
+            link.begin_cycle()
         for network in self._networks:
             network.send_message(SYNC_COB_ID, b"")
         self._clock.call_at(
@@ -107,6 +109,7 @@ class Channel:
 
     def cycle(self) -> None:
         """Run one NC cycle. The order is the design's; each step uses this cycle's values."""
+        was_stopping = self.state is ChannelState.STOPPING
         try:
             self._take()  # 1 what the bus delivered
             self._measure()  # 2 signals, with the positions of this cycle
@@ -117,6 +120,8 @@ class Channel:
         self._send(self.interpolator.advance())  # 5, 6 next set positions through the buffer
         for observer in self.observers:  # 7
             observer(self)
+        if was_stopping and self._has_stopped():
+            self.state = ChannelState.ENDED
 
     # What the interpreter may ask (MachineView)
 
@@ -135,8 +140,14 @@ class Channel:
     # Steps of the cycle
 
     def _take(self) -> None:
+        lost = []
         for link in self.links:
-            link.take()
+            try:
+                link.take()
+            except Alarm as alarm:
+                lost.append(alarm)
+        if lost:
+            raise lost[0]
 
     def _measure(self) -> None:
         if self._run is None or self.state is not ChannelState.RUNNING:
@@ -157,9 +168,7 @@ class Channel:
         if self.state is ChannelState.POWERING:
             self._power_up()
             return
-        if self.state is ChannelState.STOPPING:
-            if self.interpolator.is_standing and self._buffer.is_settled:
-                self.state = ChannelState.ENDED
+        if self.state is not ChannelState.RUNNING:
             return
         for link in self.links:
             if link.state is not State.OPERATION_ENABLED:
@@ -288,12 +297,16 @@ class Channel:
 
     # Standing and stopping
 
+    def _has_stopped(self) -> bool:
+        """Whether the same set position is sent again and again."""
+        return self.interpolator.is_standing and self._buffer.is_settled
+
     def _is_in_position(self) -> bool:
         """Whether the interpolation stands and every axis is in its exact-stop window.
 
         Raises Alarm 70082 when an axis does not get there within its settling time.
         """
-        if not (self.interpolator.is_standing and self._buffer.is_settled):
+        if not self._has_stopped():
             self._settling_since_ns = None
             return False
         now_ns = self._clock.now_ns

@@ -210,9 +210,7 @@ class PlantProbe:
 
         motion: per source position and velocity at the begin and at the end, m and m/s.
         """
-        self._pack(
-            self._inputs.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *motion
-        )
+        self._pack(self._inputs.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *motion)
         self._inputs.write()
         self.slave.step_to(end_ns)
         self._counts.read()

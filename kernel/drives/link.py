@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from kernel.drives.ds402 import (
+    STATES,
     State,
     controlword_towards,
     enabled_bit,
@@ -95,10 +96,17 @@ class AxisLink:
     def _on_emergency(self, _cob_id: int, data: bytearray, _time: float) -> None:
         self.emergency_code = int.from_bytes(data[:2], "little")
 
+    def begin_cycle(self) -> None:
+        """Forget what is there: a SYNC counts with its own answers only.
+
+        Called with every SYNC as well as after taking, because an answer may come late.
+        """
+        self._received["TPDO1"] = self._received["TPDO2"] = None
+
     def take(self) -> None:
         """Take what this cycle's SYNC brought; Alarm 900006 when telegrams stay out."""
         first, second = self._received["TPDO1"], self._received["TPDO2"]
-        self._received["TPDO1"] = self._received["TPDO2"] = None
+        self.begin_cycle()
         if first is None:
             self._missing += 1
             if self._missing > MISSING_CYCLES_MAX:
@@ -172,12 +180,17 @@ class AxisLink:
         level = bool(self._inputs & self._input_bit)
         return level == (self.settings.edge == "POS")
 
+    def _controlword(self) -> int:
+        """Lead the drive on; out of a fault only the operator leads, never a running program."""
+        state = self.state
+        if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
+            return STATES[state].hold
+        wanted = State.OPERATION_ENABLED if self.power else State.READY_TO_SWITCH_ON
+        return controlword_towards(state, wanted)
+
     def send(self, set_mm: float) -> None:
         """Send set position, controlword and latch control word of this cycle."""
-        if self.power:
-            self.controlword = controlword_towards(self.state, State.OPERATION_ENABLED)
-        else:
-            self.controlword = controlword_towards(self.state, State.READY_TO_SWITCH_ON)
+        self.controlword = self._controlword()
         self.set_mm = set_mm
         self._set_history.append(set_mm)
         self.network.send_message(

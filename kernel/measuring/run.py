@@ -167,14 +167,14 @@ class MeasuringRun:
             value = port.latched_mm
             if value is not None:
                 self.record.latched_mm.setdefault(port.name, value)
+        if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
+            self.record.signal_ns = now_ns
         if self.record.has_signal:
             return self._finish(now_ns)
         self._waited += 1
         if self._waited > HANDSHAKE_CYCLES_MAX:
             self._judge_missing()
             return self._finish(now_ns)
-        if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
-            self.record.signal_ns = now_ns
         return Order.NONE
 
     def _judge_missing(self) -> None:

@@ -84,9 +84,7 @@ class Interpreter:
         self._motion = "G1"
         self._absolute = True
         self._feed_mm_min: float | None = None
-        self._coordinates = Coordinates(
-            program.axes, {axis: machine.position_acs_mm(axis) for axis in program.axes}
-        )
+        self._coordinates = Coordinates(program.axes, dict.fromkeys(program.axes, 0.0))
         self._measured: dict[str, Measured] = {}
         self._signalled = dict.fromkeys(program.axes, False)
 
@@ -96,6 +94,11 @@ class Interpreter:
         After a `Wait` the generator must be resumed only when everything before is executed.
         Raises Alarm with the file, line and block number as its place.
         """
+        # The machine knows where its axes stand only when the program begins
+        axes = self._program.axes
+        self._coordinates = Coordinates(
+            axes, {axis: self._machine.position_acs_mm(axis) for axis in axes}
+        )
         block = Block(1, None, "")
         for part in self._program.blocks:
             block = part.block

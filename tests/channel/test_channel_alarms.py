@@ -162,10 +162,6 @@ def test_a_drive_fault_brakes_every_axis(channel_bench: Make, words: Any) -> Non
     assert bench.set_mm("Z") == pytest.approx([value / 0.6 * 0.8 for value in bench.set_mm("Y")])
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="kernel/drives/link.py: send() leads a faulty drive through reset back to operation",
-)
 def test_a_faulty_drive_is_not_switched_on_again(channel_bench: Make, words: Any) -> None:
     """Nobody has acknowledged: neither a reset (bit 7) nor torque behind the alarm."""
     bench = _fault_in_motion(channel_bench, words)
@@ -193,10 +189,6 @@ def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, 
 
 
 @pytest.mark.parametrize("moving", [True, False])
-@pytest.mark.xfail(
-    strict=True,
-    reason="kernel/channel/channel.py: take() raises in every cycle of STOPPING, so it never ends",
-)
 def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) -> None:
     bench = channel_bench(words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Z=60.0), words.end()])

@@ -176,14 +176,6 @@ def test_a_program_text_measures_and_goes_on_from_where_it_stopped(
     assert bench.final_mm("Y") == pytest.approx(10.0, abs=1e-5)
 
 
-INTERPRETER_STARTS_AT_0 = pytest.mark.xfail(
-    strict=True,
-    reason="kernel/nc/interpreter.py: reads the start when it is made, before the drives have told"
-    " where the axes stand",
-)
-
-
-@INTERPRETER_STARTS_AT_0
 def test_relative_motion_in_the_first_block_counts_from_where_the_axis_stands(
     channel_bench: Make, words: Any
 ) -> None:
@@ -192,7 +184,6 @@ def test_relative_motion_in_the_first_block_counts_from_where_the_axis_stands(
     assert bench.final_mm("Z") == pytest.approx(125.0, abs=1e-4)
 
 
-@INTERPRETER_STARTS_AT_0
 def test_the_first_block_may_lead_to_zero(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=10.0))
     _run_text(bench, "N10 G01 G90 Z0 F6000")

@@ -106,6 +106,7 @@ class LinkBench:
         """SYNC at the next whole ms; take, then send `set_mm`; run to the end of the period."""
         begin_ns = self.next_period_ns
         self.scheduler.run_until(begin_ns)
+        self.link.begin_cycle()
         self.network.send_message(0x80, b"")
         self.scheduler.run_until(begin_ns + OFFSET_NS)
         self.link.take()

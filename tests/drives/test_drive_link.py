@@ -124,10 +124,6 @@ class _Disturbance:
         return Drop() if self._came_through == 2 else None
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="kernel/drives/link.py: a TPDO2 that came after take() counts for the next SYNC",
-)
 def test_a_position_that_comes_late_does_not_prove_the_next_status(link_bench: Make) -> None:
     """TPDO2 of SYNC k is delayed behind the NC cycle, the edge comes, TPDO2 of k+1 is lost.
 

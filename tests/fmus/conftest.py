@@ -28,7 +28,7 @@ class Fmu:
             modelIdentifier=self.description.coSimulation.modelIdentifier,
             instanceName="under test",
         )
-        self.slave.instantiate(loggingOn=True, logMessage=self._log)
+        self.slave.instantiate(loggingOn=True, logMessage=self.log)
         self.time = 0.0
         self.start(**start)
 
@@ -39,7 +39,7 @@ class Fmu:
         self.slave.exitInitializationMode()
         self.time = 0.0
 
-    def _log(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
+    def log(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
         self.messages.append(message.decode())
 
     def _call(self, kind: str, name: str) -> Any:

@@ -16,7 +16,10 @@ from fmus import MODELS, BuildError, ensure_built
 from fmus.compiler import FLAGS, LINK, find_compiler
 
 UNSUPPORTED = {
-    "sample": ("when sample(0, 0.1) then n = pre(n) + 1; end when; y = n;", "sample() and clocks"),
+    "sample": (
+        "when sample(0, 0.1) then n = pre(n) + 1; end when; y = n; x = 0;",
+        "sample() and clocks",
+    ),
     "reinit": ("der(x) = -1; when x < 0 then reinit(x, 1); end when; y = x; n = 0;", "reinit()"),
     "delay": ("y = delay(time, 0.1); n = 0; x = 0;", "delay()"),
     "loop": ("y = x + 1; x = 0.5*y + time; n = 0;", "algebraic loop among x, y"),
@@ -69,13 +72,13 @@ def test_unsupported_construct_stops_the_build_with_file_and_line(tmp_path, name
 def test_syntax_error_is_told_with_file_and_line(tmp_path):
     with pytest.raises(BuildError) as error:
         small(tmp_path, "y = ; n = 0; x = 0;")
-    assert (Path(error.value.file).name, error.value.line) == ("package.mo", LINE)
+    assert (error.value.file, error.value.line) == ("Small/package.mo", LINE)
 
 
 def test_unknown_name_is_told_with_file_and_line(tmp_path):
     with pytest.raises(BuildError, match="nowhere") as error:
         small(tmp_path, "y = nowhere; n = 0; x = 0;")
-    assert (Path(error.value.file).name, error.value.line) == ("package.mo", LINE)
+    assert (error.value.file, error.value.line) == ("Small/package.mo", LINE)
 
 
 def test_start_value_that_would_not_follow_its_parameter_is_refused(tmp_path):
@@ -170,12 +173,12 @@ def test_fourth_order_of_the_integration(tmp_path, load):
     """Halving the internal step divides the error of an oscillator by 16."""
     root = library(tmp_path, "der(x) = v; der(v) = -10000*x; y = x; n = 0;", "Real v(start=0);")
     errors = []
-    for step in (2e-3, 1e-3):
+    for step in (5e-4, 2.5e-4):
         path = building.build("Small.Plant", tmp_path / f"{step}.fmu", root, step_s=step)
         plant = load(path)
         plant.step(0.1)
         errors.append(abs(plant.y - math.cos(10.0)))
-    assert errors[0] / errors[1] == pytest.approx(16, rel=0.15)
+    assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
 
 
 def test_divergence_names_variable_and_time(tmp_path, load):
@@ -194,14 +197,13 @@ def test_chatter_ends_with_the_place_of_the_relation(tmp_path, load):
 
 
 def test_restless_discrete_equations_are_an_error(tmp_path, load):
-    equation = "when n < 1000 and time > 0.5 then n = pre(n) + 1; end when; y = n; x = 0;"
-    declaration = "Boolean b(start=false, fixed=true);"
-    equation += " b = not pre(b) and time > 0.5;"
-    with pytest.raises((FMICallException, BuildError)) as error:
-        plant = load(small(tmp_path, equation, declaration))
-        plant.step(1.0)
-    if error.type is FMICallException:
-        assert "do not come to rest at t = 0.5" in plant.messages[-1]
+    """b = not b, once the clock has passed 0.5 s."""
+    equation = "b = time > 0.5 and not pre(b); n = if b then 1 else 0; y = n; x = 0;"
+    plant = load(small(tmp_path, equation, "Boolean b(start=false, fixed=true);"))
+    plant.step(0.4)
+    with pytest.raises(FMICallException):
+        plant.step(0.2)
+    assert "do not come to rest at t = 0.5" in plant.messages[-1]
 
 
 def test_failed_assertion_tells_text_and_place(tmp_path, load):
@@ -209,7 +211,7 @@ def test_failed_assertion_tells_text_and_place(tmp_path, load):
     plant.step(0.4)
     with pytest.raises(FMICallException):
         plant.step(0.2)
-    assert plant.messages[-1] == f"Small/package.mo:{LINE}: too far (t = 0.5 s)"
+    assert plant.messages[-1].startswith(f"Small/package.mo:{LINE}: too far (t = 0.5")
 
 
 def test_exported_model_agrees_with_the_compilers_own_solver(servo):
@@ -227,5 +229,6 @@ def test_exported_model_agrees_with_the_compilers_own_solver(servo):
 def test_import_of_the_package_does_not_load_fmpy():
     code = "import sys, fmus; print('fmpy' in sys.modules)"
     root = Path(building.__file__).parents[1]
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=root)
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=root)
     assert done.stdout.strip() == "False"

@@ -165,10 +165,7 @@ def test_start_time_other_than_zero(servo):
 
 def test_foreign_token_gives_no_instance(servo):
     axis = servo()
+    axis.slave.guid = "of another model"
     with pytest.raises(Exception, match="instantiate"):
-        axis.slave.instantiate_with = axis.slave.fmi3InstantiateCoSimulation
-        instance = axis.slave.fmi3InstantiateCoSimulation(
-            b"other", b"wrong", None, False, False, False, False, None, 0, None, None, None
-        )
-        if not instance:
-            raise RuntimeError("instantiate gave nothing")
+        axis.slave.instantiate(logMessage=axis.log)
+    assert "instantiation token" in axis.messages[-1]

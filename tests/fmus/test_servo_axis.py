@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 
 MASS = 120 + 1.8e-4 * (2 * math.pi / 0.01) ** 2  # slide and rotor, kg
 KV, FEED_FORWARD = 10.0, 0.3
@@ -86,9 +87,7 @@ def test_steady_lag_is_one_minus_share_times_feed_over_kv(servo, kv, share, feed
     axis.set(reference_velocity=feed, reference_end=100.0)
     for _ in range(40):
         axis.step(0.1)
-    assert axis.demand_position - axis.position == pytest.approx(
-        (1 - share) * feed / kv, abs=1e-10
-    )
+    assert axis.demand_position - axis.position == pytest.approx((1 - share) * feed / kv, abs=1e-10)
 
 
 def test_demand_rests_from_reference_end_inside_a_step(servo):
@@ -122,24 +121,41 @@ def test_stop_works_in_both_directions(servo, direction):
     assert axis.stop_force == pytest.approx(500.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("feed", [0.01, 0.05, 0.1])
-def test_impact_force_stays_below_the_energy_bound(servo, feed):
-    """F_lim + sqrt(F_lim^2 + k m v^2) bounds the contact; at least the limit must be reached."""
-    limit = 500.0
-    axis = servo(kv=40, stop_position=0.01, enabled=True, force_limit=limit)
+@pytest.mark.parametrize(("feed", "damping"), [(0.01, 20.0), (0.1, 20.0), (0.1, 4.0)])
+def test_impact_of_a_coasting_slide_follows_hunt_and_crossley(servo, feed, damping):
+    """Speed after the impact and largest force from the closed form in w = a*v.
+
+    a v (1 + e) = ln((1 + a v)/(1 - a e v)); the force is largest where w = k a^2 p^2/m, and
+    k a^2 p^2/(2 m) = (w0 - w) - ln((1 + w0)/(1 + w)).
+    """
+    axis = servo(
+        stop_position=0.01,
+        stop_damping=damping,
+        coulomb_friction=0,
+        breakaway_friction=0,
+        viscous_friction=0,
+        enabled=True,
+    )
     axis.set(reference_velocity=feed, reference_end=100.0)
-    peak = 0.0
-    for _ in range(round((0.01 / feed + 0.2) / 0.25e-3)):
-        axis.step(0.25e-3)
+    while axis.position < 0.008:
+        axis.step(1e-3)
+    axis.set(enabled=False)
+    speed, peak = 0.0, 0.0
+    while axis.velocity > 0 or axis.stop_force > 0:
+        axis.step(20e-6)
         peak = max(peak, axis.stop_force)
-    bound = limit + math.sqrt(limit**2 + 20e6 * MASS * feed**2)
-    assert limit < peak < bound
+        speed = axis.velocity if peak == 0.0 else speed
+    w0 = damping * speed
+    most = min(1.0, (1 - 1e-12) / w0)
+    share = brentq(lambda e: w0 * (1 + e) - math.log((1 + w0) / (1 - e * w0)), 0.0, most)
+    assert axis.velocity == pytest.approx(-share * speed, rel=1e-9)
+    w = brentq(lambda w: 1.5 * w - w0 + math.log((1 + w0) / (1 + w)), 1e-9, w0)
+    largest = math.sqrt(w * STIFFNESS * MASS) / damping * (1 + w)
+    assert peak == pytest.approx(largest, rel=1e-4)
 
 
 def test_not_enabled_axis_has_no_force_and_falls_with_its_weight(servo):
-    axis = servo(
-        weight=MASS * 0.1, coulomb_friction=0, breakaway_friction=0, viscous_friction=0
-    )
+    axis = servo(weight=MASS * 0.1, coulomb_friction=0, breakaway_friction=0, viscous_friction=0)
     axis.set(reference_position=1.0)
     axis.step(0.5)
     assert axis.force == 0.0

@@ -332,9 +332,6 @@ def test_an_edge_in_the_last_moment_still_counts() -> None:
     assert stage.run.record.latched_mm == {"Z": 80.0}
 
 
-@pytest.mark.xfail(
-    strict=True, reason="kernel/measuring/run.py: _collecting finishes before it notes signal_ns"
-)
 def test_an_edge_that_comes_with_its_value_while_standing_has_an_instant() -> None:
     latch = FakeLatch()
     stage = Stage(latch).move()

@@ -170,9 +170,6 @@ def test_bad_toml_is_told_with_line_and_column(
     assert (error.line, error.column) == (_line(path, line_of), column)
 
 
-@pytest.mark.xfail(
-    strict=True, reason="bench/rigfile.py: _read_toml lets UnicodeDecodeError escape"
-)
 def test_a_file_in_another_encoding_is_refused(rig_file: Write) -> None:
     path = rig_file()
     path.write_bytes(path.read_bytes().replace(b"one axis", "Prüfstand".encode("latin-1")))
@@ -205,9 +202,6 @@ def test_an_unknown_key_is_told_with_the_nearest_and_its_line(
     assert error.line == _line(path, key.rpartition(".")[2])
 
 
-@pytest.mark.xfail(
-    strict=True, reason="bench/rigfile.py: _find_key looks for [drives] only, not for [drives.x]"
-)
 def test_an_unknown_kind_of_table_is_told_with_its_line(rig_file: Write) -> None:
     path = rig_file(("[drive.servo]", "[drives.servo]\n[drive.servo]"))
     error = _refused(path)
@@ -239,9 +233,6 @@ def test_a_missing_key_is_told_with_its_table(
     assert error.line == (None if header is None else _line(path, header))
 
 
-@pytest.mark.xfail(
-    strict=True, reason="bench/rigfile.py: read_rig reports the missing key before the misspelt one"
-)
 def test_a_misspelt_required_key_is_told_as_misspelt(rig_file: Write) -> None:
     path = rig_file(("node = 3", "nod = 3"))
     error = _refused(path)
@@ -284,9 +275,6 @@ def test_not_a_number_is_refused(rig_file: Write, key: str) -> None:
 
 
 @pytest.mark.parametrize("key", ["lead_mm", "sample_us", "input_delay_us", "input_filter_us"])
-@pytest.mark.xfail(
-    strict=True, reason="bench/rigfile.py: DriveTable takes inf, which cannot be a time or a length"
-)
 def test_an_infinite_number_is_refused(rig_file: Write, key: str) -> None:
     _refused(rig_file(("lead_mm = 10.0", f"{key} = inf")))
 

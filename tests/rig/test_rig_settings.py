@@ -104,9 +104,6 @@ def test_each_wrong_assignment_names_itself_and_what_is_allowed(
 
 
 @pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
-@pytest.mark.xfail(
-    strict=True, reason="bench/settings.py: _plc takes nan and inf, with which no program can work"
-)
 def test_an_external_variable_is_a_finite_number(
     rig_file: Write, settings_of: Read, number: str
 ) -> None:

@@ -12,7 +12,7 @@ equation
     Documentation(info="<html>
 <p>Equation: v_ref = Kv (x_d - x) + f v_d.</p>
 <p>With a velocity loop without steady error the lag in steady motion is (1 - f) v/Kv.
-Limit: continuous, no sampling of the position loop.</p>
+Assumption: continuous controller. Limit: the sampling of the position loop is left out.</p>
 <p>Source: H. Gross, J. Hamann, G. Wiegaertner, Electrical Feed Drives in Automation, chapter on
 position control.</p>
 </html>"));

@@ -98,8 +98,7 @@ equation
 anti-windup, first-order current loop; then one rigid mass with friction, a weight and a fixed stop.
 The parts hold the equations. Effective mass: m + J (2 pi/h)^2 with the screw lead h.</p>
 <p>Steady lag in motion with constant v: (1 - f) v/Kv. Contact at standstill with the stop at the
-force limit: penetration (F_lim - F_g)/k. Largest contact force at impact with the speed v:
-F_lim + sqrt(F_lim^2 + k m v^2).</p>
+force limit: penetration (F_lim - F_g)/k.</p>
 <p>Limits: rigid between motor and slide (motor_position = position), no backlash, no brake;
 continuous controllers. The default values describe a 2.2 Nm motor on a 10 mm screw.</p>
 </html>"));

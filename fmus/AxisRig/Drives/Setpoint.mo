@@ -17,7 +17,8 @@ equation
     Documentation(info="<html>
 <p>Equation: x(t) = x_r + v_r (min(t, t_end) - t_r). The end is an event of its own, so that no
 internal step lies across it.</p>
-<p>Assumption: the drive interpolates its position demand linearly. Source: CiA 402-2, cyclic
+<p>Assumption: the drive interpolates its position demand linearly. Limit: the velocity of the
+demand steps at each new slope. Source: CiA 402-2, cyclic
 synchronous position mode with interpolation time period.</p>
 </html>"));
 end Setpoint;

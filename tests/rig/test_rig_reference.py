@@ -1,0 +1,65 @@
+"""docs/rigs.md against the tables it describes: every key with its default, every variable."""
+
+import re
+from pathlib import Path
+
+import pytest
+from pydantic import BaseModel
+from pydantic_core import PydanticUndefined
+
+from bench.rigfile import (
+    AxisTable,
+    ChannelTable,
+    CycleTable,
+    DriveTable,
+    PlantTable,
+    SegmentTable,
+)
+from kernel.cosim.plant import AXIS_INPUTS, AXIS_OUTPUTS, TRAJECTORY_INPUTS, PlantProbe
+
+TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
+MODELS: dict[str, type[BaseModel]] = {
+    "[cycle]": CycleTable,
+    "[channel]": ChannelTable,
+    "[segment.S]": SegmentTable,
+    "[drive.D]": DriveTable,
+    "[axis.A]": AxisTable,
+    "[plant.P]": PlantTable,
+}
+
+
+def _described(table: str) -> dict[str, str]:
+    """Key -> default as the reference prints them."""
+    rows = [[cell.strip(" `") for cell in line.split("|")] for line in TEXT.splitlines()]
+    return {row[2]: row[4] for row in rows if len(row) == 7 and row[1] == table}
+
+
+def _written(default: object) -> str:
+    if default is PydanticUndefined:
+        return "required"
+    if default is None:
+        return "none"
+    if isinstance(default, str):
+        return f'"{default}"'
+    if isinstance(default, int) and default > 99_999:
+        return f"{default:_}"
+    return str(default)
+
+
+@pytest.mark.parametrize("table", MODELS)
+def test_every_key_is_described_with_its_default(table: str) -> None:
+    expected = {
+        name: _written(
+            info.default_factory() if info.default_factory else info.default  # type: ignore[call-arg]
+        )
+        for name, info in MODELS[table].model_fields.items()
+    }
+    assert _described(table) == expected
+
+
+def test_every_variable_of_an_own_fmu_is_described() -> None:
+    wanted = {*AXIS_INPUTS, *AXIS_OUTPUTS, "enabled", "step_time", "step_size", "signal"}
+    wanted |= {*PlantProbe.COUNTS, *PlantProbe.TIMES, "contact_g"}
+    wanted |= {f"g_{part}" for part in TRAJECTORY_INPUTS}
+    described = set(re.findall(r"`(\w+)`", TEXT))
+    assert wanted <= described
