@@ -4,7 +4,9 @@ import re
 from pathlib import Path
 
 import pytest
+from fmpy import read_model_description
 
+from fmus import MODELS, ensure_built
 from fmus.build import LIBRARY
 from fmus.variables import read_units
 
@@ -85,3 +87,12 @@ def test_exponents_of_a_unit_follow_from_its_name(unit: str):
         exponents = [a - b for a, b in zip(exponents, product(below), strict=True)]
     row = read_units()[unit]
     assert [int(row[name]) for name in ("kg", "m", "s", "A", "rad")] == exponents
+
+
+def test_readme_names_every_input_output_and_parameter(cache):
+    words = set(re.findall(r"`(\w+)`", (LIBRARY.parent / "README.md").read_text(encoding="utf-8")))
+    for model in MODELS:
+        description = read_model_description(str(ensure_built(model, cache)))
+        shown = {v.name for v in description.modelVariables if v.causality != "local"}
+        shown -= {"time", *(n for n in shown if n[:2] in ("y_", "z_"))}
+        assert shown <= words

@@ -19,11 +19,11 @@ equation
     Documentation(info="<html>
 <p>Equation (Hunt-Crossley, exponent 1): F = max(0, k p (1 + a dp/dt)) while p &gt; 0.</p>
 <p>The damping share a makes the force continuous at touch and lets it end at zero when the slide
-leaves; the velocity is never set, so energy is only lost. Coefficient of restitution e at the speed
-v of impact from a v (1 + e) = ln((1 + a v)/(1 - a e v)). The largest force exceeds the v sqrt(k m) of
-an undamped stop: by 9 % at a v = 2.</p>
+leaves; the velocity is never set, so energy is only lost. Coefficient of restitution e at the
+speed v of impact from a v (1 + e) = ln((1 + a v)/(1 - a e v)). The largest force exceeds the
+v sqrt(k m) of an undamped stop: by 9 % at a v = 2.</p>
 <p>Assumption: the stop does not move. Limit: one point of contact. Source: K. H. Hunt, F. R. E.
-Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics 42
-(1975).</p>
+Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics
+42 (1975).</p>
 </html>"));
 end FixedStop;

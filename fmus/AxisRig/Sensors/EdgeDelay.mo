@@ -13,7 +13,8 @@ equation
   y = if u_start then rising.arrived >= falling.arrived else rising.arrived > falling.arrived;
   annotation(
     Documentation(info="<html>
-<p>Equation: y(t) = u(t - delay), and y = u_start at the start, as if the input had always rested.</p>
+<p>Equation: y(t) = u(t - delay), and y = u_start at the start, as if the input had always
+rested.</p>
 <p>Edges travel in two queues, one for each direction; at most four of one direction may be under
 way at a time, else the simulation ends with an error.</p>
 </html>"));

@@ -98,7 +98,7 @@ cubic through both ends (CubicPath).</p>
 <p>Assumptions: the probe does not act back on the axes; pre-travel is the same in all directions;
 no bounce. Limits: the level at the start is not an edge; a touch shorter than the internal step
 can be missed; at most four edges of one direction within trigger_delay.</p>
-<p>Source: Renishaw, touch-trigger probing: pre-travel and its repeatability; the trigger delay
-is a constant time (transmission).</p>
+<p>Source: ISO 230-10, probing systems of machine tools: pre-travel and its reproducible share; the
+trigger delay stands for switching electronics and transmission.</p>
 </html>"));
 end TouchProbe;
