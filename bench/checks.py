@@ -34,7 +34,8 @@ _BLOCK = re.compile(r"N\d+")
 class Metric:
     """One row of `metrics.csv`.
 
-    scope: "run" (one value), "axis" (`name:X`; without an axis that of the longest travel),
+    scope: "run" (one value), "axis" (`name:X`; without an axis that of the longest
+        travel, for `*_max` the largest of all axes),
         "block" (`name:N30` or `name:N30.2`). type: "number", "text", "alarms" or "any".
     plot: the plot of the report in which limits of the metric are drawn, or empty.
     """

@@ -15,6 +15,7 @@ from pebble import ProcessExpired, ProcessPool
 from bench.assignment import Assignment
 from bench.checks import judge
 from bench.machine import Machine, SimulatedTimeoutError
+from bench.metrics import observe
 from bench.observe import Observed
 from bench.plan import Case
 from bench.results import CaseResult, no_values
@@ -96,7 +97,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
     observed = Observed(machine)
     checks = []
     for check in case.checks:
-        seen = observed.metric(check)
+        seen = observe(observed, check)
         checks.append(judge(check, seen.value, seen.uncertainty, seen.note))
     return CaseResult(
         case=case,

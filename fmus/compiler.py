@@ -11,10 +11,12 @@ from pathlib import Path
 
 from fmus.errors import BuildError
 
-# No fast-math and no contraction: the same sources give the same bits of results.
+# No fast-math and no contraction: the same sources give the same bits of results. No debug
+# information: it would hold the folder of the build.
 FLAGS = (
     "-std=c11",
     "-O2",
+    "-g0",
     "-fPIC",
     "-shared",
     "-ffp-contract=off",

@@ -179,6 +179,28 @@ def test_crossing_exactly_at_a_step_end_is_one_edge(probe, size):
     assert (fmu.rising_count, fmu.contact_count) == (1, 1)
 
 
+@pytest.mark.parametrize("units_in_last_place", range(-3, 4))
+@pytest.mark.parametrize("begin", [0.0, 77.7, 1000.0])
+def test_rounding_where_two_steps_meet_makes_no_edges(probe, units_in_last_place, begin):
+    """The step boundary lies within a few roundings of the plane."""
+    size, speed, z = 1e-3, 0.0123, 0.1
+    for _ in range(abs(units_in_last_place)):
+        z = math.nextafter(z, units_in_last_place * math.inf)
+    path = [z + speed * size * k for k in (2, 1, 0, -1, -2)]
+    fmu = probe(z_start=path[0], z_end=path[0])
+    fmu.slave.reset()
+    fmu.slave.enterInitializationMode(startTime=begin)
+    fmu.set(step_time=begin, z_start=path[0], z_end=path[0])
+    fmu.slave.exitInitializationMode()
+    for k in range(4):
+        fmu.time = begin + k * size
+        fmu.set(step_time=fmu.time, step_size=size, z_start=path[k], z_end=path[k + 1])
+        fmu.set(z_rate_start=-speed, z_rate_end=-speed)
+        fmu.step(size)
+    assert (fmu.rising_count, fmu.falling_count, fmu.contact_count) == (1, 0, 1)
+    assert fmu.rising_time == pytest.approx(begin + 2 * size, abs=LOCATED)
+
+
 def test_rest_on_the_plane_counts_once(probe):
     """The gap reaches zero and stays there: one contact, no chatter."""
     fmu = probe(z_start=0.11, z_end=0.11)

@@ -37,6 +37,7 @@ model TouchProbe "Touch probe against a plane, with edges located inside the ste
   output Units.Position contact_z(start = 0, fixed = true) "z at contact_time";
   output Units.Position gap "Distance of the ball from the plane";
 protected
+  constant Units.Length rounding = 1e-13 "By how much two steps may disagree where they meet";
   Real passed(unit = "1") "Share of the step that has passed";
   CubicPath x "Ball centre: x";
   CubicPath y "Ball centre: y";
@@ -47,7 +48,7 @@ protected
   EdgeCounter rising;
   EdgeCounter falling;
 initial equation
-  pre(deflected_at_start) = gap <= -pretravel;
+  pre(deflected_at_start) = gap + pretravel <= 0;
 equation
   passed = (time - step_time)/step_size;
   x.start = x_start;
@@ -69,8 +70,8 @@ equation
   z.span = step_size;
   z.passed = passed;
   gap = normal_x*x.position + normal_y*y.position + normal_z*z.position - surface - ball_radius;
-  contact = gap <= 0;
-  deflected = gap <= -pretravel;
+  contact = gap <= (if pre(contact) then rounding else 0);
+  deflected = gap + pretravel <= (if pre(deflected) then rounding else 0);
   when contact then
     contact_time = time;
     contact_count = pre(contact_count) + 1;
@@ -96,7 +97,8 @@ equation
 signal follows after trigger_delay. p is the motion of the axes over the communication step as a
 cubic through both ends (CubicPath).</p>
 <p>Assumptions: the probe does not act back on the axes; pre-travel is the same in all directions;
-no bounce. Limits: the level at the start is not an edge; a touch shorter than the internal step
+no bounce. The gap must open by 1e-13 m before a contact ends, so that rounding where two steps meet
+makes no edges; this shifts falling edges by 1e-13 m over the speed. Limits: the level at the start is not an edge; a touch shorter than the internal step
 can be missed; at most four edges of one direction within trigger_delay.</p>
 <p>Source: ISO 230-10, probing systems of machine tools: pre-travel and its reproducible share; the
 trigger delay stands for switching electronics and transmission.</p>

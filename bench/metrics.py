@@ -1,0 +1,240 @@
+"""The metrics of `metrics.csv`: each is a small function of what a run showed.
+
+Values are compared with the plant's own truth (contact instants and positions are the probe FMU's,
+positions the axis FMU's); no kernel formula is used. Each tells what its uncertainty is made of.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from bench.checks import Check, Value
+from bench.observe import Observed, Touch
+from kernel.cosim.plant import Contact
+
+# Events are located to 1 ns in the plant and in the drive node; both ends of an interval count
+INSTANT_NS = 1.0
+# Cubic Hermite inside a drive tick of 0.25 ms across an acceleration step of 1000 mm/s2 is
+# 0.0162 * 1000 * 0.00025**2 mm = 1e-6 um (docs/architecture.md); this leaves room for vibrations
+INTERPOLATION_UM = 1e-3
+
+
+@dataclass(frozen=True)
+class Observation:
+    """A metric's value; uncertainty in its unit; note: why there is none, or what it is made of."""
+
+    value: Value
+    uncertainty: float = 0.0
+    note: str = ""
+
+
+MetricFunction = Callable[[Observed, str | None], Observation]
+_METRICS: dict[str, MetricFunction] = {}
+
+
+def observe(observed: Observed, check: Check) -> Observation:
+    """Return what a check asks for."""
+    if check.name == "msg":
+        return _printed(observed, check)
+    if check.axis is not None and check.axis not in observed.machine.links:
+        return Observation(None, note=f"the rig has no axis {check.axis}")
+    return _METRICS[check.name](observed, check.axis)
+
+
+def _printed(observed: Observed, check: Check) -> Observation:
+    assert check.block is not None
+    number, index = check.block
+    values = [
+        value
+        for message in observed.machine.messages
+        if f"N{message.block.number}" == number
+        for value in message.values
+    ]
+    if len(values) < index:
+        return Observation(None, note=f"block {number} printed {len(values)} number(s)")
+    return Observation(values[index - 1])
+
+
+def _of_program(function: MetricFunction) -> MetricFunction:
+    """Register a metric of the whole program under the name of its function."""
+    _METRICS[function.__name__] = function
+    return function
+
+
+def _of_run(
+    function: Callable[[Observed, Touch, str], Observation],
+) -> Callable[[Observed, Touch, str], Observation]:
+    """Register a metric of the last measurement run; without an axis the one that travels most."""
+
+    def metric(observed: Observed, axis: str | None) -> Observation:
+        touch = observed.touch
+        if touch is None:
+            return Observation(None, note="the program made no measurement run")
+        return function(observed, touch, axis or observed.moved_axis(touch.record))
+
+    _METRICS[function.__name__] = metric
+    return function
+
+
+def _of_contact(
+    function: Callable[[Observed, Touch, Contact, str], Observation],
+) -> Callable[[Observed, Touch, Contact, str], Observation]:
+    """Register a metric of a measurement run in which the probe met something."""
+
+    def metric(observed: Observed, touch: Touch, axis: str) -> Observation:
+        if touch.contact is None:
+            note = "the probe met nothing during the measurement run"
+            return Observation(None, note=note)
+        return function(observed, touch, touch.contact, axis)
+
+    metric.__name__ = function.__name__
+    _of_run(metric)
+    return function
+
+
+# The whole program
+
+
+@_of_program
+def alarms(observed: Observed, _axis: str | None) -> Observation:
+    """IDs of the alarms in their order."""
+    return Observation([alarm.id for alarm in observed.machine.channel.alarms])
+
+
+@_of_program
+def duration_s(observed: Observed, _axis: str | None) -> Observation:
+    """Simulated time from the first enabled cycle to the end of the program."""
+    start_ns = observed.machine.channel.start_ns
+    if start_ns is None:
+        return Observation(None, note="the drives were never enabled")
+    return Observation((observed.machine.scheduler.now_ns - start_ns) / 1e9)
+
+
+def _largest(column: str) -> MetricFunction:
+    def largest(observed: Observed, axis: str | None) -> Observation:
+        if not len(observed.times_ns):
+            return Observation(None, note="the program ended before its first cycle")
+        axes = [axis] if axis else list(observed.machine.links)
+        return Observation(max(float(np.max(np.abs(observed.column(a, column)))) for a in axes))
+
+    return largest
+
+
+_METRICS["lag_mm_max"] = _largest("cnc_lag_mm")
+_METRICS["drive_lag_mm_max"] = _largest("drive_lag_mm")
+_METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")
+
+
+# The last measurement run
+
+
+@_of_run
+def latch_mm(_observed: Observed, touch: Touch, axis: str) -> Observation:
+    """Measured position as the channel has published it."""
+    value = touch.record.latched_mm.get(axis)
+    if value is None:
+        return Observation(None, note=f"no measured value of axis {axis}")
+    return Observation(value)
+
+
+@_of_run
+def reaction_ms(_observed: Observed, touch: Touch, _axis: str) -> Observation:
+    """From the edge to the NC cycle that computes the first braking set position."""
+    if touch.edge_ns is None or touch.record.signal_ns is None:
+        return Observation(None, note="no edge was seen in the measurement run")
+    return Observation((touch.record.signal_ns - touch.edge_ns) / 1e6, INSTANT_NS / 1e6)
+
+
+@_of_run
+def standstill_mm(observed: Observed, touch: Touch, axis: str) -> Observation:
+    """True position at the end of the measurement run."""
+    position_mm, rest_mm = _stand(observed, touch, axis)
+    return Observation(position_mm, rest_mm, "what is left of the lag at the end of the run")
+
+
+def _stand(observed: Observed, touch: Touch, axis: str) -> tuple[float, float]:
+    """Return true position at the end of the run and what is left of the drive's lag (mm)."""
+    index = observed.index_at(touch.end_ns)
+    lag_mm = abs(float(observed.column(axis, "drive_lag_mm")[index]))
+    return float(observed.column(axis, "truth_mm")[index]), lag_mm
+
+
+# The contact in it
+
+
+@_of_contact
+def contact_mm(observed: Observed, _touch: Touch, contact: Contact, axis: str) -> Observation:
+    """True position at contact."""
+    plant = observed.machine.settings.rig.axis[axis].plant
+    if plant not in contact.position_mm:
+        return Observation(None, note=f"the probe does not read axis {axis}")
+    return Observation(contact.position_mm[plant])
+
+
+@_of_contact
+def contact_velocity_mm_s(
+    observed: Observed, _touch: Touch, contact: Contact, axis: str
+) -> Observation:
+    """True velocity at the last SYNC before contact."""
+    return Observation(_speed_mm_s(observed, contact, axis))
+
+
+def _speed_mm_s(observed: Observed, contact: Contact, axis: str) -> float:
+    return float(observed.column(axis, "velocity_mm_s")[observed.index_at(contact.time_ns)])
+
+
+@_of_contact
+def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str) -> Observation:
+    """Published minus true position at contact."""
+    latch = latch_mm(observed, touch, axis)
+    truth = contact_mm(observed, touch, contact, axis)
+    if not isinstance(latch.value, float):
+        return latch
+    if not isinstance(truth.value, float):
+        return truth
+    speed_um_s = abs(_speed_mm_s(observed, contact, axis)) * 1e3
+    return Observation(
+        (latch.value - truth.value) * 1e3,
+        speed_um_s * 2 * INSTANT_NS * 1e-9 + INTERPOLATION_UM,
+        "location of the events 2 ns, interpolation inside a drive tick 0.001 um",
+    )
+
+
+@_of_contact
+def contact_to_latch_ms(
+    observed: Observed, touch: Touch, contact: Contact, axis: str
+) -> Observation:
+    """From contact to the instant whose position the drive stored."""
+    latch_ns = observed.latch_in_run_ns(axis, touch)
+    if latch_ns is None:
+        return Observation(None, note=f"the drive of axis {axis} latched nothing")
+    return Observation((latch_ns - contact.time_ns) / 1e6, 2 * INSTANT_NS / 1e6)
+
+
+@_of_contact
+def contact_to_standstill_ms(
+    observed: Observed, touch: Touch, contact: Contact, _axis: str
+) -> Observation:
+    """From contact to the cycle in which the axes stand in their exact-stop windows."""
+    if touch.record.end_ns is None:
+        return Observation(None, note="the measurement run did not end")
+    period_ms = observed.machine.timing.period_ns / 1e6
+    return Observation((touch.record.end_ns - contact.time_ns) / 1e6, period_ms)
+
+
+@_of_contact
+def overtravel_mm(observed: Observed, touch: Touch, contact: Contact, axis: str) -> Observation:
+    """Largest true distance from the contact position during the run."""
+    place = contact_mm(observed, touch, contact, axis)
+    if not isinstance(place.value, float):
+        return place
+    truth_mm = observed.column(axis, "truth_mm")[observed.between(contact.time_ns, touch.end_ns)]
+    if not len(truth_mm):
+        return Observation(None, note="the run ended before the next SYNC")
+    _, rest_mm = _stand(observed, touch, axis)
+    return Observation(
+        float(np.max(np.abs(truth_mm - place.value))),
+        rest_mm,
+        "what is left of the lag at the end of the run",
+    )
