@@ -8,12 +8,10 @@ from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 
-import can
-
 from bench.bus.arithmetic import CycleArithmetic
 from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from bench.bus.faults import DropById
-from bench.bus.record import FrameHash, blf_writer
+from bench.bus.record import BlfLog, FrameHash
 from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
@@ -113,15 +111,14 @@ class Machine:
 
     def _build_segments(self, bus_log: Path | None) -> dict[str, Segment]:
         segments = {}
-        writer: can.BLFWriter | None = None
-        if bus_log is not None:
-            writer = blf_writer(bus_log)
-            self._open.callback(writer.stop)
-        for number, (name, table) in enumerate(self.settings.segment.items()):
+        log = None if bus_log is None else BlfLog(bus_log, list(self.settings.segment))
+        if log is not None:
+            self._open.callback(log.stop)
+        for name, table in self.settings.segment.items():
             segment = self._open.enter_context(Segment(name, table.bitrate, self.scheduler))
             segment.observe(self.frame_hash)
-            if writer is not None:
-                segment.tap(_OnChannel(writer, number))
+            if log is not None:
+                segment.observe(log)
             segments[name] = segment
         return segments
 
@@ -226,15 +223,3 @@ class Machine:
     def close(self) -> None:
         """Free plants, segments and the bus log."""
         self._open.close()
-
-
-class _OnChannel(can.Listener):
-    """Writes the frames of one segment under its own channel number of a shared log."""
-
-    def __init__(self, writer: can.BLFWriter, number: int) -> None:
-        self._writer, self._number = writer, number
-
-    def on_message_received(self, msg: can.Message) -> None:
-        """Write one frame."""
-        msg.channel = self._number
-        self._writer.on_message_received(msg)

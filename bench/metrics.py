@@ -16,7 +16,7 @@ from kernel.cosim.plant import Contact
 # Events are located to 1 ns in the plant and in the drive node; both ends of an interval count
 INSTANT_NS = 1.0
 # Cubic Hermite inside a drive tick of 0.25 ms across an acceleration step of 1000 mm/s2 is
-# 0.0162 * 1000 * 0.00025**2 mm = 1e-6 um (docs/architecture.md); this leaves room for vibrations
+# 0.0162 * 1000 * 0.00025**2 mm = 0.001 um (docs/architecture.md); this leaves room for vibrations
 INTERPOLATION_UM = 1e-3
 
 

@@ -1,6 +1,7 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
 from collections.abc import Mapping
+from functools import cache
 from pathlib import Path
 
 from bench.assignment import Assignment, parse_assignment
@@ -28,10 +29,16 @@ def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
             value=table.fmu,
             allowed=nearest(table.fmu, MODELS) or MODELS,
         )
+    return _built(table.fmu)
+
+
+@cache
+def _built(model: str) -> Path:
+    """Look a model of the library up once per process: the hash of its sources costs 3 ms."""
     try:
-        return ensure_built(table.fmu)
+        return ensure_built(model)
     except BuildError as error:
-        raise UserError(f"{table.fmu} cannot be built: {error}") from error
+        raise UserError(f"{model} cannot be built: {error}") from error
 
 
 def _set_start(slave: FmuSlave, item: Assignment) -> None:

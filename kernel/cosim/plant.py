@@ -4,7 +4,7 @@ Axes are stepped first over an exchange step (the drive tick), then every sensor
 step: a sensor reads positions only, so it needs the trajectory of the step and no iteration.
 A trajectory is handed over as position and velocity at both ends; inside the sensor it is a cubic
 Hermite polynomial, whose error over 0.25 ms across an acceleration step of 1000 mm/s2 is
-0.0162 * 1000 * 0.00025**2 = 1e-6 um (docs/architecture.md, "How exact is an edge").
+0.0162 * 1000 * 0.00025**2 = 0.001 um (docs/architecture.md, "How exact is an edge").
 """
 
 import struct

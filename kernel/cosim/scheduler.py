@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from itertools import count
 from typing import Any
 
-from kernel.clock import Phase, TimeNs
+from kernel.clock import TimeNs
 
 Event = list[Any]
 """Handle of `call_at`: [time_ns, phase, sequence, action]; the action is None once cancelled.
@@ -40,7 +40,7 @@ class Scheduler:
         """Whether an action is being run, that is whether waiting is refused."""
         return self._running
 
-    def call_at(self, time_ns: TimeNs, phase: Phase, action: Callable[[], object]) -> Event:
+    def call_at(self, time_ns: TimeNs, phase: int, action: Callable[[], object]) -> Event:
         """Run `action` at `time_ns` in `phase`; return the handle that `cancel` takes.
 
         An earlier phase of the current instant is allowed: it runs next.

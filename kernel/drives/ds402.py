@@ -153,6 +153,7 @@ _RELEVANT = 0x8F  # the bits of the controlword that any command looks at
 _RESET = COMMANDS[Command.FAULT_RESET].mask
 
 
+@cache
 def state_of(statusword: int) -> State:
     """Return the state that a statusword tells.
 

@@ -10,7 +10,7 @@ def test_order_is_time_then_phase_then_call(scheduler: Scheduler) -> None:
     seen: list[int] = []
     plan = [(t, p) for t in (30, 10, 20) for p in (2, 0, 1, 0)]
     for index, (time_ns, phase) in enumerate(plan):
-        scheduler.call_at(time_ns, Phase(phase), lambda index=index: seen.append(index))
+        scheduler.call_at(time_ns, phase, lambda index=index: seen.append(index))
     scheduler.run_until(100)
     assert seen == sorted(range(len(plan)), key=lambda i: (*plan[i], i))
     assert scheduler.now_ns == 100
@@ -113,6 +113,6 @@ def test_many_random_events_run_in_sorted_order(scheduler: Scheduler) -> None:
     for index in range(2000):
         key = (numbers.randrange(50), numbers.randrange(3), index)
         expected.append(key)
-        scheduler.call_at(key[0], Phase(key[1]), lambda key=key: seen.append(key))
+        scheduler.call_at(key[0], key[1], lambda key=key: seen.append(key))
     scheduler.run_until(50)
     assert seen == sorted(expected)

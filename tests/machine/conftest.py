@@ -79,6 +79,12 @@ def run_nc(tmp_path: Path) -> RunNc:
     return run
 
 
+@pytest.fixture
+def run_own() -> Callable[..., Outcome]:
+    """Return `run(program file, rig file, assignments)`."""
+    return run_files
+
+
 def run_files(program: Path, rig: Path, assignments: Sequence[str] = ()) -> Outcome:
     """Run a program file on a rig file in this process."""
     table, files = read_rig(rig)
