@@ -79,7 +79,9 @@ class Assignment:
         try:
             number = Decimal(self.value)
         except InvalidOperation:
-            raise UserError("not a number", value=self.value) from None
+            number = Decimal("nan")
+        if not number.is_finite():
+            raise UserError(f"{self.column} takes a number", value=self.value)
         return float(number * _units()[self.unit].factor if self.unit else number)
 
 
@@ -98,6 +100,11 @@ def column_forms() -> tuple[ColumnForm, ...]:
         )
         for row in _rows("columns.csv")
     )
+
+
+def si_unit(suffix: str) -> str:
+    """Return the SI unit that values with a unit suffix are converted to (`mm` -> `m`)."""
+    return _units()[suffix].si
 
 
 @cache

@@ -41,7 +41,7 @@ EXIT_INTERRUPTED = 4
 
 
 def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
-    """Turn a UserError into one line on standard error and exit code 2."""
+    """Turn what a user can mend into one line on standard error and exit code 2."""
 
     @wraps(command)
     def guarded(*args: Any, **kwargs: Any) -> None:
@@ -49,6 +49,9 @@ def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
             command(*args, **kwargs)
         except UserError as error:
             print(f"error: {error}", file=sys.stderr)
+            raise typer.Exit(EXIT_REJECTED) from None
+        except OSError as error:
+            print(f"error: {error.filename or command.__name__}: {error.strerror}", file=sys.stderr)
             raise typer.Exit(EXIT_REJECTED) from None
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)

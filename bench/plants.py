@@ -1,15 +1,16 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from bench.assignment import Assignment, parse_assignment
+from bench.assignment import Assignment, parse_assignment, si_unit
 from bench.rigfile import PlantTable, rig_error
 from bench.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
-from kernel.cosim.fmu import FmuSlave
+from kernel.cosim.fmu import FmuSlave, PlantError
 from kernel.cosim.plant import AXIS_INPUTS, TRAJECTORY_INPUTS, Plant
 from kernel.errors import UserError, nearest
 
@@ -59,15 +60,18 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
             raise UserError(f"{name} is true or false", value=item.value, allowed="true, false")
         slave.set_start(name, _WORDS[word])
         return
-    value = float(item.value) if name == whole and not item.unit else item.si()
-    low, high = variable.min, variable.max
-    if (low is not None and value < float(low)) or (high is not None and value > float(high)):
+    value = item.si() if name == item.name else replace(item, unit="").si()
+    unit = si_unit(item.unit) if name == item.name and item.unit else None
+    if unit not in (None, variable.unit or "1"):
         raise UserError(
-            f"{name} of {slave.name} is out of range",
-            value=item.value,
-            allowed=f"{low} .. {high} {variable.unit or ''} (SI)".strip(),
+            f"{name} of {slave.name} has another unit",
+            value=item.unit,
+            allowed=f"a unit of {variable.unit or 'a bare number'}",
         )
-    slave.set_start(name, value)
+    try:
+        slave.set_start(name, value)
+    except PlantError as error:
+        raise UserError(f"{slave.name} refuses {name}: {error.reason}", value=item.value) from error
 
 
 def _start_values(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> None:

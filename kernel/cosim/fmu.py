@@ -37,7 +37,7 @@ class PlantError(Exception):
 
     def __init__(self, instance: str, time_ns: TimeNs, message: str) -> None:
         super().__init__(f"plant {instance} at t = {time_ns / 1e6:.6f} ms: {message}")
-        self.instance, self.time_ns = instance, time_ns
+        self.instance, self.time_ns, self.reason = instance, time_ns, message
 
 
 @cache

@@ -115,7 +115,7 @@ class MeasuringRun:
     def _check_not_actuated(self) -> None:
         for port in self._ports:
             if port.is_actuated:
-                raise Alarm(50052, axis=port.name, block=self.record.block)
+                raise Alarm(50052, axis=port.name)
 
     def evaluate(self, now_ns: TimeNs, is_standing: bool) -> Order:
         """Advance the run with this cycle's values.

@@ -61,6 +61,8 @@ def read_program(path: str | Path, axes: Sequence[str]) -> Program:
         raise UserError(
             "NC program is not UTF-8 text", file=path, value=f"byte {error.start}"
         ) from None
+    if not text.strip():
+        raise UserError("the NC program is empty", file=path)
     return parse_program(text, file=path, axes=axes)
 
 

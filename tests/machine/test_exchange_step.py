@@ -79,7 +79,7 @@ def test_the_step_moves_the_value_by_less_than_is_stated(
 
 
 def test_a_step_of_a_quarter_millisecond_hides_below_the_usual_increment() -> None:
-    """1 nm for a jump by 1000 mm/s2, and a tenth of the 9.5 nm of the shipped rigs as it is here."""
+    """1 nm for a jump by 1000 mm/s2; as it is here below a tenth of the shipped 9.5 nm."""
     assert stated_mm(250) < 0.1 * 10 / 2**20
     assert whole_mm(250) == pytest.approx(1e-6, rel=0.02)
 

@@ -222,12 +222,17 @@ def test_metrics_are_of_the_last_run_and_of_the_axis_that_goes_farthest(run_nc: 
     assert abs(number(out, "latch_error_um:X")) <= INCREMENT_MM / 2 * 1e3 + 2e-3
     assert abs(number(out, "latch_error_um:Z")) <= INCREMENT_MM / 2 * 1e3 + 2e-3
     assert number(out, "contact_to_latch_ms") == pytest.approx(0, abs=2e-6)
-    over = number(out, "overtravel_mm:X")
     v_x = 20.0
-    # On can1 SYNC takes 48 us as well; a path of 25 mm/s over both axes brakes with 1000 / 0.8
+    # A path of 25 mm/s over both axes brakes with 1000 / 0.8
     t_d = out.waited_s(out.edge_ns(run=1)) + 1e-3
-    assert over == pytest.approx(v_x * t_d + v_x**2 / 2000 + v_x / 40, abs=STAND_MM)
-    assert number(out, "overtravel_mm:Z") == pytest.approx(0.75 * over, abs=STAND_MM)
+    over = v_x * t_d + v_x**2 / 2000 + v_x / 40
+    for axis, begin, share in (("X", x, 1.0), ("Z", z, 0.75)):
+        assert begin - number(out, f"standstill_mm:{axis}") == pytest.approx(
+            share * over, abs=STAND_MM
+        )
+        # While one axis waits for the other it overshoots by 4 um; see the last test
+        beyond = number(out, f"overtravel_mm:{axis}") - share * over
+        assert -STAND_MM <= beyond <= 0.005
 
 
 def test_marks_of_the_report_stand_in_their_order(run_nc: Run) -> None:
@@ -240,3 +245,21 @@ def test_marks_of_the_report_stand_in_their_order(run_nc: Run) -> None:
     assert 0 <= marks["pdo"] + 48_000 - marks["latch"] < 1_000_000
     assert marks["brake"] - marks["pdo"] == 600_000
     assert marks["standstill"] > marks["brake"]
+
+
+@pytest.mark.xfail(
+    strict=True,
+    reason="kernel/channel: in position is one cycle in the window of P-AXIS-00236, which the axis "
+    "crosses with 0.11 mm/s and then overshoots by 4.2 um (friction and the integral part); "
+    "overtravel_mm and standstill_mm end there, and their uncertainty (0.05 um) does not say so",
+)
+def test_an_axis_that_counts_as_standing_moves_no_further_than_is_stated(run_nc: Run) -> None:
+    """Behind the run X moves and Z is left alone: how far does it still go?"""
+    out = run_nc(
+        "N10 G100 Z60 F60\nN20 G1 X10 F3000",
+        "[plant.z]\nstart = { position_start_mm = 80.0 }\n[plant.probe]\nstart = { surface_mm = 79.7 }",
+    )
+    seen = metric(out, "overtravel_mm:Z")
+    assert isinstance(seen.value, float)
+    farthest = 79.7 - float(np.min(out.column("Z.truth_mm")))
+    assert farthest - seen.value <= seen.uncertainty + 1e-4

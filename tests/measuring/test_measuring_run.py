@@ -126,7 +126,7 @@ def test_50052_at_the_begin_before_anything_is_ordered() -> None:
     with pytest.raises(Alarm) as caught:
         Stage(free, actuated)
     assert caught.value.id == 50052
-    assert caught.value.values == {"axis": "Z", "block": "block N20"}
+    assert caught.value.values == {"axis": "Z"}
     assert free.orders == actuated.orders == []
 
 

@@ -1,0 +1,121 @@
+"""The same inputs give the same frames and the same files, whoever runs them and how often."""
+
+import csv
+import hashlib
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bench.plan import read_plan
+from bench.runner import run_case
+
+Run = Callable[..., Any]
+ROOT = Path(__file__).parents[2]
+PLAN = """\
+case,program,rig,repeats,plc:V.E.FEED,plant:probe.surface_mm,fault:drop,check:latch_error_um,check:alarms
+one,{one},{plans}/rigs/probe-z.toml,2,3000,108,,-0.2 +- 0.0095,none
+lost,{one},{plans}/rigs/probe-z.toml,,6000,109,Z.TPDO2,,900001
+three,{three},{plans}/rigs/probe-xyz.toml,,,245,,<= 1,none
+"""
+ONE = '%one\nN10 G100 Z100 F=V.E.FEED\n#MSG SYN["z=%f", V.A.MESS.Z]\nN30 M30\n'
+THREE = '%three\n#CS ON[0,0,0,0,5,0]\nN10 G91 G100 Z-12 F3000\n#MSG SYN["x=%f", V.A.MESS.X]\nM30\n'
+
+
+@pytest.fixture(scope="module")
+def plan(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("plan")
+    (folder / "one.nc").write_text(ONE.replace("G100", "G90 G100"), encoding="utf-8")
+    (folder / "three.nc").write_text(THREE, encoding="utf-8")
+    path = folder / "same.csv"
+    text = PLAN.format(one=folder / "one.nc", three=folder / "three.nc", plans=ROOT / "testplans")
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folders(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """Results of one process and of two, each with a hash seed of its own."""
+    started, out = [], []
+    for jobs, seed in ((1, "0"), (2, "4711"), (1, "77")):
+        folder = tmp_path_factory.mktemp(f"out{seed}") / "same"
+        command = [sys.executable, "-m", "bench.cli", "run", str(plan), "-o", str(folder)]
+        started.append(
+            subprocess.Popen(
+                [*command, "-j", str(jobs)],
+                env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)},
+                cwd=folder.parent,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+            )
+        )
+        out.append(folder)
+    for process in started:
+        text, _ = process.communicate()
+        assert process.returncode == 0, text
+    return out
+
+
+def _cases(folder: Path) -> list[dict[str, str]]:
+    with (folder / "cases.csv").open(encoding="utf-8", newline="") as file:
+        return [
+            {name: value for name, value in row.items() if name != "wall_s"}
+            for row in csv.DictReader(file)
+        ]
+
+
+def _bytes(folder: Path) -> dict[str, str]:
+    """Hash of every file but those that say when and how the campaign was run."""
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {
+        str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest()
+        for path in files
+        if path.name not in ("cases.csv", "manifest.json", "report.html")
+    }
+
+
+def test_processes_and_hash_seeds_do_not_show_in_any_file(folders: list[Path]) -> None:
+    first, *others = folders
+    known = _bytes(first)
+    runs = {row["run"] for row in _cases(first)}
+    assert len(runs) == 4
+    expected = {"results.csv", "junit.xml"}
+    expected |= {f"traces/{run}.parquet" for run in runs}
+    expected |= {f"bus/{run}.blf" for run in runs} | {f"runs/{run}.json" for run in runs}
+    assert set(known) == expected
+    for other in others:
+        assert _bytes(other) == known
+        assert _cases(other) == _cases(first)
+
+
+def test_this_process_gives_the_same_frames_twice(plan: Path, folders: list[Path]) -> None:
+    recorded = [row["frame_log_sha256"] for row in _cases(folders[0])]
+    cases = read_plan(plan).cases
+    for _ in range(2):
+        assert [run_case(case, None).frame_log_sha256 for case in cases] == recorded
+
+
+def test_the_hash_tells_different_runs_apart(folders: list[Path]) -> None:
+    """Repeats are the same run again; every other row has its own frames."""
+    hashes = {row["run"]: row["frame_log_sha256"] for row in _cases(folders[0])}
+    assert len(hashes) == 4
+    assert len(set(hashes.values())) == 3
+    assert all(len(value) == 64 for value in hashes.values())
+
+
+def test_one_increment_of_the_workpiece_shows_in_the_hash(run_nc: Run) -> None:
+    surfaces = (125.0, 125.0, 125.0 + 1.5 * 10 / 2**20)
+    digests = [
+        run_nc(
+            "N10 G100 Z120 F3000",
+            f"[plant.probe]\nstart = {{ surface_mm = {surface!r} }}",
+            base="probe-z.toml",
+        ).machine.frame_hash.hexdigest()
+        for surface in surfaces
+    ]
+    assert digests[0] == digests[1] != digests[2]
