@@ -81,7 +81,7 @@ class Assignment:
         except InvalidOperation:
             number = Decimal("nan")
         if not number.is_finite():
-            raise UserError(f"{self.column} takes a number", value=self.value)
+            raise UserError(f"{self.column}: not a number", value=self.value)
         return float(number * _units()[self.unit].factor if self.unit else number)
 
 
