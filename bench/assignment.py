@@ -77,7 +77,8 @@ class Assignment:
         """Give the value as a number in SI units. Raises UserError when it is no number."""
         # Decimal, so that 5 um are the 5e-06 m that the reader expects, not 4.9999999999999996e-06.
         try:
-            number = Decimal(self.value)
+            plain = self.value.isascii() and "_" not in self.value
+            number = Decimal(self.value if plain else "nan")
         except InvalidOperation:
             number = Decimal("nan")
         if not number.is_finite():

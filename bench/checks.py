@@ -189,10 +189,16 @@ def _number_condition(text: str) -> Condition | None:
         return None
     if operator == "!=":
         return Condition(text, "unequal", expected=(operand,))
-    limit = float(operand)
+    limit = _finite(text, float(operand))
     lower = limit if operator in {">", ">=", "=="} else None
     upper = limit if operator in {"<", "<=", "=="} else None
     return Condition(text, "range", lower, upper, operator == ">", operator == "<")
+
+
+def _finite(text: str, limit: float) -> float:
+    if not math.isfinite(limit):
+        raise UserError("the limit of the condition is too large to be a limit", value=text)
+    return limit
 
 
 def _between(text: str, lower: Decimal, upper: Decimal) -> Condition:

@@ -16,7 +16,7 @@ from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
 from bench.drive.profile import DriveProfile
-from bench.plants import build_plant, check_plants
+from bench.plants import build_plant, check_plants, start_plant
 from bench.recorder import Recorder
 from bench.rigcheck import check_rig, segment_schedules
 from bench.rigfile import DriveTable
@@ -86,6 +86,7 @@ class Machine:
             self.plant = build_plant(settings)
             self._open.callback(self.plant.close)
             check_plants(settings, self.plant)
+            start_plant(settings, self.plant)
             self.segments = self._build_segments(bus_log)
             self.nodes = self._build_nodes()
             self.networks = {
@@ -195,7 +196,6 @@ class Machine:
         Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
         SimulatedTimeoutError when the program does not end, UserError for what only running shows.
         """
-        self.plant.initialize(0)
         try:
             self._commission()
         except Alarm as alarm:
@@ -206,9 +206,11 @@ class Machine:
         limit_ns = scheduler.now_ns + SIMULATED_LIMIT_NS
         while not channel.has_ended:
             if scheduler.now_ns >= limit_ns:
+                places = ", ".join(f"{link.name} {link.actual_mm:.3f}" for link in channel.links)
                 raise SimulatedTimeoutError(
                     f"the program did not end within {SIMULATED_LIMIT_NS // 1_000_000_000} s of"
-                    " simulated time"
+                    f" simulated time; the axes stand at {places} mm; feed too small or path too"
+                    " long?"
                 )
             scheduler.run_until(scheduler.now_ns + period_ns)
         return scheduler.now_ns

@@ -25,7 +25,7 @@ from kernel.errors import UserError, nearest
 
 __all__ = ["Assignment", "Case", "Plan", "parse_assignment", "read_plan"]
 
-_NAME = re.compile(r"[A-Za-z0-9_.-]+")
+_NAME = re.compile(r"[A-Za-z0-9_.-]{1,60}")
 _SEED_MAX = 2**32 - 1
 _REPEATS_MAX = 999
 
@@ -251,7 +251,7 @@ def _integer(table: Table, row: Row, column: str, lowest: int, highest: int) -> 
     text = row.cells.get(column, "")
     if not text:
         return None
-    if not text.isascii() or not text.isdigit() or not lowest <= int(text) <= highest:
+    if not re.fullmatch("[0-9]{1,10}", text) or not lowest <= int(text) <= highest:
         raise table.error(
             "not an integer in the range", row, column, value=text, allowed=f"{lowest} to {highest}"
         )

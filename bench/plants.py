@@ -14,6 +14,7 @@ from kernel.cosim.fmu import FmuSlave, PlantError
 from kernel.cosim.plant import AXIS_INPUTS, TRAJECTORY_INPUTS, Plant
 from kernel.errors import UserError, nearest
 
+ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
 _WORDS = {"true": True, "1": True, "false": False, "0": False}
 
 
@@ -47,6 +48,13 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
     # A variable may itself end in what looks like a unit; its own name wins
     whole = item.column.partition(".")[2]
     name = whole if slave.has(whole) else item.name
+    if not slave.has(name):
+        settable = [*slave.names("parameter"), *slave.names("input")]
+        raise UserError(
+            f"{slave.name} has no such start value",
+            value=name,
+            allowed=nearest(name, settable) or settable,
+        )
     variable = slave.variable(name)
     if variable.causality not in ("parameter", "input", "structuralParameter"):
         raise UserError(
@@ -76,9 +84,8 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
 
 def _start_values(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> None:
     for key, value in table.start.items():
-        item = parse_assignment(f"plant:{instance}.{key}={value}")
         try:
-            _set_start(slave, item)
+            _set_start(slave, parse_assignment(f"plant:{instance}.{key}={str(value).lower()}"))
         except UserError as error:
             raise rig_error(
                 settings.files,
@@ -173,3 +180,28 @@ def check_plants(settings: Settings, plant: Plant) -> None:
                     value=instance,
                     allowed=known or "none in this rig",
                 )
+
+
+def start_plant(settings: Settings, plant: Plant) -> None:
+    """Initialise every plant at time 0 and check that the axes stand where their encoders reach.
+
+    Raises UserError with file, line and key of the rig.
+    """
+    try:
+        plant.initialize(0)
+    except PlantError as error:
+        raise rig_error(
+            settings.files, ("plant", error.instance), f"{error.instance}: {error.reason}"
+        ) from error
+    for name, axis in settings.rig.axis.items():
+        drive = settings.rig.drive[axis.drive]
+        limit_mm = ENCODER_RANGE / drive.encoder_increments * drive.lead_mm
+        position_mm = plant.axes[axis.plant].position_m() * 1e3
+        if abs(position_mm) >= limit_mm:
+            raise rig_error(
+                settings.files,
+                ("plant", axis.plant, "start"),
+                f"axis {name} starts outside the 32 bits of its encoder",
+                value=f"{position_mm:g} mm",
+                allowed=f"-{limit_mm:g} .. {limit_mm:g} mm",
+            )

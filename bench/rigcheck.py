@@ -1,5 +1,6 @@
 """Checks of a rig beyond its form: who is wired to whom, and whether the cycle fits on the bus."""
 
+import re
 from collections import Counter
 from collections.abc import Mapping
 
@@ -10,6 +11,9 @@ from kernel.clock import US
 from kernel.drives.ds402 import latch_object
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.errors import UserError
+
+# The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
+_AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
 
 
 def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
@@ -126,7 +130,17 @@ def _check_nodes(settings: Settings) -> None:
 
 
 def _check_names(settings: Settings) -> None:
+    spelled: dict[str, str] = {}
     for name, axis in settings.rig.axis.items():
+        other = spelled.setdefault(name.upper(), name)
+        if other != name or not _AXIS_NAME.fullmatch(name):
+            raise rig_error(
+                settings.files,
+                ("axis", name),
+                "an axis needs a name of its own that is no other word of an NC program",
+                value=name,
+                allowed="one of A B C U V W X Y Z, or such a letter with digits",
+            )
         listed = settings.axis[name].word("kopf.log_achs_name")
         if listed and listed != name:
             raise UserError(

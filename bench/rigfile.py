@@ -11,12 +11,18 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
 
 from kernel.errors import UserError
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 StartValue = bool | int | float
+
+
+def _whole_um(value_mm: float) -> float:
+    if round(value_mm * 1000) != round(value_mm * 1000, 6):
+        raise ValueError("a whole number of micrometres is needed")
+    return value_mm
 
 
 class _Table(BaseModel):
@@ -53,12 +59,12 @@ class DriveTable(_Table):
     the edge is found; sample_us: grid of `sampled`.
     """
 
-    encoder_increments: Annotated[int, Field(ge=1, le=2**31 - 1)] = 1_048_576
-    lead_mm: Annotated[float, Field(gt=0)] = 10.0
-    input_delay_us: Annotated[float, Field(ge=0)] = 4.0
-    input_filter_us: Annotated[float, Field(ge=0)] = 0.0
+    encoder_increments: Annotated[int, Field(ge=1, le=2**26)] = 1_048_576
+    lead_mm: Annotated[float, Field(ge=0.001, le=1000), AfterValidator(_whole_um)] = 10.0
+    input_delay_us: Annotated[float, Field(ge=0, le=1e6)] = 4.0
+    input_filter_us: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     latch: Literal["interpolated", "sampled"] = "interpolated"
-    sample_us: Annotated[float, Field(gt=0)] = 62.5
+    sample_us: Annotated[float, Field(ge=0.001, le=20_000)] = 62.5
 
 
 class AxisTable(_Table):
@@ -108,7 +114,8 @@ def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
 
 def _read_toml(path: Path) -> dict[str, Any]:
     if not path.is_file():
-        raise UserError("rig file not found", file=path)
+        what = "a folder, not a rig file" if path.is_dir() else "rig file not found"
+        raise UserError(what, file=path)
     try:
         text = path.read_text(encoding="utf-8-sig")
     except OSError as error:
@@ -126,6 +133,8 @@ def _read_toml(path: Path) -> dict[str, Any]:
         line, column = (int(place[1]), int(place[2])) if place else (None, None)
         message = re.sub(r" \(at .*\)", "", str(error))
         raise UserError(f"no valid TOML: {message}", file=path, line=line, column=column) from error
+    except (ValueError, RecursionError) as error:  # numbers too long, brackets too deep
+        raise UserError(f"no valid TOML: {type(error).__name__}", file=path) from error
 
 
 def _load(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], list[Path]]:
@@ -208,7 +217,8 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
     except ValidationError as error:
         # A misspelt key is also a missing one; the spelling is what helps
         first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-        keys = tuple(str(part) for part in first["loc"])
+        # What follows a start value are the kinds that were tried
+        keys = tuple(str(part) for part in first["loc"][:4])
         file, line = _locate(files, keys)
         place = ".".join(keys)
         if first["type"] == "extra_forbidden":
@@ -224,8 +234,28 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
         if first["type"] == "missing":
             raise UserError(f"the rig lacks the key {place}", file=file, line=line) from error
         raise UserError(
-            f"{place}: {first['msg'].lower()}", file=file, line=line, value=first.get("input")
+            f"{place}: {_in_words(first['type'], first['msg'])}",
+            file=file,
+            line=line,
+            value=first.get("input"),
         ) from error
+
+
+_WORDS = {
+    "model_type": "must be a table",
+    "dict_type": "must be a table",
+    "string_pattern_mismatch": "must be a letter, then letters, digits and _",
+    "bool_type": "must be a number or true or false",
+    "string_type": "must be a text",
+    "int_type": "must be a whole number",
+    "float_type": "must be a number",
+    "finite_number": "must be a finite number",
+}
+
+
+def _in_words(kind: str, message: str) -> str:
+    """Say what is wrong with a value; pydantic's own words where they fit an engineer."""
+    return _WORDS.get(kind) or message[:1].lower() + message[1:]
 
 
 def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details: Any) -> UserError:

@@ -5,6 +5,7 @@ case is built from its row and its seed alone.
 """
 
 import gc
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import TimeoutError as PoolTimeout
 from contextlib import contextmanager
@@ -25,6 +26,7 @@ from bench.verdict import Verdict, worst
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.parser import read_program
+from kernel.nc.syntax import MessageOut, Program
 
 Stopwatch = Callable[[], float]
 """Gives seconds of wall time; handed down by the command line, which alone may read a clock."""
@@ -58,7 +60,25 @@ def prepare(case: Case) -> None:
     in its last row leaves nothing half-written.
     """
     settings = settings_of(case)
-    Machine(settings, read_program(case.program, tuple(settings.rig.axis))).close()
+    program = read_program(case.program, tuple(settings.rig.axis))
+    _check_metrics(case, tuple(settings.rig.axis), program)
+    Machine(settings, program).close()
+
+
+def _check_metrics(case: Case, axes: Sequence[str], program: Program) -> None:
+    """Refuse checks of axes that the rig, and of blocks that the program, does not have."""
+    blocks = [f"N{p.block.number}" for p in program.blocks if isinstance(p.statement, MessageOut)]
+    for check in case.checks:
+        column = f"check:{check.metric}"
+        if check.axis is not None and check.axis not in axes:
+            raise case.error("the rig has no such axis", column, value=check.axis, allowed=axes)
+        if check.block is not None and check.block[0] not in blocks:
+            raise case.error(
+                "the program has no #MSG in such a block",
+                column,
+                value=check.block[0],
+                allowed=blocks or "none",
+            )
 
 
 @contextmanager
@@ -76,6 +96,16 @@ def _without_collector() -> Iterator[None]:
 def run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch = no_stopwatch) -> CaseResult:
     """Run one case and judge it; what goes wrong with the bench itself is verdict `error`."""
     started = stopwatch()
+    try:
+        return _run_case(case, bus_log, stopwatch, started)
+    except Exception as error:  # a defect costs its own row, never the campaign
+        reason = f"defect of the bench: {type(error).__name__}: {error}"
+        result = no_values(case, Verdict.ERROR, reason, wall_s=stopwatch() - started)
+        result.log = traceback.format_exc().splitlines()
+        return result
+
+
+def _run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch, started: float) -> CaseResult:
     try:
         settings = settings_of(case)
         program = read_program(case.program, tuple(settings.rig.axis))

@@ -4,7 +4,6 @@
 a wrong value is told with the place where it was written.
 """
 
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -84,7 +83,7 @@ class Settings:
                 allowed=nearest(item.name, fields) or fields,
             )
         values = self.segment[item.target].model_dump()
-        values[item.name] = int(item.value) if item.value.isdecimal() else item.value
+        values[item.name] = int(item.value[:12]) if item.value.isdecimal() else item.value
         try:
             self.segment[item.target] = SegmentTable.model_validate(values)
         except ValidationError as error:
@@ -99,13 +98,9 @@ class Settings:
                 value=item.name,
                 allowed="V.E.<NAME>",
             )
-        try:
-            value = float(item.value)
-        except ValueError:
-            value = math.nan
-        if not math.isfinite(value):
-            raise UserError("not a number", value=item.value)
-        self.external[item.name.removeprefix("V.E.")] = value
+        if item.name == "V.E.":
+            raise UserError("the external variable has no name", value=item.name)
+        self.external[item.name.removeprefix("V.E.")] = item.si()
 
     def _fault(self, item: Assignment, _located: Located) -> None:
         if item.name not in FAULT_KINDS:

@@ -16,6 +16,8 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
+_VALUE_LENGTH_MAX = 80
+
 
 class UserError(Exception):
     """Input that cannot be accepted, told so that the reader can mend it.
@@ -51,12 +53,16 @@ class UserError(Exception):
         place = ":".join(str(p) for p in (self.file, self.line, self.column) if p is not None)
         parts = [f"{place}: {self.message}" if place else self.message]
         if self.value is not None:
-            parts.append(f"found {self.value!r}")
+            parts.append(f"found {_short(repr(self.value))}")
         if self.allowed is not None:
             parts.append(f"allowed: {self.allowed}")
         if self.hint is not None:
             parts.append(self.hint)
         return "; ".join(parts)
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= _VALUE_LENGTH_MAX else f"{text[:_VALUE_LENGTH_MAX]}..."
 
 
 def nearest(word: str, known: Iterable[str], count: int = 3) -> list[str]:

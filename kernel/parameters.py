@@ -43,7 +43,7 @@ UNITS: Mapping[str, tuple[str, int]] = {
     "mm/s2": ("mm/s2", 1),
 }
 
-_INDEX = re.compile(r"\[(\d+)\]")
+_INDEX = re.compile(r"\[([0-9]{1,4})\]")
 _LINE = re.compile(r"\s*(?P<name>\S+)(?:\s+(?P<value>\S+)(?P<rest>.*))?")
 
 

@@ -82,7 +82,7 @@ class BlfLog:
     """One BLF file for all segments of a rig, one channel each: python-can's writer, fed cheaply.
 
     The writer reads a message and forgets it, so one `can.Message` is filled again for every frame;
-    making a new one costs as much as writing it. Usage: `segment.observe(log)`, at the end `stop()`.
+    making a new one costs as much as writing it. Usage: `segment.observe(log)`, then `stop()`.
     """
 
     def __init__(self, path: str | Path, segments: Sequence[str]) -> None:

@@ -212,10 +212,12 @@ class Channel:
                 self.state = ChannelState.ENDED
             elif isinstance(command, canon.Message):
                 self._put_out(command)
-            elif isinstance(command, canon.LinearMove):
-                self._begin_move(command)
             else:
-                self._begin_run(command)
+                try:
+                    self._begin(command)
+                except Alarm as alarm:
+                    alarm.place = str(command.block)
+                    raise
             self._lookahead.pop()
 
     def _is_busy(self) -> bool:
@@ -226,6 +228,12 @@ class Channel:
             link.send(position_mm)
 
     # Beginning things
+
+    def _begin(self, command: canon.LinearMove | canon.MeasuringRun) -> None:
+        if isinstance(command, canon.LinearMove):
+            self._begin_move(command)
+        else:
+            self._begin_run(command)
 
     def _begin_move(self, command: canon.LinearMove) -> None:
         motion = Motion.RAPID if command.rapid else Motion.FEED
@@ -241,16 +249,12 @@ class Channel:
         place = str(command.block)
         for name in command.measuring_axes:
             if not self.axes[self._index[name]].may_measure:
-                raise Alarm(50059, axis=name, place=place)
+                raise Alarm(50059, axis=name)
         dynamics = self._path(command.target_acs_mm, Motion.MEASURING)
         if dynamics is None:
-            raise Alarm(900103, axes=" ".join(command.programmed_axes), place=place)
+            raise Alarm(900103, axes=" ".join(command.programmed_axes))
         ports = [self.links[self._index[name]] for name in command.measuring_axes]
-        try:
-            run = MeasuringRun(ports, place, self._clock.now_ns, self._error_no_signal)
-        except Alarm as alarm:
-            alarm.place = place
-            raise
+        run = MeasuringRun(ports, place, self._clock.now_ns, self._error_no_signal)
         self._run, self._measuring = run, (command, dynamics)
         self.records.append(run.record)
 
@@ -271,6 +275,9 @@ class Channel:
         target = {**here, **target_mm}
         if self._run is not None:
             target = self._behind_target(here, target)
+        for link in self.links:
+            if not link.can_reach(target[link.name]):
+                raise Alarm(900012, axis=link.name, target_mm=f"{target[link.name]:g}")
         length_mm = dist(tuple(here.values()), tuple(target.values()))
         profile = plan(
             length_mm,

@@ -23,6 +23,7 @@ from kernel.errors import Alarm
 
 # A cyclic telegram may stay out this often before the drive counts as lost
 MISSING_CYCLES_MAX = 3
+POSITION_MAX = 1 << 31  # INTEGER32 of 607A and 6064, increments
 # Digital inputs 0x60FD: bits 16.. are the manufacturer's (CiA 402); probe inputs stand there
 PROBE_INPUT_BIT = {1: 1 << 16, 2: 1 << 17}
 
@@ -95,6 +96,10 @@ class AxisLink:
 
     def _on_emergency(self, _cob_id: int, data: bytearray, _time: float) -> None:
         self.emergency_code = int.from_bytes(data[:2], "little")
+
+    def can_reach(self, position_mm: float) -> bool:
+        """Whether a set position fits into the 32 bits of 607A."""
+        return abs(position_mm * self._per_mm) < POSITION_MAX
 
     def begin_cycle(self) -> None:
         """Forget what is there: a SYNC counts with its own answers only.

@@ -61,9 +61,10 @@ def read_program(path: str | Path, axes: Sequence[str]) -> Program:
         raise UserError(
             "NC program is not UTF-8 text", file=path, value=f"byte {error.start}"
         ) from None
-    if not text.strip():
-        raise UserError("the NC program is empty", file=path)
-    return parse_program(text, file=path, axes=axes)
+    program = parse_program(text, file=path, axes=axes)
+    if not program.blocks:
+        raise UserError("the NC program is empty", file=path, line=1, column=1)
+    return program
 
 
 def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[str]) -> Program:

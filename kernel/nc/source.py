@@ -17,7 +17,7 @@ BRACKET_DEPTH_MAX = 20
 _SPECIAL = re.compile(r'["();\[\]\\\n]')
 _CONTINUATION = re.compile(r"\\[ \t]*(?:[;(][^\n]*)?\n(?:[ \t]*[Nn][ \t]*[0-9]+)?")
 _NUMBERED_LINE = re.compile(r"[ \t]*[Nn][ \t]*[0-9]")
-_FOUND = re.compile(r"[A-Za-z0-9_.]+|\S|$")
+_FOUND = re.compile(r"[A-Za-z0-9_.]+|[^ \t\n]|$")
 
 
 class Source:
