@@ -1,10 +1,11 @@
 """Columns of a plan taken apart: which kind of input they are, where it goes, in which unit."""
 
 import csv
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal, InvalidOperation, Overflow
 from functools import cache
 from importlib import resources
 
@@ -79,11 +80,12 @@ class Assignment:
         try:
             plain = self.value.isascii() and "_" not in self.value
             number = Decimal(self.value if plain else "nan")
-        except InvalidOperation:
-            number = Decimal("nan")
-        if not number.is_finite():
+            value = float(number * _units()[self.unit].factor if self.unit else number)
+        except (InvalidOperation, Overflow):
+            value = math.nan
+        if not math.isfinite(value):
             raise UserError(f"{self.column}: not a number", value=self.value)
-        return float(number * _units()[self.unit].factor if self.unit else number)
+        return value
 
 
 @cache

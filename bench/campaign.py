@@ -1,6 +1,7 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,11 +29,18 @@ class Campaign:
 
     folder: Path
     results: Sequence[CaseResult]
+    planned: int
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether it was stopped before its last run."""
+        return len(self.results) < self.planned
 
     @property
     def exit_code(self) -> int:
-        """The exit code of the worst verdict."""
-        return exit_code(worst([result.verdict for result in self.results]))
+        """The exit code of the worst verdict; an interrupted campaign is aborted."""
+        verdicts = [result.verdict for result in self.results]
+        return exit_code(worst([*verdicts, Verdict.ABORTED] if self.is_interrupted else verdicts))
 
 
 def plans_in(folder: Path) -> list[Path]:
@@ -61,7 +69,7 @@ def run_campaign(  # noqa: PLR0913
     started: str,
     stopwatch: Stopwatch,
 ) -> Campaign:
-    """Run plans into a results folder.
+    """Run plans into a results folder; an interrupt ends the campaign with what it has.
 
     Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
     case. Raises UserError before the results folder is touched.
@@ -76,7 +84,11 @@ def run_campaign(  # noqa: PLR0913
     folder = out or Path("out") / "-".join(plan.name for plan in plans)
     manifest = build_manifest(plans, command=command, started=started, output=str(folder))
     results: list[CaseResult] = []
-    with ResultsWriter(folder, plans, manifest) as writer, _progress() as progress:
+    with (
+        suppress(KeyboardInterrupt),
+        ResultsWriter(folder, plans, manifest) as writer,
+        _progress() as progress,
+    ):
         task = progress.add_task("", total=len(cases))
         for result in run_cases(
             cases, writer.bus_path, jobs=jobs, timeout_s=timeout_s, stopwatch=stopwatch
@@ -85,7 +97,7 @@ def run_campaign(  # noqa: PLR0913
             results.append(result)
             progress.console.print(_line(result))
             progress.update(task, advance=1, description=result.case.run)
-    return Campaign(folder, results)
+    return Campaign(folder, results, len(cases))
 
 
 def _selected(plan: Plan, select: str | None) -> Plan:

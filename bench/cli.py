@@ -6,6 +6,8 @@ Exit codes: run and demo by the worst verdict (bench/verdict.py), nc 0 or 1, 2 f
 rejected before anything runs.
 """
 
+import io
+import os
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -38,6 +40,7 @@ SetOption = Annotated[
 ]
 EXIT_REJECTED = 2
 EXIT_INTERRUPTED = 4
+EXIT_BROKEN_PIPE = 141
 
 
 def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
@@ -50,6 +53,10 @@ def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
         except UserError as error:
             print(f"error: {error}", file=sys.stderr)
             raise typer.Exit(EXIT_REJECTED) from None
+        except BrokenPipeError:
+            # The reader has gone (`| head`); what follows must not complain a second time
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(EXIT_BROKEN_PIPE) from None
         except OSError as error:
             print(f"error: {error.filename or command.__name__}: {error.strerror}", file=sys.stderr)
             raise typer.Exit(EXIT_REJECTED) from None
@@ -58,6 +65,13 @@ def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
             raise typer.Exit(EXIT_INTERRUPTED) from None
 
     return guarded
+
+
+def _blf(path: Path | None) -> Path | None:
+    """Refuse a bus log that would overwrite a file of another kind."""
+    if path is not None and path.suffix.lower() != ".blf":
+        raise UserError("a bus log is a .blf file", value=str(path), allowed="*.blf")
+    return path
 
 
 @app.command()
@@ -87,8 +101,12 @@ def run(
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         stopwatch=time.perf_counter,
     )
+    report_path = build_report(campaign.folder)
     show_verdicts(campaign.results)
-    print(build_report(campaign.folder))
+    if campaign.is_interrupted:
+        done = f"{len(campaign.results)} of {campaign.planned} runs"
+        print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
+    print(report_path)
     raise typer.Exit(campaign.exit_code)
 
 
@@ -122,7 +140,11 @@ def nc(
     from bench.single import run_program
 
     alarms = run_program(
-        program, rig, assignments or [], bus_log, lambda text: print(text, flush=True)
+        program,
+        rig,
+        assignments or [],
+        _blf(bus_log),
+        lambda text: print(text, flush=True),
     )
     for alarm in alarms:
         print(alarm, file=sys.stderr)
@@ -155,7 +177,7 @@ def replay(
     from bench.replay import replay as run_again
     from bench.verdict import exit_code
 
-    again = run_again(folder, run_id, bus_log)
+    again = run_again(folder, run_id, _blf(bus_log))
     show_verdicts([again.result])
     print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
     raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)
@@ -233,6 +255,9 @@ def build(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; entry point of the package."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a console that lacks a sign gets a `?`
     app(list(arguments) if arguments is not None else None)
 
 

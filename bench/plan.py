@@ -39,6 +39,7 @@ class Case:
     inputs: input column -> cell, set cells only, in the order of the columns.
     repeat: 0 when the row asks for one run, else counted from 1.
     file, line: where the row stands. columns: column -> its number in the file, from 1.
+    overridden: input columns whose values come from the command line.
     """
 
     plan: str
@@ -57,6 +58,7 @@ class Case:
     file: Path
     line: int
     columns: Mapping[str, int]
+    overridden: frozenset[str] = frozenset()
 
     def assignments(self) -> tuple[Assignment, ...]:
         """Give the inputs taken apart, in the order of the columns."""
@@ -72,6 +74,13 @@ class Case:
         hint: str | None = None,
     ) -> UserError:
         """Make the error that points at the cell of this case in `column`."""
+        if column in self.overridden:
+            return UserError(
+                f"--set {column}={self.inputs[column]}: {message}",
+                value=value,
+                allowed=allowed,
+                hint=hint,
+            )
         return UserError(
             f"{message} (case {self.case!r}, column {column!r})",
             file=self.file,
@@ -100,7 +109,10 @@ class Plan:
         """Set inputs of every case, over what the cells say (`--set` of the command line)."""
         extra = {item.column: item.value for item in assignments}
         columns = (*self.columns, *(name for name in extra if name not in self.columns))
-        cases = tuple(replace(case, inputs={**case.inputs, **extra}) for case in self.cases)
+        cases = tuple(
+            replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
+            for case in self.cases
+        )
         return replace(self, columns=columns, cases=cases)
 
 

@@ -1,5 +1,6 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
@@ -64,7 +65,7 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
         )
     if str(variable.type) == "Boolean":
         word = item.value.lower()
-        if word not in _WORDS:
+        if word not in _WORDS or name != whole:
             raise UserError(f"{name} is true or false", value=item.value, allowed="true, false")
         slave.set_start(name, _WORDS[word])
         return
@@ -75,6 +76,14 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
             f"{name} of {slave.name} has another unit",
             value=item.unit,
             allowed=f"a unit of {variable.unit or 'a bare number'}",
+        )
+    low = -math.inf if variable.min is None else float(variable.min)
+    high = math.inf if variable.max is None else float(variable.max)
+    if not low <= value <= high:
+        raise UserError(
+            f"{name} of {slave.name} is out of range",
+            value=item.value,
+            allowed=f"{low:g} .. {high:g} {variable.unit or ''}".strip(),
         )
     try:
         slave.set_start(name, value)

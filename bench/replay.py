@@ -1,7 +1,5 @@
 """`axisrig replay DIR RUN`: run one case of a results folder again and compare the frames."""
 
-import csv
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -10,6 +8,7 @@ from bench.assignment import INPUT_KINDS
 from bench.plan import Case, read_plan
 from bench.results import CaseResult
 from bench.runner import run_case
+from bench.stored import read_results
 from kernel.errors import UserError, nearest
 
 
@@ -42,26 +41,25 @@ def replay(folder: Path, run: str, bus_log: Path | None) -> Replay:
     return Replay(run_case(case, bus_log), row["frame_log_sha256"])
 
 
-def _recorded(folder: Path, run: str) -> dict[str, str]:
-    path = folder / "cases.csv"
-    if not path.is_file():
-        raise UserError("no results folder: cases.csv is missing", file=folder)
-    with path.open(encoding="utf-8", newline="") as file:
-        rows = {row["run"]: row for row in csv.DictReader(file)}
+def _recorded(folder: Path, run: str) -> Mapping[str, str]:
+    rows = {stored.run: stored.case for stored in read_results(folder).runs}
     if run not in rows:
         raise UserError(
-            "the folder has no such run", file=path, value=run, allowed=nearest(run, rows) or rows
+            "the folder has no such run", file=folder, value=run, allowed=nearest(run, rows) or rows
         )
     return rows[run]
 
 
 def _plan_path(folder: Path, name: str) -> Path:
-    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
-    paths = {plan["name"]: Path(plan["path"]) for plan in manifest["plans"]}
-    path = paths[name]
-    if not path.is_file():
-        raise UserError("the plan of this run is not there any more", file=path)
-    return path
+    plans = read_results(folder).manifest.get("plans", [])
+    paths = {plan["name"]: Path(plan["path"]) for plan in plans}
+    if name not in paths or not paths[name].is_file():
+        raise UserError(
+            "the plan of this run is not there any more",
+            file=paths.get(name, folder / "manifest.json"),
+            hint="replay from the folder in which the campaign was run",
+        )
+    return paths[name]
 
 
 def _find(cases: Sequence[Case], run: str, inputs: Mapping[str, str]) -> Case:

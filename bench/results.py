@@ -29,7 +29,7 @@ import pyarrow.parquet as pq
 from bench.checks import CheckResult, value_text
 from bench.junit import write_junit
 from bench.plan import Case, Plan
-from bench.stored import CASE_COLUMNS, RESULT_COLUMNS
+from bench.stored import CASE_COLUMNS, RESULT_COLUMNS, is_results_folder
 from bench.verdict import Verdict, worst
 from kernel.errors import UserError
 
@@ -149,7 +149,12 @@ class ResultsWriter:
         self._append("cases.csv", [self._case_row(result, verdict)])
 
     def close(self) -> None:
-        """Put the rows into plan order, write junit.xml, and finish the manifest."""
+        """Put the rows into plan order, write junit.xml, and finish the manifest.
+
+        Bus logs of runs that were broken off go: a file here belongs to a row.
+        """
+        for run in self._order.keys() - self._written:
+            self.bus_path(run).unlink(missing_ok=True)
         for name in ("results.csv", "cases.csv"):
             self._sort(name)
         write_junit(self.folder)
@@ -326,8 +331,7 @@ def _clear(folder: Path) -> None:
         return
     if not folder.is_dir():
         raise UserError("the output is not a folder", file=folder)
-    known = any((folder / name).is_file() for name in ("manifest.json", "cases.csv"))
-    if any(folder.iterdir()) and not known:
+    if any(folder.iterdir()) and not is_results_folder(folder):
         raise UserError(
             "the folder holds something that is no results folder",
             file=folder,

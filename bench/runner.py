@@ -161,19 +161,36 @@ def run_cases(
         for case in cases:
             yield run_case(case, bus_path(case.run), stopwatch)
         return
-    with ProcessPool(max_workers=jobs) as pool:
-        futures = [
-            (
-                case,
-                pool.schedule(run_case, [case, bus_path(case.run), stopwatch], timeout=timeout_s),
-            )
-            for case in cases
-        ]
-        for case, future in futures:
-            try:
-                yield future.result()
-            except PoolTimeout:
-                reason = f"no end within {timeout_s:g} s of wall time"
-                yield no_values(case, Verdict.ERROR, reason, wall_s=timeout_s)
-            except ProcessExpired as error:
-                yield no_values(case, Verdict.ERROR, f"the process of this case died: {error}")
+    pool = ProcessPool(max_workers=jobs)
+    try:
+        yield from _collected(pool, cases, bus_path, timeout_s, stopwatch)
+        pool.close()  # type: ignore[no-untyped-call]
+    except BaseException:
+        pool.stop()  # type: ignore[no-untyped-call]  # nobody waits for what is left
+        raise
+    finally:
+        pool.join()
+
+
+def _collected(
+    pool: ProcessPool,
+    cases: Sequence[Case],
+    bus_path: Callable[[str], Path],
+    timeout_s: float,
+    stopwatch: Stopwatch,
+) -> Iterator[CaseResult]:
+    futures = [
+        (
+            case,
+            pool.schedule(run_case, [case, bus_path(case.run), stopwatch], timeout=timeout_s),
+        )
+        for case in cases
+    ]
+    for case, future in futures:
+        try:
+            yield future.result()
+        except PoolTimeout:
+            reason = f"no end within {timeout_s:g} s of wall time"
+            yield no_values(case, Verdict.ERROR, reason, wall_s=timeout_s)
+        except ProcessExpired as error:
+            yield no_values(case, Verdict.ERROR, f"the process of this case died: {error}")

@@ -82,7 +82,7 @@ def read_results(folder: Path) -> StoredResults:
                 hint="give the folder that `axisrig run -o` wrote",
             )
     checks: dict[str, list[Mapping[str, str]]] = {}
-    for row in _rows(folder / "results.csv"):
+    for row in _rows(folder / "results.csv", RESULT_COLUMNS):
         checks.setdefault(row["run"], []).append(row)
     runs = [
         StoredRun(
@@ -91,21 +91,52 @@ def read_results(folder: Path) -> StoredResults:
             info=_json(folder / "runs" / f"{row['run']}.json"),
             trace=_existing(folder / "traces" / f"{row['run']}.parquet"),
         )
-        for row in _rows(folder / "cases.csv")
+        for row in _rows(folder / "cases.csv", CASE_COLUMNS)
     ]
     return StoredResults(folder, runs, _json(folder / "manifest.json"))
 
 
-def _rows(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+def is_results_folder(folder: Path) -> bool:
+    """Tell whether a folder was written by `axisrig run`: its manifest says so."""
+    try:
+        manifest = _json(folder / "manifest.json")
+    except UserError:
+        return False
+    return "axisrig" in manifest and "runs_planned" in manifest
+
+
+def _rows(path: Path, columns: Sequence[str]) -> list[dict[str, str]]:
+    """Read a table of the folder. Raises UserError, with the line, when it is damaged."""
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise _damaged(path, str(error)) from error
+    for line, row in enumerate(rows, 2):
+        cut = [name for name in columns if row.get(name) is None]
+        if cut:
+            raise _damaged(path, f"column {cut[0]} is missing", line)
+        try:
+            Verdict.of(row["verdict"])
+        except KeyError:
+            raise _damaged(path, f"no verdict: {row['verdict']}", line) from None
+    return rows
 
 
 def _json(path: Path) -> Mapping[str, Any]:
     if not path.is_file():
         return {}
-    content: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except ValueError as error:  # no JSON, or no UTF-8
+        raise _damaged(path, str(error)) from error
+    if not isinstance(content, dict):
+        raise _damaged(path, "no object")
     return content
+
+
+def _damaged(path: Path, what: str, line: int | None = None) -> UserError:
+    return UserError(f"the results folder is damaged: {what}", file=path, line=line)
 
 
 def _existing(path: Path) -> Path | None:

@@ -11,11 +11,13 @@ from importlib import resources
 from pathlib import Path
 from typing import Any
 
+import pyarrow as pa
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from bench.stored import StoredResults, StoredRun, read_results
 from bench.verdict import Verdict
+from kernel.errors import UserError
 from reports.bar import bar
 from reports.signals import chart, table
 
@@ -98,7 +100,10 @@ def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
     case, info = run.case, run.info
-    description, packed = chart(run.trace, info) if run.trace else ({}, "")
+    try:
+        description, packed = chart(run.trace, info) if run.trace else ({}, "")
+    except (pa.ArrowInvalid, KeyError) as error:
+        raise UserError(f"the trace is damaged: {error}", file=run.trace) from error
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
