@@ -63,7 +63,7 @@ def run_campaign(  # noqa: PLR0913
     out: Path | None,
     select: str | None,
     jobs: int,
-    timeout_s: float,
+    timeout_s: float | None,
     assignments: Sequence[str],
     command: Sequence[str],
     started: str,
@@ -132,10 +132,7 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
         worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
         text = ""
         if worst_check is not None and worst_check.verdict is not Verdict.PASS:
-            text = (
-                f"{worst_check.check.metric} = {worst_check.value}"
-                f" against {worst_check.check.condition.text}"
-            )
+            text = worst_check.summary
             if worst_check.note:
                 text += f" ({worst_check.note})"
         passed = sum(check.verdict is Verdict.PASS for check in result.checks)
@@ -181,11 +178,12 @@ def _check_rig_file(path: Path) -> str:
 
 
 def metrics_table() -> str:
-    """Describe every metric, one a line."""
+    """Describe every metric: how a check asks for it, its unit, its meaning."""
     lines = []
     for metric in known_metrics().values():
         form = {"axis": f"{metric.name}[:AXIS]", "block": f"{metric.name}:N<number>[.<k>]"}.get(
             metric.scope, metric.name
         )
-        lines.append(f"{form:<28}{metric.unit:<6}{metric.meaning} ({metric.source})")
+        lines.append(f"{form}  {metric.unit}".rstrip())
+        lines.append(f"    {metric.meaning}")
     return "\n".join(lines)

@@ -8,6 +8,7 @@ rejected before anything runs.
 
 import io
 import os
+import signal
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -82,8 +83,9 @@ def run(
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
     timeout_s: Annotated[
-        float, typer.Option("--timeout", min=1.0, help="Wall time per case with -j, s.")
-    ] = 300.0,
+        float | None,
+        typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes."),
+    ] = None,
     assignments: SetOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report."""
@@ -123,7 +125,7 @@ def demo(
     from bench.campaign import plans_in
 
     build(None)
-    run(plans_in(folder), out, None, jobs, 300.0, None)
+    run(plans_in(folder), out, None, jobs, None, None)
 
 
 @app.command()
@@ -255,6 +257,7 @@ def build(
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; entry point of the package."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as with Ctrl-C
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a console that lacks a sign gets a `?`

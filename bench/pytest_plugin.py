@@ -80,10 +80,7 @@ class CaseItem(pytest.Item):
 
 def _line(check: CheckResult) -> str:
     note = f" ({check.note})" if check.note else ""
-    return (
-        f"  {check.verdict.word}: {check.check.metric} = {value_text(check.value)}"
-        f" against {check.check.condition.text}{note}"
-    )
+    return f"  {check.verdict.word}: {check.summary}{note}"
 
 
 def collect_plan(file_path: Path, parent: pytest.Collector, folder: Path) -> PlanFile | None:

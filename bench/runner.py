@@ -149,15 +149,15 @@ def run_cases(
     bus_path: Callable[[str], Path],
     *,
     jobs: int,
-    timeout_s: float,
+    timeout_s: float | None,
     stopwatch: Stopwatch,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
 
-    jobs: processes; 1 stays in this one. timeout_s: wall time that one case may take when it runs
-    in a process of its own; a case that hangs or kills its process costs its own row only.
+    jobs: processes; 1 stays in this one unless there is a time-out. timeout_s: wall time that one
+    case may take, None = no limit. A case that hangs or kills its process costs its own row only.
     """
-    if jobs == 1:
+    if jobs == 1 and timeout_s is None:
         for case in cases:
             yield run_case(case, bus_path(case.run), stopwatch)
         return
@@ -176,7 +176,7 @@ def _collected(
     pool: ProcessPool,
     cases: Sequence[Case],
     bus_path: Callable[[str], Path],
-    timeout_s: float,
+    timeout_s: float | None,
     stopwatch: Stopwatch,
 ) -> Iterator[CaseResult]:
     futures = [
