@@ -191,6 +191,6 @@ def _collected(
             yield future.result()
         except PoolTimeout:
             reason = f"no end within {timeout_s:g} s of wall time"
-            yield no_values(case, Verdict.ERROR, reason, wall_s=timeout_s)
+            yield no_values(case, Verdict.ERROR, reason, wall_s=timeout_s or 0.0)
         except ProcessExpired as error:
             yield no_values(case, Verdict.ERROR, f"the process of this case died: {error}")

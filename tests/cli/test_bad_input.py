@@ -203,8 +203,16 @@ def test_rig_is_rejected(  # noqa: PLR0917
     if name not in WITHOUT_LINE:
         line = text[: text.index(old)].count("\n") + 1
         assert re.search(rf"rig\.toml:{line}\b", message), message
-    checked = rejected("check", "rig.toml")
-    assert "rig.toml" in checked or ".lst" in checked
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [(row[1], row[2]) for row in RIGS if row[0] in {"FMU not there", "wire to nothing", "variable"}],
+)
+def test_check_looks_at_the_plants_too(place: Path, rejected: Reject, old: str, new: str) -> None:
+    text = (place / "rig.toml").read_text(encoding="utf-8")
+    (place / "rig.toml").write_text(text.replace(old, new, 1), encoding="utf-8")
+    assert new.split(" ")[0].strip('"') in rejected("check", "rig.toml")
 
 
 def test_every_switch_of_a_case_is_told_apart(place: Path, rejected: Reject) -> None:
@@ -348,7 +356,7 @@ def test_assignment_is_rejected(
 
 def test_external_variable_that_nobody_gives(place: Path, rejected: Reject) -> None:
     message = rejected("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FED=1")
-    _holds(message, "part.nc:2:16:", "'V.E.FEED'", "nearest: V.E.FED")
+    _holds(message, "part.nc:2:17:", "'V.E.FEED'", "nearest: V.E.FED")
 
 
 def test_message_does_not_repeat_a_value_of_any_length(place: Path, rejected: Reject) -> None:
@@ -418,7 +426,7 @@ FMUS: list[tuple[str, Names, Texts | None, list[str]]] = [
         "neither axis nor sensor",
         str,
         lambda t: t.replace('"reference_end"', '"reference_stop"'),
-        ["rig.toml:27", "neither an axis nor a sensor", "docs/rigs.md"],
+        ["rig.toml:26", "neither an axis nor a sensor", "docs/rigs.md"],
     ),
     (
         "a name twice",
