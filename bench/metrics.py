@@ -15,9 +15,9 @@ from kernel.cosim.plant import Contact
 
 # Events are located to 1 ns in the plant and in the drive node; both ends of an interval count
 INSTANT_NS = 1.0
-# Cubic Hermite inside a drive tick of 0.25 ms across an acceleration step of 1000 mm/s2 is
-# 0.0162 * 1000 * 0.00025**2 mm = 0.001 um (docs/architecture.md); this leaves room for vibrations
-INTERPOLATION_UM = 1e-3
+# Cubic Hermite over a step h across a jump of the acceleration: 0.0162 da h^2 (docs/architecture.md)
+HERMITE, ACCELERATION_JUMP_MM_S2 = 0.0162, 1000.0
+REST = "lag and v/Kv that are left at the end of the run"
 
 
 @dataclass(frozen=True)
@@ -150,14 +150,20 @@ def reaction_ms(_observed: Observed, touch: Touch, _axis: str) -> Observation:
 def standstill_mm(observed: Observed, touch: Touch, axis: str) -> Observation:
     """True position at the end of the measurement run."""
     position_mm, rest_mm = _stand(observed, touch, axis)
-    return Observation(position_mm, rest_mm, "what is left of the lag at the end of the run")
+    return Observation(position_mm, rest_mm, REST)
 
 
 def _stand(observed: Observed, touch: Touch, axis: str) -> tuple[float, float]:
-    """Return true position at the end of the run and what is left of the drive's lag (mm)."""
+    """Return true position at the end of the run, and how far it may still go (mm).
+
+    That is the drive's lag, and v/Kv where the FMU tells the gain of its position loop.
+    """
     index = observed.index_at(touch.end_ns)
-    lag_mm = abs(float(observed.column(axis, "drive_lag_mm")[index]))
-    return float(observed.column(axis, "truth_mm")[index]), lag_mm
+    rest_mm = abs(float(observed.column(axis, "drive_lag_mm")[index]))
+    kv_per_s = observed.machine.plant.axes[observed.machine.settings.rig.axis[axis].plant].kv_per_s
+    if kv_per_s:
+        rest_mm += abs(float(observed.column(axis, "velocity_mm_s")[index])) / kv_per_s
+    return float(observed.column(axis, "truth_mm")[index]), rest_mm
 
 
 # The contact in it
@@ -194,10 +200,13 @@ def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str
     if not isinstance(truth.value, float):
         return truth
     speed_um_s = abs(_speed_mm_s(observed, contact, axis)) * 1e3
+    exchange_s = observed.machine.settings.rig.cycle.exchange_us * 1e-6
+    interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * exchange_s**2 * 1e3
     return Observation(
         (latch.value - truth.value) * 1e3,
-        speed_um_s * 2 * INSTANT_NS * 1e-9 + INTERPOLATION_UM,
-        "location of the events 2 ns, interpolation inside a drive tick 0.001 um",
+        speed_um_s * 2 * INSTANT_NS * 1e-9 + interpolation_um,
+        f"location of the events 2 ns, interpolation inside an exchange step"
+        f" {interpolation_um:.2g} um",
     )
 
 
@@ -236,5 +245,5 @@ def overtravel_mm(observed: Observed, touch: Touch, contact: Contact, axis: str)
     return Observation(
         float(np.max(np.abs(truth_mm - place.value))),
         rest_mm,
-        "what is left of the lag at the end of the run",
+        REST,
     )

@@ -10,7 +10,7 @@ import pyarrow as pa
 from bench.machine import Machine
 from bench.results import Event
 from kernel.clock import TimeNs
-from kernel.cosim.plant import Contact
+from kernel.cosim.plant import Contact, PlantProbe
 from kernel.measuring.run import RunRecord
 
 Signal = npt.NDArray[np.float64]
@@ -59,20 +59,31 @@ class Observed:
             return None
         record = records[-1]
         end_ns = record.end_ns or self.machine.scheduler.now_ns
+        probes = self.probes_of(record)
         contacts = [
             contact
-            for probe in self.machine.plant.probes.values()
+            for probe in probes
             for contact in probe.contacts
             if record.begin_ns <= contact.time_ns <= end_ns
         ]
         contact = min(contacts, key=lambda c: c.time_ns) if contacts else None
         edges = [
             time_ns
-            for probe in self.machine.plant.probes.values()
+            for probe in probes
             for time_ns, _ in probe.signal.edges
             if record.begin_ns <= time_ns <= end_ns
         ]
         return Touch(record, contact, min(edges, default=None), end_ns)
+
+    def probes_of(self, record: RunRecord) -> list[PlantProbe]:
+        """Return the probes that are wired to the input in use of the measuring axes."""
+        settings = self.machine.settings
+        names = []
+        for axis in record.axes:
+            table = settings.rig.axis[axis]
+            number = settings.axis[axis].integer("kenngr.measure.input")
+            names.append(table.probe_1 if number == 1 else table.probe_2)
+        return [self.machine.plant.probes[name] for name in dict.fromkeys(names) if name]
 
     def moved_axis(self, record: RunRecord) -> str:
         """Return the measuring axis that travels the longest way in the run."""

@@ -24,7 +24,7 @@ from kernel.nc import canon
 
 SYNC_COB_ID = 0x80
 POWER_UP_CYCLES_MAX = 500
-STANDARD_TYPE = 1
+SETTLED_CYCLES = 10
 
 
 class ChannelState(Enum):
@@ -75,6 +75,7 @@ class Channel:
         self._stop_dynamics: Dynamics | None = None
         self._cycles_powering = 0
         self._settling_since_ns: TimeNs | None = None
+        self._inside_since_ns: TimeNs | None = None
         self._next_sync_ns: TimeNs = 0
 
     # Life of a program
@@ -212,6 +213,8 @@ class Channel:
                 self.state = ChannelState.ENDED
             elif isinstance(command, canon.Message):
                 self._put_out(command)
+            elif isinstance(command, canon.MeasuringRun) and not self._is_in_position():
+                return
             else:
                 try:
                     self._begin(command)
@@ -311,10 +314,12 @@ class Channel:
     def _is_in_position(self) -> bool:
         """Whether the interpolation stands and every axis is in its exact-stop window.
 
-        Raises Alarm 70082 when an axis does not get there within its settling time.
+        They stand when they have been there for SETTLED_CYCLES: an axis that friction has wound up
+        runs through its window once. Raises Alarm 70082 when an axis does not get there within its
+        settling time.
         """
         if not self._has_stopped():
-            self._settling_since_ns = None
+            self._settling_since_ns = self._inside_since_ns = None
             return False
         now_ns = self._clock.now_ns
         if self._settling_since_ns is None:
@@ -331,8 +336,11 @@ class Channel:
                         window_mm=f"{axis.window_mm:.4f}",
                         ms=waited_ns // 1_000_000,
                     )
+                self._inside_since_ns = None
                 return False
-        return True
+        if self._inside_since_ns is None:
+            self._inside_since_ns = now_ns
+        return now_ns - self._inside_since_ns >= SETTLED_CYCLES * self.timing.period_ns
 
     def _come_up(self, alarm: Alarm) -> None:
         """Register an alarm and react: above class 1 the program ends and the axes stop."""

@@ -91,6 +91,8 @@ class Exchange:
     """
 
     def __init__(self, slave: "FmuSlave", names: Sequence[str]) -> None:
+        if not slave.pointer:
+            raise PlantError(slave.name, slave.time_ns, "the instance is freed")
         variables = [slave.variable(name) for name in names]
         kinds = {str(v.type) for v in variables}
         if len(kinds) != 1 or not kinds <= set(_CTYPES):

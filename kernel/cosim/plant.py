@@ -59,8 +59,15 @@ class PlantAxis:
         self._enabled = Exchange(slave, ["enabled"])
         self.outputs = Exchange(slave, AXIS_OUTPUTS)
         self.tick = (0.0, 0.0, 0.0, 0.0)
+        self.kv_per_s = 0.0
         self._times: deque[TimeNs] = deque(maxlen=HISTORY_TICKS)
         self._motion: deque[list[float]] = deque(maxlen=HISTORY_TICKS)
+
+    def start(self, start_ns: TimeNs) -> None:
+        """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it tells none."""
+        self.slave.initialize(start_ns)
+        self.kv_per_s = self.slave.get("kv") if self.slave.has("kv") else 0.0
+        self.sample()
 
     def sample(self) -> None:
         """Read the outputs at the present time into the history."""
@@ -279,8 +286,7 @@ class Plant:
         """Initialise axes first, then the sensors at the axes' positions."""
         self.now_ns = start_ns
         for axis in self.axes.values():
-            axis.slave.initialize(start_ns)
-            axis.sample()
+            axis.start(start_ns)
         for probe in self.probes.values():
             probe.slave.time_ns = start_ns
             probe.hold()

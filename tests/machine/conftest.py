@@ -74,7 +74,9 @@ def run_nc(tmp_path: Path) -> RunNc:
         rig_file, nc_file = tmp_path / f"rig{count}.toml", tmp_path / f"program{count}.nc"
         rig_file.write_text(f'base = "{(RIGS / base).as_posix()}"\n{rig}\n', encoding="utf-8")
         nc_file.write_text(f"%unseen\n{program}\nN9999 M30\n", encoding="utf-8")
-        return run_files(nc_file, rig_file, assignments)
+        # Geometry to a nanometre needs axes that stand: exact-stop windows of 0.1 um
+        fine = [f"set:{a}.getriebe[0].window=1" for a in ("XYZ" if "xyz" in base else "")]
+        return run_files(nc_file, rig_file, [*fine, *assignments])
 
     return run
 

@@ -90,10 +90,5 @@ def test_the_interpolation_is_part_of_the_uncertainty_of_the_latch_error(run_nc:
     assert uncertainty_um == pytest.approx(whole_mm(250) * 1e3 + 0.9e-4, abs=0.3e-4)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="bench/metrics.py INTERPOLATION_UM is that of 0.25 ms whatever exchange_us of the rig; "
-    "it should grow with its square (0.016 um at 1 ms; 0.003 um were measured there)",
-)
 def test_a_longer_step_makes_the_latch_error_less_certain(run_nc: Run) -> None:
     assert _uncertainty_um(_run(run_nc, 119.0, 1000, 0.0)) >= whole_mm(1000) * 1e3

@@ -1,0 +1,307 @@
+"""Plans, selections and output folders that cannot be used: told whole, and nothing is written.
+
+Every row is tried with `run` and with `check`; both must refuse it with the same place.
+"""
+
+import json
+import shutil
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+Outcome = tuple[int, str, str]
+Call = Callable[..., Outcome]
+Reject = Callable[..., str]
+
+HEADER = "case,program,rig,plc:V.E.FEED"
+ROW = "a,part.nc,rig.toml,3000"
+
+# Row of a table -> the defect that it shows; a row leaves this list when it is mended.
+DEFECTS = {
+    "plant:z.position_start_mm = 20490": "the rig is blamed for the start that the cell sets",
+    "cases with a cut row": "a row with too few cells escapes as TypeError",
+}
+
+
+def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.MarkDecorator:
+    """Make the cases of a table whose rows begin with their name; named: the test takes it too."""
+    return pytest.mark.parametrize(
+        names.split(),
+        [
+            pytest.param(
+                *(row if named else row[1:]),
+                id=row[0][:40] or "empty",
+                marks=pytest.mark.xfail(reason=DEFECTS[row[0]]) if row[0] in DEFECTS else (),
+            )
+            for row in rows
+        ],
+    )
+
+
+def _holds(message: str, *fragments: str) -> None:
+    for fragment in fragments:
+        assert fragment in message, message
+
+
+def _refused(place: Path, rejected: Reject, fragments: list[str], plan: str = "plan.csv") -> None:
+    """Both commands refuse the plan, and no results folder comes up."""
+    _holds(rejected("run", plan, "-o", "out"), *fragments)
+    assert not (place / "out").exists()
+    _holds(rejected("check", plan), *fragments)
+
+
+TABLES = [
+    ("empty", "", ["plan.csv:1", "empty"]),
+    ("blank", "\n \n", ["plan.csv:1", "empty"]),
+    ("header only", f"{HEADER}\n", ["plan.csv", "no case"]),
+    ("unknown column", f"{HEADER},chek:alarms\n{ROW},none\n", ["plan.csv:1:5:", "'chek:alarms'"]),
+    ("column twice", f"{HEADER},rig\n{ROW},rig.toml\n", ["plan.csv:1:5:", "twice", "'rig'"]),
+    ("column missing", "case,program\na,part.nc\n", ["plan.csv:1", "'rig' is missing"]),
+    ("column without name", f"{HEADER},,title\n{ROW},,x\n", ["plan.csv:1:5:", "no name"]),
+    ("more cells", f"{HEADER}\n{ROW},x,y\n", ["plan.csv:2"]),
+    ("fewer cells", f"{HEADER}\na,part.nc\n", ["plan.csv:2:3:", "missing", "'rig'"]),
+    ("open quote", f'{HEADER}\n"{ROW}\n', ["plan.csv"]),
+    ("case twice", f"{HEADER}\n{ROW}\n\n{ROW}\n", ["plan.csv:4:1:", "line 2", "'plan-a'"]),
+    ("case twice but for case", f"{HEADER}\n{ROW}\nA{ROW[1:]}\n", ["plan.csv:3:1:", "line 2"]),
+    ("name with a slash", f"{HEADER}\n../{ROW}\n", ["plan.csv:2:1:", "'../a'", "letters, digits"]),
+    ("name of 300", f"{HEADER}\n{'a' * 300}{ROW}\n", ["plan.csv:2:1:"]),
+    ("no program", f"{HEADER}\na,pert.nc,rig.toml,1\n", ["plan.csv:2:2:", "near it: part.nc"]),
+    ("no rig", f"{HEADER}\na,part.nc,no/rig.toml,1\n", ["plan.csv:2:3:", "looked in"]),
+    ("folder as program", f"{HEADER}\na,lists,rig.toml,1\n", ["plan.csv:2:2:", "'lists'"]),
+    ("seed below 0", f"{HEADER},seed\n{ROW},-1\n", ["plan.csv:2:5:", "0 to 4294967295"]),
+    ("seed of 5000", f"{HEADER},seed\n{ROW},{'9' * 5000}\n", ["plan.csv:2:5:", "0 to 4294967295"]),
+    ("no repeats", f"{HEADER},repeats\n{ROW},0\n", ["plan.csv:2:5:", "1 to 999"]),
+    ("bad last row", f"{HEADER}\n{ROW}\nb{ROW[1:]}\nc{ROW[1:-4]}fast\n", ["plan.csv:4:4:", "fast"]),
+    ("bad last program", f"{HEADER}\n{ROW}\nb,bad.nc,rig.toml,1\n", ["bad.nc:1:4:", "'X'"]),
+    ("bad last rig", f"{HEADER}\n{ROW}\nb,part.nc,bad.toml,1\n", ["bad.toml:3", "300"]),
+]
+
+
+@_table("text fragments", TABLES)
+def test_table_is_rejected(place: Path, rejected: Reject, text: str, fragments: list[str]) -> None:
+    (place / "bad.nc").write_text("N1 X1 F1\n", encoding="utf-8")
+    (place / "bad.toml").write_text('base = "rig.toml"\n[axis.Z]\nnode = 300\n', encoding="utf-8")
+    (place / "plan.csv").write_text(text, encoding="utf-8")
+    _refused(place, rejected, fragments)
+
+
+@pytest.mark.parametrize(
+    ("file", "content", "fragments"),
+    [
+        ("plan.csv", bytes(range(256)), ["plan.csv:2", "UTF-8"]),
+        ("plan.csv", "title\nMüll\n".encode("latin-1"), ["plan.csv:2", "UTF-8"]),
+        ("plan.csv", "case\n".encode("utf-16"), ["plan.csv:1", "UTF-8"]),
+        ("plan.csv", b"case,program\0\na,b\n", ["plan.csv:1:2:", r"'program\x00'"]),
+        ("plan.xlsx", b"PK\x03\x04rest", ["plan.xlsx", "cannot be read"]),
+        ("plan.ods", b"", ["plan.ods", "cannot be read"]),
+        ("plan.txt", b"case", ["plan.txt", "'.txt'", ".csv, .xlsx, .ods"]),
+        ("my plan.csv", f"{HEADER}\n{ROW}\n".encode(), ["my plan.csv", "letters, digits"]),
+    ],
+)
+def test_file_that_is_no_plan(
+    place: Path, rejected: Reject, file: str, content: bytes, fragments: list[str]
+) -> None:
+    (place / file).write_bytes(content)
+    _refused(place, rejected, fragments, file)
+
+
+def test_plan_that_is_not_there_or_a_folder(place: Path, rejected: Reject) -> None:
+    _refused(place, rejected, ["no.csv", "no such file"], "no.csv")
+    (place / "dir.csv").mkdir()
+    _refused(place, rejected, ["dir.csv"], "dir.csv")
+
+
+CELLS = [
+    ("set:Q.kenngr.messachse", "1", ["'Q'", "allowed: channel, Z"]),
+    ("set:Z.kenngr.messachs", "1", ["nearest names: kenngr.messachse"]),
+    ("set:Z.kenngr.messachse", "7", ["'7'", "allowed: 0 .. 1"]),
+    ("set:Z.kenngr.measure.edge", "UP", ["'UP'", "allowed: POS, NEG"]),
+    ("set:channel.messtyp", "99", ["'99'", "allowed: 1 .. 7"]),
+    ("plant:q.kv", "1", ["'q'", "allowed: z, probe"]),
+    ("plant:z.kvv", "1", ["'kvv'", "allowed: kv"]),
+    ("plant:probe.surface_mm", "high", ["not a number", "'high'"]),
+    ("plant:probe.surface_mm", "nan", ["'nan'"]),
+    ("plant:probe.surface_mm", "1e999999999999", ["number"]),
+    ("plant:probe.surface_us", "1", ["another unit", "'us'"]),
+    ("plant:z.kv", "-1", ["kv", "'-1'"]),
+    ("plant:z.position_start_mm", "20490", ["20490", "-20480 .. 20480"]),
+    ("plant:probe.normal_z", "0", ["unit vector"]),
+    ("plant:probe.inverted", "maybe", ["'maybe'", "true, false"]),
+    ("plant:probe.signal", "1", ["cannot be set"]),
+    ("bus:can1.bitrate", "123", ["125000", "'123'"]),
+    ("bus:can9.bitrate", "125000", ["'can9'", "allowed: can1"]),
+    ("plc:FEED", "1", ["V.E.<NAME>"]),
+    ("plc:V.E.OTHER", "inf", ["not a number", "'inf'"]),
+    ("fault:drop", "Z.TPDO9", ["'Z.TPDO9'", "allowed: Z.TPDO1"]),
+    ("fault:drip", "Z.TPDO1", ["'drip'", "allowed: drop"]),
+    ("check:latch_error", "1", ["'latch_error'", "latch_error_um", "axisrig metrics"]),
+    ("check:latch_error_um", "about 3", ["not a condition", "'about 3'", "100 +- 0.001"]),
+    ("check:latch_error_um", '"0,5"', ["'0,5'", "a decimal point"]),
+    ("check:latch_error_um:Q", "<= 1", ["Q", "allowed: Z"]),
+    ("check:duration_s:Z", "<= 1", ["'duration_s:Z'", "allowed: duration_s"]),
+    ("check:msg", "== 1", ["allowed: msg:N30"]),
+    ("check:msg:N999", "== 1", ["N999"]),
+    ("check:alarms", "nothing", ["'nothing'", "none, 50059"]),
+    ("check:overtravel_mm", "5 .. 1", ["'5 .. 1'", "smaller number first"]),
+    ("check:overtravel_mm", "<= inf", ["'<= inf'"]),
+    ("check:overtravel_mm", "<= 1e999", ["'<= 1e999'"]),
+]
+# The rig as it comes out of the cell is what does not fit together, so the rig is named.
+NAMES_THE_RIG = {"plant:probe.normal_z"}
+
+
+@_table("column cell fragments", [(f"{row[0]} = {row[1]}", *row) for row in CELLS])
+def test_cell_is_rejected_with_its_place(
+    place: Path, rejected: Reject, column: str, cell: str, fragments: list[str]
+) -> None:
+    text = f"{HEADER},{column}\n{ROW},\nb{ROW[1:]},{cell}\n"
+    (place / "plan.csv").write_text(text, encoding="utf-8")
+    where = [] if column in NAMES_THE_RIG else ["plan.csv:3:5:"]
+    _refused(place, rejected, [*where, *fragments])
+
+
+@pytest.fixture
+def plan(place: Path) -> Path:
+    path = place / "plan.csv"
+    path.write_text(f"{HEADER}\n{ROW}\nb{ROW[1:]}\n", encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize(
+    ("expression", "fragments"),
+    [
+        ("zzz", ["no case fits", "'zzz'", "axisrig check"]),
+        ("", ["cannot be read"]),
+        ("and", ["cannot be read at 'and'", "words, and, or, not, brackets"]),
+        ("(plan", ["cannot be read at 'the end'"]),
+        ("plan)", ["cannot be read at ')'"]),
+        ("not", ["cannot be read"]),
+        ("plan or or", ["cannot be read at 'or'"]),
+        ("plan a", ["cannot be read at 'a'"]),
+    ],
+)
+def test_selection(plan: Path, rejected: Reject, expression: str, fragments: list[str]) -> None:
+    _holds(rejected("run", plan.name, "-o", "out", "-k", expression), *fragments)
+    assert not (plan.parent / "out").exists()
+
+
+def test_set_on_a_plan_names_the_option_and_not_a_cell(plan: Path, rejected: Reject) -> None:
+    message = rejected("run", plan.name, "-o", "out", "--set", "plc:V.E.FEED=fast")
+    assert "--set" in message
+    assert "plan.csv:2:4" not in message
+
+
+def test_plans_of_one_name(plan: Path, rejected: Reject) -> None:
+    _holds(rejected("run", plan.name, plan.name, "-o", "out"), "same name", "plan")
+    assert not (plan.parent / "out").exists()
+
+
+FOREIGN = {
+    "a file of mine": {"notes.txt": "mine"},
+    "a manifest of mine": {"manifest.json": '{"name": "web"}', "runs/mine.json": "{}"},
+    "a table of mine": {"cases.csv": "a,b\n1,2\n", "traces/mine.parquet": "x"},
+}
+
+
+@pytest.mark.parametrize("files", FOREIGN.values(), ids=FOREIGN)
+def test_output_folder_of_somebody_else_is_left_alone(
+    plan: Path, rejected: Reject, files: dict[str, str]
+) -> None:
+    folder = plan.parent / "out"
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    _holds(rejected("run", plan.name, "-o", "out"), "out", "no results folder")
+    kept = {
+        p.relative_to(folder).as_posix(): p.read_text() for p in folder.rglob("*") if p.is_file()
+    }
+    assert kept == files
+
+
+def test_output_that_cannot_be_a_folder(plan: Path, rejected: Reject) -> None:
+    _holds(rejected("run", plan.name, "-o", "part.nc"), "part.nc", "not a folder")
+    _holds(rejected("run", plan.name, "-o", "part.nc/out"), "part.nc", "Not a directory")
+    _holds(rejected("run", plan.name, "-o", "x" * 300), "name too long")
+
+
+def test_output_folder_with_blanks_is_replaced_by_the_next_run(plan: Path, axisrig: Call) -> None:
+    folder = plan.parent / "my results ü" / "of today"
+    assert axisrig("run", plan.name, "-k", "a", "-o", folder)[0] == 0
+    assert axisrig("run", plan.name, "-k", "b", "-o", folder)[0] == 0
+    assert [path.stem for path in (folder / "traces").iterdir()] == ["plan-b"]
+
+
+# ---- results folders read back
+
+
+@pytest.fixture(scope="session")
+def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A results folder of one run, made once."""
+    from bench.campaign import run_campaign  # noqa: PLC0415
+    from bench.runner import no_stopwatch  # noqa: PLC0415
+
+    place = tmp_path_factory.mktemp("results")
+    shutil.copytree(originals, place, dirs_exist_ok=True)
+    (place / "plan.csv").write_text(f"{HEADER}\n{ROW}\n", encoding="utf-8")
+    run_campaign(
+        [place / "plan.csv"], out=place / "out", select=None, jobs=1, timeout_s=60.0,
+        assignments=[], command=["axisrig"], started="", stopwatch=no_stopwatch,
+    )  # fmt: skip
+    return place / "out"
+
+
+def test_folder_that_holds_no_results(place: Path, rejected: Reject) -> None:
+    for folder in ("lists", "no", "part.nc"):
+        _holds(rejected("report", folder), folder, "no results folder", "axisrig run -o")
+        _holds(rejected("replay", folder, "plan-a"), folder, "no results folder")
+
+
+def test_run_that_the_folder_does_not_hold(results: Path, rejected: Reject) -> None:
+    _holds(rejected("replay", results, "plan-b"), "'plan-b'", "allowed: plan-a")
+
+
+def _cut(text: str) -> str:
+    return text[:-40]
+
+
+DAMAGES: list[tuple[str, str, bytes | Callable[[str], str], tuple[str, ...]]] = [
+    ("manifest empty", "manifest.json", b"", ("report", "replay")),
+    ("manifest a list", "manifest.json", b"[]", ("report", "replay")),
+    ("manifest without plans", "manifest.json", b"{}", ("replay",)),
+    ("cases binary", "cases.csv", bytes(range(256)), ("report", "replay")),
+    ("cases of another table", "cases.csv", b"a,b\n1,2\n", ("report", "replay")),
+    ("cases with a cut row", "cases.csv", _cut, ("report", "replay")),
+    ("unknown verdict", "cases.csv", lambda t: t.replace("pass", "super"), ("report",)),
+    ("results binary", "results.csv", bytes(range(256)), ("report",)),
+    ("run empty", "runs/plan-a.json", b"", ("report",)),
+    ("run a list", "runs/plan-a.json", b"[]", ("report",)),
+    ("trace broken", "traces/plan-a.parquet", b"PAR1", ("report",)),
+]
+
+
+@_table("name change commands", DAMAGES)
+def test_damaged_results_are_told_with_their_file(
+    place: Path,
+    results: Path,
+    rejected: Reject,
+    name: str,
+    change: bytes | Callable[[str], str],
+    commands: tuple[str, ...],
+) -> None:
+    folder = shutil.copytree(results, place / "copy")
+    file = folder / name
+    old = file.read_bytes()
+    file.write_bytes(change if isinstance(change, bytes) else change(old.decode()).encode())
+    for command in commands:
+        words = [folder] if command == "report" else [folder, "plan-a"]
+        assert Path(name).name in rejected(command, *words)
+
+
+def test_replay_after_the_plan_has_gone(place: Path, results: Path, rejected: Reject) -> None:
+    folder = shutil.copytree(results, place / "copy")
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    manifest["plans"][0]["path"] = str(place / "gone.csv")
+    (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    _holds(rejected("replay", folder, "plan-a"), "gone.csv", "not there any more")

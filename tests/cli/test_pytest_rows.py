@@ -1,0 +1,76 @@
+"""Plans as pytest items, on copies: what passes, what fails, what cannot be collected."""
+
+import csv
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PLANS = ROOT / "testplans"
+
+
+def _shipped() -> dict[str, dict[str, str]]:
+    with (PLANS / "latch_accuracy.csv").open(encoding="utf-8", newline="") as file:
+        return {row["case"]: row for row in csv.DictReader(file)}
+
+
+def _write(path: Path, *rows: dict[str, str]) -> None:
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, rows[0])
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+@pytest.fixture(scope="module")
+def report(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """What pytest prints for three plans: one good, one with a changed limit, one broken."""
+    folder = tmp_path_factory.mktemp("testplans")
+    for name in ("programs", "rigs"):
+        shutil.copytree(PLANS / name, folder / name)
+    shutil.copy(PLANS / "conftest.py", folder)
+    rows = _shipped()
+    _write(folder / "good.csv", rows["f3000"], rows["actuated"])
+    _write(folder / "limit.csv", rows["f3000"] | {"check:overtravel_mm": "<= 0.5"})
+    _write(folder / "broken.csv", rows["f3000"] | {"chek:alarms": "none"})
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-v", "-p", "no:cacheprovider", "--color=no",
+         "--continue-on-collection-errors", "-c", os.devnull, "--rootdir", folder, folder],
+        cwd=folder, env={**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "120"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 1, ended.stdout + ended.stderr
+    return ended.stdout
+
+
+def test_rows_are_items_with_the_name_of_their_run(report: str) -> None:
+    assert re.search(r"good\.csv::good-f3000 PASSED", report)
+    assert re.search(r"good\.csv::good-actuated PASSED", report)
+    assert "2 passed" in report
+
+
+def test_failing_row_names_metric_value_and_condition(report: str) -> None:
+    assert re.search(r"limit\.csv::limit-f3000 FAILED", report)
+    line = re.search(r"fail: overtravel_mm = (\S+).* against <= 0\.5", report)
+    assert line is not None, report
+    low, high = map(float, _shipped()["f3000"]["check:overtravel_mm"].split(" .. "))
+    assert 0.5 < low <= float(line[1]) <= high
+    assert re.search(r"limit\.csv:2: limit-f3000: fail", report)
+    # the other checks of the row hold and are not told
+    assert len(re.findall(r"^ *fail: ", report, re.MULTILINE)) == 1
+
+
+def test_broken_plan_is_a_collection_error_with_its_message(report: str) -> None:
+    assert "ERROR collecting broken.csv" in report
+    position = len(_shipped()["f3000"]) + 1
+    assert f"broken.csv:1:{position}: unknown column; found 'chek:alarms'" in report
+    assert "1 failed, 2 passed, 1 error" in report
+
+
+def test_no_traceback_of_the_bench_is_shown(report: str) -> None:
+    assert "Traceback" not in report
+    assert "pytest_plugin.py" not in report
