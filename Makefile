@@ -17,8 +17,7 @@ demo: $(STAMP)
 	@$(BIN)/axisrig demo -j $(JOBS)
 
 test: $(STAMP) lint
-	@$(BIN)/python -m pytest -q tests
-	@$(BIN)/python -m pytest -q testplans
+	@$(BIN)/python -m pytest -q -n $(JOBS) tests testplans
 
 lint: $(STAMP)
 	@$(BIN)/ruff check .

@@ -81,7 +81,7 @@ class Assignment:
             plain = self.value.isascii() and "_" not in self.value
             number = Decimal(self.value if plain else "nan")
             value = float(number * _units()[self.unit].factor if self.unit else number)
-        except (InvalidOperation, Overflow):
+        except (InvalidOperation, Overflow, ValueError):
             value = math.nan
         if not math.isfinite(value):
             raise UserError(f"{self.column}: not a number", value=self.value)

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
+from textwrap import fill
 
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -12,6 +13,7 @@ from rich.table import Table as RichTable
 from bench.assignment import parse_assignment
 from bench.checks import known_metrics
 from bench.plan import Case, Plan, read_plan
+from bench.plants import build_plant, check_plants, start_plant
 from bench.results import CaseResult, ResultsWriter, build_manifest
 from bench.rigcheck import check_rig, segment_schedules
 from bench.rigfile import read_rig
@@ -170,6 +172,12 @@ def _check_rig_file(path: Path) -> str:
     rig, files = read_rig(path)
     settings = read_settings(rig, files, [])
     check_rig(settings)
+    plant = build_plant(settings)
+    try:
+        check_plants(settings, plant)
+        start_plant(settings, plant)
+    finally:
+        plant.close()
     tables = [
         f"segment {name}, {schedule.bitrate} bit/s, worst case of one cycle\n{schedule.table()}"
         for name, schedule in segment_schedules(settings).items()
@@ -179,11 +187,15 @@ def _check_rig_file(path: Path) -> str:
 
 def metrics_table() -> str:
     """Describe every metric: how a check asks for it, its unit, its meaning."""
-    lines = []
+    lines = [
+        "A column check:<metric> of a plan asks for a metric; the cell holds the condition,",
+        "for instance `<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
+        "",
+    ]
     for metric in known_metrics().values():
         form = {"axis": f"{metric.name}[:AXIS]", "block": f"{metric.name}:N<number>[.<k>]"}.get(
             metric.scope, metric.name
         )
         lines.append(f"{form}  {metric.unit}".rstrip())
-        lines.append(f"    {metric.meaning}")
+        lines.append(fill(metric.meaning, 78, initial_indent="    ", subsequent_indent="    "))
     return "\n".join(lines)

@@ -104,7 +104,8 @@ def run(
         stopwatch=time.perf_counter,
     )
     report_path = build_report(campaign.folder)
-    show_verdicts(campaign.results)
+    if campaign.results:
+        show_verdicts(campaign.results)
     if campaign.is_interrupted:
         done = f"{len(campaign.results)} of {campaign.planned} runs"
         print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)

@@ -15,7 +15,8 @@ from kernel.cosim.plant import Contact
 
 # Events are located to 1 ns in the plant and in the drive node; both ends of an interval count
 INSTANT_NS = 1.0
-# Cubic Hermite over a step h across a jump of the acceleration: 0.0162 da h^2 (docs/architecture.md)
+# Cubic Hermite over a step h across a jump of the acceleration: 0.0162 da h^2; source:
+# docs/architecture.md
 HERMITE, ACCELERATION_JUMP_MM_S2 = 0.0162, 1000.0
 REST = "lag and v/Kv that are left at the end of the run"
 

@@ -50,14 +50,14 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
     whole = item.column.partition(".")[2]
     name = whole if slave.has(whole) else item.name
     if not slave.has(name):
-        settable = [*slave.names("parameter"), *slave.names("input")]
+        settable = slave.names("parameter")
         raise UserError(
             f"{slave.name} has no such start value",
             value=name,
             allowed=nearest(name, settable) or settable,
         )
     variable = slave.variable(name)
-    if variable.causality not in ("parameter", "input", "structuralParameter"):
+    if variable.causality not in ("parameter", "structuralParameter"):
         raise UserError(
             f"{name} of {slave.name} cannot be set from outside",
             value=variable.causality,
@@ -119,10 +119,23 @@ def build_plant(settings: Settings) -> Plant:
     sensors: list[tuple[str, PlantTable, FmuSlave]] = []
     try:
         for instance, table in settings.rig.plant.items():
-            slave = FmuSlave(plant_path(settings, instance, table), instance)
-            if slave.has(*AXIS_INPUTS):
-                plant.add_axis(slave)
-            else:
+            path = plant_path(settings, instance, table)
+            try:
+                slave = FmuSlave(path, instance)
+                if slave.has(*AXIS_INPUTS):
+                    plant.add_axis(slave)
+            except UserError as error:
+                keys = ("plant", instance, "fmu")
+                message = f"{error.message} ({path.name})"
+                raise rig_error(
+                    settings.files,
+                    keys,
+                    message,
+                    value=error.value,
+                    allowed=error.allowed,
+                    hint=error.hint,
+                ) from error
+            if instance not in plant.axes:
                 sensors.append((instance, table, slave))
             _start_values(settings, instance, table, slave)
         for instance, table, slave in sensors:
@@ -207,10 +220,10 @@ def start_plant(settings: Settings, plant: Plant) -> None:
         limit_mm = ENCODER_RANGE / drive.encoder_increments * drive.lead_mm
         position_mm = plant.axes[axis.plant].position_m() * 1e3
         if abs(position_mm) >= limit_mm:
-            raise rig_error(
-                settings.files,
-                ("plant", axis.plant, "start"),
-                f"axis {name} starts outside the 32 bits of its encoder",
-                value=f"{position_mm:g} mm",
-                allowed=f"-{limit_mm:g} .. {limit_mm:g} mm",
-            )
+            message = f"axis {name} starts outside the 32 bits of its encoder"
+            value, allowed = f"{position_mm:g} mm", f"-{limit_mm:g} .. {limit_mm:g} mm, ends out"
+            for item, located in settings.start.get(axis.plant, []):
+                if item.name == "position_start":
+                    raise located(UserError(message, value=value, allowed=allowed), item)
+            keys = ("plant", axis.plant, "start")
+            raise rig_error(settings.files, keys, message, value=value, allowed=allowed)

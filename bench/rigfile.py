@@ -134,7 +134,9 @@ def _read_toml(path: Path) -> dict[str, Any]:
         message = re.sub(r" \(at .*\)", "", str(error))
         raise UserError(f"no valid TOML: {message}", file=path, line=line, column=column) from error
     except (ValueError, RecursionError) as error:  # numbers too long, brackets too deep
-        raise UserError(f"no valid TOML: {type(error).__name__}", file=path) from error
+        raise UserError(
+            "no valid TOML: a number too long or brackets too deep", file=path
+        ) from error
 
 
 def _load(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], list[Path]]:

@@ -161,7 +161,7 @@ def run_cases(
         for case in cases:
             yield run_case(case, bus_path(case.run), stopwatch)
         return
-    pool = ProcessPool(max_workers=jobs)
+    pool = ProcessPool(max_workers=min(jobs, len(cases)))
     try:
         yield from _collected(pool, cases, bus_path, timeout_s, stopwatch)
         pool.close()  # type: ignore[no-untyped-call]

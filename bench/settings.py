@@ -11,7 +11,7 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from bench.assignment import Assignment
-from bench.rigfile import RigFile, SegmentTable
+from bench.rigfile import RigFile, SegmentTable, rig_error
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
 
@@ -118,6 +118,11 @@ def read_settings(
     rig: RigFile, files: list[Path], assignments: Sequence[tuple[Assignment, Located]]
 ) -> Settings:
     """Read the parameter lists of a rig and apply assignments in their order."""
+    lists: list[tuple[tuple[str, ...], str]] = [(("channel", "list"), rig.channel.list)]
+    lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
+    for keys, path in lists:
+        if not Path(path).is_file():
+            raise rig_error(files, keys, "the parameter list is no file", value=path)
     settings = Settings(
         rig=rig,
         files=files,

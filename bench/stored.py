@@ -113,9 +113,9 @@ def _rows(path: Path, columns: Sequence[str]) -> list[dict[str, str]]:
     except (UnicodeDecodeError, csv.Error) as error:
         raise _damaged(path, str(error)) from error
     for line, row in enumerate(rows, 2):
-        cut = [name for name in columns if row.get(name) is None]
+        cut = [name for name in (*columns, *row) if row.get(name) is None]
         if cut:
-            raise _damaged(path, f"column {cut[0]} is missing", line)
+            raise _damaged(path, f"the cell of column {cut[0]} is missing", line)
         try:
             Verdict.of(row["verdict"])
         except KeyError:

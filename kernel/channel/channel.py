@@ -280,7 +280,7 @@ class Channel:
             target = self._behind_target(here, target)
         for link in self.links:
             if not link.can_reach(target[link.name]):
-                raise Alarm(900012, axis=link.name, target_mm=f"{target[link.name]:.4f}")
+                raise Alarm(900012, axis=link.name, target_mm=f"{target[link.name]:.9g}")
         length_mm = dist(tuple(here.values()), tuple(target.values()))
         profile = plan(
             length_mm,

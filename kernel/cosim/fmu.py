@@ -11,6 +11,7 @@ import os
 import shutil
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -61,7 +62,9 @@ def load_description(path: Path) -> tuple[ModelDescription, str]:
     stamp = path.stat()
     try:
         description, folder = _unpacked(path, (stamp.st_mtime_ns, stamp.st_size))
-    except (zipfile.BadZipFile, KeyError) as error:
+    except zlib.error as error:
+        raise UserError("the FMU is damaged: it cannot be unpacked", file=path) from error
+    except (zipfile.BadZipFile, KeyError, AttributeError) as error:
         raise UserError(
             "this is no FMU (a zip archive with modelDescription.xml)", file=path
         ) from error

@@ -18,13 +18,8 @@ Reject = Callable[..., str]
 
 FEED = ("--set", "plc:V.E.FEED=3000")
 
+
 # Row of a table -> the defect that it shows; a row leaves this list when it is mended.
-DEFECTS = {
-    "FMU not there": "the line of the rig that names the FMU is not told",
-    "list not there": "the line of the rig that names the list is not told",
-}
-
-
 def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.MarkDecorator:
     """Make the cases of a table whose rows begin with their name; named: the test takes it too."""
     return pytest.mark.parametrize(
@@ -33,7 +28,6 @@ def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.Ma
             pytest.param(
                 *(row if named else row[1:]),
                 id=row[0][:40] or "empty",
-                marks=pytest.mark.xfail(reason=DEFECTS[row[0]]) if row[0] in DEFECTS else (),
             )
             for row in rows
         ],
@@ -236,7 +230,6 @@ def test_rig_is_rejected(
         assert re.search(rf"rig\.toml:{line}\b", message), message
 
 
-@pytest.mark.xfail(reason="`axisrig check RIG` does not load the plants")
 @pytest.mark.parametrize(
     ("old", "new"),
     [

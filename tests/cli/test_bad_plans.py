@@ -18,13 +18,8 @@ Reject = Callable[..., str]
 HEADER = "case,program,rig,plc:V.E.FEED"
 ROW = "a,part.nc,rig.toml,3000"
 
+
 # Row of a table -> the defect that it shows; a row leaves this list when it is mended.
-DEFECTS = {
-    "plant:z.position_start_mm = 20490": "the rig is blamed for the start that the cell sets",
-    "cases with a cut row": "a row with too few cells escapes as TypeError",
-}
-
-
 def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.MarkDecorator:
     """Make the cases of a table whose rows begin with their name; named: the test takes it too."""
     return pytest.mark.parametrize(
@@ -33,7 +28,6 @@ def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.Ma
             pytest.param(
                 *(row if named else row[1:]),
                 id=row[0][:40] or "empty",
-                marks=pytest.mark.xfail(reason=DEFECTS[row[0]]) if row[0] in DEFECTS else (),
             )
             for row in rows
         ],

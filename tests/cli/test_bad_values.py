@@ -17,12 +17,8 @@ Reject = Callable[..., str]
 
 FEED = ("--set", "plc:V.E.FEED=3000")
 
+
 # Row of a table -> the defect that it shows; a row leaves this list when it is mended.
-DEFECTS = {
-    "plant:z.kv=sNaN": "a signalling NaN escapes as ValueError",
-}
-
-
 def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.MarkDecorator:
     """Make the cases of a table whose rows begin with their name; named: the test takes it too."""
     return pytest.mark.parametrize(
@@ -31,7 +27,6 @@ def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.Ma
             pytest.param(
                 *(row if named else row[1:]),
                 id=row[0][:40] or "empty",
-                marks=pytest.mark.xfail(reason=DEFECTS[row[0]]) if row[0] in DEFECTS else (),
             )
             for row in rows
         ],

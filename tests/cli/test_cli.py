@@ -55,7 +55,6 @@ def test_help_of_the_whole_names_every_command(axisrig: Call) -> None:
         assert f" {words[0]} " in out
 
 
-@pytest.mark.xfail(reason="the README does not name `axisrig replay`")
 def test_readme_names_every_command() -> None:
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     for words in COMMANDS:
@@ -187,7 +186,7 @@ def test_check_describes_plan_and_rig_on_standard_output(place: Path, axisrig: C
 
 @pytest.mark.parametrize(
     "width",
-    [pytest.param(80, marks=pytest.mark.xfail(reason="`axisrig metrics` has 100 columns")), 120],
+    [80, 120],
 )
 def test_tables_fit_the_terminal(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch, width: int
