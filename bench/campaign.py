@@ -188,8 +188,8 @@ def _check_rig_file(path: Path) -> str:
 def metrics_table() -> str:
     """Describe every metric: how a check asks for it, its unit, its meaning."""
     lines = [
-        "A column check:<metric> of a plan asks for a metric; the cell holds the condition,",
-        "for instance `<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
+        "A column check:<metric> of a plan asks for a metric; its cells are conditions:",
+        "`<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
         "",
     ]
     for metric in known_metrics().values():

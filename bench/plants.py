@@ -154,8 +154,8 @@ def _wire(
         raise rig_error(
             settings.files,
             ("plant", instance, "fmu"),
-            "the FMU is neither an axis nor a sensor that reads trajectories",
-            value=table.fmu,
+            f"the FMU {Path(table.fmu).name} is neither an axis nor a sensor that reads trajectories",
+            value=instance,
             hint="docs/rigs.md names the variables of both",
         )
     if not table.wire:

@@ -122,7 +122,9 @@ def read_settings(
     lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
     for keys, path in lists:
         if not Path(path).is_file():
-            raise rig_error(files, keys, "the parameter list is no file", value=path)
+            raise rig_error(
+                files, keys, f"the parameter list {Path(path).name} is no file", value=path
+            )
     settings = Settings(
         rig=rig,
         files=files,
