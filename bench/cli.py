@@ -2,7 +2,7 @@
 
 Heavy modules are imported inside the commands, so that `axisrig --help` answers at once
 (PLC0415 is switched off for this file).
-Exit codes: run and demo by the worst verdict (bench/verdict.py), nc 0 or 1, 2 for input that is
+Exit codes: run and demo by the worst verdict (bench/plan/verdict.py), nc 0 or 1; 2 for what is
 rejected before anything runs.
 """
 
@@ -89,7 +89,7 @@ def run(
     assignments: SetOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report."""
-    from bench.campaign import run_campaign, show_verdicts
+    from bench.run.campaign import run_campaign, show_verdicts
     from reports.build import build_report
 
     campaign = run_campaign(
@@ -123,7 +123,7 @@ def demo(
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
 ) -> None:
     """Build the FMUs, run every shipped plan, and say where the report lies."""
-    from bench.campaign import plans_in
+    from bench.run.campaign import plans_in
 
     build(None)
     run(plans_in(folder), out, None, jobs, None, None)
@@ -140,7 +140,7 @@ def nc(
     assignments: SetOption = None,
 ) -> None:
     """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
-    from bench.single import run_program
+    from bench.run.single import run_program
 
     alarms = run_program(
         program,
@@ -160,7 +160,7 @@ def check(
     files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
 ) -> None:
     """Check plans and rigs without running them; show the bus arithmetic of a rig."""
-    from bench.campaign import check_file
+    from bench.run.campaign import check_file
 
     for file in files:
         print(check_file(file))
@@ -176,9 +176,9 @@ def replay(
     ] = None,
 ) -> None:
     """Run one case of a results folder again and say whether every frame came again."""
-    from bench.campaign import show_verdicts
-    from bench.replay import replay as run_again
-    from bench.verdict import exit_code
+    from bench.plan.verdict import exit_code
+    from bench.run.campaign import show_verdicts
+    from bench.run.replay import replay as run_again
 
     again = run_again(folder, run_id, _blf(bus_log))
     show_verdicts([again.result])
@@ -201,7 +201,7 @@ def report(
 @_rejecting
 def metrics() -> None:
     """List what a check column may ask for."""
-    from bench.campaign import metrics_table
+    from bench.run.campaign import metrics_table
 
     print(metrics_table())
 
@@ -217,7 +217,7 @@ def perf(
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
 ) -> None:
     """Time one row with all its files written, and split a cycle into its parts."""
-    from bench.perf import measure, show
+    from bench.run.perf import measure, show
     from reports.build import build_report
 
     result = measure(plan, case, repeats, time.perf_counter_ns, build_report)

@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from bench.checks import CheckResult, value_text
-from bench.plan import Case, read_plan
-from bench.results import CaseResult
-from bench.runner import run_case
-from bench.table import SUFFIXES
-from bench.verdict import Verdict
+from bench.plan.checks import CheckResult, value_text
+from bench.plan.plan import Case, read_plan
+from bench.plan.table import SUFFIXES
+from bench.plan.verdict import Verdict
+from bench.results.writer import CaseResult
+from bench.run.runner import run_case
 from kernel.errors import UserError
 
 

@@ -15,8 +15,8 @@ import pyarrow as pa
 from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
-from bench.stored import StoredResults, StoredRun, read_results
-from bench.verdict import Verdict
+from bench.plan.verdict import Verdict
+from bench.results.stored import StoredResults, StoredRun, read_results
 from kernel.errors import UserError
 from reports.bar import bar
 from reports.signals import chart, table

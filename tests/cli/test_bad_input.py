@@ -201,7 +201,7 @@ RIGS = [
     ("model", "ServoAxis", "ServoAxs", ["allowed: AxisRig.Drives.ServoAxis"]),
     ("no .fmu", "AxisRig.Drives.ServoAxis", "model.zip", ["model.zip", "ends in .fmu"]),
     ("FMU not there", "AxisRig.Drives.ServoAxis", "no.fmu", ["no.fmu", "not found"]),
-    ("list not there", "axis-z.lst", "no.lst", ["no.lst", "No such file"]),
+    ("list not there", "axis-z.lst", "no.lst", ["no.lst", "is no file"]),
     ("list is a number", '"lists/axis-z.lst"', "3", ["axis.Z.list", "found 3"]),
     ("table is a number", '[axis.Z]\nlist = "lists/axis-z.lst"', "[axis]\nZ = 5\n[axis.Y]", ["5"]),
     ("NC word as axis", "[axis.Z]", "[axis.F]", ["F"]),

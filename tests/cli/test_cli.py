@@ -14,8 +14,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from bench import runner
-from bench.plan import Case
+from bench.plan.plan import Case
+from bench.run import runner
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench.assignment import parse_assignment
-from bench.machine import Machine
-from bench.rigfile import read_rig
-from bench.settings import as_written, read_settings
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.machine import Machine
+from bench.rig.settings import as_written, read_settings
 from kernel.nc.parser import read_program
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from bench.plan import read_plan
-from bench.runner import run_case
+from bench.plan.plan import read_plan
+from bench.run.runner import run_case
 
 Run = Callable[..., Any]
 ROOT = Path(__file__).parents[2]

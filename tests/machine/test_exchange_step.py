@@ -12,9 +12,9 @@ from typing import Any
 
 import pytest
 
-from bench.checks import parse_check
-from bench.metrics import observe
-from bench.observe import Observed
+from bench.plan.checks import parse_check
+from bench.run.metrics import observe
+from bench.run.observe import Observed
 
 Run = Callable[..., Any]
 STEPS_US = (62, 125, 250, 500, 1000)

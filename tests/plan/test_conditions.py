@@ -7,14 +7,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.checks import (
+from bench.plan.checks import (
     Check,
     known_metrics,
     parse_check,
     parse_condition,
     value_text,
 )
-from bench.verdict import Verdict
+from bench.plan.verdict import Verdict
 from kernel.errors import UserError
 
 P, M, INC, F = Verdict.PASS, Verdict.MARGINAL, Verdict.INCONCLUSIVE, Verdict.FAIL

@@ -7,7 +7,7 @@ from zipfile import ZipFile
 
 import pytest
 
-from bench.plan import parse_assignment, read_plan
+from bench.plan.plan import parse_assignment, read_plan
 from kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]

@@ -12,11 +12,11 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from bench.checks import judge
-from bench.plan import Case, Plan, read_plan
-from bench.results import CaseResult, Event, ResultsWriter, build_manifest, no_values
-from bench.stored import read_results
-from bench.verdict import Verdict
+from bench.plan.checks import judge
+from bench.plan.plan import Case, Plan, read_plan
+from bench.plan.verdict import Verdict
+from bench.results.stored import read_results
+from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest, no_values
 from kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]

@@ -7,10 +7,10 @@ import numpy.typing as npt
 import pyarrow as pa
 import pytest
 
-from bench.checks import CheckResult, judge
-from bench.plan import Case, read_plan
-from bench.results import CaseResult, Event, ResultsWriter, build_manifest, no_values
-from bench.verdict import Verdict, worst
+from bench.plan.checks import CheckResult, judge
+from bench.plan.plan import Case, read_plan
+from bench.plan.verdict import Verdict, worst
+from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest, no_values
 
 FEEDS_MM_S = (1.0, 2.0, 5.0, 10.0, 16.7, 25.0, 50.0)
 KV = 10.0

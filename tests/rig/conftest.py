@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.assignment import parse_assignment
-from bench.rigfile import read_rig
-from bench.settings import Settings, as_written, read_settings
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.settings import Settings, as_written, read_settings
 
 RIG = """\
 title = "one axis"

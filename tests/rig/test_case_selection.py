@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan import Case
-from bench.select import matches
+from bench.plan.plan import Case
+from bench.plan.select import matches
 from kernel.errors import UserError
 
 

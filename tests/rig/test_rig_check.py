@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.rigcheck import axis_telegrams, check_rig, segment_schedules
-from bench.settings import Settings
+from bench.rig.check import axis_telegrams, check_rig, segment_schedules
+from bench.rig.settings import Settings
 from kernel.errors import UserError
 
 Write = Callable[..., Path]

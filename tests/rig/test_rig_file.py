@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.rigfile import read_rig, rig_error
+from bench.rig.file import read_rig, rig_error
 from kernel.errors import UserError
 
 Write = Callable[..., Path]

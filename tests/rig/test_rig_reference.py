@@ -7,7 +7,7 @@ import pytest
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
-from bench.rigfile import (
+from bench.rig.file import (
     AxisTable,
     ChannelTable,
     CycleTable,

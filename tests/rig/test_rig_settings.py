@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.assignment import Assignment, parse_assignment
-from bench.rigfile import read_rig
-from bench.settings import Settings, read_settings
+from bench.plan.assignment import Assignment, parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.settings import Settings, read_settings
 from kernel.errors import UserError
 
 Write = Callable[..., Path]

@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from bench.stored import StoredRun, read_results
-from bench.verdict import Verdict
+from bench.plan.verdict import Verdict
+from bench.results.stored import StoredRun, read_results
 
 _GOOD = (Verdict.PASS.word, Verdict.MARGINAL.word)
 

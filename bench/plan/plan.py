@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from zlib import crc32
 
-from bench.assignment import (
+from bench.plan.assignment import (
     Assignment,
     ColumnForm,
     column_forms,
@@ -19,8 +19,8 @@ from bench.assignment import (
     parse_assignment,
     parse_column,
 )
-from bench.checks import Check, parse_check
-from bench.table import Row, Table, read_table
+from bench.plan.checks import Check, parse_check
+from bench.plan.table import Row, Table, read_table
 from kernel.errors import UserError, nearest
 
 __all__ = ["Assignment", "Case", "Plan", "parse_assignment", "read_plan"]

@@ -16,11 +16,11 @@ from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
 from bench.drive.profile import DriveProfile
-from bench.plants import build_plant, check_plants, start_plant
-from bench.recorder import Recorder
-from bench.rigcheck import check_rig, segment_schedules
-from bench.rigfile import DriveTable
-from bench.settings import Settings
+from bench.rig.check import check_rig, segment_schedules
+from bench.rig.file import DriveTable
+from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.recorder import Recorder
+from bench.rig.settings import Settings
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from bench.verdict import Verdict, worst
+from bench.plan.verdict import Verdict, worst
 from kernel.errors import UserError
 
 RESULT_COLUMNS = (

@@ -1,11 +1,11 @@
 """`-k EXPR`: choosing cases by words in their name, joined by and, or, not and brackets.
 
-An expression that is the whole name of a case means that case alone (bench/campaign.py).
+An expression that is the whole name of a case means that case alone (bench/run/campaign.py).
 """
 
 import re
 
-from bench.plan import Case
+from bench.plan.plan import Case
 from kernel.errors import UserError
 
 _TOKEN = re.compile(r"\(|\)|[^\s()]+")

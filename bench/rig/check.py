@@ -5,8 +5,8 @@ from collections import Counter
 from collections.abc import Mapping
 
 from bench.bus.arithmetic import CycleArithmetic, PlannedFrame, cycle_arithmetic
-from bench.rigfile import rig_error
-from bench.settings import Settings
+from bench.rig.file import rig_error
+from bench.rig.settings import Settings
 from kernel.clock import US
 from kernel.drives.ds402 import latch_object
 from kernel.drives.mapping import Telegram, telegrams

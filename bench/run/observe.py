@@ -7,8 +7,8 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from bench.machine import Machine
-from bench.results import Event
+from bench.results.writer import Event
+from bench.rig.machine import Machine
 from kernel.clock import TimeNs
 from kernel.cosim.plant import Contact, PlantProbe
 from kernel.measuring.run import RunRecord

@@ -15,10 +15,10 @@ from typing import Any
 from bench.bus.segment import Segment
 from bench.bus.simbus import SimBus
 from bench.drive.node import DriveNode
-from bench.plan import Case, read_plan
-from bench.recorder import Recorder
-from bench.results import ResultsWriter, build_manifest
-from bench.runner import run_case
+from bench.plan.plan import Case, read_plan
+from bench.results.writer import ResultsWriter, build_manifest
+from bench.rig.recorder import Recorder
+from bench.run.runner import run_case
 from kernel.channel import Channel
 from kernel.cosim.plant import Plant
 from kernel.drives.link import AxisLink

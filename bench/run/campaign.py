@@ -10,18 +10,18 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
-from bench.assignment import parse_assignment
-from bench.checks import known_metrics
-from bench.plan import Case, Plan, read_plan
-from bench.plants import build_plant, check_plants, start_plant
-from bench.results import CaseResult, ResultsWriter, build_manifest
-from bench.rigcheck import check_rig, segment_schedules
-from bench.rigfile import read_rig
-from bench.runner import Stopwatch, prepare, run_cases
-from bench.select import matches
-from bench.settings import read_settings
-from bench.table import SUFFIXES
-from bench.verdict import Verdict, exit_code, worst
+from bench.plan.assignment import parse_assignment
+from bench.plan.checks import known_metrics
+from bench.plan.plan import Case, Plan, read_plan
+from bench.plan.select import matches
+from bench.plan.table import SUFFIXES
+from bench.plan.verdict import Verdict, exit_code, worst
+from bench.results.writer import CaseResult, ResultsWriter, build_manifest
+from bench.rig.check import check_rig, segment_schedules
+from bench.rig.file import read_rig
+from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.settings import read_settings
+from bench.run.runner import Stopwatch, prepare, run_cases
 from kernel.errors import UserError
 
 

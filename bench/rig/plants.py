@@ -6,9 +6,9 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
-from bench.assignment import Assignment, parse_assignment, si_unit
-from bench.rigfile import PlantTable, rig_error
-from bench.settings import Settings
+from bench.plan.assignment import Assignment, parse_assignment, si_unit
+from bench.rig.file import PlantTable, rig_error
+from bench.rig.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
 from kernel.cosim.fmu import FmuSlave, PlantError
@@ -154,7 +154,7 @@ def _wire(
         raise rig_error(
             settings.files,
             ("plant", instance, "fmu"),
-            f"the FMU {Path(table.fmu).name} is neither an axis nor a sensor that reads trajectories",
+            f"{Path(table.fmu).name} is neither an axis nor a sensor that reads trajectories",
             value=instance,
             hint="docs/rigs.md names the variables of both",
         )

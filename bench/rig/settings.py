@@ -10,8 +10,8 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from bench.assignment import Assignment
-from bench.rigfile import RigFile, SegmentTable, rig_error
+from bench.plan.assignment import Assignment
+from bench.rig.file import RigFile, SegmentTable, rig_error
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
 

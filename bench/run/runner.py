@@ -13,16 +13,16 @@ from pathlib import Path
 
 from pebble import ProcessExpired, ProcessPool
 
-from bench.assignment import Assignment
-from bench.checks import judge
-from bench.machine import Machine, SimulatedTimeoutError
-from bench.metrics import observe
-from bench.observe import Observed
-from bench.plan import Case
-from bench.results import CaseResult, no_values
-from bench.rigfile import read_rig
-from bench.settings import Settings, read_settings
-from bench.verdict import Verdict, worst
+from bench.plan.assignment import Assignment
+from bench.plan.checks import judge
+from bench.plan.plan import Case
+from bench.plan.verdict import Verdict, worst
+from bench.results.writer import CaseResult, no_values
+from bench.rig.file import read_rig
+from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.settings import Settings, read_settings
+from bench.run.metrics import observe
+from bench.run.observe import Observed
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.parser import read_program

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from bench.checks import Check, Value
-from bench.observe import Observed, Touch
+from bench.plan.checks import Check, Value
+from bench.run.observe import Observed, Touch
 from kernel.cosim.plant import Contact
 
 # Events are located to 1 ns in the plant and in the drive node; both ends of an interval count

@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from bench.assignment import INPUT_KINDS
-from bench.plan import Case, read_plan
-from bench.results import CaseResult
-from bench.runner import run_case
-from bench.stored import read_results
+from bench.plan.assignment import INPUT_KINDS
+from bench.plan.plan import Case, read_plan
+from bench.results.stored import read_results
+from bench.results.writer import CaseResult
+from bench.run.runner import run_case
 from kernel.errors import UserError, nearest
 
 

@@ -10,7 +10,7 @@ from functools import cache
 from importlib import resources
 from numbers import Real
 
-from bench.verdict import Verdict
+from bench.plan.verdict import Verdict
 from kernel.errors import UserError, nearest
 
 Value = float | int | str | Sequence[int] | None

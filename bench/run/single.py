@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from bench.assignment import parse_assignment
-from bench.machine import Machine, SimulatedTimeoutError
-from bench.rigfile import read_rig
-from bench.settings import as_written, read_settings
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.settings import as_written, read_settings
 from kernel.cosim.fmu import PlantError
 from kernel.errors import Alarm, UserError
 from kernel.nc.parser import read_program

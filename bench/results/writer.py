@@ -26,11 +26,11 @@ from typing import Any, Self
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from bench.checks import CheckResult, value_text
-from bench.junit import write_junit
-from bench.plan import Case, Plan
-from bench.stored import CASE_COLUMNS, RESULT_COLUMNS, is_results_folder
-from bench.verdict import Verdict, worst
+from bench.plan.checks import CheckResult, value_text
+from bench.plan.plan import Case, Plan
+from bench.plan.verdict import Verdict, worst
+from bench.results.junit import write_junit
+from bench.results.stored import CASE_COLUMNS, RESULT_COLUMNS, is_results_folder
 from kernel.errors import UserError
 
 _FOLDERS = ("traces", "runs", "bus")

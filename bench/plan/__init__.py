@@ -1,0 +1,1 @@
+"""Test plans: tables of cases, their inputs, conditions and verdicts."""

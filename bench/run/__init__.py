@@ -1,0 +1,1 @@
+"""Running: one program, one case, a campaign; what was observed; how fast it was."""
