@@ -6,6 +6,8 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from fmpy.model_description import ModelVariable
+
 from bench.plan.assignment import Assignment, parse_assignment, si_unit
 from bench.rig.file import PlantTable, rig_error
 from bench.rig.settings import Settings
@@ -16,7 +18,7 @@ from kernel.cosim.plant import AXIS_INPUTS, TRAJECTORY_INPUTS, Plant
 from kernel.errors import UserError, nearest
 
 ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
-_WORDS = {"true": True, "1": True, "false": False, "0": False}
+_FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 
 def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
@@ -48,47 +50,51 @@ def _set_start(slave: FmuSlave, item: Assignment) -> None:
     """Set one start value, converted from the unit that its name ends in."""
     # A variable may itself end in what looks like a unit; its own name wins
     whole = item.column.partition(".")[2]
-    name = whole if slave.has(whole) else item.name
-    if not slave.has(name):
+    plain = replace(item, name=whole, unit="") if slave.has(whole) else item
+    if plain.name not in slave.names("parameter"):
         settable = slave.names("parameter")
+        known = "start value that can be set" if slave.has(plain.name) else "variable"
         raise UserError(
-            f"{slave.name} has no such start value",
-            value=name,
-            allowed=nearest(name, settable) or settable,
+            f"{slave.name} has no such {known}",
+            value=plain.name,
+            allowed=nearest(plain.name, settable) or settable,
         )
-    variable = slave.variable(name)
-    if variable.causality not in ("parameter", "structuralParameter"):
+    variable = slave.variable(plain.name)
+    is_flag = str(variable.type) == "Boolean"
+    value = _flag(slave, plain) if is_flag else _number(slave, plain, variable)
+    try:
+        slave.set_start(plain.name, value)
+    except PlantError as error:
+        message = f"{slave.name} refuses {plain.name}: {error.reason}"
+        raise UserError(message, value=item.value) from error
+
+
+def _flag(slave: FmuSlave, item: Assignment) -> bool:
+    if item.value.lower() not in _FLAGS or item.unit:
         raise UserError(
-            f"{name} of {slave.name} cannot be set from outside",
-            value=variable.causality,
-            allowed=slave.names("parameter"),
+            f"{item.name} of {slave.name} is true or false", value=item.value, allowed="true, false"
         )
-    if str(variable.type) == "Boolean":
-        word = item.value.lower()
-        if word not in _WORDS or name != whole:
-            raise UserError(f"{name} is true or false", value=item.value, allowed="true, false")
-        slave.set_start(name, _WORDS[word])
-        return
-    value = item.si() if name == item.name else replace(item, unit="").si()
-    unit = si_unit(item.unit) if name == item.name and item.unit else None
-    if unit not in (None, variable.unit or "1"):
-        raise UserError(
-            f"{name} of {slave.name} has another unit",
-            value=item.unit,
-            allowed=f"a unit of {variable.unit or 'a bare number'}",
-        )
+    return _FLAGS[item.value.lower()]
+
+
+def _number(slave: FmuSlave, item: Assignment, variable: ModelVariable) -> float:
+    """Return the value in the FMU's unit, an int for an integer variable; check unit and range."""
+    value: float = item.si()
+    label = f"{item.name} of {slave.name}"
+    unit = variable.unit or "1"
+    if item.unit and si_unit(item.unit) != unit:
+        allowed = "a bare number" if unit == "1" else f"a unit of {unit}"
+        raise UserError(f"{label} has another unit", value=item.unit, allowed=allowed)
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
     if not low <= value <= high:
-        raise UserError(
-            f"{name} of {slave.name} is out of range",
-            value=item.value,
-            allowed=f"{low:g} .. {high:g} {variable.unit or ''}".strip(),
-        )
-    try:
-        slave.set_start(name, value)
-    except PlantError as error:
-        raise UserError(f"{slave.name} refuses {name}: {error.reason}", value=item.value) from error
+        allowed = f"{low:g} .. {high:g} {'' if unit == '1' else unit}".rstrip()
+        raise UserError(f"{label} is out of range", value=item.value, allowed=allowed)
+    if str(variable.type) != "Float64":
+        if value != int(value):
+            raise UserError(f"{label} is a whole number", value=item.value)
+        return int(value)
+    return value
 
 
 def _start_values(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> None:

@@ -193,7 +193,7 @@ RIGS = [
     ("true for a number", "surface_mm = 129", "surface_mm = true", ["surface_mm", "number"]),
     ("7 for a switch", "surface_mm = 129", "inverted = 7", ["'7'", "true, false"]),
     ("switch with a unit", "surface_mm = 129", "inverted_mm = 1", ["inverted"]),
-    ("an output", "surface_mm = 129", "signal = true", ["cannot be set", "allowed: normal_x"]),
+    ("an output", "surface_mm = 129", "signal = true", ["can be set", "allowed: normal_x"]),
     ("blank in a name", "surface_mm = 129", '"a b" = 1', ["a b"]),
     ("range of an FMU", "kv = 40", "kv = -40", ["kv", "-40"]),
     ("no direction", "surface_mm = 129", "normal_z = 0", ["unit vector"]),

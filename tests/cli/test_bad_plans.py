@@ -123,7 +123,7 @@ CELLS = [
     ("plant:z.position_start_mm", "20490", ["20490", "-20480 .. 20480"]),
     ("plant:probe.normal_z", "0", ["unit vector"]),
     ("plant:probe.inverted", "maybe", ["'maybe'", "true, false"]),
-    ("plant:probe.signal", "1", ["cannot be set"]),
+    ("plant:probe.signal", "1", ["can be set"]),
     ("bus:can1.bitrate", "123", ["125000", "'123'"]),
     ("bus:can9.bitrate", "125000", ["'can9'", "allowed: can1"]),
     ("plc:FEED", "1", ["V.E.<NAME>"]),
