@@ -112,10 +112,6 @@ class PlantAxis:
         """Return the load position now: the truth, which no drive ever sees."""
         return self._motion[-1][0]
 
-    def velocity_m_s(self) -> float:
-        """Return the load velocity now."""
-        return self._motion[-1][1]
-
     def motor_position_m(self) -> float:
         """Return what the motor encoder sees now, in load units."""
         return self._motion[-1][2]
@@ -130,22 +126,15 @@ class PlantAxis:
 
     def motor_position_m_at(self, time_ns: TimeNs) -> float:
         """Return the motor position at a past instant, by cubic Hermite inside its drive tick."""
-        return self._at(time_ns, 2)
-
-    def position_m_at(self, time_ns: TimeNs) -> float:
-        """Return the load position (truth) at a past instant."""
-        return self._at(time_ns, 0)
-
-    def _at(self, time_ns: TimeNs, column: int) -> float:
         after = bisect_right(self._times, time_ns)
         if after == 0 or time_ns > self._times[-1]:
             raise PlantError(self.slave.name, time_ns, "no motion is recorded for this instant")
         begin_ns, begin = self._times[after - 1], self._motion[after - 1]
         if after == len(self._times) or begin_ns == time_ns:
-            return begin[column]
+            return begin[2]
         end = self._motion[after]
         step_s = (self._times[after] - begin_ns) * 1e-9
-        ends = (begin[column], begin[column + 1], end[column], end[column + 1])
+        ends = (begin[2], begin[3], end[2], end[3])
         return hermite((time_ns - begin_ns) * 1e-9, step_s, ends)
 
 
@@ -183,7 +172,6 @@ class PlantProbe:
         """sources: input group of the FMU (`x`) -> the axis whose load position it reads."""
         self.slave = slave
         self.sources = list(sources.values())
-        self._groups = list(sources)
         names = ["step_time", "step_size"]
         names += [f"{group}_{part}" for group in sources for part in TRAJECTORY_INPUTS]
         self._inputs = Exchange(slave, names)

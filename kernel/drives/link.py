@@ -13,6 +13,7 @@ from kernel.drives.ds402 import (
     State,
     controlword_towards,
     enabled_bit,
+    input_bit,
     latch_object,
     probe_function,
     state_of,
@@ -24,8 +25,6 @@ from kernel.errors import Alarm
 # A cyclic telegram may stay out this often before the drive counts as lost
 MISSING_CYCLES_MAX = 3
 POSITION_MAX = 1 << 31  # INTEGER32 of 607A and 6064, increments
-# Digital inputs 0x60FD: bits 16.. are the manufacturer's (CiA 402); probe inputs stand there
-PROBE_INPUT_BIT = {1: 1 << 16, 2: 1 << 17}
 
 
 @dataclass(frozen=True)
@@ -55,9 +54,8 @@ class AxisLink:
         self._function = probe_function(settings.probe_input, settings.edge)
         self._enabled_bit = enabled_bit(settings.probe_input)
         self._stored_bit = stored_bit(settings.probe_input, settings.edge)
-        self._input_bit = PROBE_INPUT_BIT[settings.probe_input]
+        self._input_bit = input_bit(settings.probe_input)
         self._per_mm = settings.increments_per_mm
-        self.increment_mm = 1.0 / settings.increments_per_mm
         self._codec = {name: t.codec for name, t in self.telegrams.items()}
         self._rpdo_id = self.telegrams["RPDO1"].cob_id(settings.node_id)
         self._received: dict[str, bytes | None] = {"TPDO1": None, "TPDO2": None}
@@ -67,7 +65,6 @@ class AxisLink:
         self._latch_increments: int | None = None
         self._inputs: int | None = None
         self._missing = 0
-        self._sent = False
         self.emergency_code = 0
         self.controlword = 0
         self.power = False
