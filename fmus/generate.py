@@ -1,20 +1,17 @@
-"""Writes the C source and the model description of one FMU."""
+"""Writes the texts of one FMU: the C source here, the model description beside."""
 
 import hashlib
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
-import jinja2
-
+from fmus.description import TOKEN_MARK, describe, identifier_of, templates
 from fmus.expressions import Expr, Writer, c_number
 from fmus.ir import TARGET, Ir
 from fmus.system import Assignment, System, read_system
-from fmus.variables import Variable, read_units, read_variables, start_vectors
+from fmus.variables import Variable, read_variables, start_vectors
 
 RUNTIME = ("runtime.h", "solver.c", "fmi3.c", "fmi3_absent.c")
-TOKEN_MARK = "@TOKEN@"
 INDENT = "    "
 
 
@@ -33,11 +30,6 @@ class Generated:
     description: str
 
 
-def identifier_of(model: str) -> str:
-    """The modelIdentifier of a model: its full name as a C identifier."""
-    return re.sub(r"\W", "_", model)
-
-
 def generate(ir: Ir, step_s: float) -> Generated:
     """Write the texts for a compiled model with an internal step of `step_s` seconds.
 
@@ -46,7 +38,7 @@ def generate(ir: Ir, step_s: float) -> Generated:
     system = read_system(ir)
     variables = read_variables(ir, system)
     source = _source(ir, system, variables, step_s)
-    description = _description(ir, variables, step_s)
+    description = describe(ir, variables, step_s)
     digest = hashlib.sha256()
     digest.update(source.encode())
     digest.update(description.encode())
@@ -60,19 +52,6 @@ def generate(ir: Ir, step_s: float) -> Generated:
         source.replace(TOKEN_MARK, token),
         description.replace(TOKEN_MARK, token),
     )
-
-
-def _templates() -> jinja2.Environment:
-    environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(TARGET),
-        undefined=jinja2.StrictUndefined,
-        autoescape=lambda name: bool(name and name.endswith(".xml.jinja")),
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-    )
-    environment.filters["c_string"] = _c_string
-    return environment
 
 
 def _c_string(text: str) -> str:
@@ -199,7 +178,7 @@ def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float
         for slot, vector, index in system.previous
     ]
     return (
-        _templates()
+        templates(c_string=_c_string)
         .get_template("model.c.jinja")
         .render(
             model=ir.model,
@@ -257,44 +236,3 @@ def _row(variable: Variable) -> dict[str, str]:
         "min": c_number(low),
         "max": c_number(high),
     }
-
-
-def _description(ir: Ir, variables: Sequence[Variable], step_s: float) -> str:
-    used = {variable.unit for variable in variables if variable.unit} | {"s"}
-    units = [row for unit, row in read_units().items() if unit in used]
-    return (
-        _templates()
-        .get_template("modelDescription.xml.jinja")
-        .render(
-            model=ir.model,
-            identifier=identifier_of(ir.model),
-            text=_class_text(ir),
-            step=repr(step_s),
-            units=units,
-            exponents=("kg", "m", "s", "A", "rad"),
-            variables=variables,
-            outputs=[v for v in variables if v.causality == "output"],
-            unknowns=[v for v in variables if v.causality in ("output", "calculatedParameter")],
-            number=_number,
-        )
-    )
-
-
-def _number(variable: Variable, value: float) -> str:
-    """A value as XML text of the type of its variable."""
-    if variable.type == "Float64":
-        return repr(value)
-    if variable.type == "Int32":
-        return str(int(value))
-    return "true" if value else "false"
-
-
-def _class_text(ir: Ir) -> str:
-    """The description string of the model's class."""
-    name = ir.model.split(".")[-1]
-    pattern = re.compile(rf'\b(?:model|block)\s+{name}\s+"((?:[^"\\]|\\.)*)"')
-    for path, text in ir.files.values():
-        found = pattern.search(text)
-        if found and Path(path).stem in (name, "package"):
-            return found.group(1)
-    return ""

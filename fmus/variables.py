@@ -113,7 +113,9 @@ def start_vectors(ir: Ir, system: System) -> tuple[list[float], list[float]]:
 def read_variables(ir: Ir, system: System) -> list[Variable]:
     """Every variable that the FMU shows, in the order of declaration.
 
-    Constants and the parameters of components (they follow from those of the model) are left out.
+    A parameter with a plain number can be set, that of a component by its structured name
+    (`stop.stiffness`); one that is bound to others is calculated; a final one with a number never
+    changes. Constants are left out.
     Raises BuildError for arrays, unknown types, and units that `units.csv` does not hold.
     """
     bindings = ir.solve["layout"]["bindings"]
@@ -123,7 +125,7 @@ def read_variables(ir: Ir, system: System) -> list[Variable]:
     for variable in ir.dae["variables"]:
         _single(ir, variable)
         name, role = variable["name"], variable["role"]
-        if role == "constant" or name not in bindings or (role == "parameter" and "." in name):
+        if role == "constant" or name not in bindings:
             continue
         ((vector, where),) = bindings[name].items()
         found = _variable(
@@ -151,6 +153,8 @@ def _variable(
         follows = slot[1] in computed
         causality, variability = "calculatedParameter" if follows else "parameter", "fixed"
         start = None if follows else _start(ir, variable)
+        if not follows and not attributes["tunable"]:  # final
+            causality, variability = "local", "constant"
     elif role == "input":
         causality, start = "input", _start(ir, variable)
     else:
