@@ -162,9 +162,6 @@ def _variable(
         if role in ("discrete_real", "discrete_value"):
             variability = "discrete"
     if kind == "Float64" and causality != "local":
-        if attributes["unit"] is None:
-            span = variable["declaration"].get("span")
-            raise ir.error(span, f"{variable['name']} has no unit")
         _refuse_moving(ir, variable, "minimum")
         _refuse_moving(ir, variable, "maximum")
     return Variable(
