@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from fmus import MODELS, BuildError, ensure_built
+from fmus import CATALOGUE, MODELS, BuildError, ensure_built
 from kernel.errors import UserError, nearest
 
 
@@ -22,5 +22,9 @@ def build_models(model: str | None) -> Iterator[str]:
 
 
 def listing() -> str:
-    """Return the names of the models, one a line."""
-    return "\n".join(MODELS)
+    """Return the models with their internal steps and titles, one a line."""
+    width = max(len(name) for name in MODELS)
+    return "\n".join(
+        f"{row.name:<{width}}  {row.step_s * 1e6:4.0f} us  {row.title}"
+        for row in CATALOGUE.values()
+    )

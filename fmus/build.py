@@ -3,6 +3,7 @@
 `ensure_built("AxisRig.Drives.ServoAxis")` gives the path of an FMU that is up to date.
 """
 
+import csv
 import hashlib
 import importlib.metadata
 import importlib.util
@@ -10,6 +11,7 @@ import shutil
 import tempfile
 import zipfile
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
@@ -27,14 +29,31 @@ from fmus.generate import RUNTIME, Generated, generate
 from fmus.ir import TARGET, compile_model
 
 LIBRARY = Path(__file__).parent / "AxisRig"
-# Internal step of each model, s. The axis needs the finer one for friction near standstill: 50 us
-# leave 9 nm after an impact, 25 us leave 1 nm.
-STEPS_S: Mapping[str, float] = {
-    "AxisRig.Drives.ServoAxis": 25e-6,
-    "AxisRig.Sensors.TouchProbe": 50e-6,
-}
+MODELS_FILE = Path(__file__).parent / "models.csv"
 DEFAULT_STEP_S = 50e-6
-MODELS: tuple[str, ...] = tuple(STEPS_S)
+
+
+@dataclass(frozen=True)
+class Model:
+    """A row of `models.csv`: what the library offers as an FMU.
+
+    name: full Modelica name. step_s: internal step of the integration, s. title: for lists.
+    """
+
+    name: str
+    step_s: float
+    title: str
+
+
+def read_models() -> dict[str, Model]:
+    """The models of the library by full name, in the order of the file."""
+    with MODELS_FILE.open(encoding="utf-8", newline="") as file:
+        rows = [Model(r["model"], float(r["step_s"]), r["title"]) for r in csv.DictReader(file)]
+    return {row.name: row for row in rows}
+
+
+CATALOGUE: Mapping[str, Model] = read_models()
+MODELS: tuple[str, ...] = tuple(CATALOGUE)
 
 HEADERS = ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h")
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
@@ -66,8 +85,8 @@ def ensure_built(model: str, cache_dir: Path | None = None) -> Path:
 def build(model: str, path: Path, library: Path = LIBRARY, step_s: float | None = None) -> Path:
     """Build the FMU of `model` of `library` into the file `path`, and return it.
 
-    step_s: internal step of the integration, s; default by `STEPS_S`. Several processes may build
-    the same file: each writes its own and puts it in place at once.
+    step_s: internal step of the integration, s; default by `models.csv`. Several processes may
+    build the same file: each writes its own and puts it in place at once.
     Raises BuildError.
     """
     generated = generate(compile_model(model, library), _step_s(model, step_s))
@@ -89,7 +108,9 @@ def build(model: str, path: Path, library: Path = LIBRARY, step_s: float | None 
 
 def _step_s(model: str, step_s: float | None) -> float:
     """The internal step to use."""
-    return STEPS_S.get(model, DEFAULT_STEP_S) if step_s is None else step_s
+    if step_s is not None:
+        return step_s
+    return CATALOGUE[model].step_s if model in CATALOGUE else DEFAULT_STEP_S
 
 
 def _write_sources(folder: Path, generated: Generated) -> None:
