@@ -10,6 +10,7 @@ package Units "SI types, so that every variable carries its unit"
   type Frequency = Real(quantity = "Frequency", unit = "Hz", min = 0);
   type Rate = Real(unit = "1/s", min = 0) "Gain of a loop from position to velocity";
   type Stiffness = Real(unit = "N/m", min = 0);
+  type Exponent = Real(unit = "1", min = 1) "Power of the penetration";
   type Damping = Real(unit = "N.s/m", min = 0) "Force per velocity";
   type ContactDamping = Real(unit = "s/m", min = 0) "Share of the spring force per velocity";
   type Share = Real(unit = "1", min = 0, max = 1);

@@ -350,9 +350,11 @@ def _texts(package: str) -> set[str]:
 
 
 TABLES = [path for path in _files(".csv") if path.relative_to(ROOT).parts[0] in PACKAGES]
+# Stored references are read by the name of their model.
+NAMED_TABLES = [path for path in TABLES if path.parent.name != "references"]
 
 
-@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
+@pytest.mark.parametrize("table", NAMED_TABLES, ids=lambda path: path.name)
 def test_every_table_that_ships_is_read_by_its_package(table: Path) -> None:
     assert table.name in _texts(table.relative_to(ROOT).parts[0])
 

@@ -39,6 +39,11 @@ class Fmu:
         self.slave.exitInitializationMode()
         self.time = 0.0
 
+    def restart(self, **values: float) -> None:
+        """Go back to the start values of the description, but for `values`."""
+        self.slave.reset()
+        self.start(**values)
+
     def log(self, environment: Any, status: int, category: bytes, message: bytes) -> None:
         self.messages.append(message.decode())
 
@@ -69,6 +74,11 @@ class Fmu:
     def step(self, size: float) -> None:
         self.slave.doStep(self.time, size)
         self.time += size
+
+    def step_to(self, instant: float) -> None:
+        """Step to an instant without gathering rounding errors."""
+        self.slave.doStep(self.time, instant - self.time)
+        self.time = instant
 
 
 @pytest.fixture(scope="session")

@@ -3,9 +3,10 @@ model Slide "Rigid mass on a straight guideway"
   parameter Units.Mass mass = 120 "Everything that moves, in terms of the slide";
   parameter Units.Force weight = 0 "Weight that no counterbalance carries, pulls towards negative";
   parameter Units.Position position_start = 0 "Position at the start";
+  parameter Units.Velocity velocity_start = 0 "Velocity at the start";
   Interfaces.Flange flange "Where forces act";
   Units.Position position(start = position_start, fixed = true) "Position of the slide";
-  Units.Velocity velocity(start = 0, fixed = true) "Velocity of the slide";
+  Units.Velocity velocity(start = velocity_start, fixed = true) "Velocity of the slide";
 equation
   flange.s = position;
   der(position) = velocity;

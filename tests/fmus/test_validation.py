@@ -1,0 +1,141 @@
+"""Every component of the library against a reference that does not come from the exporter."""
+
+import ast
+import csv
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fmus.build import LIBRARY, build
+
+VALIDATION = LIBRARY.parent / "validation"
+STEP_S = 20e-6  # internal step of the validation models
+# A reference made anew on another machine may differ by this share of the tolerance.
+REPRODUCED = 1e-3
+# What a reference may be made from.
+ALLOWED = {*sys.stdlib_module_names, "numpy", "scipy"}
+ALLOWED |= {path.stem for path in VALIDATION.glob("*.py")}
+
+
+def read(name: str) -> list[dict[str, str]]:
+    with (VALIDATION / name).open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+SIGNALS = read("signals.csv")
+MODELS = tuple(dict.fromkeys(row["model"] for row in SIGNALS))
+
+
+def stored(model: str, folder: Path = VALIDATION / "references") -> dict[str, np.ndarray]:
+    """The columns of a reference by name."""
+    with (folder / f"{model}.csv").open(encoding="utf-8", newline="") as file:
+        names, *rows = csv.reader(file)
+    return dict(zip(names, np.array(rows, dtype=float).T, strict=True))
+
+
+def rows_of(model: str) -> list[dict[str, str]]:
+    return [row for row in SIGNALS if row["model"] == model]
+
+
+def deviations(fmu, model: str) -> Iterator[tuple[float, str, float]]:
+    """Instant, signal and deviation over tolerance, one instant after the other."""
+    reference = stored(model)
+    rows = [(row["signal"], float(row["tolerance"])) for row in rows_of(model)]
+    for k, instant in enumerate(reference["time_s"]):
+        if k:
+            fmu.step_to(instant)
+        for signal, tolerance in rows:
+            difference = abs(fmu.get(signal) - reference[signal][k])
+            # Not a number is never within the tolerance.
+            yield instant, signal, difference / tolerance if difference <= np.inf else np.inf
+
+
+@pytest.fixture(scope="session")
+def validation(cache, load) -> Callable[[str], object]:
+    """One instance of each validation model, kept for the session."""
+    loaded: dict[str, object] = {}
+
+    def get(model: str):
+        if model not in loaded:
+            path = build(f"AxisRig.Validation.{model}", cache / f"{model}.fmu", step_s=STEP_S)
+            loaded[model] = load(path)
+        else:
+            loaded[model].restart()
+        return loaded[model]
+
+    return get
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_model_is_within_its_tolerances(model, validation):
+    outside = [
+        f"{signal} at {instant:.6g} s: {ratio:.3g} times the tolerance"
+        for instant, signal, ratio in deviations(validation(model), model)
+        if ratio > 1
+    ]
+    assert not outside, "\n".join(outside[:20])
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_one_percent_of_any_physical_parameter_is_noticed(model, validation):
+    spared = {row["parameter"] for row in read("not_physical.csv") if row["model"] == model}
+    fmu = validation(model)
+    parameters = {
+        v.name: float(v.start)
+        for v in fmu.description.modelVariables
+        if v.causality == "parameter" and v.type == "Float64"
+    }
+    assert spared <= set(parameters), "not_physical.csv names what is not there"
+    unnoticed = []
+    for name in sorted(set(parameters) - spared):
+        fmu.restart(**{name: 1.01 * parameters[name]})
+        if all(ratio <= 1 for _, _, ratio in deviations(fmu, model)):
+            unnoticed.append(f"{name} = {parameters[name]!r}")
+    assert not unnoticed, unnoticed
+
+
+def test_stored_references_are_those_that_the_scripts_make(tmp_path):
+    script = VALIDATION / "make_references.py"
+    subprocess.run([sys.executable, str(script), "--into", str(tmp_path)], check=True, timeout=300)
+    assert {p.name for p in (VALIDATION / "references").iterdir()} == {f"{m}.csv" for m in MODELS}
+    for model in MODELS:
+        made, kept = stored(model, tmp_path), stored(model)
+        assert list(made) == list(kept)
+        assert np.array_equal(made["time_s"], kept["time_s"])
+        for row in rows_of(model):
+            difference = np.abs(made[row["signal"]] - kept[row["signal"]]).max()
+            assert difference <= REPRODUCED * float(row["tolerance"]), row
+
+
+@pytest.mark.parametrize("script", sorted(VALIDATION.glob("*.py")), ids=lambda p: p.name)
+def test_a_reference_is_made_without_the_exporter(script: Path):
+    """Only numpy, scipy, the standard library and the modules beside it."""
+    tree = ast.parse(script.read_text(encoding="utf-8"))
+    imported = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            imported |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            imported.add(node.module.split(".")[0])
+    assert imported <= ALLOWED
+
+
+def test_every_signal_names_unit_tolerance_and_source():
+    for row in SIGNALS:
+        assert all(row.values()), row
+        assert float(row["tolerance"]) > 0, row
+
+
+def test_every_validation_model_is_compared():
+    models = {p.stem for p in (LIBRARY / "Validation").glob("*.mo")} - {"package"}
+    assert models == set(MODELS)
+
+
+def test_what_is_spared_says_why():
+    for row in read("not_physical.csv"):
+        assert row["model"] in MODELS, row
+        assert row["reason"], row
