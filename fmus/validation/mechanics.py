@@ -9,10 +9,10 @@ from integration import Mode, Vector, integrate
 def fixed_stop(time_s: Vector) -> Mapping[str, Vector]:
     """A mass runs into a stop with exponent 1.5 and leaves it again.
 
-    m dv/dt = -k p (p/p_r)^(n-1) (1 + a v) while p = x - x_s > 0 and the stop pushes.
+    m dv/dt = -F_g - k p (p/p_r)^(n-1) (1 + a v) while p = x - x_s > 0 and the stop pushes.
     Source: Hunt, Crossley (1975).
     """
-    mass, stop, k, n, reference, a = 100.0, 2e-3, 20e6, 1.5, 1e-4, 4.0
+    mass, weight, stop, k, n, reference, a = 100.0, 50.0, 2e-3, 20e6, 1.5, 1e-4, 4.0
 
     def force(x: Vector, mode: Mode) -> float:
         touching, pushing = mode
@@ -21,7 +21,7 @@ def fixed_stop(time_s: Vector) -> Mapping[str, Vector]:
         return float(spring * (1.0 + a * x[1])) if touching and pushing else 0.0
 
     rows = integrate(
-        lambda t, x, mode: (x[1], -force(x, mode) / mass),
+        lambda t, x, mode: (x[1], -(weight + force(x, mode)) / mass),
         [0.0, 0.1],
         time_s,
         guards=[lambda t, x: x[0] - stop, lambda t, x: 1.0 + a * x[1]],

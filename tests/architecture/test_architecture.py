@@ -350,8 +350,8 @@ def _texts(package: str) -> set[str]:
 
 
 TABLES = [path for path in _files(".csv") if path.relative_to(ROOT).parts[0] in PACKAGES]
-# Stored references are read by the name of their model.
-NAMED_TABLES = [path for path in TABLES if path.parent.name != "references"]
+# The tables of the validation are read by its test and by the name of the model.
+NAMED_TABLES = [path for path in TABLES if "validation" not in path.parts]
 
 
 @pytest.mark.parametrize("table", NAMED_TABLES, ids=lambda path: path.name)

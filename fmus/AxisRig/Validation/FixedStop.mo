@@ -1,6 +1,6 @@
 within AxisRig.Validation;
 model FixedStop "A mass runs into a stop and leaves it again"
-  Mechanics.Slide slide(mass = 100, velocity_start = 0.1);
+  Mechanics.Slide slide(mass = 100, velocity_start = 0.1, weight = 50);
   Mechanics.FixedStop stop(
     stop_position = 2e-3,
     stiffness = 20e6,
