@@ -293,7 +293,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
         return fail(me, "fmi3DoStep: at t = %.12g s, not %.12g s", core->t,
                     currentCommunicationPoint);
     }
-    const double end = currentCommunicationPoint + communicationStepSize;
+    const double end = whole_ns(currentCommunicationPoint + communicationStepSize);
     if (!(communicationStepSize > 0.0) || !isfinite(end)) {
         return fail(me, "fmi3DoStep: step size %.12g s", communicationStepSize);
     }

@@ -175,15 +175,31 @@ static double locate(const Core *c, double h, double *z0, double *z1, double *x1
     return high;
 }
 
-/* Advance to t_end. On failure the core rests where the last internal step began. */
+/* A time that only rounding keeps from a whole nanosecond is that nanosecond. So a span gives the
+ * same bits however it is cut into communication steps at whole internal steps.
+ */
+static double whole_ns(double t)
+{
+    const double ns = nearbyint(t * 1e9) * 1e-9;
+    return fabs(t - ns) <= 8.0 * DBL_EPSILON * fabs(t) ? ns : t;
+}
+
+/* Advance to t_end. On failure the core rests where the last internal step began.
+ *
+ * Internal steps end on a grid from the beginning, also after an event between two of its points.
+ */
 static SolverReport advance(Core *c, double t_end)
 {
     double z0[N_RELATIONS + 1], z1[N_RELATIONS + 1], x1[N_X + 1];
+    const double t_begin = c->t;
+    double t_grid = t_begin, points = 0.0;
     int events = 0;
     model_relations(c->t, c->y, c->p, z0);
     while (c->t < t_end) {
-        const bool last = t_end - c->t < INTERNAL_STEP * (1.0 + 1e-6);
-        double t_next = last ? t_end : c->t + INTERNAL_STEP;
+        while (t_grid <= c->t) {
+            t_grid = whole_ns(t_begin + ++points * INTERNAL_STEP);
+        }
+        double t_next = t_end - t_grid < INTERNAL_STEP * 1e-6 ? t_end : t_grid;
         const double h = t_next - c->t; /* of the rounded times: their sum is exact */
         runge_kutta(c->t, c->y, c->p, h, x1);
         const int bad = not_finite(x1, N_X);

@@ -96,6 +96,20 @@ def test_instances_do_not_meet(servo):
     assert found == expected
 
 
+def test_steps_of_whole_internal_steps_do_not_change_a_bit(servo):
+    """Internal steps of 25 us; the demand ends and the stop is met between two of them."""
+    ends = []
+    for size_us in (25, 50, 200, 1000, 50_000):
+        axis = servo(stop_position=0.0005, enabled=True, force_limit=500.0)
+        axis.step_to(48e-6)
+        axis.set(reference_velocity=0.05, reference_time=48e-6, reference_end=0.0873211)
+        for end_us in range(48 + size_us, 100_049, size_us):
+            axis.step_to(end_us * 1000 * 1e-9)
+        ends.append(axis.outputs())
+    assert ends[0]["stop_force"] > 100
+    assert all(end == ends[0] for end in ends)
+
+
 def test_communication_step_does_not_change_the_motion(servo):
     """Steps that are no multiple of the internal step end within 1e-12 m of the same place."""
     ends = []
