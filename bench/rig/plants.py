@@ -13,7 +13,7 @@ from bench.rig.file import PlantTable, rig_error
 from bench.rig.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
-from kernel.cosim.fmu import FmuSlave, PlantError
+from kernel.cosim.fmu import FmuSlave, PlantError, load_fmu
 from kernel.cosim.plant import AXIS_INPUTS, TRAJECTORY_INPUTS, Plant
 from kernel.errors import UserError, nearest
 
@@ -127,7 +127,7 @@ def build_plant(settings: Settings) -> Plant:
         for instance, table in settings.rig.plant.items():
             path = plant_path(settings, instance, table)
             try:
-                slave = FmuSlave(path, instance)
+                slave = load_fmu(path, instance)
                 if slave.has(*AXIS_INPUTS):
                     plant.add_axis(slave)
             except UserError as error:

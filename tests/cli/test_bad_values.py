@@ -201,14 +201,25 @@ FMI_2 = (
     "<ModelStructure/></fmiModelDescription>"
 )
 
+FMI_1 = (
+    '<?xml version="1.0"?><fmiModelDescription fmiVersion="1.0" modelName="m" guid="g" '
+    'modelIdentifier="m" numberOfContinuousStates="0" numberOfEventIndicators="0">'
+    "<ModelVariables/><Implementation><CoSimulation_StandAlone><Capabilities/>"
+    "</CoSimulation_StandAlone></Implementation></fmiModelDescription>"
+)
 
-def test_fmu_of_version_2_and_files_that_are_no_fmu(place: Path, rejected: Reject) -> None:
+
+def test_fmus_of_other_versions_and_files_that_are_no_fmu(place: Path, rejected: Reject) -> None:
     _use_own(place)
     own = place / "own.fmu"
     with zipfile.ZipFile(own, "w") as archive:
         archive.writestr("modelDescription.xml", FMI_2)
     message = rejected("nc", "part.nc", "--rig", "rig.toml", *FEED)
-    _holds(message, "own.fmu", "'2.0'", "allowed: 3.0")
+    _holds(message, "own.fmu", "no binary for this platform", "'none'")
+    with zipfile.ZipFile(own, "w") as archive:
+        archive.writestr("modelDescription.xml", FMI_1)
+    message = rejected("nc", "part.nc", "--rig", "rig.toml", *FEED)
+    _holds(message, "own.fmu", "'1.0'", "allowed: 2.0, 3.0")
     built = ensure_built(AXIS_MODEL).read_bytes()
     for content in (b"", b"text", built[: len(built) // 2]):
         own.write_bytes(content)
