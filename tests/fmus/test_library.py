@@ -43,7 +43,9 @@ def test_class_is_documented_and_within_its_package(file: Path):
     assert text.startswith(f"within {'.'.join(names)};" if names else "within;")
     assert "Documentation(info=" in text
     own = file.stem if file.name != "package.mo" else file.parent.name
-    assert re.search(rf'^(package|model|block|connector) {own} "[^"]+"', text, re.M)
+    assert re.search(
+        rf'^(partial )?(package|model|block|connector|function) {own} "[^"]+"', text, re.M
+    )
 
 
 @pytest.mark.parametrize("order", sorted(LIBRARY.rglob("package.order")), ids=str)

@@ -166,6 +166,47 @@ def test_ball_radius_and_inclined_plane(probe):
     assert fmu.gap == pytest.approx(gap0 + rate * 2.5, abs=1e-12)
 
 
+def test_trigger_force_is_twice_as_large_between_two_pads(probe):
+    """Lever law: F_p R/(2 L) over a pad, F_p R/L between two; 2.5 N, 50 mm, 10 mm, 0.2 N/um."""
+    for degrees in range(0, 360, 20):
+        phi = math.radians(degrees)
+        fmu = probe(normal_x=math.cos(phi), normal_y=math.sin(phi), normal_z=0.0, seat_force=2.5)
+        to_pad = min((degrees - pad) % 360 for pad in (0, 120, 240))
+        turn = math.radians(min(to_pad, 120 - to_pad))
+        expected = 2.5 * 0.010 / (2 * 0.050 * math.cos(turn)) / 0.2e6
+        assert fmu.total_pretravel == pytest.approx(expected, rel=1e-12)
+        assert 1.2499e-6 < fmu.total_pretravel < 2.5001e-6
+    along = probe(seat_force=2.5, pretravel=1e-6)
+    assert along.total_pretravel == pytest.approx(1e-6 + 2.5 / 2e6, rel=1e-12)
+
+
+def test_pretravel_by_direction_moves_the_edge(probe):
+    motion = Motion((-0.01, 0.0, 0.0), (0.02, 0.0, 0.0))
+    wall = {"normal_x": -1.0, "normal_z": 0.0, "surface": 0.0, "seat_force": 2.5}
+    fmu = motion.run(started(probe, motion, **wall), 1e-3, 0.6)
+    assert fmu.contact_time == pytest.approx(0.5, abs=LOCATED)
+    assert fmu.rising_time == pytest.approx(0.5 + 2.5e-6 / 0.02, abs=LOCATED)
+
+
+def test_clearance_is_the_way_to_the_next_edge(probe):
+    """Free: the gap. Between contact and switching point: the nearer one. Behind: the depth."""
+    for z, expected in ((0.12, 0.02), (0.0999, 1e-4), (0.0998, 2e-4), (0.0990, 5e-4)):
+        fmu = probe(z_start=z, z_end=z, pretravel=5e-4)
+        assert fmu.clearance == pytest.approx(expected, abs=1e-15)
+
+
+def test_clearance_is_zero_while_an_edge_is_under_way(probe):
+    motion = Motion((0.0, 0.0, 0.1005), (0.0, 0.0, -0.05))
+    fmu = started(probe, motion, trigger_delay=4e-3)
+    seen = []
+    for _ in range(16):
+        motion.run(fmu, 1e-3, fmu.time + 1e-3)
+        seen.append(fmu.clearance)
+    assert all(c > 0 for c in seen[:9])
+    assert seen[10:13] == [0, 0, 0]
+    assert seen[14] == pytest.approx(0.05 * 5e-3, abs=1e-12)
+
+
 @pytest.mark.parametrize("size", [2.0**-12, 2.0**-10, 2.0**-9])
 def test_crossing_exactly_at_a_step_end_is_one_edge(probe, size):
     """Binary fractions, so that the gap is exactly zero at t = 0.125 s."""

@@ -4,12 +4,14 @@ block EdgeDelay "Boolean signal that arrives later by a fixed time"
   input Boolean u "Input";
   input Boolean u_start "Level of the input at the start";
   output Boolean y "Input as it was one delay ago";
+  output Boolean waiting "An edge is under way";
 protected
   EdgeQueue rising(delay = delay);
   EdgeQueue falling(delay = delay);
 equation
   rising.u = u;
   falling.u = not u;
+  waiting = rising.waiting or falling.waiting;
   y = if u_start then rising.arrived >= falling.arrived else rising.arrived > falling.arrived;
   annotation(
     Documentation(info="<html>

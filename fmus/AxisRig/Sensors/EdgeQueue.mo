@@ -3,6 +3,7 @@ block EdgeQueue "Rising edges under way, first in first out, at most four"
   parameter Units.Time delay(min = 0) = 0 "How long an edge is under way";
   input Boolean u "Input";
   output Integer arrived(start = 0, fixed = true) "Number of edges that have arrived";
+  output Boolean waiting "An edge is under way";
 protected
   constant Units.Time never = 1e60;
   Integer sent(start = 0, fixed = true) "Number of edges that have left";
@@ -28,6 +29,7 @@ equation
     arrived = pre(arrived) + 1;
     read_slot = if pre(read_slot) > 2 then 0 else pre(read_slot) + 1;
   end when;
+  waiting = sent > arrived;
   assert(sent - arrived < 5, "more than four edges of one direction are under way");
   annotation(
     Documentation(info="<html>
