@@ -1,16 +1,13 @@
 """From an FMU file to an instance: read once per process, checked, FMI 2.0 or 3.0."""
 
-import atexit
-import shutil
-import tempfile
-import zipfile
-import zlib
+import re
 from functools import cache
 from pathlib import Path
 
 import fmpy
 from fmpy.model_description import ModelDescription
 
+from kernel.cosim.archive import unpack
 from kernel.cosim.fmi2 import Fmi2Slave
 from kernel.cosim.fmi3 import Fmi3Slave
 from kernel.cosim.library import Capabilities
@@ -31,43 +28,55 @@ _VERSIONS: dict[str, type[FmuSlave]] = {"2.0": Fmi2Slave, "3.0": Fmi3Slave}
 _PLATFORMS = {"2.0": fmpy.platform, "3.0": fmpy.platform_tuple}
 
 
+_IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+
 @cache
-def _unpacked(path: Path, _stamp: tuple[int, int]) -> tuple[ModelDescription, str]:
-    """Read and unpack an FMU once per process; the folder goes when the process ends."""
-    folder = tempfile.mkdtemp(prefix="axisrig-fmu-")
-    atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    description = fmpy.read_model_description(str(path))
-    fmpy.extract(str(path), folder)
-    return description, folder
+def read_description(folder: Path) -> ModelDescription:
+    """Read the model description of an unpacked FMU and hold it to the schema of its FMI version.
+
+    Raises ValidationError with every problem found, other Exceptions of fmpy for what is none.
+    """
+    return fmpy.read_model_description(str(folder))
 
 
 def load_description(path: Path) -> tuple[ModelDescription, str]:
     """Return the model description and the unpacked folder of the FMU at `path`.
 
-    Raises UserError when the file is missing, is no FMU, or cannot be used here: other FMI version,
-    no co-simulation, no binary for this platform.
+    Raises UserError when the file is missing, is no FMU or no safe one, or cannot be used here:
+    other FMI version, no co-simulation, no binary for this platform.
     """
-    if not path.is_file():
-        raise UserError("FMU not found", file=path)
-    stamp = path.stat()
+    folder = unpack(path)
     try:
-        description, folder = _unpacked(path, (stamp.st_mtime_ns, stamp.st_size))
-    except zlib.error as error:
-        raise UserError("the FMU is damaged: it cannot be unpacked", file=path) from error
-    except (zipfile.BadZipFile, KeyError, AttributeError) as error:
+        description = read_description(folder)
+    except Exception as error:  # fmpy tells an unknown version or a missing element like that
+        problems = getattr(error, "problems", None) or [str(error) or type(error).__name__]
+        more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise UserError(
-            "this is no FMU (a zip archive with modelDescription.xml)", file=path
+            f"the model description is rejected: {problems[0]}{more}",
+            file=path,
+            hint="axisrig fmu check FILE lists what is wrong",
         ) from error
-    except Exception as error:  # fmpy reports a rejected description with plain Exceptions
-        raise UserError(f"the model description is rejected: {error}", file=path) from error
     version = fmi_version(description)
     if version not in _VERSIONS:
         raise UserError(
             "FMI version not supported here", file=path, value=version, allowed=list(_VERSIONS)
         )
     if description.coSimulation is None:
-        raise UserError("the FMU has no co-simulation interface", file=path)
-    binaries = Path(folder) / "binaries"
+        raise UserError(
+            "the FMU has no co-simulation interface",
+            file=path,
+            hint="export it for co-simulation; a model without its solver cannot be stepped",
+        )
+    identifier = str(description.coSimulation.modelIdentifier)
+    if not _IDENTIFIER.fullmatch(identifier):  # it is part of the library's path
+        raise UserError(
+            "the model identifier is no C name",
+            file=path,
+            value=identifier,
+            allowed="[A-Za-z_]\\w*",
+        )
+    binaries = folder / "binaries"
     present = sorted(p.name for p in binaries.iterdir()) if binaries.is_dir() else []
     if _PLATFORMS[version] not in present:
         raise UserError(
@@ -76,7 +85,7 @@ def load_description(path: Path) -> tuple[ModelDescription, str]:
             value=" ".join(present) or "none",
             hint="build the FMU for this platform",
         )
-    return description, folder
+    return description, str(folder)
 
 
 def fmi_version(description: ModelDescription) -> str:
