@@ -79,15 +79,32 @@ class AxisTable(_Table):
     probe_2: Name | None = None
 
 
+class MapTable(_Table):
+    """`[plant.NAME.map]`: `role = { variable = "x", unit = "mm" }`.
+
+    unit: where the FMU tells none. sign: -1 turns direction or level round. threshold: a number
+    above it is the level true. lead_mm: travel per revolution, for a rotation.
+    """
+
+    variable: str
+    unit: str | None = None
+    sign: Literal[1, -1] = 1
+    threshold: float | None = None
+    lead_mm: Annotated[float, Field(gt=0)] | None = None
+
+
 class PlantTable(_Table):
     """`[plant.NAME]`: an FMU, its start values (`surface_mm = 100`) and what it is wired to.
 
-    fmu: name of a model of the library, or path of an .fmu beside the rig file.
+    fmu: name of a model of the library, or path of an .fmu beside the rig file. kind: what it is,
+    where its variables leave that open. map: role -> variable; false leaves a role out.
     """
 
     fmu: str
+    kind: Literal["axis", "probe"] | None = None
     start: dict[str, StartValue] = Field(default_factory=dict)
     wire: dict[Name, Name] = Field(default_factory=dict)
+    map: dict[Name, str | Literal[False] | MapTable] = Field(default_factory=dict)
 
 
 class RigFile(_Table):
