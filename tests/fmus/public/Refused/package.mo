@@ -1,0 +1,85 @@
+package Refused "Constructs that no FMU of this exporter can hold"
+  model StringParameter
+    parameter String name = "motor";
+    output Real y;
+  equation
+    y = time;
+  end StringParameter;
+
+  function external_sine
+    input Real x;
+    output Real y;
+    external "C" y = sin(x);
+  end external_sine;
+
+  model ExternalFunction
+    output Real y;
+  equation
+    y = external_sine(time);
+  end ExternalFunction;
+
+  model TooManyEquations
+    output Real y;
+  equation
+    y = time;
+    y = 2*time;
+  end TooManyEquations;
+
+  model TooFewEquations
+    output Real y;
+    Real z;
+  equation
+    y = time;
+  end TooFewEquations;
+
+  model UnknownFunction
+    output Real y;
+  equation
+    y = bessel(time);
+  end UnknownFunction;
+
+  model WrongType
+    output Real y;
+    Boolean b;
+  equation
+    b = time > 1;
+    y = b + 1;
+  end WrongType;
+
+  model RealEquality
+    output Boolean b;
+  equation
+    b = sin(time) == 0.5;
+  end RealEquality;
+
+  model DerOfDiscrete
+    discrete Real d(start = 0);
+    output Real y;
+  equation
+    when time > 1 then
+      d = 1;
+    end when;
+    y = der(d);
+  end DerOfDiscrete;
+
+  model VariableDelay
+    output Real y;
+  equation
+    y = delay(sin(time), 0.1 + 0.05*sin(time), 0.2);
+  end VariableDelay;
+
+  model Spatial
+    output Real a, b;
+  equation
+    (a, b) = spatialDistribution(sin(time), 0, time, true, {0.0, 1.0}, {0.0, 0.0});
+  end Spatial;
+
+  model ClockedSynchronous
+    Clock c = Clock(0.1);
+    Real x(start = 0);
+    output Real y;
+  equation
+    x = sample(time, c) + previous(x);
+    y = hold(x);
+  end ClockedSynchronous;
+end Refused;
