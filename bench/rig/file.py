@@ -34,7 +34,8 @@ class CycleTable(_Table):
 
     period_us: Annotated[int, Field(ge=250, le=20_000)] = 1000
     cycle_offset_us: Annotated[int, Field(ge=0)] = 600
-    exchange_us: Annotated[int, Field(ge=10, le=20_000)] = 250
+    exchange_us: Annotated[int, Field(ge=10, le=20_000)] = 20_000
+    fine_us: Annotated[int, Field(ge=10, le=20_000)] = 50
     buffer_cycles: Annotated[int, Field(ge=0, le=100)] = 0
 
 

@@ -13,8 +13,10 @@ from bench.rig.file import PlantTable, rig_error
 from bench.rig.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
+from kernel.cosim.axis import AXIS_INPUTS
 from kernel.cosim.fmu import FmuSlave, PlantError, load_fmu
-from kernel.cosim.plant import AXIS_INPUTS, TRAJECTORY_INPUTS, Plant
+from kernel.cosim.plant import Plant
+from kernel.cosim.probe import TRAJECTORY_INPUTS
 from kernel.errors import UserError, nearest
 
 ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
@@ -121,7 +123,7 @@ def build_plant(settings: Settings) -> Plant:
 
     Raises UserError with file, line and key of the rig (or the cell of the plan).
     """
-    plant = Plant(settings.rig.cycle.exchange_us * US)
+    plant = _empty_plant(settings)
     sensors: list[tuple[str, PlantTable, FmuSlave]] = []
     try:
         for instance, table in settings.rig.plant.items():
@@ -150,6 +152,20 @@ def build_plant(settings: Settings) -> Plant:
         plant.close()
         raise
     return plant
+
+
+def _empty_plant(settings: Settings) -> Plant:
+    """Make a plant whose steps serve every drive: fine where one of them looks up a latch."""
+    cycle, drives = settings.rig.cycle, settings.rig.drive.values()
+    delays_us = [drive.input_delay_us + drive.input_filter_us for drive in drives]
+    grids_us = [drive.sample_us if drive.latch == "sampled" else 0.0 for drive in drives]
+    looks_us = [grid - delay for grid, delay in zip(grids_us, delays_us, strict=True)]
+    return Plant(
+        cycle.exchange_us * US,
+        cycle.fine_us * US,
+        hold_ns=round(max(delays_us, default=0.0) * US),
+        look_back_ns=round(max([0.0, *looks_us]) * US),
+    )
 
 
 def _wire(

@@ -10,7 +10,9 @@ import numpy as np
 import pyarrow as pa
 
 from kernel.channel import Channel
-from kernel.cosim.plant import Plant, PlantAxis, PlantProbe
+from kernel.cosim.axis import PlantAxis
+from kernel.cosim.plant import Plant
+from kernel.cosim.probe import PlantProbe
 
 AXIS_COLUMNS = (
     "set_mm",
@@ -49,7 +51,7 @@ class Recorder:
         self._times.append(self._plant.now_ns)
         row: list[float] = []
         for link, axis in zip(channel.links, self._axes, strict=True):
-            position, velocity, motor, _, demand = axis.outputs.values
+            position, velocity, motor, _, demand = axis.motion
             row += (
                 link.set_mm,
                 link.actual_mm,

@@ -11,9 +11,9 @@ import numpy as np
 
 from bench.plan.checks import Check, Value
 from bench.run.observe import Observed, Touch
-from kernel.cosim.plant import Contact
+from kernel.cosim.probe import Contact
 
-# Events are located to 1 ns in the plant and in the drive node; both ends of an interval count
+# The drive node counts whole nanoseconds
 INSTANT_NS = 1.0
 # Cubic Hermite over a step h across a jump of the acceleration: 0.0162 da h^2; source:
 # docs/architecture.md
@@ -144,7 +144,8 @@ def reaction_ms(_observed: Observed, touch: Touch, _axis: str) -> Observation:
     """From the edge to the NC cycle that computes the first braking set position."""
     if touch.edge_ns is None or touch.record.signal_ns is None:
         return Observation(None, note="no edge was seen in the measurement run")
-    return Observation((touch.record.signal_ns - touch.edge_ns) / 1e6, INSTANT_NS / 1e6)
+    uncertainty_ms = touch.edge_uncertainty_ns / 1e6
+    return Observation((touch.record.signal_ns - touch.edge_ns) / 1e6, uncertainty_ms)
 
 
 @_of_run
@@ -201,12 +202,13 @@ def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str
     if not isinstance(truth.value, float):
         return truth
     speed_um_s = abs(_speed_mm_s(observed, contact, axis)) * 1e3
-    exchange_s = observed.machine.settings.rig.cycle.exchange_us * 1e-6
-    interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * exchange_s**2 * 1e3
+    fine_s = observed.machine.plant.fine_ns * 1e-9
+    interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * fine_s**2 * 1e3
+    events_ns = INSTANT_NS + touch.edge_uncertainty_ns
     return Observation(
         (latch.value - truth.value) * 1e3,
-        speed_um_s * 2 * INSTANT_NS * 1e-9 + interpolation_um,
-        f"location of the events 2 ns, interpolation inside an exchange step"
+        speed_um_s * events_ns * 1e-9 + interpolation_um,
+        f"location of the events {events_ns:g} ns, interpolation inside a fine step"
         f" {interpolation_um:.2g} um",
     )
 
@@ -219,7 +221,8 @@ def contact_to_latch_ms(
     latch_ns = observed.latch_in_run_ns(axis, touch)
     if latch_ns is None:
         return Observation(None, note=f"the drive of axis {axis} latched nothing")
-    return Observation((latch_ns - contact.time_ns) / 1e6, 2 * INSTANT_NS / 1e6)
+    uncertainty_ms = (INSTANT_NS + touch.edge_uncertainty_ns) / 1e6
+    return Observation((latch_ns - contact.time_ns) / 1e6, uncertainty_ms)
 
 
 @_of_contact

@@ -10,7 +10,7 @@ import pyarrow as pa
 from bench.results.writer import Event
 from bench.rig.machine import Machine
 from kernel.clock import TimeNs
-from kernel.cosim.plant import Contact, PlantProbe
+from kernel.cosim.probe import Contact, PlantProbe
 from kernel.measuring.run import RunRecord
 
 Signal = npt.NDArray[np.float64]
@@ -18,12 +18,16 @@ Signal = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Touch:
-    """One measurement run with what the plant saw of it."""
+    """One measurement run with what the plant saw of it.
+
+    edge_uncertainty_ns: how well the plant knows the instants of its contacts and edges.
+    """
 
     record: RunRecord
     contact: Contact | None
     edge_ns: TimeNs | None
     end_ns: TimeNs
+    edge_uncertainty_ns: float
 
 
 class Observed:
@@ -73,7 +77,8 @@ class Observed:
             for time_ns, _ in probe.signal.edges
             if record.begin_ns <= time_ns <= end_ns
         ]
-        return Touch(record, contact, min(edges, default=None), end_ns)
+        known_ns = max((probe.edge_uncertainty_ns for probe in probes), default=0.0)
+        return Touch(record, contact, min(edges, default=None), end_ns, known_ns)
 
     def probes_of(self, record: RunRecord) -> list[PlantProbe]:
         """Return the probes that are wired to the input in use of the measuring axes."""

@@ -1,9 +1,7 @@
-"""The latched position against the step over which axes and sensors exchange their motion.
+"""Steps of the co-simulation must not show in what is measured.
 
-The encoder has 0.6 nm, and the input delay of 333 us puts the latch into another step than the
-edge, so that errors of the two look-ups do not cancel. Reference: steps of 10 us.
-Measured: without feed-forward no increment of difference at any step; with full feed-forward, whose
-steps of demand velocity shake the acceleration, 0.6 nm up to 500 us and 3.0 nm at 1000 us.
+Between two SYNCs the plants go in steps of any length; where an edge can be they go in fine ones.
+The encoder has 0.6 nm, and the input delay of 333 us puts the latch behind the step of the edge.
 """
 
 import math
@@ -17,21 +15,16 @@ from bench.run.metrics import observe
 from bench.run.observe import Observed
 
 Run = Callable[..., Any]
-STEPS_US = (62, 125, 250, 500, 1000)
 INCREMENT_MM = 5 / 2**23
 T_S, A_MM_S2, VELOCITY_LOOP_HZ = 1e-3, 1000.0, 60.0
+FINE_US = 50
 # In speeding up the demand velocity steps by a T; the velocity loop answers with 2 pi f times it
 JUMP_MM_S2 = 2 * math.pi * VELOCITY_LOOP_HZ * A_MM_S2 * T_S
 
 
-def stated_mm(step_us: float) -> float:
+def stated_mm(step_us: float, jump_mm_s2: float = JUMP_MM_S2) -> float:
     """0.0162 da h^2: cubic Hermite across a jump of the acceleration (physics.md 2(e))."""
-    return 0.0162 * JUMP_MM_S2 * (step_us * 1e-6) ** 2
-
-
-def whole_mm(step_us: float) -> float:
-    """The same for the jump by 1000 mm/s2 that the documents reckon with."""
-    return 0.0162 * 1000 * (step_us * 1e-6) ** 2
+    return 0.0162 * jump_mm_s2 * (step_us * 1e-6) ** 2
 
 
 def _uncertainty_um(out: Any) -> float:
@@ -39,56 +32,74 @@ def _uncertainty_um(out: Any) -> float:
     return observe(Observed(out.machine), check).uncertainty
 
 
-def _run(run_nc: Run, wall_mm: float, step_us: int, feed_forward: float) -> Any:
+def _run(run_nc: Run, cycle: str, *, wall_mm: float = 119.0, **drive: Any) -> Any:
+    settings = {"input_delay_us": 333.0, **drive}
+    feed_forward = settings.pop("feed_forward", 0.0)
+    lines = "\n".join(f"{key} = {value!r}" for key, value in settings.items())
     rig = f"""
     [cycle]
-    exchange_us = {step_us}
+    {cycle}
     [drive.servo]
     encoder_increments = 8_388_608
     lead_mm = 5.0
-    input_delay_us = 333.0
+    {lines}
     [plant.z]
     start = {{ position_start_mm = 120.0, feed_forward = {feed_forward} }}
     [plant.probe]
-    start = {{ surface_mm = {wall_mm} }}
+    start = {{ surface_mm = {wall_mm}, trigger_delay_us = 120 }}
     """
     return run_nc("N10 G100 Z100 F6000", rig, base="probe-z.toml")
+
+
+def _left(out: Any) -> Any:
+    """All that a run leaves: frames, edges, contacts, trace."""
+    (probe,) = out.machine.plant.probes.values()
+    trace = out.machine.recorder.table().to_pydict()
+    return out.machine.frame_hash.hexdigest(), probe.signal.edges, probe.contacts, trace
+
+
+@pytest.mark.parametrize(
+    ("period_us", "steps_us"),
+    [(1000, (50, 100, 450, 1000, 20_000)), (10_000, (100, 250, 1000, 2000, 10_000))],
+)
+@pytest.mark.parametrize("latch", ["interpolated", "sampled"])
+def test_longest_step_does_not_change_a_bit(
+    run_nc: Run, period_us: int, steps_us: tuple[int, ...], latch: str
+) -> None:
+    """With one SYNC period; the samples of the drive reach back before the edge."""
+    left = []
+    for step_us in steps_us:
+        cycle = f"period_us = {period_us}\nexchange_us = {step_us}"
+        out = _run(run_nc, cycle, latch=latch, sample_us=1000.0, wall_mm=113.0)
+        left.append(_left(out))
+    assert len(left[0][1]) >= 1
+    assert all(other == left[0] for other in left)
 
 
 # Depths: in speeding up (to 5 mm), in steady motion, and in braking (from 15 mm on)
 @pytest.mark.parametrize(
     ("depth_mm", "feed_forward"), [(0.1, 0.0), (7.0, 0.0), (0.01, 1.0), (3.0, 1.0), (15.5, 1.0)]
 )
-def test_the_step_moves_the_value_by_less_than_is_stated(
+def test_fine_steps_move_the_value_by_less_than_is_stated(
     run_nc: Run, depth_mm: float, feed_forward: float
 ) -> None:
-    wall_mm = 120.0 - depth_mm
-    values, contacts_ns = {}, {}
-    for step_us in (10, *STEPS_US):
-        out = _run(run_nc, wall_mm, step_us, feed_forward)
-        values[step_us] = out.machine.channel.records[0].latched_mm["Z"]
-        contacts_ns[step_us] = out.machine.plant.probes["probe"].contacts[0].time_ns
-    for step_us in STEPS_US:
-        # Two look-ups (edge and latch), and the increment may flip
-        allowed_mm = 2 * stated_mm(step_us) + INCREMENT_MM
-        assert abs(values[step_us] - values[10]) <= allowed_mm, step_us
-        # 1 ns of rounding at both ends
-        speed_mm_s = math.sqrt(2 * A_MM_S2 * depth_mm) if depth_mm < 5 else 100.0
-        moved_mm = speed_mm_s * (abs(contacts_ns[step_us] - contacts_ns[10]) - 2) * 1e-9
-        assert moved_mm <= 2 * stated_mm(step_us), step_us
-
-
-def test_a_step_of_a_quarter_millisecond_hides_below_the_usual_increment() -> None:
-    """1 nm for a jump by 1000 mm/s2; as it is here below a tenth of the shipped 9.5 nm."""
-    assert stated_mm(250) < 0.1 * 10 / 2**20
-    assert whole_mm(250) == pytest.approx(1e-6, rel=0.02)
+    """Reference: every step is of 10 us."""
+    values, contacts_ns = [], []
+    for cycle in (f"fine_us = {FINE_US}", "fine_us = 10\nexchange_us = 10"):
+        out = _run(run_nc, cycle, wall_mm=120.0 - depth_mm, feed_forward=feed_forward)
+        values.append(out.machine.channel.records[0].latched_mm["Z"])
+        contacts_ns.append(out.machine.plant.probes["probe"].contacts[0].time_ns)
+    # The increment may flip
+    assert abs(values[0] - values[1]) <= stated_mm(FINE_US) + INCREMENT_MM
+    # 1 ns of rounding at both ends; an edge is found in 1/16 of a fine step
+    speed_mm_s = math.sqrt(2 * A_MM_S2 * depth_mm) if depth_mm < 5 else 100.0
+    moved_mm = speed_mm_s * (abs(contacts_ns[0] - contacts_ns[1]) - 2) * 1e-9
+    assert moved_mm <= stated_mm(FINE_US / 16)
 
 
 def test_the_interpolation_is_part_of_the_uncertainty_of_the_latch_error(run_nc: Run) -> None:
     """At 45 mm/s the 2 ns of the events are 0.00009 um beside it."""
-    uncertainty_um = _uncertainty_um(_run(run_nc, 119.0, 250, 0.0))
-    assert uncertainty_um == pytest.approx(whole_mm(250) * 1e3 + 0.9e-4, abs=0.3e-4)
-
-
-def test_a_longer_step_makes_the_latch_error_less_certain(run_nc: Run) -> None:
-    assert _uncertainty_um(_run(run_nc, 119.0, 1000, 0.0)) >= whole_mm(1000) * 1e3
+    for fine_us in (50, 500):
+        uncertainty_um = _uncertainty_um(_run(run_nc, f"fine_us = {fine_us}"))
+        whole_um = stated_mm(fine_us, 1000.0) * 1e3
+        assert uncertainty_um == pytest.approx(whole_um + 0.9e-4, abs=0.3e-4)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from kernel.cosim.plant import PlantAxis
+from kernel.cosim.axis import PlantAxis
 
 Vector = NDArray[np.float64]
 Run = Callable[..., Any]
@@ -410,13 +410,13 @@ def test_what_is_latched_is_the_encoder_and_not_the_load(
     run_nc: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The shipped axis is rigid; here its encoder reads 5 um more than the slide."""
-    sample = PlantAxis.sample
+    sample = PlantAxis._sample
 
     def shifted(axis: PlantAxis) -> None:
         sample(axis)
-        axis._motion[-1][2] += 5e-6
+        axis.motion[2] += 5e-6
 
-    monkeypatch.setattr(PlantAxis, "sample", shifted)
+    monkeypatch.setattr(PlantAxis, "_sample", shifted)
     out = run_nc(
         "N10 G100 Z100 F1200\n" + show("MESS.Z"),
         plane((0, 0, 1), 119.0),

@@ -31,7 +31,7 @@ def test_a_rig_is_read_with_its_defaults(rig_file: Write) -> None:
     rig, files = read_rig(path)
     assert files == [path.resolve()]
     assert (rig.cycle.period_us, rig.cycle.cycle_offset_us) == (1000, 600)
-    assert (rig.cycle.exchange_us, rig.cycle.buffer_cycles) == (250, 0)
+    assert (rig.cycle.exchange_us, rig.cycle.fine_us, rig.cycle.buffer_cycles) == (20_000, 50, 0)
     drive = rig.drive["servo"]
     assert (drive.encoder_increments, drive.input_delay_us, drive.latch) == (
         1_048_576,

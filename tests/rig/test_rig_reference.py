@@ -15,7 +15,8 @@ from bench.rig.file import (
     PlantTable,
     SegmentTable,
 )
-from kernel.cosim.plant import AXIS_INPUTS, AXIS_OUTPUTS, TRAJECTORY_INPUTS, PlantProbe
+from kernel.cosim.axis import AXIS_INPUTS, AXIS_OUTPUTS
+from kernel.cosim.probe import TRAJECTORY_INPUTS, PlantProbe
 
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
 MODELS: dict[str, type[BaseModel]] = {

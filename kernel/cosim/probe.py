@@ -1,0 +1,227 @@
+"""A touch probe of the plant: what it is told of the motion, and the edges it gives.
+
+A probe follows the motion only where an edge can be. Elsewhere it rests, and the bench reckons how
+far the axes may go before they could use up the `clearance` that it told last.
+"""
+
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+from math import hypot, sqrt
+
+from kernel.clock import TimeNs, seconds_to_ns
+from kernel.cosim.axis import PlantAxis
+from kernel.cosim.fmu import Exchange, FmuSlave, FmuState, PlantError
+
+TRAJECTORY_INPUTS = ("start", "rate_start", "end", "rate_end")
+CLEARANCE = "clearance"
+SPEED_GAIN_M_S2 = 500.0
+"""By how much an axis gains speed at most. Linear motors without load reach 300 m/s2; a stop or a
+collision brakes harder, but only drives speed an axis up."""
+
+
+class PlantSignal:
+    """The switching output of a probe: its level and every edge, located inside the step.
+
+    edges: (time_ns, new level), oldest first, grows during the run.
+    """
+
+    def __init__(self, level: bool) -> None:
+        self.level = level
+        self.edges: list[tuple[TimeNs, bool]] = []
+
+    def add(self, time_ns: TimeNs, level: bool) -> None:
+        """Append an edge."""
+        self.edges.append((time_ns, level))
+        self.level = level
+
+
+@dataclass(frozen=True)
+class Contact:
+    """The plant's own truth of a touch: when the gap closed and where the axes were (mm)."""
+
+    time_ns: TimeNs
+    position_mm: Mapping[str, float]
+
+
+def free_s(room_m: float, speed_m_s: float, gain_m_s2: float) -> float:
+    """Return how long a motion surely takes for a way of `room_m`.
+
+    That is t in v t + a t^2/2 = room: the speed now is v and grows by at most a.
+    """
+    return 2.0 * room_m / (speed_m_s + sqrt(speed_m_s * speed_m_s + 2.0 * gain_m_s2 * room_m))
+
+
+class PlantProbe:
+    """A touch probe of the plant, fed with the trajectories of the axes it is wired to.
+
+    edge_uncertainty_ns: how well edges and contacts are known; 1 for an FMU that locates them.
+    free_until_ns: no edge before. hold_ns: for how long after an edge the motion is needed in fine
+    steps, because a drive latches then; look_back_ns: how long before.
+    """
+
+    COUNTS = ("rising_count", "falling_count", "contact_count")
+    TIMES = ("rising_time", "falling_time", "contact_time")
+
+    def __init__(self, slave: FmuSlave, sources: Mapping[str, PlantAxis]) -> None:
+        """sources: input group of the FMU (`x`) -> the axis whose load position it reads."""
+        self.slave = slave
+        self.sources = list(sources.values())
+        names = ["step_time", "step_size"]
+        names += [f"{group}_{part}" for group in sources for part in TRAJECTORY_INPUTS]
+        self._inputs = Exchange(slave, names)
+        self._pack = struct.Struct(f"={len(names)}d").pack_into  # ten assignments in one call
+        self._counts = Exchange(slave, self.COUNTS)
+        self._seen = [0, 0, 0]
+        self._has_clearance = slave.has(CLEARANCE)
+        self._results = Exchange(slave, [*self.TIMES, *([CLEARANCE] * self._has_clearance)])
+        self._contact = Exchange(slave, [f"contact_{group}" for group in sources])
+        self._saved: FmuState | None = None
+        self.signal = PlantSignal(False)
+        self.contacts: list[Contact] = []
+        self.edge_uncertainty_ns = 1.0
+        self.hold_ns = self.look_back_ns = 0
+        self.free_until_ns: TimeNs = 0
+        self._hold_until_ns: TimeNs = 0
+        self._gain_m_s2 = SPEED_GAIN_M_S2 * sqrt(len(self.sources))
+        self._clearance_m = self._room_m = self._speed_m_s = 0.0
+        self._places_m = [0.0] * len(self.sources)
+
+    # At rest
+
+    def start(self, start_ns: TimeNs) -> None:
+        """Initialise the FMU where the axes stand; the level it finds is no edge."""
+        self.slave.time_ns = start_ns
+        self._write_rest(start_ns, start_ns + 1_000_000_000)
+        self.slave.initialize(start_ns)
+        level = Exchange(self.slave, ["signal"])
+        level.read()
+        self.signal.level = bool(level.values[0])
+        self._counts.read()
+        self._seen = self._counts.values[:]
+        self._read_results()
+
+    def _write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+        motion: list[float] = []
+        for axis in self.sources:
+            place = axis.motion[0]
+            motion += (place, 0.0, place, 0.0)
+        self._write(begin_ns, end_ns, motion)
+
+    def _write(self, begin_ns: TimeNs, end_ns: TimeNs, motion: list[float]) -> None:
+        self._pack(self._inputs.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *motion)
+        self._inputs.write()
+
+    def _read_results(self) -> None:
+        self._results.read()
+        if self._has_clearance:
+            self._clearance_m = self._results.values[3]
+            self._places_m = [axis.motion[0] for axis in self.sources]
+
+    # Where no edge can be
+
+    def look_ahead(self, now_ns: TimeNs, wanted_ns: TimeNs) -> TimeNs:
+        """Return `free_until_ns`, at least `wanted_ns` later if that can be known.
+
+        Raises PlantError when an axis has gained speed faster than SPEED_GAIN_M_S2.
+        """
+        self.free_until_ns = now_ns
+        if self._has_clearance and now_ns >= self._hold_until_ns:
+            free_ns = self._free_ns(now_ns)
+            if free_ns < wanted_ns and self.slave.time_ns < now_ns:
+                self._catch_up(now_ns)
+                free_ns = self._free_ns(now_ns)
+            self.free_until_ns += max(free_ns, 0)
+        return self.free_until_ns
+
+    def _free_ns(self, now_ns: TimeNs) -> TimeNs:
+        moved = [axis.motion[0] - x for axis, x in zip(self.sources, self._places_m, strict=True)]
+        self._room_m = self._clearance_m - hypot(*moved)
+        self._speed_m_s = hypot(*[axis.motion[1] for axis in self.sources])
+        if self._room_m < 0.0:
+            self._bound_is_broken(now_ns)
+        return int(free_s(self._room_m, self._speed_m_s, self._gain_m_s2) * 1e9) - self.look_back_ns
+
+    def _catch_up(self, now_ns: TimeNs) -> None:
+        """Bring the FMU to now, at rest where the axes are: no edge lies between."""
+        self._write_rest(self.slave.time_ns, now_ns)
+        self.slave.step_to(now_ns)
+        self._counts.read()
+        if self._counts.values[:] != self._seen:
+            raise PlantError(
+                self.slave.name, now_ns, "an edge came where its clearance said that none can be"
+            )
+        self._read_results()
+
+    def passed_over(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+        """Check that a step without this probe was what `look_ahead` reckoned with."""
+        speed_m_s = hypot(*[axis.motion[1] for axis in self.sources])
+        step_s = (end_ns - begin_ns) * 1e-9
+        is_faster = speed_m_s > self._speed_m_s + self._gain_m_s2 * step_s
+        if is_faster and speed_m_s * step_s > self._room_m:
+            self._bound_is_broken(end_ns)
+
+    def _bound_is_broken(self, now_ns: TimeNs) -> None:
+        names = ", ".join(axis.slave.name for axis in self.sources)
+        raise PlantError(
+            self.slave.name,
+            now_ns,
+            f"an edge may be lost: {names} gained more speed than {SPEED_GAIN_M_S2:g} m/s2 near an"
+            " edge; set exchange_us in [cycle] to the value of fine_us",
+        )
+
+    # Where an edge can be
+
+    def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> int:
+        """Follow the axes over [begin_ns, end_ns], their last step.
+
+        Return how many edges came, the most of one kind; `accept` takes them.
+        """
+        motion: list[float] = []
+        for axis in self.sources:
+            motion += axis.tick
+        self._write(begin_ns, end_ns, motion)
+        self.slave.step_to(end_ns)
+        self._counts.read()
+        counts: list[int] = self._counts.values[:]
+        if counts == self._seen:
+            return 0
+        return max(now - seen for now, seen in zip(counts, self._seen, strict=True))
+
+    def save(self) -> None:
+        """Keep the present state for `restore`; the FMU must be able to."""
+        self._saved = self.slave.save_state(self._saved)
+
+    def restore(self) -> None:
+        """Go back to where `save` was called last; a step since then must not be accepted yet."""
+        assert self._saved is not None
+        self.slave.restore_state(self._saved)
+
+    def accept(self) -> None:
+        """Take the edges of the last step; PlantError when more came than their times are known."""
+        self._read_results()
+        counts = self._counts.values[:]
+        if counts == self._seen:
+            return
+        new = [now - seen for now, seen in zip(counts, self._seen, strict=True)]
+        self._seen = counts
+        if max(new) > 1:
+            raise PlantError(
+                self.slave.name,
+                self.slave.time_ns,
+                f"{max(new)} edges of one direction inside one step, only the last is known; choose"
+                " a smaller fine_us in the rig",
+            )
+        rising_s, falling_s, contact_s = self._results.values[:3]
+        edges = [(seconds_to_ns(rising_s), True)] * new[0]
+        edges += [(seconds_to_ns(falling_s), False)] * new[1]
+        for time_ns, level in sorted(edges):
+            self.signal.add(time_ns, level)
+            self._hold_until_ns = time_ns + self.hold_ns
+        if new[2]:
+            self._contact.read()
+            where = {
+                axis.slave.name: value * 1e3
+                for axis, value in zip(self.sources, self._contact.values, strict=True)
+            }
+            self.contacts.append(Contact(seconds_to_ns(contact_s), where))
