@@ -25,7 +25,7 @@ from fmus.compiler import (
     this_platform,
 )
 from fmus.errors import BuildError
-from fmus.generate import RUNTIME, Generated, generate
+from fmus.generate import SLAVES, Generated, generate, runtime_files
 from fmus.ir import TARGET, compile_model
 
 LIBRARY = Path(__file__).parent / "AxisRig"
@@ -55,7 +55,11 @@ def read_models() -> dict[str, Model]:
 CATALOGUE: Mapping[str, Model] = read_models()
 MODELS: tuple[str, ...] = tuple(CATALOGUE)
 
-HEADERS = ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h")
+FMI_VERSIONS: tuple[str, ...] = tuple(SLAVES)
+HEADERS: Mapping[str, tuple[str, ...]] = {
+    "3.0": ("fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
+    "2.0": ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
+}
 _ZIP_DATE = (1980, 1, 1, 0, 0, 0)
 _BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 <fmiBuildDescription fmiVersion="3.0">
@@ -68,35 +72,43 @@ _BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def ensure_built(model: str, cache_dir: Path | None = None) -> Path:
+def ensure_built(model: str, cache_dir: Path | None = None, fmi: str = "3.0") -> Path:
     """The FMU of one of `MODELS` from the cache; built first when the cache has none.
 
     The name in the cache holds a hash of library, exporter, compilers and options.
-    cache_dir: default is the folder `fmus` in the user's cache folder of axisrig.
+    cache_dir: default is the folder `fmus` in the user's cache folder of axisrig. fmi: version of
+    the standard, "3.0" or "2.0".
     Raises BuildError when the model is not known or cannot be built.
     """
     if model not in MODELS:
         raise BuildError(None, None, f"no model {model}; there are {', '.join(MODELS)}")
     folder = cache_dir or Path(platformdirs.user_cache_dir("axisrig")) / "fmus"
-    path = folder / f"{model.rsplit('.', 1)[-1]}-{cache_key(model)[:24]}.fmu"
-    return path if path.is_file() else build(model, path)
+    path = folder / f"{model.rsplit('.', 1)[-1]}-{cache_key(model, fmi=fmi)[:24]}.fmu"
+    return path if path.is_file() else build(model, path, fmi=fmi)
 
 
-def build(model: str, path: Path, library: Path = LIBRARY, step_s: float | None = None) -> Path:
+def build(
+    model: str,
+    path: Path,
+    library: Path = LIBRARY,
+    step_s: float | None = None,
+    fmi: str = "3.0",
+) -> Path:
     """Build the FMU of `model` of `library` into the file `path`, and return it.
 
     step_s: internal step of the integration, s; default by `models.csv`. Several processes may
     build the same file: each writes its own and puts it in place at once.
     Raises BuildError.
     """
-    generated = generate(compile_model(model, library), _step_s(model, step_s))
+    generated = generate(compile_model(model, library), _step_s(model, step_s), fmi)
     compiler, target = find_compiler(), this_platform()
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
         work = Path(name)
         sources = work / "sources"
         _write_sources(sources, generated)
-        binary = work / "binaries" / target.folder / f"{generated.identifier}{target.ending}"
+        folder = target.folder if fmi == "3.0" else target.folder_fmi2
+        binary = work / "binaries" / folder / f"{generated.identifier}{target.ending}"
         binary.parent.mkdir(parents=True)
         compile_library(compiler, sources / f"{generated.identifier}.c", binary)
         (work / "modelDescription.xml").write_text(generated.description, encoding="utf-8")
@@ -118,22 +130,23 @@ def _write_sources(folder: Path, generated: Generated) -> None:
     folder.mkdir()
     identifier = generated.identifier
     (folder / f"{identifier}.c").write_text(generated.source, encoding="utf-8")
-    (folder / "buildDescription.xml").write_text(
-        _BUILD_DESCRIPTION.format(identifier=identifier), encoding="utf-8"
-    )
-    for name in RUNTIME:
+    if generated.fmi == "3.0":  # 2.0 lists the sources in the model description
+        (folder / "buildDescription.xml").write_text(
+            _BUILD_DESCRIPTION.format(identifier=identifier), encoding="utf-8"
+        )
+    for name in runtime_files(generated.fmi):
         shutil.copyfile(TARGET / name, folder / name)
-    for header in _headers():
+    for header in _headers(generated.fmi):
         shutil.copyfile(header, folder / header.name)
 
 
-def _headers() -> list[Path]:
+def _headers(fmi: str) -> list[Path]:
     """The FMI headers; fmpy is only located, not loaded."""
     found = importlib.util.find_spec("fmpy")
     if found is None or found.origin is None:
         raise BuildError(None, None, "the package fmpy is not installed")
     folder = Path(found.origin).parent / "c-code"
-    return [folder / name for name in HEADERS]
+    return [folder / name for name in HEADERS[fmi]]
 
 
 def _pack(root: Path, files: Iterable[Path], packed: Path) -> None:
@@ -152,11 +165,13 @@ def cache_key(
     library: Path = LIBRARY,
     step_s: float | None = None,
     compiler: Compiler | None = None,
+    fmi: str = "3.0",
 ) -> str:
     """sha256 over everything that an FMU depends on."""
     exporter = Path(__file__).parent
     parts: dict[str, bytes] = {
         "model": model.encode(),
+        "fmi": fmi.encode(),
         "step": repr(_step_s(model, step_s)).encode(),
         "rumoca": importlib.metadata.version("rumoca").encode(),
         "compiler": (compiler or find_compiler()).identity.encode(),
@@ -172,7 +187,7 @@ def cache_key(
     for file in files:
         base = library.parent if file.is_relative_to(library) else exporter
         parts[f"file {file.relative_to(base).as_posix()}"] = file.read_bytes()
-    parts.update({f"header {header.name}": header.read_bytes() for header in _headers()})
+    parts.update({f"header {header.name}": header.read_bytes() for header in _headers(fmi)})
     return _digest(parts)
 
 

@@ -24,6 +24,7 @@ FLAGS = (
     "-fvisibility=hidden",
     "-Wall",
     "-Wextra",
+    "-Werror=implicit-function-declaration",
 )
 LINK = ("-lm",)
 
@@ -38,9 +39,10 @@ class Compiler:
 
 @dataclass(frozen=True)
 class Platform:
-    """Where an FMU runs: folder of the FMI standard and ending of a shared library."""
+    """Where an FMU runs: folder by FMI 3.0 and by FMI 2.0, and ending of a shared library."""
 
     folder: str
+    folder_fmi2: str
     ending: str
 
 
@@ -76,9 +78,9 @@ def this_platform() -> Platform:
     Raises BuildError for one that has no word there.
     """
     systems = {
-        "linux": Platform("linux", ".so"),
-        "win32": Platform("windows", ".dll"),
-        "darwin": Platform("darwin", ".dylib"),
+        "linux": Platform("linux", "linux64", ".so"),
+        "win32": Platform("windows", "win64", ".dll"),
+        "darwin": Platform("darwin", "darwin64", ".dylib"),
     }
     machines = {
         "x86_64": "x86_64",
@@ -90,7 +92,7 @@ def this_platform() -> Platform:
     machine = machines.get(platform.machine().lower())
     if system is None or machine is None:
         raise BuildError(None, None, f"no FMU for {sys.platform} on {platform.machine()}")
-    return Platform(f"{machine}-{system.folder}", system.ending)
+    return Platform(f"{machine}-{system.folder}", system.folder_fmi2, system.ending)
 
 
 def compile_library(compiler: Compiler, source: Path, library: Path) -> None:

@@ -9,9 +9,13 @@ from fmus.description import TOKEN_MARK, describe, identifier_of, templates
 from fmus.expressions import Expr, Writer, c_number
 from fmus.ir import TARGET, Ir
 from fmus.system import Assignment, System, read_system
-from fmus.variables import Variable, read_variables, start_vectors
+from fmus.variables import Variable, read_variables, scalars, start_vectors
 
-RUNTIME = ("runtime.h", "solver.c", "fmi3.c", "fmi3_absent.c")
+RUNTIME = ("runtime.h", "solver.c", "slave.c")
+SLAVES = {
+    "3.0": ("fmi3.c", "fmi3_absent.c"),
+    "2.0": ("fmi2.c", "fmi2_absent.c"),
+}
 INDENT = "    "
 
 
@@ -19,34 +23,44 @@ INDENT = "    "
 class Generated:
     """Texts of one FMU.
 
-    identifier: modelIdentifier, the name of the library file. token: instantiationToken, a hash
-    of the two texts and of the runtime.
+    fmi: version of the standard. identifier: modelIdentifier, the name of the library file. token:
+    instantiationToken or guid, a hash of the two texts and of the runtime.
     """
 
     model: str
+    fmi: str
     identifier: str
     token: str
     source: str
     description: str
 
 
-def generate(ir: Ir, step_s: float) -> Generated:
+def runtime_files(fmi: str) -> tuple[str, ...]:
+    """The files of the target folder that an FMU of version `fmi` is compiled from."""
+    return (*RUNTIME, *SLAVES[fmi])
+
+
+def generate(ir: Ir, step_s: float, fmi: str = "3.0") -> Generated:
     """Write the texts for a compiled model with an internal step of `step_s` seconds.
 
+    fmi: "3.0" or "2.0". Version 2.0 knows no arrays: each element is a variable of its own.
     Raises BuildError for any construct that the runtime does not hold.
     """
     system = read_system(ir)
     variables = read_variables(ir, system)
-    source = _source(ir, system, variables, step_s)
-    description = describe(ir, variables, step_s)
+    if fmi == "2.0":
+        variables = scalars(variables)
+    source = _source(ir, system, variables, step_s, fmi)
+    description = describe(ir, system, variables, step_s, fmi)
     digest = hashlib.sha256()
     digest.update(source.encode())
     digest.update(description.encode())
-    for name in RUNTIME:
+    for name in runtime_files(fmi):
         digest.update((TARGET / name).read_bytes())
     token = digest.hexdigest()[:32]
     return Generated(
         ir.model,
+        fmi,
         identifier_of(ir.model),
         token,
         source.replace(TOKEN_MARK, token),
@@ -169,7 +183,7 @@ def _assertions(system: System, names: _Names) -> str:
     return _text(lines)
 
 
-def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float) -> str:
+def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float, fmi: str) -> str:
     names = _Names(ir, system.state_count)
     start_y, start_p = start_vectors(ir, system)
     updates, whens = _from_snapshot(system, names)
@@ -190,7 +204,8 @@ def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float
             start_y=[c_number(value) for value in [*start_y, 0.0]],
             start_p=[c_number(value) for value in [*start_p, 0.0]],
             y_names=ir.solve["solve_layout"]["solver_maps"]["names"],
-            variables=[_row(variable) for variable in variables],
+            slave=SLAVES[fmi][0],
+            variables=[_row(variable, fmi) for variable in variables],
             relations=[
                 {
                     "memory": relation.memory,
@@ -222,17 +237,22 @@ def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float
     )
 
 
-def _row(variable: Variable) -> dict[str, str]:
+def _row(variable: Variable, fmi: str) -> dict[str, str]:
     """A variable as a row of the C table."""
-    classes = {"input": "CLASS_INPUT", "parameter": "CLASS_PARAMETER"}
+    class_ = "CLASS_OUTPUT"
+    if variable.settable:
+        class_ = "CLASS_INPUT" if variable.causality == "input" else "CLASS_PARAMETER"
+    # FMI 2.0 reads an enumeration as an integer.
+    kind = "Int32" if fmi == "2.0" and variable.type == "Enumeration" else variable.type
     low = -float("inf") if variable.minimum is None else variable.minimum
     high = float("inf") if variable.maximum is None else variable.maximum
     return {
         "name": variable.name,
-        "type": f"TYPE_{variable.type.upper()}",
-        "class": classes.get(variable.causality, "CLASS_OUTPUT"),
+        "type": f"TYPE_{kind.upper()}",
+        "class": class_,
         "vector": f"IN_{variable.vector.upper()}",
         "index": str(variable.index),
+        "count": str(variable.count),
         "min": c_number(low),
         "max": c_number(high),
     }

@@ -37,15 +37,31 @@ class Source:
 class Ir:
     """What the compiler knows about one model.
 
-    solve: programs and layout. dae: variables with their attributes. files: text of each source
+    solve: programs and layout. dae: variables with their attributes. flat: the flattened class, for
+    what the others do not tell: its description and the names of types. files: text of each source
     file by the compiler's file number. root: the folder that holds the library.
     """
 
     model: str
     solve: Mapping[str, Any]
     dae: Mapping[str, Any]
+    flat: Mapping[str, Any]
     files: Mapping[int, tuple[Path, str]]
     root: Path
+
+    def literals_of(self, variable: str) -> tuple[str, ...]:
+        """The names of the values of an enumeration variable, in their order.
+
+        Empty when the compiler does not tell which type it is.
+        """
+        type_name = self.flat["variable_type_names"].get(variable, "")
+        types: dict[str, dict[int, str]] = {}
+        for literal, ordinal in self.flat["enum_literal_ordinals"].items():
+            owner, _, name = literal.rpartition(".")
+            if owner == type_name or owner.endswith(f".{type_name}"):
+                types.setdefault(owner, {})[ordinal] = name.strip("'")
+        found = {tuple(names[n] for n in sorted(names)) for names in types.values()}
+        return found.pop() if len(found) == 1 else ()
 
     def place(self, span: Mapping[str, int] | None) -> Source | None:
         """Where a span of the compiler lies; None when it is not from a file."""
@@ -76,6 +92,7 @@ def compile_model(model: str, library: Path) -> Ir:
         compiled = rumoca.Session().load(str(entry), model=model)
         text = compiled.codegen(str(TARGET)).files[0].content
         source_map = json.loads(compiled.to_json("dae"))["source_map"]["files"]
+        flat = json.loads(compiled.to_json("flat"))
     except BaseException as error:
         # A panic of the compiler comes as an exception outside Exception.
         panic = type(error).__module__ == "pyo3_runtime"
@@ -90,7 +107,7 @@ def compile_model(model: str, library: Path) -> Ir:
         )
     files = {number: (Path(name).resolve(), text) for number, name, text in source_map}
     root = (library if library.is_dir() else entry).resolve().parent
-    return Ir(model, data["solve"], data["dae"], files, root)
+    return Ir(model, data["solve"], data["dae"], flat, files, root)
 
 
 def _as_json(match: re.Match[str]) -> str:

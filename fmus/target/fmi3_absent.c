@@ -9,8 +9,12 @@
 #define REFERENCES \
     fmi3Instance instance, const fmi3ValueReference valueReferences[], size_t nValueReferences
 
-#define ABSENT(Name, ...) \
-    fmi3Status Name(__VA_ARGS__) { return fail(instance, #Name " is not offered"); }
+#define ABSENT(Name, ...)                                                                          \
+    fmi3Status Name(__VA_ARGS__)                                                                   \
+    {                                                                                              \
+        BEGIN                                                                                      \
+        return (fmi3Status)fail(me, #Name " is not offered");                                      \
+    }
 
 fmi3Instance fmi3InstantiateModelExchange(fmi3String instanceName, fmi3String instantiationToken,
     fmi3String resourcePath, fmi3Boolean visible, fmi3Boolean loggingOn,
@@ -35,7 +39,6 @@ ABSENT(fmi3GetUInt8, REFERENCES, fmi3UInt8 values[], size_t nValues)
 ABSENT(fmi3GetInt16, REFERENCES, fmi3Int16 values[], size_t nValues)
 ABSENT(fmi3GetUInt16, REFERENCES, fmi3UInt16 values[], size_t nValues)
 ABSENT(fmi3GetUInt32, REFERENCES, fmi3UInt32 values[], size_t nValues)
-ABSENT(fmi3GetInt64, REFERENCES, fmi3Int64 values[], size_t nValues)
 ABSENT(fmi3GetUInt64, REFERENCES, fmi3UInt64 values[], size_t nValues)
 ABSENT(fmi3GetString, REFERENCES, fmi3String values[], size_t nValues)
 ABSENT(fmi3GetBinary, REFERENCES, size_t valueSizes[], fmi3Binary values[], size_t nValues)
@@ -46,7 +49,6 @@ ABSENT(fmi3SetUInt8, REFERENCES, const fmi3UInt8 values[], size_t nValues)
 ABSENT(fmi3SetInt16, REFERENCES, const fmi3Int16 values[], size_t nValues)
 ABSENT(fmi3SetUInt16, REFERENCES, const fmi3UInt16 values[], size_t nValues)
 ABSENT(fmi3SetUInt32, REFERENCES, const fmi3UInt32 values[], size_t nValues)
-ABSENT(fmi3SetInt64, REFERENCES, const fmi3Int64 values[], size_t nValues)
 ABSENT(fmi3SetUInt64, REFERENCES, const fmi3UInt64 values[], size_t nValues)
 ABSENT(fmi3SetString, REFERENCES, const fmi3String values[], size_t nValues)
 ABSENT(fmi3SetBinary, REFERENCES, const size_t valueSizes[], const fmi3Binary values[],

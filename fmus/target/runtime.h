@@ -12,7 +12,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-typedef enum { TYPE_FLOAT64, TYPE_INT32, TYPE_BOOLEAN } VariableType;
+typedef enum { TYPE_FLOAT64, TYPE_INT32, TYPE_BOOLEAN, TYPE_ENUMERATION } VariableType;
+/* CLASS_PARAMETER: also start values of states; both can be set before the start only. */
 typedef enum { CLASS_OUTPUT, CLASS_INPUT, CLASS_PARAMETER } VariableClass;
 typedef enum { IN_Y, IN_P, IS_TIME } VariableVector;
 
@@ -21,7 +22,8 @@ typedef struct {
     VariableType type;
     VariableClass class;
     VariableVector vector;
-    int index;
+    int index; /* of its first element */
+    int count; /* elements, one after the other; 1 for a scalar */
     double min, max;
 } VariableInfo;
 

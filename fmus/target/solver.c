@@ -24,6 +24,7 @@ typedef struct {
 /* What went wrong. place: file:line or "". index: of the variable, or -1. */
 typedef enum {
     SOLVER_OK,
+    SOLVER_TERMINATED, /* the model called terminate(); text: its message */
     SOLVER_NOT_FINITE,
     SOLVER_NO_FIXED_POINT,
     SOLVER_TOO_MANY_EVENTS,

@@ -8,26 +8,7 @@ from fmpy import read_model_description
 
 from fmus import MODELS, ensure_built
 from fmus.build import LIBRARY
-from fmus.variables import read_units
 
-# Named units by SI brochure, as exponents of kg, m, s, A, rad.
-NAMED = {
-    "1": (0, 0, 0, 0, 0),
-    "kg": (1, 0, 0, 0, 0),
-    "m": (0, 1, 0, 0, 0),
-    "s": (0, 0, 1, 0, 0),
-    "A": (0, 0, 0, 1, 0),
-    "rad": (0, 0, 0, 0, 1),
-    "N": (1, 1, -2, 0, 0),
-    "Hz": (0, 0, -1, 0, 0),
-    "V": (1, 2, -3, -1, 0),
-    "Ohm": (1, 2, -3, -2, 0),
-    "F": (-1, -2, 4, 2, 0),
-    "H": (1, 2, -2, -2, 0),
-    "W": (1, 2, -3, 0, 0),
-    "J": (1, 2, -2, 0, 0),
-    "Pa": (1, -1, -2, 0, 0),
-}
 FILES = sorted(LIBRARY.rglob("*.mo"))
 
 
@@ -77,25 +58,6 @@ def test_model_with_equations_names_its_source(file: Path):
     if physical and file.stem != "ServoAxis":
         for word in ("Equation", "Assumption", "Limit", "Source:"):
             assert word in text, word
-
-
-def product(text: str) -> list[int]:
-    """Exponents of a product such as kg.m2."""
-    exponents = [0] * 5
-    for factor in text.split("."):
-        name, power = re.fullmatch(r"([A-Za-z]+|1)(\d*)", factor).groups()
-        exponents = [e + n * int(power or 1) for e, n in zip(exponents, NAMED[name], strict=True)]
-    return exponents
-
-
-@pytest.mark.parametrize("unit", read_units())
-def test_exponents_of_a_unit_follow_from_its_name(unit: str):
-    above, _, below = unit.partition("/")
-    exponents = product(above)
-    if below:
-        exponents = [a - b for a, b in zip(exponents, product(below), strict=True)]
-    row = read_units()[unit]
-    assert [int(row[name]) for name in ("kg", "m", "s", "A", "rad")] == exponents
 
 
 def test_readme_names_every_input_output_and_parameter(cache):
