@@ -6,6 +6,7 @@ from typing import Any
 from fmpy.model_description import ModelDescription
 
 from kernel.clock import TimeNs
+from kernel.errors import UserError
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class Missing:
 
     def __call__(self, *_arguments: object) -> int:
         """Tell what is missing."""
-        raise AttributeError(f"the library has no function {self.name}")
+        raise UserError(f"the library of the FMU has no function {self.name}")
 
 
 class Library:

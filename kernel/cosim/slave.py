@@ -91,6 +91,7 @@ class Exchange:
         if slave.COUNTS_VALUES:
             arguments, signature = (*arguments, count), (*signature, SIZE)
         self._arguments = arguments
+        # A library without inputs of a type may well have no function to set them
         self._get = slave.function(f"{slave.PREFIX}Get{word}", signature)
         self._set = slave.function(f"{slave.PREFIX}Set{word}", signature)
 
@@ -208,11 +209,11 @@ class FmuSlave(ABC):
     def function(self, name: str, signature: tuple[Any, ...]) -> Any:
         """Return the library function `name` with `signature`, keeping the interpreter lock.
 
-        Raises UserError when the library has no such function.
+        What is returned for a function that the library lacks raises UserError when it is called.
         """
         found = getattr(self._fmu.dll, name)
         if isinstance(found, Missing):
-            raise UserError(f"the library of the FMU has no function {name}", file=self.path)
+            return found
         address = ctypes.cast(found, ctypes.c_void_p).value
         assert address is not None
         return ctypes.PYFUNCTYPE(ctypes.c_int, *signature)(address)

@@ -1,0 +1,214 @@
+"""An FMU of either version under the master, also when it does not behave."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from zipfile import ZipFile
+
+import pytest
+
+from kernel.clock import MS, US
+from kernel.cosim.fmu import Exchange, FmuSlave, PlantError, load_fmu
+from kernel.errors import UserError
+
+Odd = Callable[..., FmuSlave]
+
+
+def saving(version: int) -> dict[str, bool]:
+    """The flag of a state that can be saved, in the words of the version."""
+    return {"canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState": True}
+
+
+def test_step_moves_by_speed_times_time(odd: Odd) -> None:
+    slave = odd()
+    for end_ms in range(1, 31):
+        slave.step_to(end_ms * MS)
+    assert slave.get("slide.x") == pytest.approx(3.0, abs=1e-12)
+    assert slave.get("level") == 1.0
+
+
+def test_values_of_other_types(odd: Odd) -> None:
+    slave = odd("warns")
+    assert slave.get("behaviour") == 7
+    level = Exchange(slave, ["level"])
+    level.read()
+    assert bool(level.values[0]) is False
+    with pytest.raises(UserError, match=r"slide\.x, level differ in type"):
+        Exchange(slave, ["slide.x", "level"])
+
+
+def test_misspelt_variable_gets_the_nearest_names(odd: Odd) -> None:
+    with pytest.raises(UserError, match=r"found 'slide.y'; allowed: slide\.\w"):
+        odd().get("slide.y")
+
+
+def test_messages_keep_status_and_time_and_fill_in_their_numbers(odd: Odd, version: int) -> None:
+    first, second = odd("warns"), odd("warns", name="other")
+    first.step_to(1 * MS)
+    second.step_to(1 * MS)
+    second.step_to(2 * MS)
+    assert [(m.time_ns, m.status, m.category) for m in second.messages] == [
+        (0, 1, "trouble"),
+        (1 * MS, 1, "trouble"),
+    ]
+    assert len(first.messages) == 1
+    if version == 2:  # FMI 2.0 hands over a format and its arguments
+        assert second.messages[-1].text == "hot at 1 ms"
+
+
+# ---- steps that are discarded
+
+
+def test_long_steps_that_are_discarded_become_short_ones(odd: Odd, version: int) -> None:
+    slave = odd("discards long steps", **saving(version))
+    slave.step_to(10 * MS)
+    assert slave.time_ns == 10 * MS
+    assert slave.get("slide.x") == pytest.approx(1.0, abs=1e-12)
+
+
+def test_step_that_is_done_half_way_goes_on_from_there(odd: Odd) -> None:
+    slave = odd("discards half way")
+    slave.step_to(10 * MS)
+    assert slave.time_ns == 10 * MS
+    assert slave.get("slide.x") == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("behaviour", "can_save", "can_vary", "text"),
+    [
+        ("discards all", True, True, "discards every step down to 1 ns"),
+        ("discards all", False, True, "discard without progress, and the FMU cannot save its"),
+        ("discards all", True, False, "cannot take steps that differ in length"),
+        ("tells no progress", True, True, "does not tell how far it came"),
+    ],
+)
+def test_discard_ends_in_an_error_and_never_in_an_endless_loop(
+    odd: Odd, version: int, behaviour: str, can_save: bool, can_vary: bool, text: str
+) -> None:
+    promises = saving(version) if can_save else {}
+    slave = odd(behaviour, **promises, canHandleVariableCommunicationStepSize=can_vary)
+    with pytest.raises(PlantError, match=f"plant odd at t = 0.000000 ms: .*{text}"):
+        slave.step_to(1 * MS)
+
+
+# ---- ends
+
+
+def test_error_tells_time_and_the_words_of_the_fmu(odd: Odd) -> None:
+    slave = odd("fails")
+    slave.step_to(5 * MS)
+    with pytest.raises(PlantError, match=r"t = 5\.0+ ms: doStep: error; the spring is broken"):
+        slave.step_to(6 * MS)
+
+
+def test_fmu_that_ends_the_simulation_is_told(odd: Odd) -> None:
+    slave = odd("ends")
+    slave.step_to(5 * MS)
+    with pytest.raises(PlantError, match=r"t = 5\.0+ ms: the FMU ended the simulation"):
+        slave.step_to(6 * MS)
+
+
+# ---- early return
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+def test_early_return_loses_neither_the_outputs_nor_the_rest_of_the_step(odd: Odd) -> None:
+    """x passes 1 mm at 10 ms exactly, in the middle of a step of 4 ms."""
+    slave = odd("returns early", mightReturnEarlyFromDoStep=True)
+    assert slave.can.can_return_early
+    slave.step_to(9_500 * US)
+    assert slave.step_towards(13_500 * US) == 10 * MS
+    assert slave.get("slide.x") == pytest.approx(1.0, abs=1e-12)
+    assert slave.get("level") == 1.0
+    assert slave.step_towards(13_500 * US) == 13_500 * US
+    assert slave.get("slide.x") == pytest.approx(1.35, abs=1e-12)
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+def test_whole_step_goes_over_early_returns_at_odd_instants(odd: Odd) -> None:
+    """u = 100/3 mm/s passes 1 mm at 30 ms less a fraction of a nanosecond."""
+    slave = odd("returns early", mightReturnEarlyFromDoStep=True)
+    speed = Exchange(slave, ["slide.u"])
+    speed.values[0] = 7.0
+    speed.write()
+    for end_ms in range(10, 200, 10):
+        slave.step_to(end_ms * MS)
+        assert slave.time_ns == end_ms * MS
+    assert slave.get("slide.x") == pytest.approx(7.0 * 0.19, abs=1e-9)
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+def test_early_return_is_not_allowed_to_fmus_that_do_not_offer_it(odd: Odd) -> None:
+    slave = odd("returns early")
+    assert slave.step_towards(20 * MS) == 20 * MS
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+def test_early_returns_without_progress_end_in_an_error(odd: Odd) -> None:
+    slave = odd("returns at once", mightReturnEarlyFromDoStep=True)
+    with pytest.raises(PlantError, match="returns early again and again"):
+        slave.step_to(1 * MS)
+
+
+# ---- saved states
+
+
+def test_restored_state_repeats_the_motion_and_the_time(odd: Odd, version: int) -> None:
+    slave = odd(**saving(version))
+    slave.step_to(3 * MS)
+    state = slave.save_state()
+    slave.step_to(8 * MS)
+    first = slave.get("slide.x")
+    slave.restore_state(state)
+    assert slave.time_ns == 3 * MS
+    assert slave.get("slide.x") == pytest.approx(0.3, abs=1e-12)
+    slave.step_to(8 * MS)
+    assert slave.get("slide.x") == first
+    assert slave.save_state(state) is state
+    slave.restore_state(state)
+    assert slave.time_ns == 8 * MS
+
+
+def test_state_that_cannot_be_saved_is_told(odd: Odd) -> None:
+    slave = odd()
+    assert not slave.can.can_save_state
+    with pytest.raises(PlantError, match="cannot save its state"):
+        slave.save_state()
+
+
+# ---- loading
+
+
+def test_library_without_optional_functions_loads(odd: Odd) -> None:
+    """odd.c has no strings, no derivatives, no clocks, no reset."""
+    odd().step_to(1 * MS)
+
+
+def test_function_that_is_missing_and_needed_is_named(odd: Odd) -> None:
+    level = Exchange(odd(), ["level"])
+    with pytest.raises(UserError, match=r"has no function fmi[23]SetBoolean"):
+        level.write()
+
+
+def test_fmu_that_exists_once_per_process_is_refused_a_second_time(odd: Odd) -> None:
+    first = odd(canBeInstantiatedOnlyOncePerProcess=True)
+    with pytest.raises(UserError, match=r"only once in a process and is already plant odd"):
+        odd(name="second", canBeInstantiatedOnlyOncePerProcess=True)
+    first.close()
+    odd(name="third", canBeInstantiatedOnlyOncePerProcess=True).step_to(1 * MS)
+
+
+def test_failed_load_leaves_the_working_directory(
+    odd_fmu: Callable[..., Path], tmp_path: Path
+) -> None:
+    """The library is no library; the hint says what the FMU needs."""
+    spoilt = tmp_path / "spoilt.fmu"
+    good = odd_fmu(needsExecutionTool=True)
+    with ZipFile(good) as old, ZipFile(spoilt, "w") as new:
+        for name in old.namelist():
+            new.writestr(name, b"no library" if "binaries" in name else old.read(name))
+    before = Path.cwd()
+    with pytest.raises(UserError, match=r"cannot be loaded.*needs the tool that made it") as error:
+        load_fmu(spoilt, "odd")
+    assert Path.cwd() == before
+    assert re.match(re.escape(str(spoilt)), str(error.value))
