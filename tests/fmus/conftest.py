@@ -48,7 +48,9 @@ class Fmu:
         self.messages.append(message.decode())
 
     def _call(self, kind: str, name: str) -> Any:
-        return getattr(self.slave, f"{kind}{self._variables[name].type}")
+        type_name = self._variables[name].type
+        held = {"Enumeration": "Int64"}.get(type_name, type_name)
+        return getattr(self.slave, f"{kind}{held}")
 
     def set(self, **values: float) -> None:
         for name, value in values.items():
