@@ -14,9 +14,9 @@ from bench.rig.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
 from kernel.cosim.axis import AXIS_INPUTS
+from kernel.cosim.edges import TRAJECTORY_INPUTS
 from kernel.cosim.fmu import FmuSlave, PlantError, load_fmu
 from kernel.cosim.plant import Plant
-from kernel.cosim.probe import TRAJECTORY_INPUTS
 from kernel.errors import UserError, nearest
 
 ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
