@@ -1,22 +1,29 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
 from fmpy.model_description import ModelVariable
 
 from bench.plan.assignment import Assignment, parse_assignment, si_unit
-from bench.rig.file import PlantTable, rig_error
+from bench.rig.file import MapTable, PlantTable, rig_error
 from bench.rig.settings import Settings
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
-from kernel.cosim.axis import AXIS_INPUTS
-from kernel.cosim.edges import TRAJECTORY_INPUTS
 from kernel.cosim.fmu import FmuSlave, PlantError, load_fmu
 from kernel.cosim.plant import Plant
+from kernel.cosim.roles import (
+    FLAG_THRESHOLD,
+    Roles,
+    Source,
+    coordinates_of,
+    guess_kind,
+    map_roles,
+)
 from kernel.errors import UserError, nearest
 
 ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
@@ -124,34 +131,87 @@ def build_plant(settings: Settings) -> Plant:
     Raises UserError with file, line and key of the rig (or the cell of the plan).
     """
     plant = _empty_plant(settings)
-    sensors: list[tuple[str, PlantTable, FmuSlave]] = []
+    sensors: list[tuple[str, PlantTable, Roles]] = []
+    loaded: list[FmuSlave] = []
     try:
         for instance, table in settings.rig.plant.items():
-            path = plant_path(settings, instance, table)
-            try:
-                slave = load_fmu(path, instance)
-                if slave.has(*AXIS_INPUTS):
-                    plant.add_axis(slave)
-            except UserError as error:
-                keys = ("plant", instance, "fmu")
-                message = f"{error.message} ({path.name})"
-                raise rig_error(
-                    settings.files,
-                    keys,
-                    message,
-                    value=error.value,
-                    allowed=error.allowed,
-                    hint=error.hint,
-                ) from error
-            if instance not in plant.axes:
-                sensors.append((instance, table, slave))
+            slave = _load(settings, instance, table)
+            loaded.append(slave)
+            roles = _roles(settings, instance, table, slave)
+            if roles.kind == "axis":
+                plant.add_axis(slave, roles)
+            else:
+                sensors.append((instance, table, roles))
             _start_values(settings, instance, table, slave)
-        for instance, table, slave in sensors:
-            _wire(settings, plant, instance, table, slave)
+        for instance, table, roles in sensors:
+            _wire(settings, plant, instance, table, roles)
     except BaseException:
-        plant.close()
+        for slave in loaded:
+            slave.close()
         raise
     return plant
+
+
+def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
+    path = plant_path(settings, instance, table)
+    try:
+        return load_fmu(path, instance)
+    except UserError as error:
+        message = f"{error.message} ({path.name})"
+        keys = ("plant", instance, "fmu")
+        raise _at(settings, keys, error, message) from error
+
+
+def _at(
+    settings: Settings, keys: tuple[str, ...], error: UserError, message: str | None = None
+) -> UserError:
+    """Give an error the place of a key of the rig."""
+    return rig_error(
+        settings.files,
+        keys,
+        message or error.message,
+        value=error.value,
+        allowed=error.allowed,
+        hint=error.hint,
+    )
+
+
+def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> Roles:
+    """Find out which roles the FMU of a plant fills."""
+    sources = {role: _source(entry) for role, entry in table.map.items()}
+    kind = table.kind or guess_kind(slave, sources)
+    place = ("plant", instance)
+    if kind is None:
+        raise rig_error(
+            settings.files,
+            (*place, "fmu"),
+            f"{Path(table.fmu).name}: its variables and the map tell neither an axis nor a sensor",
+            value=instance,
+            hint="say kind and map in the rig; docs/rigs.md names the roles of both",
+        )
+    if kind != "axis":
+        _check_wire(settings, instance, table, coordinates_of(slave, kind, sources))
+
+    def located(error: UserError, role: str) -> UserError:
+        keys = (*place, "map", role) if role in table.map else (*place, "fmu")
+        return _at(settings, keys, error, f"plant {instance}: {error.message}")
+
+    try:
+        return map_roles(slave, kind, sources, list(table.wire), located)
+    except UserError as error:
+        raise error if error.file else _at(settings, (*place, "fmu"), error) from error
+
+
+def _source(entry: str | Literal[False] | MapTable) -> Source | None:
+    if isinstance(entry, MapTable):
+        return Source(
+            entry.variable,
+            entry.unit,
+            entry.sign,
+            FLAG_THRESHOLD if entry.threshold is None else entry.threshold,
+            None if entry.lead_mm is None else entry.lead_mm * 1e-3,
+        )
+    return Source(entry) if entry else None
 
 
 def _empty_plant(settings: Settings) -> Plant:
@@ -168,40 +228,28 @@ def _empty_plant(settings: Settings) -> Plant:
     )
 
 
-def _wire(
-    settings: Settings, plant: Plant, instance: str, table: PlantTable, slave: FmuSlave
+def _check_wire(
+    settings: Settings, instance: str, table: PlantTable, coordinates: Sequence[str]
 ) -> None:
     keys = ("plant", instance, "wire")
-    if not slave.has("step_time", "step_size"):
-        raise rig_error(
-            settings.files,
-            ("plant", instance, "fmu"),
-            f"{Path(table.fmu).name} is neither an axis nor a sensor that reads trajectories",
-            value=instance,
-            hint="docs/rigs.md names the variables of both",
-        )
     if not table.wire:
         raise rig_error(settings.files, keys, f"plant {instance} is wired to no axis")
-    for group in table.wire:
-        if not slave.has(*(f"{group}_{part}" for part in TRAJECTORY_INPUTS)):
-            groups = [
-                name[:-6]
-                for name in slave.names("input")
-                if name.endswith("_start") and not name.endswith("_rate_start")
-            ]
+    for coordinate in table.wire:
+        if coordinate not in coordinates:
             raise rig_error(
                 settings.files,
-                (*keys, group),
-                f"{instance} has no input {group}",
-                value=group,
-                allowed=groups,
+                (*keys, coordinate),
+                f"{instance} has no input {coordinate}",
+                value=coordinate,
+                allowed=coordinates,
             )
+
+
+def _wire(settings: Settings, plant: Plant, instance: str, table: PlantTable, roles: Roles) -> None:
     try:
-        plant.add_probe(slave, table.wire)
+        plant.add_probe(roles.slave, table.wire, roles)
     except UserError as error:
-        raise rig_error(
-            settings.files, keys, error.message, value=error.value, allowed=error.allowed
-        ) from error
+        raise _at(settings, ("plant", instance, "wire"), error) from error
 
 
 def check_plants(settings: Settings, plant: Plant) -> None:
