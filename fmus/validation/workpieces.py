@@ -1,7 +1,8 @@
 """References of the surfaces, from their definitions; slopes by complex steps.
 
 Heights are written so that they take complex numbers: the derivative of h at x is Im h(x + i e)/e
-to the last digit for e = 1e-30 (Squire, Trapp, SIAM Review 40 (1998)); no derivative is written down.
+to the last digit for e = 1e-30 (Squire, Trapp, SIAM Review 40 (1998)); nothing is
+differentiated by hand.
 """
 
 from collections.abc import Callable, Mapping

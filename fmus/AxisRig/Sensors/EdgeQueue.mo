@@ -35,7 +35,8 @@ equation
     last_due = due;
     random = mod(multiplier*pre(random), modulus);
   end when;
-  next = if read_slot < 1 then due_0 elseif read_slot < 2 then due_1 elseif read_slot < 3 then due_2
+  next = if pre(read_slot) < 1 then due_0 elseif pre(read_slot) < 2 then due_1
+    elseif pre(read_slot) < 3 then due_2
     else due_3;
   when sent > pre(arrived) and time >= next then
     arrived = pre(arrived) + 1;
