@@ -262,11 +262,19 @@ def list_models() -> None:
 @_rejecting
 def build(
     model: Annotated[str | None, typer.Argument(help="Model; all by default.")] = None,
+    fmi: Annotated[str, typer.Option("--fmi", help="Version: 3.0 or 2.0.")] = "3.0",
+    platform: Annotated[
+        list[str] | None,
+        typer.Option("--platform", help="x86_64-linux, x86_64-windows, ... or all; this one."),
+    ] = None,
+    compiler: Annotated[
+        str | None, typer.Option("--compiler", help="cc, zig or omc (OpenModelica).")
+    ] = None,
 ) -> None:
     """Build FMUs that the cache does not have yet."""
     from bench.library import build_models
 
-    for line in build_models(model):
+    for line in build_models(model, fmi, platform or (), compiler):
         print(line, file=sys.stderr)
 
 
