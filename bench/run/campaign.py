@@ -19,7 +19,7 @@ from bench.plan.verdict import Verdict, exit_code, worst
 from bench.results.writer import CaseResult, ResultsWriter, build_manifest
 from bench.rig.check import check_rig, segment_schedules
 from bench.rig.file import read_rig
-from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import read_settings
 from bench.run.apart import CALL_LIMIT_S
 from bench.run.runner import Stopwatch, prepare, prepare_all, run_cases
@@ -187,13 +187,15 @@ def _check_rig_file(path: Path) -> str:
     try:
         check_plants(settings, plant)
         start_plant(settings, plant)
+        told = describe_plants(settings, plant)
     finally:
         plant.close()
     tables = [
         f"segment {name}, {schedule.bitrate} bit/s, worst case of one cycle\n{schedule.table()}"
         for name, schedule in segment_schedules(settings).items()
     ]
-    return "\n\n".join([f"{path}: {rig.title}", *tables])
+    plants = ["\n".join(told)] if told else []
+    return "\n\n".join([f"{path}: {rig.title}", *tables, *plants])
 
 
 def metrics_table() -> str:

@@ -17,6 +17,7 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import CaseResult, no_values
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.plants import plant_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from bench.run.metrics import observe
@@ -138,7 +139,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         trace=observed.trace,
         events=observed.events(),
         messages=[message.text for message in machine.messages],
-        log=[str(alarm) for alarm in machine.channel.alarms],
+        log=[*plant_log(machine.plant), *(str(alarm) for alarm in machine.channel.alarms)],
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 from bench.plan.assignment import parse_assignment
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.plants import plant_log
 from bench.rig.settings import as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from kernel.cosim.fmu import PlantError
@@ -16,7 +17,7 @@ from kernel.nc.parser import read_program
 
 @dataclass(frozen=True)
 class Ended:
-    """An alarm of a program that has run, as text, and whether it ended the program."""
+    """What is to be said of a run, an alarm or a note, and whether it ended the program."""
 
     text: str
     ends_program: bool
@@ -29,7 +30,7 @@ def run_program(
     bus_log: Path | None,
     put_out: Callable[[str], None],
 ) -> list[Ended]:
-    """Run a program to its end and return its alarms in order.
+    """Run a program to its end; return what its plants lack, and its alarms in order.
 
     assignments: texts of `--set`. put_out: takes each message when it is due.
     Raises UserError for what is rejected before or while the program runs.
@@ -45,7 +46,8 @@ def run_program(
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    return [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
+    notes = [Ended(text, False) for text in plant_log(machine.plant)]
+    return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
 
 
 def run_program_apart(

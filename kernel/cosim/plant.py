@@ -30,7 +30,8 @@ class Plant:
 
     exchange_ns: longest step. fine_ns: step where an edge can be, a multiple of the internal steps
     of the axes, so that they integrate over the same grid whatever the steps are. hold_ns,
-    look_back_ns: around an edge, what the drives look up in the motion.
+    look_back_ns: around an edge, what the drives look up in the motion. notes: what an FMU lacks,
+    by instance, and what is done without it; remarks: what else a user should know.
     """
 
     def __init__(
@@ -46,6 +47,8 @@ class Plant:
         self._follows_always = exchange_ns <= fine_ns
         self._can_repeat = False
         self.now_ns: TimeNs = 0
+        self.notes: dict[str, list[str]] = {}
+        self.remarks: dict[str, list[str]] = {}
         self.axes: dict[str, PlantAxis] = {}
         self.probes: dict[str, PlantProbe] = {}
 
