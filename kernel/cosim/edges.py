@@ -128,9 +128,9 @@ class LevelProbe(PlantProbe):
 
     A position is handed over as it is at the end of a step, so that the level then belongs to it. A
     level that changes back inside a step is not seen. `edge_uncertainty_ns` is the worst so far: 1
-    where the instant was enclosed or the FMU returned early at it, else half the step; the whole
-    step where a level was not changed by the position but by time, since an FMU that delays
-    what it sees has seen the position since the beginning of a step.
+    where the instant was enclosed, or where an FMU that has the trajectory returned early at it;
+    else the longest step in which it was followed. That holds also where time alone changes the
+    level: an FMU that delays what it sees has seen a position since the beginning of its step.
     """
 
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
@@ -144,8 +144,8 @@ class LevelProbe(PlantProbe):
         self._clearance = roles.exchange(["clearance"]) if self._has_clearance else None
         self._can_enclose = self.slave.can.can_save_state and self.slave.can.can_vary_step
         self._begin_state: FmuState | None = None
-        self._low_state: FmuState | None = None
         self._step_ns: tuple[TimeNs, TimeNs] = (0, 1)
+        self._longest_ns = 0.0
         self._new: list[tuple[TimeNs, bool, float]] = []
 
     def _write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
@@ -174,6 +174,7 @@ class LevelProbe(PlantProbe):
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> int:
         """Follow the axes over one step; look for the edges in it."""
         self._step_ns, self._new = (begin_ns, end_ns), []
+        self._longest_ns = max(self._longest_ns, float(end_ns - begin_ns))
         if self._trajectory is not None:
             self._trajectory.write_step(begin_ns, end_ns)
         level = self.signal.level
@@ -190,19 +191,14 @@ class LevelProbe(PlantProbe):
         stand_ns = self._go(end_ns)
         if self._level() == level:
             return level
-        is_early = stand_ns < end_ns
-        edge_ns, uncertainty_ns = stand_ns, float(ENCLOSED_NS)
+        is_exact = self._trajectory is not None and stand_ns < end_ns
         if self._can_enclose:
-            edge_ns, is_of_time = self._enclose(begin_ns, stand_ns, level)
-            if is_of_time and self._trajectory is None:
-                uncertainty_ns = float(end_ns - begin_ns)
-        elif not is_early:
-            uncertainty_ns = (stand_ns - begin_ns) / 2
-            edge_ns = (begin_ns + stand_ns) // 2
-        fixed_s = self.slave.can.fixed_step_s
-        if fixed_s is not None:
-            uncertainty_ns = max(uncertainty_ns, fixed_s * 1e9)
-        self._new.append((edge_ns, not level, uncertainty_ns))
+            stand_ns, is_of_time = self._enclose(begin_ns, stand_ns, level)
+            is_exact = self._trajectory is not None or not is_of_time
+        uncertainty_ns = float(ENCLOSED_NS)
+        if not is_exact:
+            uncertainty_ns = max(self._longest_ns, (self.slave.can.fixed_step_s or 0.0) * 1e9)
+        self._new.append((stand_ns, not level, uncertainty_ns))
         return not level
 
     def _enclose(self, low_ns: TimeNs, high_ns: TimeNs, level: bool) -> tuple[TimeNs, bool]:

@@ -19,6 +19,10 @@ SPEED_GAIN_M_S2 = 500.0
 collision brakes harder, but only drives speed an axis up."""
 
 
+FAR_M = 1e3
+"""A clearance that needs no better number, also when an FMU tells infinity."""
+
+
 class PlantSignal:
     """The switching output of a probe: its level and every edge, located inside the step.
 
@@ -120,7 +124,7 @@ class PlantProbe(ABC):
 
     def _look(self) -> None:
         if self._has_clearance:
-            self._clearance_m = self._read_clearance_m()
+            self._clearance_m = min(max(0.0, self._read_clearance_m()), FAR_M)
             self._places_m = [axis.motion[0] for axis in self.sources]
 
     # Where no edge can be
