@@ -1,19 +1,16 @@
-"""Expressions of the solve representation: read from register programs, solved, written as C.
-
-A register program is straight-line code; the registers of one program become one graph of `Expr`.
-What is not in the tables below stops the build.
-"""
+"""Expressions of one model: a graph in which equal nodes are the same object."""
 
 import math
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from typing import ClassVar
+from weakref import WeakValueDictionary
 
+# C text of each operator; {0}, {1} are its arguments. smaller, larger, sign, modulo: runtime.h.
 UNARY: Mapping[str, str] = {
     "Neg": "(-{0})",
     "Not": "(!{0})",
     "Abs": "fabs({0})",
+    "Sign": "sign({0})",
     "Sqrt": "sqrt({0})",
     "Exp": "exp({0})",
     "Log": "log({0})",
@@ -29,6 +26,7 @@ UNARY: Mapping[str, str] = {
     "Tanh": "tanh({0})",
     "Floor": "floor({0})",
     "Ceil": "ceil({0})",
+    "Trunc": "trunc({0})",
 }
 BINARY: Mapping[str, str] = {
     "Add": "({0} + {1})",
@@ -39,6 +37,7 @@ BINARY: Mapping[str, str] = {
     "Min": "smaller({0}, {1})",
     "Max": "larger({0}, {1})",
     "Atan2": "atan2({0}, {1})",
+    "Mod": "modulo({0}, {1})",
     "And": "({0} && {1})",
     "Or": "({0} || {1})",
 }
@@ -50,8 +49,6 @@ COMPARE: Mapping[str, str] = {
     "Eq": "({0} == {1})",
     "Ne": "({0} != {1})",
 }
-_OPERANDS = ("arg", "lhs", "rhs", "cond", "if_true", "if_false")
-_LEAVES = {"LoadY": "y", "LoadP": "p", "LoadTime": "time"}
 LOGICAL = frozenset({"And", "Or", "Not", *COMPARE})
 
 
@@ -59,22 +56,35 @@ class UnsupportedError(Exception):
     """A construct without a meaning here; the caller knows the place in the source."""
 
 
-class NotAffineError(Exception):
-    """An equation that is not linear in its unknown."""
-
-
-@dataclass(frozen=True, eq=False)
 class Expr:
-    """One node: an operator with arguments, or a leaf.
+    """One node: an operator with arguments, or a leaf. Equal nodes are one object.
 
     kind: an operator of the tables, "Select", or "const", "time", "y", "p" for leaves.
     value: the number of a constant. index: the slot of "y" or "p".
     """
 
+    __slots__ = ("__weakref__", "_moves", "_unknowns", "args", "index", "kind", "value")
+    _known: ClassVar[WeakValueDictionary[tuple[object, ...], "Expr"]] = WeakValueDictionary()
+
     kind: str
-    args: tuple["Expr", ...] = ()
-    value: float = 0.0
-    index: int = 0
+    args: tuple["Expr", ...]
+    value: float
+    index: int
+    _unknowns: frozenset[int] | None
+    _moves: bool | None
+
+    def __new__(
+        cls, kind: str, args: Sequence["Expr"] = (), value: float = 0.0, index: int = 0
+    ) -> "Expr":
+        """The node of this content, a new one only where there is none."""
+        key = (kind, tuple(id(arg) for arg in args), repr(value), index)
+        found = cls._known.get(key)
+        if found is None:
+            found = super().__new__(cls)
+            found.kind, found.args, found.value, found.index = kind, tuple(args), value, index
+            found._unknowns = found._moves = None
+            cls._known[key] = found
+        return found
 
     @property
     def logical(self) -> bool:
@@ -99,16 +109,38 @@ class Expr:
     @property
     def moves(self) -> bool:
         """Whether the value can change between events."""
-        return any(leaf.kind in ("time", "y") for leaf in self.leaves())
+        if self._moves is None:
+            self._moves = any(leaf.kind in ("time", "y") for leaf in self.leaves())
+        return self._moves
 
-    def unknowns(self) -> set[int]:
+    def unknowns(self) -> frozenset[int]:
         """The indices of `y` that this expression reads."""
-        return {leaf.index for leaf in self.leaves() if leaf.kind == "y"}
+        if self._unknowns is None:
+            self._unknowns = frozenset(leaf.index for leaf in self.leaves() if leaf.kind == "y")
+        return self._unknowns
+
+    def replaced(self, new: Mapping["Expr", "Expr"]) -> "Expr":
+        """This expression with other nodes in place of the keys of `new`."""
+        done: dict[Expr, Expr] = dict(new)
+        stack = [self]
+        while stack:
+            node = stack[-1]
+            if node in done:
+                stack.pop()
+                continue
+            waiting = [arg for arg in node.args if arg not in done]
+            if waiting:
+                stack.extend(waiting)
+                continue
+            args = tuple(done[arg] for arg in node.args)
+            same = all(a is b for a, b in zip(args, node.args, strict=True))
+            done[node] = node if same else Expr(node.kind, args, node.value, node.index)
+        return done[self]
 
 
 def const(value: float) -> Expr:
     """A constant."""
-    return Expr("const", value=value)
+    return Expr("const", value=float(value))
 
 
 def parameter(index: int) -> Expr:
@@ -116,70 +148,23 @@ def parameter(index: int) -> Expr:
     return Expr("p", index=index)
 
 
-def read_program(ops: Sequence[Mapping[str, Any]]) -> dict[int, Expr]:
-    """Turn register code into one expression for each output index.
+def variable(index: int) -> Expr:
+    """Slot `index` of the vector of variables."""
+    return Expr("y", index=index)
 
-    Raises UnsupportedError for an op, operator or form that is not known.
-    """
-    registers: dict[int, Expr] = {}
-    outputs: dict[int, Expr] = {}
-    for op in ops:
-        kind = op["kind"]
-        if kind == "StoreOutput":
-            outputs[op["output_index"]] = registers[op["src"]]
-        elif kind == "StoreOutputRange":
-            if op["stride"] != 1 or len(op["output_indices"]) != op["count"]:
-                raise UnsupportedError("an array expression")
-            for offset, index in enumerate(op["output_indices"]):
-                outputs[index] = registers[op["start"] + offset]
-        elif kind == "FunctionConditional":
-            for offset, result in enumerate(_conditional(op)):
-                registers[op["dst"] + offset] = result
-        else:
-            registers[op["dst"]] = _node(op, registers)
-    return outputs
-
-
-def _node(op: Mapping[str, Any], registers: Mapping[int, Expr]) -> Expr:
-    """One op with a single result."""
-    kind = op["kind"]
-    operator = op.get("operator", kind)
-    inner = {"Unary": UNARY, "Binary": BINARY, "Compare": COMPARE, "Select": ("Select",)}
-    if operator in inner.get(kind, ()):
-        parts = [op[name] for name in _OPERANDS if name in op]
-        return Expr(operator, tuple(registers[part] for part in parts))
-    if kind == "Const" and op["value_class"] == "finite":
-        return const(float(op["value"]))
-    if kind == "TensorLoad" and op["input"] == "P" and op["count"] == op["lanes"] == 1:
-        return parameter(op["input_start"])
-    if kind in _LEAVES:
-        return Expr(_LEAVES[kind], index=op.get("index", 0))
-    raise UnsupportedError(f"the operation {kind} {'' if operator == kind else operator}".strip())
-
-
-def _conditional(op: Mapping[str, Any]) -> list[Expr]:
-    """`if` with several results: nested selections, the first true arm wins."""
-    if op["capture_count"] != 0 or any(width != 1 for width in op["target_widths"]):
-        raise UnsupportedError("a conditional with captured or array values")
-    count = op["result_count"]
-    outputs = read_program(op["fallback"]["ops"])
-    results = [outputs[index] for index in range(count)]
-    for arm in reversed(op["arms"]):
-        condition = read_program(arm["condition"]["ops"])[0]
-        chosen = read_program(arm["result"]["ops"])
-        results = [
-            Expr("Select", (condition, chosen[index], results[index])) for index in range(count)
-        ]
-    return results
-
-
-# --- solving one equation for one unknown ----------------------------------------------------
 
 ZERO = const(0.0)
 ONE = const(1.0)
+TIME = Expr("time")
 
 
-def _negated(e: Expr) -> Expr:
+def number_of(node: Expr) -> float | None:
+    """The value of a constant, None for anything else."""
+    return node.value if node.kind == "const" else None
+
+
+def negated(e: Expr) -> Expr:
+    """-e, in its shortest form."""
     if e is ZERO:
         return ZERO
     if e.kind == "const":
@@ -191,7 +176,8 @@ def _negated(e: Expr) -> Expr:
     return Expr("Neg", (e,))
 
 
-def _sum(a: Expr, b: Expr) -> Expr:
+def total(a: Expr, b: Expr) -> Expr:
+    """a + b without useless zeros."""
     if a is ZERO:
         return b
     if b is ZERO:
@@ -201,70 +187,40 @@ def _sum(a: Expr, b: Expr) -> Expr:
     return Expr("Add", (a, b))
 
 
-def _difference(a: Expr, b: Expr) -> Expr:
+def difference(a: Expr, b: Expr) -> Expr:
+    """a - b without useless zeros."""
     if b is ZERO:
         return a
     if a.kind == b.kind == "const":
         return const(a.value - b.value)
-    return _negated(b) if a is ZERO else Expr("Sub", (a, b))
+    return negated(b) if a is ZERO else Expr("Sub", (a, b))
 
 
-def _product(a: Expr, b: Expr) -> Expr:
+def product(a: Expr, b: Expr) -> Expr:
+    """a * b without useless factors."""
     if a is ZERO or b is ZERO:
         return ZERO
-    if a.kind == "const" and a.value == 1.0:
+    if a is ONE:
         return b
-    if b.kind == "const" and b.value == 1.0:
+    if b is ONE:
         return a
+    if a.kind == b.kind == "const":
+        return const(a.value * b.value)
     return Expr("Mul", (a, b))
 
 
-def _affine(e: Expr, unknown: int) -> tuple[Expr, Expr]:
-    """Split `e` into slope and rest, e = slope*y[unknown] + rest; neither reads the unknown."""
-    if unknown not in e.unknowns():
-        return ZERO, e
-    if e.kind == "y":
-        return ONE, ZERO
-    parts = [_affine(arg, unknown) for arg in e.args]
-    (s0, r0), (s1, r1) = parts[0], parts[-1]
-    match e.kind:
-        case "Neg":
-            pair = (_difference(ZERO, s0), _difference(ZERO, r0))
-        case "Add":
-            pair = (_sum(s0, s1), _sum(r0, r1))
-        case "Sub":
-            pair = (_difference(s0, s1), _difference(r0, r1))
-        case "Mul" if s1 is ZERO:
-            pair = (_product(s0, r1), _product(r0, r1))
-        case "Mul" if s0 is ZERO:
-            pair = (_product(r0, s1), _product(r0, r1))
-        case "Div" if s1 is ZERO:
-            pair = (Expr("Div", (s0, r1)), ZERO if r0 is ZERO else Expr("Div", (r0, r1)))
-        case _:
-            raise NotAffineError
-    return pair
+def quotient(a: Expr, b: Expr) -> Expr:
+    """a / b without useless divisors."""
+    if a is ZERO or b is ONE:
+        return a
+    return Expr("Div", (a, b))
 
 
-def solve_for(residual: Expr, unknown: int) -> Expr:
-    """Solve residual = 0 for y[unknown].
-
-    Raises NotAffineError when the residual is not linear in the unknown, or its slope is 0.
-    """
-    slope, rest = _affine(residual, unknown)
-    if slope is ZERO:
-        raise NotAffineError
-    if slope.kind != "const":
-        return Expr("Div", (_negated(rest), slope))
-    if slope.value == 0.0:
-        raise NotAffineError
-    if slope.value == 1.0:
-        return _negated(rest)
-    if slope.value == -1.0:
-        return rest
-    return Expr("Div", (_negated(rest), slope))
-
-
-# --- C ---------------------------------------------------------------------------------------
+def choice(condition: Expr, yes: Expr, no: Expr) -> Expr:
+    """yes where the condition holds, else no."""
+    if condition.kind == "const":
+        return yes if condition.value != 0.0 else no
+    return yes if yes is no else Expr("Select", (condition, yes, no))
 
 
 def c_number(value: float) -> str:
@@ -276,61 +232,52 @@ def c_number(value: float) -> str:
     return repr(value)
 
 
-class Writer:
-    """Writes expressions of one C function; what is used twice becomes a local constant.
+def apply(kind: str, *args: Expr) -> Expr:
+    """An operator on its arguments; exact operations on constants are done at once."""
+    if all(arg.kind == "const" for arg in args) and kind in _EXACT:
+        values = [arg.value for arg in args]
+        if all(map(math.isfinite, values)) and not (kind in ("Div", "Mod") and values[1] == 0.0):
+            return const(_EXACT[kind](*values))
+    if kind in _SIMPLER:
+        return _SIMPLER[kind](*args)
+    return Expr(kind, args)
 
-    leaf: gives the C text of a leaf "y" or "p".
-    """
 
-    def __init__(self, leaf: Callable[[Expr], str]) -> None:
-        self._leaf = leaf
-        self._names: dict[int, str] = {}
-        self._kept: list[Expr] = []
-        self.lines: list[str] = []
+def modulo(a: float, b: float) -> float:
+    """mod(a, b) of Modelica, without rounding: the sign is that of b."""
+    rest = math.fmod(a, b)
+    return rest + b if rest != 0.0 and (rest < 0.0) != (b < 0.0) else rest
 
-    def share(self, roots: Sequence[Expr]) -> None:
-        """Write local constants for the inner nodes that `roots` use more than once."""
-        uses: Counter[int] = Counter()
-        order: list[Expr] = []
-        for root in roots:
-            self._count(root, uses, order)
-        for node in order:
-            if uses[id(node)] > 1 and node.args and id(node) not in self._names:
-                kind = "int" if node.logical else "double"
-                text = self._plain(node)
-                name = f"t{len(self._kept)}"
-                self.lines.append(f"const {kind} {name} = {text};")
-                self._names[id(node)] = name
-                self._kept.append(node)  # an id is only unique while its object lives
 
-    def _count(self, node: Expr, uses: Counter[int], order: list[Expr]) -> None:
-        uses[id(node)] += 1
-        if uses[id(node)] == 1:
-            for arg in node.args:
-                self._count(arg, uses, order)
-            order.append(node)
-
-    def real(self, node: Expr) -> str:
-        """`node` as a double."""
-        text = self._text(node)
-        return f"({text} ? 1.0 : 0.0)" if node.logical else text
-
-    def truth(self, node: Expr) -> str:
-        """`node` as a truth value."""
-        text = self._text(node)
-        return text if node.logical else f"({text} != 0.0)"
-
-    def _text(self, node: Expr) -> str:
-        return self._names.get(id(node)) or self._plain(node)
-
-    def _plain(self, node: Expr) -> str:
-        kind, args = node.kind, node.args
-        if not args:
-            text = {"const": c_number(node.value), "time": "t"}.get(kind) or self._leaf(node)
-            return f"({text})" if text.startswith("-") else text
-        if kind == "Select":
-            condition, yes, no = self.truth(args[0]), self.real(args[1]), self.real(args[2])
-            return f"({condition} ? {yes} : {no})"
-        table = UNARY if kind in UNARY else BINARY if kind in BINARY else COMPARE
-        write = self.truth if kind in ("And", "Or", "Not") else self.real
-        return table[kind].format(*(write(arg) for arg in args))
+_SIMPLER: Mapping[str, Callable[..., Expr]] = {
+    "Neg": negated,
+    "Add": total,
+    "Sub": difference,
+    "Mul": product,
+    "Div": quotient,
+    "Select": choice,
+}
+_EXACT: Mapping[str, Callable[..., float]] = {
+    "Neg": lambda a: -a,
+    "Add": lambda a, b: a + b,
+    "Sub": lambda a, b: a - b,
+    "Mul": lambda a, b: a * b,
+    "Div": lambda a, b: a / b,
+    "Mod": modulo,
+    "Abs": abs,
+    "Sign": lambda a: (a > 0) - (a < 0),
+    "Floor": math.floor,
+    "Ceil": math.ceil,
+    "Trunc": math.trunc,
+    "Min": min,
+    "Max": max,
+    "Lt": lambda a, b: a < b,
+    "Le": lambda a, b: a <= b,
+    "Gt": lambda a, b: a > b,
+    "Ge": lambda a, b: a >= b,
+    "Eq": lambda a, b: a == b,
+    "Ne": lambda a, b: a != b,
+    "And": lambda a, b: a != 0 and b != 0,
+    "Or": lambda a, b: a != 0 or b != 0,
+    "Not": lambda a: a == 0,
+}

@@ -5,11 +5,13 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
+from fmus.clocks import Schedule
 from fmus.description import TOKEN_MARK, describe, identifier_of, templates
-from fmus.expressions import Expr, Writer, c_number
+from fmus.expressions import Expr, c_number
 from fmus.ir import TARGET, Ir
 from fmus.system import Assignment, System, read_system
 from fmus.variables import Variable, read_variables, scalars, start_vectors
+from fmus.writer import Writer
 
 RUNTIME = ("runtime.h", "solver.c", "slave.c")
 SLAVES = {
@@ -138,55 +140,69 @@ def _from_states(
     system: System, names: _Names, roots: Sequence[Expr], store: Callable[[int, str], str]
 ) -> str:
     """Code that computes `roots` from the states alone; `store` writes result number and text."""
-    writer = Writer(names.in_derivatives)
-    for assignment in _needed(system, roots):
-        writer.share([assignment.value])
+    needed = _needed(system, roots)
+    writer = Writer(names.in_derivatives, [*(row.value for row in needed), *roots])
+    for assignment in needed:
         value = writer.real(assignment.value)
         writer.lines.append(
             f"const double {names.local(assignment.index)} = {value};{_note(assignment)}"
         )
     for number, root in enumerate(roots):
-        writer.share([root])
-        writer.lines.append(store(number, writer.real(root)))
+        text = writer.real(root)
+        writer.lines.append(store(number, text))
     return _text(writer.lines)
 
 
 def _in_sequence(assignments: Sequence[Assignment], names: _Names) -> str:
     """Assignments in the vectors, one after the other."""
-    writer = Writer(names.in_vectors)
+    lines: list[str] = []
     for assignment in assignments:
-        writer.share([assignment.value])
+        writer = Writer(names.in_vectors, [assignment.value])
         target = names.in_vectors(Expr(assignment.vector, index=assignment.index))
-        writer.lines.append(f"{target} = {writer.real(assignment.value)};{_note(assignment)}")
+        text = f"{target} = {writer.real(assignment.value)};{_note(assignment)}"
+        inner = [f"{INDENT}{line}" for line in (*writer.lines, text)]
+        lines += ["{", *inner, "}"] if writer.lines else [text]
+    return _text(lines)
+
+
+def _once_each(assignments: Sequence[Assignment], names: _Names) -> str:
+    """Assignments in the vectors, none of which changes what an earlier one has read."""
+    writer = Writer(names.in_vectors, [assignment.value for assignment in assignments])
+    for assignment in assignments:
+        target = names.in_vectors(Expr(assignment.vector, index=assignment.index))
+        value = writer.real(assignment.value)
+        writer.lines.append(f"{target} = {value};{_note(assignment)}")
     return _text(writer.lines)
 
 
-def _from_snapshot(system: System, names: _Names) -> tuple[str, str]:
-    """Discrete equations: all values first, then the stores of equations and of when-clauses."""
-    writer = Writer(names.in_vectors)
-    rows = [*system.updates, *system.whens]
-    writer.share([row.value for row in rows])
+def _from_snapshot(names: _Names, rows: Sequence[Assignment], count: int) -> tuple[str, str]:
+    """All values first, then the stores of the first `count` rows, and those of the others."""
+    writer = Writer(names.in_vectors, [row.value for row in rows])
     for number, row in enumerate(rows):
-        writer.lines.append(f"const double u{number} = {writer.real(row.value)};{_note(row)}")
+        value = writer.real(row.value)
+        writer.lines.append(f"const double u{number} = {value};{_note(row)}")
     stores = [f"{names.p(row.index)} = u{number};" for number, row in enumerate(rows)]
-    count = len(system.updates)
     return _text(writer.lines + stores[:count]), _text(stores[count:])
 
 
 def _assertions(system: System, names: _Names) -> str:
     lines = []
     for assertion in system.assertions:
-        writer = Writer(names.in_vectors)
+        writer = Writer(names.in_vectors, [assertion.failed])
         failed = writer.truth(assertion.failed)
         text = f"{assertion.place}: {assertion.message}" if assertion.place else assertion.message
-        lines += [f"if ({failed}) {{", f"{INDENT}return {_c_string(text)};", "}"]
+        test = [f"if ({failed}) {{", f"{INDENT}return {_c_string(text)};", "}"]
+        inner = [f"{INDENT}{line}" for line in (*writer.lines, *test)]
+        lines += ["{", *inner, "}"] if writer.lines else test
     return _text(lines)
 
 
 def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float, fmi: str) -> str:
     names = _Names(ir, system.state_count)
     start_y, start_p = start_vectors(ir, system)
-    updates, whens = _from_snapshot(system, names)
+    rows = [*system.updates, *system.whens]
+    updates, whens = _from_snapshot(names, rows, len(system.updates))
+    conditions, _ = _from_snapshot(names, system.conditions, len(system.conditions))
     previous = [
         f"{names.p(slot)} = {names.in_vectors(Expr(vector, index=index))};"
         for slot, vector, index in system.previous
@@ -209,7 +225,7 @@ def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float
             relations=[
                 {
                     "memory": relation.memory,
-                    "at_zero": relation.at_zero,
+                    "kind": relation.kind,
                     "place": str(relation.place or ""),
                 }
                 for relation in system.relations
@@ -226,15 +242,38 @@ def _source(ir: Ir, system: System, variables: Sequence[Variable], step_s: float
                 [relation.function for relation in system.relations],
                 lambda number, text: f"z[{number}] = {text};",
             ),
-            algebraics=_in_sequence(system.algebraics, names),
+            algebraics=_once_each(system.algebraics, names),
             initial=_in_sequence(system.initial, names),
             runtime=_in_sequence(system.runtime, names),
             updates=updates,
             whens=whens,
+            conditions=conditions,
             previous=_text(previous),
+            initial_flag=-1 if system.initial_flag is None else system.initial_flag,
+            clocks=[_clock(slot, schedule) for slot, schedule in system.schedules],
+            clock_times=_clock_times(system, names),
             assertions=_assertions(system, names),
         )
     )
+
+
+def _clock(slot: int, schedule: Schedule) -> dict[str, object]:
+    """A schedule as a row of the C table."""
+    return {
+        "flag": slot,
+        "grid": ", ".join(c_number(float(part)) for part in schedule.grid or (0, 0, 0)),
+        "place": str(schedule.place or ""),
+    }
+
+
+def _clock_times(system: System, names: _Names) -> str:
+    """Code for start and interval of each schedule."""
+    lines = []
+    for number, (_, schedule) in enumerate(system.schedules):
+        writer = Writer(names.in_vectors)
+        lines.append(f"offset[{number}] = {writer.real(schedule.offset)};")
+        lines.append(f"interval[{number}] = {writer.real(schedule.interval)};")
+    return _text(lines)
 
 
 def _row(variable: Variable, fmi: str) -> dict[str, str]:

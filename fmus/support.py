@@ -15,16 +15,13 @@ def refuse_unsupported(ir: Ir) -> None:
     Raises BuildError with the place of the construct where the compiler tells it.
     """
     solve, temporal = ir.solve, ir.dae["systems"]["temporal"]
-    layout, events, clocks = solve["solve_layout"], solve["events"], solve["clocks"]
+    layout, events = solve["solve_layout"], solve["events"]
     initial, discrete = solve["initialization"], solve["discrete"]
     implicit = solve["continuous"]["implicit_rhs"]["scalar_plan"]
     clocked = [b for b in layout["pre_param_bindings"] if b["clock_schedule"] is not None]
     mass = solve["artifacts"]["continuous"]["mass_matrix"]["kind"]
     refused: Sequence[tuple[object, str | None, str]] = (
-        (clocks["activation_parameter_indices"], "sample", "sample() and clocks are"),
-        (clocks["periodic_event_schedules"], "sample", "sample() and clocks are"),
-        (clocked, "sample", "sample() and clocks are"),
-        (layout["initial_event_parameter_index"] is not None, "initial", "initial() is"),
+        (clocked, None, "previous() on a clock is"),
         (layout["terminal_event_parameter_index"] is not None, "terminal", "terminal() is"),
         (layout["initial_homotopy_parameter_index"] is not None, "homotopy", "homotopy() is"),
         (temporal["delays"], "delay", "delay() is"),
@@ -34,7 +31,6 @@ def refuse_unsupported(ir: Ir) -> None:
         (initial["projection_plan"]["blocks"], None, "a system of initial equations is"),
         (events["scheduled_root_conditions"], None, "a scheduled root condition is"),
         (mass != "identity", None, "a mass matrix is"),
-        (any(discrete["observation_refresh"]), None, "an observed discrete variable is"),
         (implicit["uses_linear_solve_component"], None, "a linear system of equations is"),
     )
     for found, word, message in refused:
@@ -46,6 +42,13 @@ def refuse_unsupported(ir: Ir) -> None:
     for target, span in zip(discrete["update_targets"], spans, strict=True):
         if "P" not in target:
             raise ir.error(span, "reinit() is not supported")
+    named = [binding.get("P") for binding in solve["layout"]["bindings"].values()]
+    for target, observed, span in zip(
+        discrete["update_targets"], discrete["observation_refresh"], spans, strict=True
+    ):
+        if observed and target["P"] in named:
+            message = "a discrete variable that changes without an event is not supported"
+            raise ir.error(span, message)
 
 
 def _programs(discrete: Mapping[str, Any]) -> list[Mapping[str, Any]]:
@@ -67,19 +70,6 @@ def _find(ir: Ir, word: str | None) -> Mapping[str, int] | None:
         if found:
             return {"source": number, "start": len(text[: found.start()].encode())}
     return None
-
-
-def refuse_steps_in_time(ir: Ir, rows: Iterable[tuple[Expr, Source | None]]) -> None:
-    """Stop at floor() and the like of something that moves: their jumps are not events here.
-
-    Raises BuildError with the place of the equation.
-    """
-    for value, place in rows:
-        for node in value.nodes():
-            if node.kind in ("Floor", "Ceil") and node.moves:
-                raise at(
-                    ir, place, "mod(), floor() and the like of a moving value are not supported"
-                )
 
 
 def refuse_unknown_slots(

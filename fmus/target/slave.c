@@ -85,6 +85,8 @@ static Status tell(const Instance *me, SolverReport r)
                     MAX_EVENTS, r.t, r.text);
     case SOLVER_ASSERTION:
         return fail(me, "%s (t = %.12g s)", r.text, r.t);
+    case SOLVER_NO_INTERVAL:
+        return fail(me, "the interval of a clock must be above zero, sample() at %s", r.text);
     }
     return STATUS_ERROR;
 }
@@ -180,7 +182,7 @@ static Status set_times(Instance *me, double start, bool stop_defined, double st
 static Status exit_initialization(Instance *me)
 {
     me->now.inputs_changed = false;
-    return concluded(me, settle(&me->now.core, true));
+    return concluded(me, start(&me->now.core));
 }
 
 /* --- values ----------------------------------------------------------------------------- */

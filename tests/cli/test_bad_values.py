@@ -162,10 +162,10 @@ FMUS: list[tuple[str, Names, Texts | None, list[str]]] = [
         ["instantiation token"],
     ),
     (
-        "no position",
+        "no motor position",
         str,
-        lambda t: t.replace('"position"', '"place"'),
-        ["rig.toml:26", "an axis nor a sensor"],
+        lambda t: t.replace('"motor_position"', '"motor_place"'),
+        ["'motor_position'"],
     ),
     (
         "neither axis nor sensor",

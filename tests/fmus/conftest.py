@@ -1,5 +1,6 @@
 """An FMU under test, driven through fmpy alone."""
 
+import re
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,6 +10,7 @@ import fmpy
 import pytest
 from fmpy.fmi3 import FMU3Slave
 
+import fmus.build as building
 from fmus import ensure_built
 
 SERVO = "AxisRig.Drives.ServoAxis"
@@ -32,14 +34,14 @@ class Fmu:
         self.time = 0.0
         self.start(**start)
 
-    def start(self, **values: float | list[float]) -> None:
+    def start(self, **values: float) -> None:
         """Set values and go through initialization."""
         self.slave.enterInitializationMode(startTime=0.0)
         self.set(**values)
         self.slave.exitInitializationMode()
         self.time = 0.0
 
-    def restart(self, **values: float | list[float]) -> None:
+    def restart(self, **values: float) -> None:
         """Go back to the start values of the description, but for `values`."""
         self.slave.reset()
         self.start(**values)
@@ -48,15 +50,11 @@ class Fmu:
         self.messages.append(message.decode())
 
     def _call(self, kind: str, name: str) -> Any:
-        type_name = self._variables[name].type
-        held = {"Enumeration": "Int64"}.get(type_name, type_name)
-        return getattr(self.slave, f"{kind}{held}")
+        return getattr(self.slave, f"{kind}{self._variables[name].type}")
 
-    def set(self, **values: float | list[float]) -> None:
-        """Set variables; an array takes a list of all its elements."""
+    def set(self, **values: float) -> None:
         for name, value in values.items():
-            elements = value if isinstance(value, list) else [value]
-            self._call("set", name)([self._variables[name].valueReference], elements)
+            self._call("set", name)([self._variables[name].valueReference], [value])
 
     def get(self, name: str) -> Any:
         return self._call("get", name)([self._variables[name].valueReference])[0]
@@ -122,3 +120,57 @@ def servo(load: Callable[..., Fmu]) -> Callable[..., Fmu]:
 def probe(load: Callable[..., Fmu]) -> Callable[..., Fmu]:
     """A touch probe with start values."""
     return lambda **start: load(PROBE, **start)
+
+
+MODEL = """package Small
+  model Plant
+    output Real y(start=0);
+    Real x(start={x_start}, fixed={fixed});
+    Integer n(start={n_start}, fixed=true);
+    {declaration}
+  equation
+    {equation}
+  end Plant;
+{classes}
+end Small;
+"""
+
+
+class Plants:
+    """Builds and loads FMUs of small models with a variable y, a state x and a whole number n."""
+
+    def __init__(self, load: Callable[..., Fmu], folder: Path) -> None:
+        self._load, self._folder, self._count = load, folder, 0
+
+    def build(
+        self,
+        equation: str,
+        declaration: str = "",
+        classes: str = "",
+        step_s: float | None = None,
+        x_start: float = 1,
+        n_start: int = 0,
+    ) -> Path:
+        """The FMU. A variable y, x or n that no equation names is 0."""
+        self._count += 1
+        folder = self._folder / str(self._count)
+        (folder / "Small").mkdir(parents=True)
+        for name in "xyn":
+            if not re.search(rf"\b{name}\b", equation):
+                equation += f" {name} = 0;"
+        fixed = "true" if "der(x)" in equation else "false"
+        text = MODEL.format(**locals())
+        (folder / "Small" / "package.mo").write_text(text, encoding="utf-8")
+        return building.build("Small.Plant", folder / "plant.fmu", folder / "Small", step_s=step_s)
+
+    def __call__(self, equation: str, *args: Any, **options: Any) -> Fmu:
+        """An instance after initialization; options that `build` does not have are values."""
+        known = {"step_s", "x_start", "n_start"}
+        path = self.build(equation, *args, **{k: v for k, v in options.items() if k in known})
+        return self._load(path, **{k: v for k, v in options.items() if k not in known})
+
+
+@pytest.fixture
+def plant(load: Callable[..., Fmu], tmp_path: Path) -> Plants:
+    """Builds small models: plant(equation, declaration, classes, **values)."""
+    return Plants(load, tmp_path)
