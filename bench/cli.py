@@ -13,7 +13,7 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
-from functools import wraps
+from functools import partial, wraps
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -37,6 +37,16 @@ SetOption = Annotated[
         "--set",
         help="Change one input, written as a column of a plan: set:Z.kenngr.measure.edge=NEG",
         metavar="COLUMN=VALUE",
+    ),
+]
+IsolateOption = Annotated[
+    bool,
+    typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),
+]
+CallTimeoutOption = Annotated[
+    float,
+    typer.Option(
+        "--call-timeout", min=1.0, help="Wall time of one call into an FMU, s; in processes apart."
     ),
 ]
 EXIT_REJECTED = 2
@@ -86,6 +96,8 @@ def run(
         float | None,
         typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes."),
     ] = None,
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = 60.0,
     assignments: SetOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report."""
@@ -102,6 +114,8 @@ def run(
         command=["axisrig", *sys.argv[1:]],
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         stopwatch=time.perf_counter,
+        is_isolated=is_isolated,
+        call_limit_s=call_limit_s,
     )
     report_path = build_report(campaign.folder)
     if campaign.results:
@@ -126,7 +140,7 @@ def demo(
     from bench.run.campaign import plans_in
 
     build(None)
-    run(plans_in(folder), out, None, jobs, None, None)
+    run(plans_in(folder), out, None, jobs, None)
 
 
 @app.command()
@@ -137,20 +151,20 @@ def nc(
     bus_log: Annotated[
         Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
     ] = None,
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = 60.0,
     assignments: SetOption = None,
 ) -> None:
     """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
-    from bench.run.single import run_program
+    from bench.run.single import run_program, run_program_apart
 
-    alarms = run_program(
-        program,
-        rig,
-        assignments or [],
-        _blf(bus_log),
-        lambda text: print(text, flush=True),
-    )
+    inputs = (program, rig, assignments or [], _blf(bus_log), partial(print, flush=True))
+    if is_isolated:
+        alarms = run_program_apart(*inputs, call_limit_s=call_limit_s)
+    else:
+        alarms = run_program(*inputs)
     for alarm in alarms:
-        print(alarm, file=sys.stderr)
+        print(alarm.text, file=sys.stderr)
     raise typer.Exit(1 if any(alarm.ends_program for alarm in alarms) else 0)
 
 
@@ -248,11 +262,19 @@ def list_models() -> None:
 @_rejecting
 def build(
     model: Annotated[str | None, typer.Argument(help="Model; all by default.")] = None,
+    fmi: Annotated[str, typer.Option("--fmi", help="Version: 3.0 or 2.0.")] = "3.0",
+    platform: Annotated[
+        list[str] | None,
+        typer.Option("--platform", help="x86_64-linux, x86_64-windows, ... or all; this one."),
+    ] = None,
+    compiler: Annotated[
+        str | None, typer.Option("--compiler", help="cc, zig or omc (OpenModelica).")
+    ] = None,
 ) -> None:
     """Build FMUs that the cache does not have yet."""
     from bench.library import build_models
 
-    for line in build_models(model):
+    for line in build_models(model, fmi, platform or (), compiler):
         print(line, file=sys.stderr)
 
 

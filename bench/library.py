@@ -1,24 +1,88 @@
 """The plant library as the command line shows it."""
 
-from collections.abc import Iterator
+import os
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from pathlib import Path
 
-from fmus import CATALOGUE, MODELS, BuildError, ensure_built
+from pebble import ProcessPool
+
+from fmus import (
+    CATALOGUE,
+    COMPILERS,
+    FMI_VERSIONS,
+    MODELS,
+    PLATFORMS,
+    BuildError,
+    ensure_built,
+    place_in_cache,
+)
 from kernel.errors import UserError, nearest
 
 
-def build_models(model: str | None) -> Iterator[str]:
-    """Build one model or all; yield a line for each. Raises UserError when a build fails."""
-    if model is not None and model not in MODELS:
-        raise UserError(
-            "the library has no such model",
-            value=model,
-            allowed=nearest(model, MODELS) or MODELS,
-        )
-    for name in [model] if model else MODELS:
-        try:
-            yield f"{name}: {ensure_built(name)}"
-        except BuildError as error:
-            raise UserError(f"{name} cannot be built: {error}") from error
+def build_models(
+    model: str | None,
+    fmi: str = "3.0",
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
+) -> Iterator[str]:
+    """Build one model or all that the cache lacks, several at once; yield a line for each.
+
+    fmi: "3.0" or "2.0". platforms: words of FMI 3.0 or `all`, by default this one. compiler: cc,
+    zig or omc.
+    Raises UserError for an unknown word and when a build fails.
+    """
+    names = [model] if model else list(MODELS)
+    for value, allowed, what in (
+        *((name, MODELS, "the library has no such model") for name in names),
+        (fmi, FMI_VERSIONS, "no such FMI version"),
+        *((name, ("all", *PLATFORMS), "no such platform") for name in platforms),
+        (compiler or "cc", (*COMPILERS, "omc"), "no such compiler"),
+    ):
+        if value not in allowed:
+            raise UserError(what, value=value, allowed=nearest(value, allowed) or allowed)
+    if "all" in platforms:
+        platforms = [p.name for p in PLATFORMS.values() if p.in_all]
+    yield from _built(names, fmi, platforms, compiler)
+
+
+def _built(
+    names: Sequence[str], fmi: str, platforms: Sequence[str], compiler: str | None
+) -> Iterator[str]:
+    """A line for each model. Processes, since the Modelica compiler keeps the interpreter."""
+    try:
+        places = {name: place_in_cache(name, None, fmi, platforms, compiler) for name in names}
+    except BuildError as error:
+        raise UserError(f"nothing can be built: {error}") from error
+    missing = [name for name in names if not places[name].is_file()]
+    workers = min(len(missing), os.cpu_count() or 1)
+    if workers <= 1:
+        for name in names:
+            yield _told(name, partial(ensure_built, name, None, fmi, platforms, compiler))
+        return
+    pool = ProcessPool(max_workers=workers)
+    try:
+        waiting = {
+            name: pool.schedule(ensure_built, [name, None, fmi, platforms, compiler])
+            for name in missing
+        }
+        for name in names:
+            future = waiting.get(name)
+            yield _told(name, future.result if future else partial(places.__getitem__, name))
+        pool.close()  # type: ignore[no-untyped-call]
+    except BaseException:
+        pool.stop()  # type: ignore[no-untyped-call]  # nobody waits for what is left
+        raise
+    finally:
+        pool.join()
+
+
+def _told(name: str, built: Callable[[], Path]) -> str:
+    """The line of one model. Raises UserError when its build fails."""
+    try:
+        return f"{name}: {built()}"
+    except BuildError as error:
+        raise UserError(f"{name} cannot be built: {error}") from error
 
 
 def listing() -> str:

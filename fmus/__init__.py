@@ -1,6 +1,16 @@
-"""Plant FMUs of axisrig: a Modelica library and the exporter that builds FMI 3.0 FMUs from it."""
+"""Plant FMUs of axisrig: a Modelica library and the exporter that builds FMI FMUs from it."""
 
-from fmus.build import CATALOGUE, MODELS, ensure_built
+from fmus.build import CATALOGUE, FMI_VERSIONS, MODELS, ensure_built, place_in_cache
+from fmus.compiler import COMPILERS, PLATFORMS
 from fmus.errors import BuildError
 
-__all__ = ["CATALOGUE", "MODELS", "BuildError", "ensure_built"]
+__all__ = [
+    "CATALOGUE",
+    "COMPILERS",
+    "FMI_VERSIONS",
+    "MODELS",
+    "PLATFORMS",
+    "BuildError",
+    "ensure_built",
+    "place_in_cache",
+]

@@ -10,23 +10,29 @@ import importlib.util
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import platformdirs
 
 from fmus.compiler import (
+    COMPILERS,
     FLAGS,
     LINK,
+    PLATFORMS,
+    ZIG_FLAGS,
     Compiler,
+    Platform,
     compile_library,
-    find_compiler,
+    compiler_for,
     this_platform,
+    universal_library,
 )
 from fmus.errors import BuildError
 from fmus.generate import SLAVES, Generated, generate, runtime_files
 from fmus.ir import TARGET, compile_model
+from fmus.openmodelica import build_with_omc, omc_identity
 
 LIBRARY = Path(__file__).parent / "AxisRig"
 MODELS_FILE = Path(__file__).parent / "models.csv"
@@ -72,19 +78,43 @@ _BUILD_DESCRIPTION = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def ensure_built(model: str, cache_dir: Path | None = None, fmi: str = "3.0") -> Path:
+def ensure_built(
+    model: str,
+    cache_dir: Path | None = None,
+    fmi: str = "3.0",
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
+) -> Path:
     """The FMU of one of `MODELS` from the cache; built first when the cache has none.
 
-    The name in the cache holds a hash of library, exporter, compilers and options.
+    Arguments as `place_in_cache`. Raises BuildError when the model cannot be built.
+    """
+    path = place_in_cache(model, cache_dir, fmi, platforms, compiler)
+    if path.is_file():
+        return path
+    return build(model, path, fmi=fmi, platforms=platforms, compiler=compiler)
+
+
+def place_in_cache(
+    model: str,
+    cache_dir: Path | None = None,
+    fmi: str = "3.0",
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
+) -> Path:
+    """Where the cache has the FMU of one of `MODELS`, or will have it.
+
+    The name holds a hash of library, exporter, compilers and options.
     cache_dir: default is the folder `fmus` in the user's cache folder of axisrig. fmi: version of
-    the standard, "3.0" or "2.0".
-    Raises BuildError when the model is not known or cannot be built.
+    the standard, "3.0" or "2.0". platforms: words of FMI 3.0 such as x86_64-linux, by default this
+    one. compiler: "cc", "zig" or "omc"; by default the system's cc, and zig for other platforms.
+    Raises BuildError when the model or an option is not known.
     """
     if model not in MODELS:
         raise BuildError(None, None, f"no model {model}; there are {', '.join(MODELS)}")
     folder = cache_dir or Path(platformdirs.user_cache_dir("axisrig")) / "fmus"
-    path = folder / f"{model.rsplit('.', 1)[-1]}-{cache_key(model, fmi=fmi)[:24]}.fmu"
-    return path if path.is_file() else build(model, path, fmi=fmi)
+    key = cache_key(model, fmi=fmi, platforms=platforms, compiler=compiler)
+    return folder / f"{model.rsplit('.', 1)[-1]}-{key[:24]}.fmu"
 
 
 def build(
@@ -93,29 +123,84 @@ def build(
     library: Path = LIBRARY,
     step_s: float | None = None,
     fmi: str = "3.0",
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
 ) -> Path:
     """Build the FMU of `model` of `library` into the file `path`, and return it.
 
-    step_s: internal step of the integration, s; default by `models.csv`. Several processes may
-    build the same file: each writes its own and puts it in place at once.
+    step_s: internal step of the integration, s; default by `models.csv`. fmi, platforms, compiler
+    as `place_in_cache`. Several processes may build the same file: each writes its own and puts it
+    in place at once.
     Raises BuildError.
     """
+    _check_options(fmi, compiler)
+    targets = _targets(platforms, fmi)
+    if compiler == "omc":
+        _refuse_foreign(targets)
+        return build_with_omc(model, path, library, fmi)
+    chosen = compiler_for(targets, compiler)
     generated = generate(compile_model(model, library), _step_s(model, step_s), fmi)
-    compiler, target = find_compiler(), this_platform()
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
         work = Path(name)
         sources = work / "sources"
         _write_sources(sources, generated)
-        folder = target.folder if fmi == "3.0" else target.folder_fmi2
-        binary = work / "binaries" / folder / f"{generated.identifier}{target.ending}"
-        binary.parent.mkdir(parents=True)
-        compile_library(compiler, sources / f"{generated.identifier}.c", binary)
+        _compile(chosen, targets, sources / f"{generated.identifier}.c", work / "binaries", fmi)
         (work / "modelDescription.xml").write_text(generated.description, encoding="utf-8")
         packed = work / "packed"
         _pack(work, sorted(p for p in work.rglob("*") if p.is_file()), packed)
         packed.replace(path)
     return path
+
+
+def _check_options(fmi: str, compiler: str | None) -> None:
+    for value, allowed, what in (
+        (fmi, FMI_VERSIONS, "FMI version"),
+        (compiler or "cc", (*COMPILERS, "omc"), "compiler"),
+    ):
+        if value not in allowed:
+            message = f"{what} {value} is not known; there are {', '.join(allowed)}"
+            raise BuildError(None, None, message)
+
+
+def _targets(names: Sequence[str], fmi: str) -> list[Platform]:
+    """The platforms to build for. Raises BuildError for one that is not known."""
+    for name in names:
+        if name not in PLATFORMS:
+            message = f"platform {name} is not known; there are {', '.join(PLATFORMS)}"
+            raise BuildError(None, None, message)
+    targets = [PLATFORMS[name] for name in dict.fromkeys(names)] or [this_platform()]
+    # One folder of FMI 2.0 stands for both machines of macOS: it gets the library of both.
+    folders = {target.folder(fmi) for target in targets}
+    if fmi == "2.0" and targets != [this_platform()]:
+        targets = [p for p in PLATFORMS.values() if p.fmi2_folder in folders]
+    return targets
+
+
+def _refuse_foreign(targets: Sequence[Platform]) -> None:
+    """OpenModelica builds for this platform alone."""
+    if list(targets) != [this_platform()]:
+        raise BuildError(None, None, f"OpenModelica builds for {this_platform().name} only")
+
+
+def _compile(
+    compiler: Compiler, targets: Sequence[Platform], source: Path, binaries: Path, fmi: str
+) -> None:
+    """Compile for each platform; what shares a folder becomes one universal library."""
+    folders: dict[str, list[Platform]] = {}
+    for target in targets:
+        folders.setdefault(target.folder(fmi), []).append(target)
+    for folder, sharing in folders.items():
+        library = binaries / folder / f"{source.stem}{sharing[0].ending}"
+        if len(sharing) == 1:
+            compile_library(compiler, source, library, sharing[0])
+            continue
+        thin = [library.with_suffix(f".{target.name}") for target in sharing]
+        for part, target in zip(thin, sharing, strict=True):
+            compile_library(compiler, source, part, target)
+        universal_library(thin, library)
+        for part in thin:
+            part.unlink()
 
 
 def _step_s(model: str, step_s: float | None) -> float:
@@ -164,19 +249,24 @@ def cache_key(
     model: str,
     library: Path = LIBRARY,
     step_s: float | None = None,
-    compiler: Compiler | None = None,
     fmi: str = "3.0",
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
 ) -> str:
     """sha256 over everything that an FMU depends on."""
+    _check_options(fmi, compiler)
+    targets = _targets(platforms, fmi)
+    is_omc = compiler == "omc"
+    identity = omc_identity() if is_omc else compiler_for(targets, compiler).identity
     exporter = Path(__file__).parent
     parts: dict[str, bytes] = {
         "model": model.encode(),
         "fmi": fmi.encode(),
         "step": repr(_step_s(model, step_s)).encode(),
         "rumoca": importlib.metadata.version("rumoca").encode(),
-        "compiler": (compiler or find_compiler()).identity.encode(),
-        "flags": " ".join((*FLAGS, *LINK)).encode(),
-        "platform": this_platform().folder.encode(),
+        "compiler": identity.encode(),
+        "flags": " ".join((*FLAGS, *ZIG_FLAGS, *LINK)).encode(),
+        "platforms": " ".join(target.name for target in targets).encode(),
     }
     files = [
         *library.rglob("*.mo"),

@@ -16,3 +16,7 @@ class BuildError(Exception):
         self.message = message
         place = ":".join(str(part) for part in (self.file, self.line) if part is not None)
         super().__init__(f"{place}: {message}" if place else message)
+
+    def __reduce__(self) -> tuple[type["BuildError"], tuple[str | None, int | None, str]]:
+        """Let the error of a build in another process come back as it is."""
+        return BuildError, (self.file, self.line, self.message)

@@ -3,7 +3,7 @@
 import csv
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from decimal import Decimal, InvalidOperation, Overflow
 from functools import cache
@@ -108,6 +108,12 @@ def column_forms() -> tuple[ColumnForm, ...]:
 def si_unit(suffix: str) -> str:
     """Return the SI unit that values with a unit suffix are converted to (`mm` -> `m`)."""
     return _units()[suffix].si
+
+
+def suffixes_of(names: Iterable[str]) -> list[str]:
+    """Return the unit suffixes whose SI unit is one of `names`."""
+    wanted = set(names)
+    return [unit.suffix for unit in _units().values() if unit.si in wanted]
 
 
 @cache

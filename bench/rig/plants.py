@@ -1,26 +1,29 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
-import math
-from collections.abc import Mapping
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
+from typing import Literal
 
-from fmpy.model_description import ModelVariable
-
-from bench.plan.assignment import Assignment, parse_assignment, si_unit
-from bench.rig.file import PlantTable, rig_error
+from bench.rig.file import MapTable, PlantTable, rig_error
 from bench.rig.settings import Settings
+from bench.rig.start_values import set_start_values
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
-from kernel.cosim.axis import AXIS_INPUTS
 from kernel.cosim.fmu import FmuSlave, PlantError, load_fmu
 from kernel.cosim.plant import Plant
-from kernel.cosim.probe import TRAJECTORY_INPUTS
+from kernel.cosim.roles import (
+    FLAG_THRESHOLD,
+    Roles,
+    Source,
+    coordinates_of,
+    guess_kind,
+    map_roles,
+)
 from kernel.errors import UserError, nearest
 
+WARNINGS_SHOWN_MAX = 20
 ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
-_FLAGS = {"true": True, "1": True, "false": False, "0": False}
 
 
 def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
@@ -48,110 +51,108 @@ def _built(model: str) -> Path:
         raise UserError(f"{model} cannot be built: {error}") from error
 
 
-def _set_start(slave: FmuSlave, item: Assignment) -> None:
-    """Set one start value, converted from the unit that its name ends in."""
-    # A variable may itself end in what looks like a unit; its own name wins
-    whole = item.column.partition(".")[2]
-    plain = replace(item, name=whole, unit="") if slave.has(whole) else item
-    if plain.name not in slave.names("parameter"):
-        settable = slave.names("parameter")
-        known = "start value that can be set" if slave.has(plain.name) else "variable"
-        raise UserError(
-            f"{slave.name} has no such {known}",
-            value=plain.name,
-            allowed=nearest(plain.name, settable) or settable,
-        )
-    variable = slave.variable(plain.name)
-    is_flag = str(variable.type) == "Boolean"
-    value = _flag(slave, plain) if is_flag else _number(slave, plain, variable)
-    try:
-        slave.set_start(plain.name, value)
-    except PlantError as error:
-        message = f"{slave.name} refuses {plain.name}: {error.reason}"
-        raise UserError(message, value=item.value) from error
-
-
-def _flag(slave: FmuSlave, item: Assignment) -> bool:
-    if item.value.lower() not in _FLAGS or item.unit:
-        raise UserError(
-            f"{item.name} of {slave.name} is true or false", value=item.value, allowed="true, false"
-        )
-    return _FLAGS[item.value.lower()]
-
-
-def _number(slave: FmuSlave, item: Assignment, variable: ModelVariable) -> float:
-    """Return the value in the FMU's unit, an int for an integer variable; check unit and range."""
-    value: float = item.si()
-    label = f"{item.name} of {slave.name}"
-    unit = variable.unit or "1"
-    if item.unit and si_unit(item.unit) != unit:
-        allowed = "a bare number" if unit == "1" else f"a unit of {unit}"
-        raise UserError(f"{label} has another unit", value=item.unit, allowed=allowed)
-    low = -math.inf if variable.min is None else float(variable.min)
-    high = math.inf if variable.max is None else float(variable.max)
-    if not low <= value <= high:
-        allowed = f"{low:g} .. {high:g} {'' if unit == '1' else unit}".rstrip()
-        raise UserError(f"{label} is out of range", value=item.value, allowed=allowed)
-    if str(variable.type) != "Float64":
-        if value != int(value):
-            raise UserError(f"{label} is a whole number", value=item.value)
-        return int(value)
-    return value
-
-
-def _start_values(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> None:
-    for key, value in table.start.items():
-        try:
-            _set_start(slave, parse_assignment(f"plant:{instance}.{key}={str(value).lower()}"))
-        except UserError as error:
-            raise rig_error(
-                settings.files,
-                ("plant", instance, "start"),
-                f"{key}: {error.message}",
-                value=error.value,
-                allowed=error.allowed,
-            ) from error
-    for item, located in settings.start.get(instance, []):
-        try:
-            _set_start(slave, item)
-        except UserError as error:
-            raise located(error, item) from error
-
-
 def build_plant(settings: Settings) -> Plant:
     """Load every plant FMU of a rig, set its start values, wire the sensors to the axes.
 
     Raises UserError with file, line and key of the rig (or the cell of the plan).
     """
     plant = _empty_plant(settings)
-    sensors: list[tuple[str, PlantTable, FmuSlave]] = []
+    sensors: list[tuple[str, PlantTable, Roles]] = []
+    loaded: list[FmuSlave] = []
     try:
         for instance, table in settings.rig.plant.items():
-            path = plant_path(settings, instance, table)
-            try:
-                slave = load_fmu(path, instance)
-                if slave.has(*AXIS_INPUTS):
-                    plant.add_axis(slave)
-            except UserError as error:
-                keys = ("plant", instance, "fmu")
-                message = f"{error.message} ({path.name})"
-                raise rig_error(
-                    settings.files,
-                    keys,
-                    message,
-                    value=error.value,
-                    allowed=error.allowed,
-                    hint=error.hint,
-                ) from error
-            if instance not in plant.axes:
-                sensors.append((instance, table, slave))
-            _start_values(settings, instance, table, slave)
-        for instance, table, slave in sensors:
-            _wire(settings, plant, instance, table, slave)
+            slave = _load(settings, instance, table)
+            loaded.append(slave)
+            roles = _roles(settings, instance, table, slave)
+            if roles.kind == "axis":
+                plant.add_axis(slave, roles)
+            else:
+                sensors.append((instance, table, roles))
+            set_start_values(settings, instance, table, roles)
+            plant.notes[instance] = roles.notes
+            plant.remarks[instance] = _remarks(table, roles)
+        for instance, table, roles in sensors:
+            _wire(settings, plant, instance, table, roles)
     except BaseException:
-        plant.close()
+        for slave in loaded:
+            slave.close()
         raise
     return plant
+
+
+def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
+    path = plant_path(settings, instance, table)
+    try:
+        return load_fmu(path, instance)
+    except UserError as error:
+        message = f"{error.message} ({path.name})"
+        keys = ("plant", instance, "fmu")
+        raise _at(settings, keys, error, message) from error
+
+
+def _remarks(table: PlantTable, roles: Roles) -> list[str]:
+    """Say what the bench makes of an FMU of the user."""
+    if not table.fmu.endswith(".fmu"):
+        return []
+    can, spare = roles.slave.can, roles.spare_inputs()
+    lines = []
+    if can.needs_tool:
+        lines.append("needs the tool that made it on this machine (needsExecutionTool)")
+    if spare:
+        lines.append(f"nothing is wired to {', '.join(spare)}: start values are kept")
+    return lines
+
+
+def _at(
+    settings: Settings, keys: tuple[str, ...], error: UserError, message: str | None = None
+) -> UserError:
+    """Give an error the place of a key of the rig."""
+    return rig_error(
+        settings.files,
+        keys,
+        message or error.message,
+        value=error.value,
+        allowed=error.allowed,
+        hint=error.hint,
+    )
+
+
+def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> Roles:
+    """Find out which roles the FMU of a plant fills."""
+    sources = {role: _source(entry) for role, entry in table.map.items()}
+    kind = table.kind or guess_kind(slave, sources)
+    place = ("plant", instance)
+    if kind is None:
+        raise rig_error(
+            settings.files,
+            (*place, "fmu"),
+            f"{Path(table.fmu).name}: its variables and the map tell neither an axis nor a sensor",
+            value=instance,
+            hint="say kind and map in the rig; docs/rigs.md names the roles of both",
+        )
+    if kind != "axis":
+        _check_wire(settings, instance, table, coordinates_of(slave, kind, sources))
+
+    def located(error: UserError, role: str) -> UserError:
+        keys = (*place, "map", role) if role in table.map else (*place, "fmu")
+        return _at(settings, keys, error, f"plant {instance}: {error.message}")
+
+    try:
+        return map_roles(slave, kind, sources, list(table.wire), located)
+    except UserError as error:
+        raise error if error.file else _at(settings, (*place, "fmu"), error) from error
+
+
+def _source(entry: str | Literal[False] | MapTable) -> Source | None:
+    if isinstance(entry, MapTable):
+        return Source(
+            entry.variable,
+            entry.unit,
+            entry.sign,
+            FLAG_THRESHOLD if entry.threshold is None else entry.threshold,
+            None if entry.lead_mm is None else entry.lead_mm * 1e-3,
+        )
+    return Source(entry) if entry else None
 
 
 def _empty_plant(settings: Settings) -> Plant:
@@ -168,40 +169,28 @@ def _empty_plant(settings: Settings) -> Plant:
     )
 
 
-def _wire(
-    settings: Settings, plant: Plant, instance: str, table: PlantTable, slave: FmuSlave
+def _check_wire(
+    settings: Settings, instance: str, table: PlantTable, coordinates: Sequence[str]
 ) -> None:
     keys = ("plant", instance, "wire")
-    if not slave.has("step_time", "step_size"):
-        raise rig_error(
-            settings.files,
-            ("plant", instance, "fmu"),
-            f"{Path(table.fmu).name} is neither an axis nor a sensor that reads trajectories",
-            value=instance,
-            hint="docs/rigs.md names the variables of both",
-        )
     if not table.wire:
         raise rig_error(settings.files, keys, f"plant {instance} is wired to no axis")
-    for group in table.wire:
-        if not slave.has(*(f"{group}_{part}" for part in TRAJECTORY_INPUTS)):
-            groups = [
-                name[:-6]
-                for name in slave.names("input")
-                if name.endswith("_start") and not name.endswith("_rate_start")
-            ]
+    for coordinate in table.wire:
+        if coordinate not in coordinates:
             raise rig_error(
                 settings.files,
-                (*keys, group),
-                f"{instance} has no input {group}",
-                value=group,
-                allowed=groups,
+                (*keys, coordinate),
+                f"{instance} has no input {coordinate}",
+                value=coordinate,
+                allowed=coordinates,
             )
+
+
+def _wire(settings: Settings, plant: Plant, instance: str, table: PlantTable, roles: Roles) -> None:
     try:
-        plant.add_probe(slave, table.wire)
+        plant.add_probe(roles.slave, table.wire, roles)
     except UserError as error:
-        raise rig_error(
-            settings.files, keys, error.message, value=error.value, allowed=error.allowed
-        ) from error
+        raise _at(settings, ("plant", instance, "wire"), error) from error
 
 
 def check_plants(settings: Settings, plant: Plant) -> None:
@@ -249,3 +238,35 @@ def start_plant(settings: Settings, plant: Plant) -> None:
                     raise located(UserError(message, value=value, allowed=allowed), item)
             keys = ("plant", axis.plant, "start")
             raise rig_error(settings.files, keys, message, value=value, allowed=allowed)
+
+
+def describe_plants(settings: Settings, plant: Plant) -> list[str]:
+    """Tell what the bench makes of each FMU of the user, and what others lack."""
+    lines: list[str] = []
+    for instance, table in settings.rig.plant.items():
+        notes = [*plant.notes[instance], *plant.remarks[instance]]
+        if not notes and not table.fmu.endswith(".fmu"):
+            continue
+        is_axis = instance in plant.axes
+        slave = plant.axes[instance].slave if is_axis else plant.probes[instance].slave
+        version = f"{Path(table.fmu).name}, FMI {slave.description.fmiVersion}"
+        kind = "an axis" if is_axis else "a probe"
+        lines.append(f"plant {instance} ({version}) is {kind}")
+        lines += [f"  {note}" for note in notes]
+    return lines
+
+
+def plant_log(plant: Plant) -> list[str]:
+    """Tell what plants lack and, after a run, what their FMUs warned of."""
+    lines = [
+        f"plant {instance}: {note}" for instance, notes in plant.notes.items() for note in notes
+    ]
+    slaves = [axis.slave for axis in plant.axes.values()]
+    slaves += [probe.slave for probe in plant.probes.values()]
+    for slave in slaves:
+        for message in list(slave.messages)[:WARNINGS_SHOWN_MAX]:
+            lines.append(f"plant {slave.name} at {message.time_ns / 1e6:.6f} ms: {message.text}")
+        more = len(slave.messages) - WARNINGS_SHOWN_MAX
+        if more > 0:
+            lines.append(f"plant {slave.name}: {more} more messages")
+    return lines

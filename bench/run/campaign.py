@@ -19,9 +19,10 @@ from bench.plan.verdict import Verdict, exit_code, worst
 from bench.results.writer import CaseResult, ResultsWriter, build_manifest
 from bench.rig.check import check_rig, segment_schedules
 from bench.rig.file import read_rig
-from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import read_settings
-from bench.run.runner import Stopwatch, prepare, run_cases
+from bench.run.apart import CALL_LIMIT_S
+from bench.run.runner import Stopwatch, prepare, prepare_all, run_cases
 from kernel.errors import UserError
 
 
@@ -70,8 +71,13 @@ def run_campaign(  # noqa: PLR0913
     command: Sequence[str],
     started: str,
     stopwatch: Stopwatch,
+    is_isolated: bool = False,
+    call_limit_s: float = CALL_LIMIT_S,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt ends the campaign with what it has.
+
+    is_isolated: each case in a process of its own, which an FMU may crash. call_limit_s: wall time
+    that one call into an FMU may take there.
 
     Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
     case. Raises UserError before the results folder is touched.
@@ -81,8 +87,7 @@ def run_campaign(  # noqa: PLR0913
     cases = [case for plan in plans for case in plan.cases]
     if not cases:
         raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
-    for case in cases:
-        prepare(case)
+    prepare_all(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
     folder = out or Path("out") / "-".join(plan.name for plan in plans)
     manifest = build_manifest(plans, command=command, started=started, output=str(folder))
     results: list[CaseResult] = []
@@ -93,7 +98,13 @@ def run_campaign(  # noqa: PLR0913
     ):
         task = progress.add_task("", total=len(cases))
         for result in run_cases(
-            cases, writer.bus_path, jobs=jobs, timeout_s=timeout_s, stopwatch=stopwatch
+            cases,
+            writer.bus_path,
+            jobs=jobs,
+            timeout_s=timeout_s,
+            stopwatch=stopwatch,
+            is_isolated=is_isolated,
+            call_limit_s=call_limit_s,
         ):
             writer.add(result)
             results.append(result)
@@ -176,13 +187,15 @@ def _check_rig_file(path: Path) -> str:
     try:
         check_plants(settings, plant)
         start_plant(settings, plant)
+        told = describe_plants(settings, plant)
     finally:
         plant.close()
     tables = [
         f"segment {name}, {schedule.bitrate} bit/s, worst case of one cycle\n{schedule.table()}"
         for name, schedule in segment_schedules(settings).items()
     ]
-    return "\n\n".join([f"{path}: {rig.title}", *tables])
+    plants = ["\n".join(told)] if told else []
+    return "\n\n".join([f"{path}: {rig.title}", *tables, *plants])
 
 
 def metrics_table() -> str:

@@ -7,11 +7,8 @@ case is built from its row and its seed alone.
 import gc
 import traceback
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import TimeoutError as PoolTimeout
 from contextlib import contextmanager
 from pathlib import Path
-
-from pebble import ProcessExpired, ProcessPool
 
 from bench.plan.assignment import Assignment
 from bench.plan.checks import judge
@@ -20,7 +17,9 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import CaseResult, no_values
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.plants import plant_log
 from bench.rig.settings import Settings, read_settings
+from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from bench.run.metrics import observe
 from bench.run.observe import Observed
 from kernel.cosim.fmu import PlantError
@@ -140,8 +139,24 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         trace=observed.trace,
         events=observed.events(),
         messages=[message.text for message in machine.messages],
-        log=[str(alarm) for alarm in machine.channel.alarms],
+        log=[*plant_log(machine.plant), *(str(alarm) for alarm in machine.channel.alarms)],
     )
+
+
+def prepare_all(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float) -> None:
+    """Prepare every case; isolated: in processes apart, and what dies there dies again as it runs.
+
+    call_limit_s: wall time that one call into an FMU may take there.
+    Raises UserError as `prepare` does.
+    """
+    if not is_isolated:
+        for case in cases:
+            prepare(case)
+        return
+    for _ in run_apart(
+        prepare, [[case] for case in cases], is_fresh=False, call_limit_s=call_limit_s
+    ):
+        pass
 
 
 def run_cases(
@@ -151,46 +166,30 @@ def run_cases(
     jobs: int,
     timeout_s: float | None,
     stopwatch: Stopwatch,
+    is_isolated: bool = False,
+    call_limit_s: float = CALL_LIMIT_S,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
 
-    jobs: processes; 1 stays in this one unless there is a time-out. timeout_s: wall time that one
-    case may take, None = no limit. A case that hangs or kills its process costs its own row only.
+    jobs: processes; 1 stays in this one unless there is a time-out or isolation. timeout_s: wall
+    time that one case may take, None = no limit. is_isolated: a new process for every case. A case
+    that hangs or kills its process costs its own row only.
     """
-    if jobs == 1 and timeout_s is None:
+    if jobs == 1 and timeout_s is None and not is_isolated:
         for case in cases:
             yield run_case(case, bus_path(case.run), stopwatch)
         return
-    pool = ProcessPool(max_workers=min(jobs, len(cases)))
-    try:
-        yield from _collected(pool, cases, bus_path, timeout_s, stopwatch)
-        pool.close()  # type: ignore[no-untyped-call]
-    except BaseException:
-        pool.stop()  # type: ignore[no-untyped-call]  # nobody waits for what is left
-        raise
-    finally:
-        pool.join()
-
-
-def _collected(
-    pool: ProcessPool,
-    cases: Sequence[Case],
-    bus_path: Callable[[str], Path],
-    timeout_s: float | None,
-    stopwatch: Stopwatch,
-) -> Iterator[CaseResult]:
-    futures = [
-        (
-            case,
-            pool.schedule(run_case, [case, bus_path(case.run), stopwatch], timeout=timeout_s),
-        )
-        for case in cases
-    ]
-    for case, future in futures:
-        try:
-            yield future.result()
-        except PoolTimeout:
-            reason = f"no end within {timeout_s:g} s of wall time"
-            yield no_values(case, Verdict.ERROR, reason, wall_s=timeout_s or 0.0)
-        except ProcessExpired as error:
-            yield no_values(case, Verdict.ERROR, f"the process of this case died: {error}")
+    results = run_apart(
+        run_case,
+        [[case, bus_path(case.run), stopwatch] for case in cases],
+        jobs=jobs,
+        is_fresh=is_isolated,
+        timeout_s=timeout_s,
+        call_limit_s=call_limit_s,
+    )
+    for case, result in zip(cases, results, strict=True):
+        if isinstance(result, Died):
+            wall_s = timeout_s if result.is_timeout and timeout_s is not None else 0.0
+            yield no_values(case, Verdict.ERROR, result.reason, wall_s=wall_s)
+        else:
+            yield result

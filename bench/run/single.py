@@ -1,15 +1,26 @@
 """One NC program on one rig: what `axisrig nc` does."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from bench.plan.assignment import parse_assignment
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.plants import plant_log
 from bench.rig.settings import as_written, read_settings
+from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from kernel.cosim.fmu import PlantError
-from kernel.errors import Alarm, UserError
+from kernel.errors import UserError
 from kernel.nc.parser import read_program
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What is to be said of a run, an alarm or a note, and whether it ended the program."""
+
+    text: str
+    ends_program: bool
 
 
 def run_program(
@@ -18,8 +29,8 @@ def run_program(
     assignments: Sequence[str],
     bus_log: Path | None,
     put_out: Callable[[str], None],
-) -> list[Alarm]:
-    """Run a program to its end and return its alarms in order.
+) -> list[Ended]:
+    """Run a program to its end; return what its plants lack, and its alarms in order.
 
     assignments: texts of `--set`. put_out: takes each message when it is due.
     Raises UserError for what is rejected before or while the program runs.
@@ -35,4 +46,27 @@ def run_program(
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    return machine.channel.alarms
+    notes = [Ended(text, False) for text in plant_log(machine.plant)]
+    return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
+
+
+def run_program_apart(
+    program: Path,
+    rig: Path,
+    assignments: Sequence[str],
+    bus_log: Path | None,
+    put_out: Callable[[str], None],
+    *,
+    call_limit_s: float = CALL_LIMIT_S,
+) -> list[Ended]:
+    """Do `run_program` in a process of its own. put_out: one that can be handed to a process.
+
+    Raises UserError also for an FMU that ends the process, or that does not come back within
+    `call_limit_s` of wall time.
+    """
+    tasks = [[program, rig, assignments, bus_log, put_out]]
+    for result in run_apart(run_program, tasks, call_limit_s=call_limit_s):
+        if isinstance(result, Died):
+            raise UserError(result.reason, file=program)
+        return result
+    raise AssertionError("one task gives one result")

@@ -5,6 +5,8 @@ package Units "SI types, so that every variable carries its unit"
   type Length = Real(quantity = "Length", unit = "m", min = 0);
   type Velocity = Real(quantity = "Velocity", unit = "m/s");
   type Angle = Real(quantity = "Angle", unit = "rad");
+  type Slope = Real(unit = "1") "Height per length";
+  type DampingRatio = Real(unit = "1", min = 0) "Damping over critical damping";
   type Force = Real(quantity = "Force", unit = "N");
   type Mass = Real(quantity = "Mass", unit = "kg", min = 0);
   type Inertia = Real(quantity = "MomentOfInertia", unit = "kg.m2", min = 0);

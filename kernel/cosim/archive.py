@@ -75,26 +75,29 @@ class Archive:
     entries: tuple[Entry, ...]
 
 
-@cache
-def _session_folder() -> Path:
-    """The folder of everything that this process and its children unpack."""
-    folder = Path(tempfile.mkdtemp(prefix="axisrig-fmu-"))
-    owner = os.getpid()
-
-    def remove() -> None:
-        if os.getpid() == owner:  # a forked child must not take its siblings' files away
-            shutil.rmtree(folder, ignore_errors=True)
-
-    atexit.register(remove)
-    return folder
+_SESSION: list[Path] = []
 
 
 def session_folder() -> Path:
     """Return the private folder in which FMUs are unpacked; it goes with the process that made it.
 
-    Called before children are forked, it holds what they unpack too and outlives their crash.
+    Made before children are started and handed to them, it outlives their crash.
     """
-    return _session_folder()
+    if not _SESSION:
+        folder, owner = Path(tempfile.mkdtemp(prefix="axisrig-fmu-")), os.getpid()
+
+        def remove() -> None:
+            if os.getpid() == owner:  # a forked child must not take its siblings' files away
+                shutil.rmtree(folder, ignore_errors=True)
+
+        atexit.register(remove)
+        _SESSION.append(folder)
+    return _SESSION[0]
+
+
+def share_session_folder(folder: Path) -> None:
+    """Unpack into the folder of the process that started this one."""
+    _SESSION[:] = [folder]
 
 
 def inspect(path: Path) -> Archive:

@@ -2,10 +2,11 @@
 
 from bisect import bisect_right
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from kernel.clock import TimeNs
-from kernel.cosim.fmu import Exchange, FmuSlave, FmuState, PlantError
+from kernel.cosim.fmu import FmuSlave, FmuState, PlantError
+from kernel.cosim.roles import Roles
 
 AXIS_INPUTS = ("reference_position", "reference_velocity", "reference_time", "reference_end")
 AXIS_OUTPUTS = (
@@ -15,6 +16,7 @@ AXIS_OUTPUTS = (
     "motor_velocity",
     "demand_position",
 )
+SAMPLE_NS = 62_500
 # Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it
 HISTORY_STEPS = 4096
 
@@ -35,42 +37,124 @@ def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float
     )
 
 
+class _Ramp:
+    """Hands the demand over as a ramp that the FMU follows by itself."""
+
+    def __init__(self, roles: Roles) -> None:
+        self._inputs = roles.exchange(AXIS_INPUTS)
+
+    def command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
+        values = self._inputs.values
+        values[0], values[1], values[2], values[3] = position, rate, time_ns * 1e-9, end_ns * 1e-9
+        self._inputs.write()
+
+    def step(self, slave: FmuSlave, end_ns: TimeNs) -> None:
+        slave.step_to(end_ns)
+
+
+class _SampledDemand:
+    """Samples the ramp for an FMU that takes a plain demand and holds it.
+
+    The samples lie SAMPLE_NS apart from the command on, whatever the steps are.
+    """
+
+    def __init__(self, roles: Roles) -> None:
+        self._input = roles.exchange(["demand"])
+        self._begin_ns = self._end_ns = 0
+        self._position = self._rate = 0.0
+
+    def at(self, time_ns: TimeNs) -> float:
+        return self._position + self._rate * (min(time_ns, self._end_ns) - self._begin_ns) * 1e-9
+
+    def command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
+        self._begin_ns, self._position, self._rate, self._end_ns = time_ns, position, rate, end_ns
+
+    def step(self, slave: FmuSlave, end_ns: TimeNs) -> None:
+        while slave.time_ns < end_ns:
+            since_ns = slave.time_ns - self._begin_ns
+            sample_ns = self._begin_ns + since_ns // SAMPLE_NS * SAMPLE_NS
+            self._input.values[0] = self.at(sample_ns)
+            self._input.write()
+            slave.step_to(min(sample_ns + SAMPLE_NS, end_ns))
+
+
 class PlantAxis:
     """A servo axis of the plant as the drive in front of it sees it (SI units).
 
-    advance_to: brings the whole plant to an instant. `motion` holds AXIS_OUTPUTS at the present
-    time, `tick` load position and velocity at both ends of the last step. The last 4096 steps are
-    kept, so that the position at a latch can be looked up.
+    roles: what its FMU takes and gives. advance_to: brings the whole plant to an instant. `motion`
+    holds AXIS_OUTPUTS at the present time, `tick` load position and velocity at both ends of the
+    last step. The last 4096 steps are kept, so that the position at a latch can be looked up.
     """
 
-    def __init__(self, slave: FmuSlave, advance_to: Callable[[TimeNs], None]) -> None:
-        self.slave, self.advance_to = slave, advance_to
-        self._inputs = Exchange(slave, AXIS_INPUTS)
-        self._enabled = Exchange(slave, ["enabled"])
-        self.outputs = Exchange(slave, AXIS_OUTPUTS)
+    def __init__(self, roles: Roles, advance_to: Callable[[TimeNs], None]) -> None:
+        self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
+        self._demand = _Ramp(roles) if roles.has_group("ramp") else _SampledDemand(roles)
+        self._enabled = roles.exchange(["enabled"]) if roles.has("enabled") else None
+        self._is_enabled: bool | None = None
+        self._known = [name for name in AXIS_OUTPUTS if roles.has(name)]
+        self._outputs = roles.exchange(self._known)
         self.motion: list[float] = [0.0] * len(AXIS_OUTPUTS)
         self.tick = (0.0, 0.0, 0.0, 0.0)
         self.kv_per_s = 0.0
+        self._commanded = (0, 0.0, 0.0, 0)
         self._times: deque[TimeNs] = deque(maxlen=HISTORY_STEPS)
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
         self._saved: FmuState | None = None
 
+    @property
+    def tells_velocity(self) -> bool:
+        """Whether the velocity of the load comes from the FMU; else it is a numeric derivative."""
+        return self.roles.has("velocity")
+
     def start(self, start_ns: TimeNs) -> None:
         """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it tells none."""
         self.slave.initialize(start_ns)
-        self.kv_per_s = self.slave.get("kv") if self.slave.has("kv") else 0.0
+        if self.roles.has("kv"):
+            gain = self.roles.exchange(["kv"])
+            gain.read()
+            self.kv_per_s = float(gain.values[0])
         self._sample()
+        self._command(start_ns, self.motion[2], 0.0, start_ns)
+
+    def _command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
+        self._commanded = (time_ns, position, rate, end_ns)
+        self._demand.command(time_ns, position, rate, end_ns)
 
     def _sample(self) -> None:
-        self.outputs.read()
-        self.motion = self.outputs.values[:]
+        self._outputs.read()
+        values: list[float] = self._outputs.values[:]
+        self.motion = values if len(values) == len(AXIS_OUTPUTS) else self._completed(values)
         self._times.append(self.slave.time_ns)
         self._past.append(self.motion)
+
+    def _completed(self, values: Sequence[float]) -> list[float]:
+        """Put in what the FMU does not tell, see `roles.csv`."""
+        found = dict(zip(self._known, values, strict=True))
+        position = found["position"]
+        velocity = found.get("velocity", self._slope(0, position))
+        motor = found.get("motor_position", position)
+        motor_velocity = self._slope(2, motor) if "motor_position" in found else velocity
+        motor_velocity = found.get("motor_velocity", motor_velocity)
+        begin_ns, start, rate, end_ns = self._commanded
+        demand = start + rate * (min(self.slave.time_ns, end_ns) - begin_ns) * 1e-9
+        return [position, velocity, motor, motor_velocity, found.get("demand_position", demand)]
+
+    def _slope(self, index: int, now: float) -> float:
+        """Return the slope of a parabola through the last three points, at the last one."""
+        if not self._times:
+            return 0.0
+        h1 = (self.slave.time_ns - self._times[-1]) * 1e-9
+        slope = (now - self._past[-1][index]) / h1
+        if len(self._times) == 1:
+            return slope
+        h0 = (self._times[-1] - self._times[-2]) * 1e-9
+        before = (self._past[-1][index] - self._past[-2][index]) / h0
+        return slope + (slope - before) * h1 / (h0 + h1)
 
     def step_to(self, end_ns: TimeNs) -> None:
         """Step the FMU to `end_ns`."""
         begin = self.motion
-        self.slave.step_to(end_ns)
+        self._demand.step(self.slave, end_ns)
         self._sample()
         end = self.motion
         self.tick = (begin[0], begin[1], end[0], end[1])
@@ -97,17 +181,16 @@ class PlantAxis:
         enabled: bool,
     ) -> None:
         """Give the demand from `time_ns` on: a ramp from `position_m` that ends at `end_ns`."""
-        values = self._inputs.values
-        values[0], values[1], values[2], values[3] = (
-            position_m,
-            velocity_m_s,
-            time_ns * 1e-9,
-            end_ns * 1e-9,
-        )
-        self._inputs.write()
-        if self._enabled.values[0] != enabled:
+        if not enabled and self._enabled is None:
+            # Nothing switches this axis off: its demand stays where it was when that was asked for
+            if not self._is_enabled:
+                return
+            position_m, velocity_m_s = self.motion[2], 0.0
+        self._command(time_ns, position_m, velocity_m_s, end_ns)
+        if self._enabled is not None and enabled != self._is_enabled:
             self._enabled.values[0] = enabled
             self._enabled.write()
+        self._is_enabled = enabled
 
     def position_m(self) -> float:
         """Return the load position now: the truth, which no drive ever sees."""

@@ -68,6 +68,7 @@ class Fmi2Slave(FmuSlave):
             unzipDirectory=folder,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
         )
+        self._watch(fmu)
         callbacks = fmi2.fmi2CallbackFunctions()
         callbacks.logger = _LOGGER
         callbacks.allocateMemory = _native(fmi2.fmi2CallbackAllocateMemoryTYPE, fmpy.calloc)

@@ -54,6 +54,7 @@ class Fmi3Slave(FmuSlave):
             unzipDirectory=folder,
             modelIdentifier=self.description.coSimulation.modelIdentifier,
         )
+        self._watch(fmu)
         fmu.instantiate(
             loggingOn=True,
             earlyReturnAllowed=self.can.can_return_early,

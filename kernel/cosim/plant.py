@@ -10,8 +10,10 @@ from collections.abc import Mapping, Sequence
 
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.axis import PlantAxis
+from kernel.cosim.edges import make_probe
 from kernel.cosim.fmu import FmuSlave
 from kernel.cosim.probe import PlantProbe
+from kernel.cosim.roles import Roles, map_roles
 from kernel.errors import UserError
 
 DEFAULT_EXCHANGE_NS = 20 * MS
@@ -28,7 +30,8 @@ class Plant:
 
     exchange_ns: longest step. fine_ns: step where an edge can be, a multiple of the internal steps
     of the axes, so that they integrate over the same grid whatever the steps are. hold_ns,
-    look_back_ns: around an edge, what the drives look up in the motion.
+    look_back_ns: around an edge, what the drives look up in the motion. notes: what an FMU lacks,
+    by instance, and what is done without it; remarks: what else a user should know.
     """
 
     def __init__(
@@ -44,17 +47,27 @@ class Plant:
         self._follows_always = exchange_ns <= fine_ns
         self._can_repeat = False
         self.now_ns: TimeNs = 0
+        self.notes: dict[str, list[str]] = {}
+        self.remarks: dict[str, list[str]] = {}
         self.axes: dict[str, PlantAxis] = {}
         self.probes: dict[str, PlantProbe] = {}
 
-    def add_axis(self, slave: FmuSlave) -> PlantAxis:
-        """Add an axis; UserError when its FMU lacks a variable of the axis interface."""
-        axis = PlantAxis(slave, self.advance_to)
+    def add_axis(self, slave: FmuSlave, roles: Roles | None = None) -> PlantAxis:
+        """Add an axis; roles: None = its variables have the names of the roles.
+
+        Raises UserError when its FMU lacks what an axis needs.
+        """
+        axis = PlantAxis(roles or map_roles(slave, "axis", {}), self.advance_to)
         self.axes[slave.name] = axis
         return axis
 
-    def add_probe(self, slave: FmuSlave, sources: Mapping[str, str]) -> PlantProbe:
-        """Add a touch probe; sources: input group -> instance name of an axis."""
+    def add_probe(
+        self, slave: FmuSlave, sources: Mapping[str, str], roles: Roles | None = None
+    ) -> PlantProbe:
+        """Add a touch probe; sources: coordinate of the FMU -> instance name of an axis.
+
+        Raises UserError for an unknown axis, or when its FMU lacks what a probe needs.
+        """
         for group, name in sources.items():
             if name not in self.axes:
                 raise UserError(
@@ -63,7 +76,7 @@ class Plant:
                     allowed=self.axes,
                 )
         wired = {group: self.axes[name] for group, name in sources.items()}
-        probe = PlantProbe(slave, wired)
+        probe = make_probe(roles or map_roles(slave, "probe", {}, list(sources)), wired)
         probe.hold_ns, probe.look_back_ns = self._hold_ns, self._look_back_ns
         self.probes[slave.name] = probe
         return probe
@@ -75,9 +88,9 @@ class Plant:
             axis.start(start_ns)
         for probe in self.probes.values():
             probe.start(start_ns)
-        slaves = [axis.slave for axis in self.axes.values()]
-        slaves += [probe.slave for probe in self.probes.values()]
-        self._can_repeat = all(slave.can.can_save_state for slave in slaves)
+        self._can_repeat = all(axis.slave.can.can_save_state for axis in self.axes.values())
+        if not all(axis.tells_velocity for axis in self.axes.values()):
+            self._follows_always = True  # a numeric derivative is no base to reckon ahead from
 
     def advance_to(self, time_ns: TimeNs) -> None:
         """Advance every FMU to `time_ns`; nothing happens when they are there already."""
@@ -90,7 +103,8 @@ class Plant:
         end_ns = begin_ns + self._span_ns(limit_ns - begin_ns)
         near = [p for p in probes if self._follows_always or p.free_until_ns < end_ns]
         if near:
-            self._follow(end_ns, near, DIVISIONS if self._can_repeat else 0)
+            can_repeat = self._can_repeat and all(p.slave.can.can_save_state for p in near)
+            self._follow(end_ns, near, DIVISIONS if can_repeat else 0)
         else:
             self._move(end_ns, near)
         self.now_ns = end_ns
@@ -103,13 +117,14 @@ class Plant:
         """Return how far the next step goes: to the end, or over whole fine steps before it."""
         fine_ns = self.fine_ns
         span_ns = rest_ns
+        if self._follows_always:
+            return min(rest_ns, fine_ns)
         if rest_ns > self.exchange_ns:
             span_ns = self.exchange_ns // fine_ns * fine_ns
-        if not self._follows_always:
-            for probe in self.probes.values():
-                free_ns = probe.look_ahead(self.now_ns, span_ns) - self.now_ns
-                if free_ns < span_ns:
-                    span_ns = max(free_ns // fine_ns * fine_ns, min(fine_ns, rest_ns))
+        for probe in self.probes.values():
+            free_ns = probe.look_ahead(self.now_ns, span_ns) - self.now_ns
+            if free_ns < span_ns:
+                span_ns = max(free_ns // fine_ns * fine_ns, min(fine_ns, rest_ns))
         return span_ns
 
     def _follow(self, end_ns: TimeNs, near: Sequence[PlantProbe], divisions: int) -> None:

@@ -4,20 +4,23 @@ A probe follows the motion only where an edge can be. Elsewhere it rests, and th
 far the axes may go before they could use up the `clearance` that it told last.
 """
 
-import struct
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import hypot, sqrt
 
-from kernel.clock import TimeNs, seconds_to_ns
+from kernel.clock import S, TimeNs
 from kernel.cosim.axis import PlantAxis
-from kernel.cosim.fmu import Exchange, FmuSlave, FmuState, PlantError
+from kernel.cosim.fmu import FmuState, PlantError
+from kernel.cosim.roles import Roles
 
-TRAJECTORY_INPUTS = ("start", "rate_start", "end", "rate_end")
-CLEARANCE = "clearance"
 SPEED_GAIN_M_S2 = 500.0
 """By how much an axis gains speed at most. Linear motors without load reach 300 m/s2; a stop or a
 collision brakes harder, but only drives speed an axis up."""
+
+
+FAR_M = 1e3
+"""A clearance that needs no better number, also when an FMU tells infinity."""
 
 
 class PlantSignal:
@@ -52,70 +55,76 @@ def free_s(room_m: float, speed_m_s: float, gain_m_s2: float) -> float:
     return 2.0 * room_m / (speed_m_s + sqrt(speed_m_s * speed_m_s + 2.0 * gain_m_s2 * room_m))
 
 
-class PlantProbe:
-    """A touch probe of the plant, fed with the trajectories of the axes it is wired to.
+class PlantProbe(ABC):
+    """A touch probe of the plant, wired to axes.
 
-    edge_uncertainty_ns: how well edges and contacts are known; 1 for an FMU that locates them.
+    roles: what its FMU gives. sources: coordinate of the FMU (`x`) -> the axis whose load position
+    it reads. edge_uncertainty_ns: how well the instants of edges and contacts are known.
     free_until_ns: no edge before. hold_ns: for how long after an edge the motion is needed in fine
     steps, because a drive latches then; look_back_ns: how long before.
     """
 
-    COUNTS = ("rising_count", "falling_count", "contact_count")
-    TIMES = ("rising_time", "falling_time", "contact_time")
+    edge_uncertainty_ns: float
 
-    def __init__(self, slave: FmuSlave, sources: Mapping[str, PlantAxis]) -> None:
-        """sources: input group of the FMU (`x`) -> the axis whose load position it reads."""
-        self.slave = slave
+    def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
+        self.roles, self.slave = roles, roles.slave
         self.sources = list(sources.values())
-        names = ["step_time", "step_size"]
-        names += [f"{group}_{part}" for group in sources for part in TRAJECTORY_INPUTS]
-        self._inputs = Exchange(slave, names)
-        self._pack = struct.Struct(f"={len(names)}d").pack_into  # ten assignments in one call
-        self._counts = Exchange(slave, self.COUNTS)
-        self._seen = [0, 0, 0]
-        self._has_clearance = slave.has(CLEARANCE)
-        self._results = Exchange(slave, [*self.TIMES, *([CLEARANCE] * self._has_clearance)])
-        self._contact = Exchange(slave, [f"contact_{group}" for group in sources])
-        self._saved: FmuState | None = None
         self.signal = PlantSignal(False)
         self.contacts: list[Contact] = []
-        self.edge_uncertainty_ns = 1.0
         self.hold_ns = self.look_back_ns = 0
         self.free_until_ns: TimeNs = 0
+        self._signal = roles.exchange(["signal"])
+        self._has_clearance = roles.has("clearance")
         self._hold_until_ns: TimeNs = 0
         self._gain_m_s2 = SPEED_GAIN_M_S2 * sqrt(len(self.sources))
         self._clearance_m = self._room_m = self._speed_m_s = 0.0
         self._places_m = [0.0] * len(self.sources)
+        self._saved: FmuState | None = None
+
+    # What differs: how the motion is handed over and how edges are found
+
+    @abstractmethod
+    def _write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+        """Tell the FMU that the axes rest where they are, over a step."""
+
+    @abstractmethod
+    def _read_start(self) -> None:
+        """Read what the initialisation found."""
+
+    @abstractmethod
+    def _read_clearance_m(self) -> float:
+        """Read the clearance of an FMU that has one."""
+
+    @abstractmethod
+    def _has_new_edges(self) -> bool:
+        """Tell whether an edge came that was not accepted."""
+
+    @abstractmethod
+    def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> int:
+        """Follow the axes over [begin_ns, end_ns], their last step.
+
+        Return how many edges came, the most of one kind; `accept` takes them.
+        """
+
+    @abstractmethod
+    def _take_edges(self) -> None:
+        """Append the edges of the last step to `signal`, and its contacts to `contacts`."""
 
     # At rest
 
     def start(self, start_ns: TimeNs) -> None:
         """Initialise the FMU where the axes stand; the level it finds is no edge."""
         self.slave.time_ns = start_ns
-        self._write_rest(start_ns, start_ns + 1_000_000_000)
+        self._write_rest(start_ns, start_ns + S)
         self.slave.initialize(start_ns)
-        level = Exchange(self.slave, ["signal"])
-        level.read()
-        self.signal.level = bool(level.values[0])
-        self._counts.read()
-        self._seen = self._counts.values[:]
-        self._read_results()
+        self._signal.read()
+        self.signal.level = bool(self._signal.values[0])
+        self._read_start()
+        self._look()
 
-    def _write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
-        motion: list[float] = []
-        for axis in self.sources:
-            place = axis.motion[0]
-            motion += (place, 0.0, place, 0.0)
-        self._write(begin_ns, end_ns, motion)
-
-    def _write(self, begin_ns: TimeNs, end_ns: TimeNs, motion: list[float]) -> None:
-        self._pack(self._inputs.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *motion)
-        self._inputs.write()
-
-    def _read_results(self) -> None:
-        self._results.read()
+    def _look(self) -> None:
         if self._has_clearance:
-            self._clearance_m = self._results.values[3]
+            self._clearance_m = min(max(0.0, self._read_clearance_m()), FAR_M)
             self._places_m = [axis.motion[0] for axis in self.sources]
 
     # Where no edge can be
@@ -140,18 +149,17 @@ class PlantProbe:
         self._speed_m_s = hypot(*[axis.motion[1] for axis in self.sources])
         if self._room_m < 0.0:
             self._bound_is_broken(now_ns)
-        return int(free_s(self._room_m, self._speed_m_s, self._gain_m_s2) * 1e9) - self.look_back_ns
+        return int(free_s(self._room_m, self._speed_m_s, self._gain_m_s2) * S) - self.look_back_ns
 
     def _catch_up(self, now_ns: TimeNs) -> None:
         """Bring the FMU to now, at rest where the axes are: no edge lies between."""
         self._write_rest(self.slave.time_ns, now_ns)
         self.slave.step_to(now_ns)
-        self._counts.read()
-        if self._counts.values[:] != self._seen:
+        if self._has_new_edges():
             raise PlantError(
                 self.slave.name, now_ns, "an edge came where its clearance said that none can be"
             )
-        self._read_results()
+        self._look()
 
     def passed_over(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
         """Check that a step without this probe was what `look_ahead` reckoned with."""
@@ -172,22 +180,6 @@ class PlantProbe:
 
     # Where an edge can be
 
-    def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> int:
-        """Follow the axes over [begin_ns, end_ns], their last step.
-
-        Return how many edges came, the most of one kind; `accept` takes them.
-        """
-        motion: list[float] = []
-        for axis in self.sources:
-            motion += axis.tick
-        self._write(begin_ns, end_ns, motion)
-        self.slave.step_to(end_ns)
-        self._counts.read()
-        counts: list[int] = self._counts.values[:]
-        if counts == self._seen:
-            return 0
-        return max(now - seen for now, seen in zip(counts, self._seen, strict=True))
-
     def save(self) -> None:
         """Keep the present state for `restore`; the FMU must be able to."""
         self._saved = self.slave.save_state(self._saved)
@@ -198,30 +190,9 @@ class PlantProbe:
         self.slave.restore_state(self._saved)
 
     def accept(self) -> None:
-        """Take the edges of the last step; PlantError when more came than their times are known."""
-        self._read_results()
-        counts = self._counts.values[:]
-        if counts == self._seen:
-            return
-        new = [now - seen for now, seen in zip(counts, self._seen, strict=True)]
-        self._seen = counts
-        if max(new) > 1:
-            raise PlantError(
-                self.slave.name,
-                self.slave.time_ns,
-                f"{max(new)} edges of one direction inside one step, only the last is known; choose"
-                " a smaller fine_us in the rig",
-            )
-        rising_s, falling_s, contact_s = self._results.values[:3]
-        edges = [(seconds_to_ns(rising_s), True)] * new[0]
-        edges += [(seconds_to_ns(falling_s), False)] * new[1]
-        for time_ns, level in sorted(edges):
-            self.signal.add(time_ns, level)
-            self._hold_until_ns = time_ns + self.hold_ns
-        if new[2]:
-            self._contact.read()
-            where = {
-                axis.slave.name: value * 1e3
-                for axis, value in zip(self.sources, self._contact.values, strict=True)
-            }
-            self.contacts.append(Contact(seconds_to_ns(contact_s), where))
+        """Take the edges of the last step."""
+        known = len(self.signal.edges)
+        self._take_edges()
+        if len(self.signal.edges) > known:
+            self._hold_until_ns = self.signal.edges[-1][0] + self.hold_ns
+        self._look()

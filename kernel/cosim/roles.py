@@ -8,7 +8,7 @@ in `notes`, never left unsaid.
 import csv
 import ctypes
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -260,8 +260,8 @@ class Roles:
     def exchange(self, roles: Sequence[str]) -> Values:
         """Return the values of some roles, in SI, in their order."""
         bound = [self.bound[role] for role in roles]
-        types = {self.slave.variable(b.variable).type for b in bound}
-        if len(types) == 1 and all(b.is_plain for b in bound):
+        types = {str(self.slave.variable(b.variable).type) for b in bound}
+        if len(types) == 1 and all(b.is_plain for b in bound) and types != {"Float32"}:
             return Exchange(self.slave, [b.variable for b in bound])
         return ConvertedExchange(self.slave, bound)
 
@@ -313,18 +313,32 @@ def map_roles(
     kind: str,
     sources: Mapping[str, Source | None],
     coordinates: Sequence[str] = (),
+    located: Callable[[UserError, str], UserError] = lambda error, _role: error,
 ) -> Roles:
     """Bind the variables of an FMU to the roles of a kind.
 
     sources: role -> variable; None leaves a role out. Variables that have the name of a role are
-    taken for it. Raises UserError for what does not fit.
+    taken for it. located: makes of an error, and the role it is about, one that names the place.
+    Raises UserError for what does not fit.
     """
+    roles = roles_of(kind, coordinates)
+    for name in sources:
+        if name not in roles:
+            error = UserError(
+                f"a plant of the kind {kind} has no such role",
+                value=name,
+                allowed=nearest(name, roles) or roles,
+            )
+            raise located(error, name)
     bound: dict[str, Bound] = {}
-    for name, role in roles_of(kind, coordinates).items():
+    for name, role in roles.items():
         source = sources.get(name, Source(name))
         if source is None or (name not in sources and not _fits(slave, name, role)):
             continue
-        bound[name] = bind(slave, name, role, source)
+        try:
+            bound[name] = bind(slave, name, role, source)
+        except UserError as error:
+            raise located(error, name) from error
     return Roles(slave, kind, bound, coordinates)
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from kernel.clock import TimeNs, ns_to_seconds, seconds_to_ns
+from kernel.cosim.journal import watched
 from kernel.cosim.library import Capabilities, LogMessage, Missing
 from kernel.errors import UserError, nearest
 
@@ -181,7 +182,7 @@ class FmuSlave(ABC):
             )
         working_directory = Path.cwd()
         try:
-            self._instantiate(folder)
+            self._watched("load", self._instantiate)(folder)
         except Exception as error:  # fmpy raises plain Exceptions for a library that does not load
             detail = "; ".join([str(error), *(m.text for m in self.messages)])
             hint = "the FMU needs the tool that made it on this machine"
@@ -216,7 +217,15 @@ class FmuSlave(ABC):
             return found
         address = ctypes.cast(found, ctypes.c_void_p).value
         assert address is not None
-        return ctypes.PYFUNCTYPE(ctypes.c_int, *signature)(address)
+        return self._watched(name, ctypes.PYFUNCTYPE(ctypes.c_int, *signature)(address))
+
+    def _watched(self, name: str, call: Any) -> Any:
+        return watched(call, self.path.name, self.name, name, self)
+
+    def _watch(self, fmu: Any) -> None:
+        """Let the calls that go through fmpy be noted too."""
+        call = fmu._call
+        fmu._call = lambda name, *arguments: self._watched(name, call)(name, *arguments)
 
     # Variables
 

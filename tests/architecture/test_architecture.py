@@ -32,8 +32,12 @@ RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 WALL_CLOCK = {"time", "datetime"}
 MAY_READ_WALL_CLOCK = "bench.cli"
 CONCURRENCY = {"threading", "asyncio", "concurrent", "sched", "_thread"}
-# The identity of the caller, and the exception that a pool of processes raises
-STARTS_NOTHING = {"threading.get_ident", "concurrent.futures.TimeoutError"}
+# The identity of the caller, and the exceptions that a pool of processes raises
+STARTS_NOTHING = {
+    "threading.get_ident",
+    "concurrent.futures.CancelledError",
+    "concurrent.futures.TimeoutError",
+}
 
 MODULE_LINES_MAX, FUNCTION_LINES_MAX = 450, 70
 # Module or module.function -> why it may be longer

@@ -162,10 +162,10 @@ FMUS: list[tuple[str, Names, Texts | None, list[str]]] = [
         ["instantiation token"],
     ),
     (
-        "no motor position",
+        "no position",
         str,
-        lambda t: t.replace('"motor_position"', '"motor_place"'),
-        ["'motor_position'"],
+        lambda t: t.replace('"position"', '"place"'),
+        ["rig.toml:26", "an axis nor a sensor"],
     ),
     (
         "neither axis nor sensor",

@@ -1,12 +1,16 @@
 """FMU files written by hand, good and bad."""
 
+import subprocess
 import warnings
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
+import fmpy
 import pytest
 
+from bench.cli import main
+from fmus.compiler import find_compiler, this_platform
 from kernel.cosim.archive import inspect, session_folder, unpack
 from kernel.errors import UserError
 
@@ -49,3 +53,86 @@ def refused() -> Callable[[Path], str]:
         return str(unpacked.value)
 
     return check
+
+
+HEADERS = Path(fmpy.__file__).parent / "c-code"
+SOURCE = Path(__file__).with_name("crashing.c")
+VARIABLES = """\
+<Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
+<Float64 name="position_start" valueReference="1" causality="parameter" variability="fixed"
+ start="0.13" unit="m"/>
+<Float64 name="reference_position" valueReference="2" causality="input" start="0" unit="m"/>
+<Float64 name="reference_velocity" valueReference="3" causality="input" start="0" unit="m/s"/>
+<Float64 name="reference_time" valueReference="4" causality="input" start="0" unit="s"/>
+<Float64 name="reference_end" valueReference="5" causality="input" start="0" unit="s"/>
+<Boolean name="enabled" valueReference="6" causality="input" start="false"/>
+<Float64 name="position" valueReference="10" causality="output" unit="m"/>
+<Float64 name="velocity" valueReference="11" causality="output" unit="m/s"/>
+<Float64 name="motor_position" valueReference="12" causality="output" unit="m"/>
+<Float64 name="motor_velocity" valueReference="13" causality="output" unit="m/s"/>
+<Float64 name="demand_position" valueReference="14" causality="output" unit="m"/>
+"""
+AXIS = f"""<?xml version="1.0" encoding="UTF-8"?>
+<fmiModelDescription fmiVersion="3.0" modelName="Ideal" instantiationToken="{{ideal}}">
+<CoSimulation modelIdentifier="ideal" canHandleVariableCommunicationStepSize="true"/>
+<UnitDefinitions>
+<Unit name="m"><BaseUnit m="1"/></Unit>
+<Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>
+<Unit name="s"><BaseUnit s="1"/></Unit>
+</UnitDefinitions>
+<ModelVariables>
+{VARIABLES}</ModelVariables>
+<ModelStructure>
+{"".join(f'<Output valueReference="{v}"/>' for v in range(10, 15))}
+{"".join(f'<InitialUnknown valueReference="{v}"/>' for v in range(10, 15))}
+</ModelStructure>
+</fmiModelDescription>
+"""
+
+
+@pytest.fixture(scope="session")
+def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Compile an ideal axis to an FMU; defines: what `crashing.c` is told, `CRASH_IN="STEP"`."""
+
+    def build(name: str = "ideal.fmu", **defines: object) -> Path:
+        folder = tmp_path_factory.mktemp("ideal")
+        platform = this_platform()
+        library = folder / f"ideal{platform.ending}"
+        options = [f"-D{key}={value}" for key, value in defines.items()]
+        subprocess.run(
+            [
+                *(*find_compiler().command, "-shared", "-fPIC", "-fvisibility=hidden", *options),
+                *(f"-I{HEADERS}", "-o", str(library), str(SOURCE)),
+            ],
+            check=True,
+        )
+        path = folder / name
+        with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+            archive.writestr("modelDescription.xml", AXIS)
+            archive.write(library, f"binaries/{platform.folder}/{library.name}")
+        return path
+
+    return build
+
+
+@pytest.fixture
+def axisrig(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, str]]:
+    """Call `axisrig` in a folder of its own; gives exit code, standard output and error.
+
+    Any other exception than the end of the process fails the test: it would be a traceback.
+    """
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def call(*words: str | Path) -> tuple[int, str, str]:
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as ended:
+            main([str(word) for word in words])
+        code = ended.value.code
+        assert isinstance(code, int)
+        printed = capsys.readouterr()
+        return code, printed.out, printed.err
+
+    return call

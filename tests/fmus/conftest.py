@@ -34,14 +34,14 @@ class Fmu:
         self.time = 0.0
         self.start(**start)
 
-    def start(self, **values: float) -> None:
+    def start(self, **values: float | list[float]) -> None:
         """Set values and go through initialization."""
         self.slave.enterInitializationMode(startTime=0.0)
         self.set(**values)
         self.slave.exitInitializationMode()
         self.time = 0.0
 
-    def restart(self, **values: float) -> None:
+    def restart(self, **values: float | list[float]) -> None:
         """Go back to the start values of the description, but for `values`."""
         self.slave.reset()
         self.start(**values)
@@ -50,11 +50,15 @@ class Fmu:
         self.messages.append(message.decode())
 
     def _call(self, kind: str, name: str) -> Any:
-        return getattr(self.slave, f"{kind}{self._variables[name].type}")
+        type_name = self._variables[name].type
+        held = {"Enumeration": "Int64"}.get(type_name, type_name)
+        return getattr(self.slave, f"{kind}{held}")
 
-    def set(self, **values: float) -> None:
+    def set(self, **values: float | list[float]) -> None:
+        """Set variables; an array takes a list of all its elements."""
         for name, value in values.items():
-            self._call("set", name)([self._variables[name].valueReference], [value])
+            elements = value if isinstance(value, list) else [value]
+            self._call("set", name)([self._variables[name].valueReference], elements)
 
     def get(self, name: str) -> Any:
         return self._call("get", name)([self._variables[name].valueReference])[0]

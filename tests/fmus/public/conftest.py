@@ -123,7 +123,7 @@ def hybrid(
             method="DOP853",
             rtol=1e-13,
             atol=1e-14,
-            max_step=0.05,
+            max_step=2e-3,
         )
         inside = (t > begin) & (t <= result.t[-1])
         if inside.any():

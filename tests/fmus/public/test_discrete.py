@@ -58,6 +58,24 @@ def cascade(t):
     return {"a": t > 0.5, "b": t > 0.5, "c": t > 0.5, "d": t > 0.5, "t_d": 0.5 * (t > 0.5)}
 
 
+def same_instant(t):
+    """After 0.5: a = 1, c = 2, b = 12, s = 0.5, w = 2."""
+    on = t > 0.5
+    return {
+        "a": on,
+        "c": 2 * on,
+        "b": 12 * on,
+        "d": 13 * on,
+        "s": np.where(on, 0.5, -1),
+        "w": np.where(on, 2, -1),
+    }
+
+
+def shift_register(t):
+    n = np.floor(t / 0.25)
+    return {"n": n, "q1": n, "q2": np.maximum(n - 1, 0), "q3": np.maximum(n - 2, 0)}
+
+
 def boolean_algebra(t):
     a, b, c = np.sin(t) > 0, np.sin(2 * t) > 0, np.cos(3 * t) < 0.2
     andor = a & b | ~c & (a | b)
@@ -170,6 +188,8 @@ CASES = [
     ("Logic.Vector", 9, 0.0701, lambda t: {"n": crossings(t, [1, math.asin(0.99), 3, 7.7125])}),
     ("Logic.Simultaneous", 10, 0.0303, simultaneous),
     ("Logic.CascadeOfEvents", 1, 0.0701, cascade),
+    ("Logic.SameInstant", 1, 0.0303, same_instant),
+    ("Logic.ShiftRegister", 3, 0.0303, shift_register),
     ("Logic.BooleanAlgebra", 10, 0.0307, boolean_algebra),
     (
         "Logic.InitiallyTrue",
@@ -187,23 +207,23 @@ CASES = [
     ("Process.Reactor", 20, 0.0503, reactor),
     ("Control.Pulse", 5, 0.0303, pulse),
     ("Control.TwoRates", 1, 0.00301, two_rates),
-    ("Language.IntegerArithmetic", 1.2, 0.0107, integers),
+    ("Language.IntegerArithmetic", 1.2, 0.010703, integers),
     (
         "Language.Random",
         5,
-        0.0107,
+        0.010703,
         generator(lambda s: 16807 * s % 2147483647, 12345, 0.01, 0.01),
     ),
     (
         "Language.SampledRandom",
         5,
-        0.0107,
+        0.010703,
         generator(lambda s: (1664 * s + 1013) % 65536, 1, 0.005, 0.01),
     ),
     (
         "Language.WideRandom",
         5,
-        0.0107,
+        0.010703,
         generator(lambda s: (1103515245 * s + 12345) % 2147483647, 1, 0.01, 0.01),
     ),
     ("Language.Enumeration", 4, 0.0701, enumeration),

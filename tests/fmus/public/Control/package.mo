@@ -101,6 +101,18 @@ package Control "Controllers and signals"
     der(v) = a;
   end Cascade;
 
+  model CascadeWithEvents "The same, limited by an if-expression"
+    parameter Real kp = 10, kv = 20, a_max = 5;
+    output Real x(start = 0, fixed = true), v(start = 0, fixed = true);
+    Real v_ref, demand, a;
+  equation
+    v_ref = kp*((if time < 0.2 then 0 else 1) - x);
+    demand = kv*(v_ref - v);
+    a = if demand > a_max then a_max elseif demand < -a_max then -a_max else demand;
+    der(x) = v;
+    der(v) = a;
+  end CascadeWithEvents;
+
   model AntiWindup "PI with a saturated actuator"
     parameter Real kp = 2, Ti = 0.5, u_max = 1.2;
     output Real x(start = 0, fixed = true), i(start = 0, fixed = true);

@@ -3,7 +3,7 @@ package Faults "Models that must fail at run time, told with time and name"
     output Real y, x(start = 0, fixed = true);
   equation
     der(x) = 1;
-    y = 1/(x - 0.5);
+    y = 1/max(0, 0.5 - x);
   end DivisionByZero;
 
   model RootOfNegative

@@ -225,6 +225,37 @@ package Logic "Events and discrete variables"
     end when;
   end LaterWins;
 
+  model SameInstant "What happens at one instant is seen by all at that instant"
+    Real x(start = 0, fixed = true);
+    output Integer a(start = 0, fixed = true), b(start = 0, fixed = true), c(start = 0, fixed = true), d;
+    discrete output Real s(start = -1, fixed = true), w(start = -1, fixed = true);
+  equation
+    der(x) = 1;
+    when x > 0.5 then
+      b = 10*a + c;
+      c = a + 1;
+      a = pre(a) + 1;
+    end when;
+    when 2*x > 1 then
+      w = 2*s + a;
+      s = x;
+    end when;
+    d = a + b;
+  end SameInstant;
+
+  model ShiftRegister "Three stages clocked by time events"
+    output Integer n(start = 0, fixed = true), q1(start = 0, fixed = true), q2(start = 0, fixed = true), q3(start = 0, fixed = true);
+    discrete Real next(start = 0.25, fixed = true);
+  equation
+    when time >= pre(next) then
+      next = pre(next) + 0.25;
+      q1 = n;
+      q2 = pre(q1);
+      q3 = pre(q2);
+      n = pre(n) + 1;
+    end when;
+  end ShiftRegister;
+
   model InitiallyTrue "A when-condition that is true from the start fires never, then again"
     output Integer n(start = 0, fixed = true);
   equation

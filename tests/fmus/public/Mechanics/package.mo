@@ -129,9 +129,10 @@ package Mechanics "Machines and moving bodies"
     when k*x > Fs then
       stuck = false;
       slips = pre(slips) + 1;
-    elsewhen not pre(stuck) and v >= vb then
+    elsewhen not pre(stuck) and v > vb then
       stuck = true;
       slips = pre(slips);
+      reinit(v, vb);
     end when;
   end StickSlip;
 

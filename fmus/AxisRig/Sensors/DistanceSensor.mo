@@ -1,0 +1,111 @@
+within AxisRig.Sensors;
+model DistanceSensor "Capacitive distance sensor at a nozzle above a workpiece"
+  extends MovingSensor;
+  parameter Units.Length range(min = 1e-6) = 10e-3 "Full scale";
+  parameter Units.Length electrode_radius(min = 1e-6) = 2e-3 "Radius of the electrode";
+  parameter Real tilt_factor(unit = "1", min = 1, max = 20) = 1
+    "Tilt error over that of small angles; ideal disc: 1, real ones: about 5";
+  parameter Real residual(unit = "1", min = -1, max = 1) = 0 "Share of nonlinearity that is left";
+  parameter Integer order(min = 1, max = 2) = 1 "Order of the filter";
+  parameter Units.Frequency bandwidth(min = 1) = 1000 "Corner or natural frequency of the filter";
+  parameter Units.DampingRatio damping = 0.7 "Of the second order";
+  parameter Units.Length noise = 0 "Standard deviation at noise_distance; grows with d^2";
+  parameter Units.Length noise_distance(min = 1e-6) = 1e-3 "Distance at which noise is stated";
+  parameter Units.Time noise_period(min = 1e-6) = 100e-6 "From one random number to the next";
+  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the noise";
+  Workpieces.Workpiece workpiece(points = 7, slopes = 1);
+
+  output Units.Position distance "What the sensor tells";
+  output Units.Position distance_true "From the nozzle straight down to the surface";
+  output Boolean valid "Within the range and not over an edge";
+  output Boolean touching "The nozzle touches the workpiece";
+  output Units.Time touch_time(start = 0, fixed = true) "Last instant at which it touched";
+  output Integer touch_count(start = 0, fixed = true) "How often it has touched";
+  output Units.Length clearance "Distance that the nozzle can move without touching or leaving";
+protected
+  constant Real pi = 3.141592653589793;
+  constant Units.Length rounding = 1e-13 "By how much two steps may disagree where they meet";
+  constant Units.Length smallest = 1e-12 "Below it a length counts as this";
+  final parameter Units.Length wide = sqrt(2/3)*electrode_radius;
+  final parameter Units.Length near = sqrt(1/6)*electrode_radius;
+  final parameter Units.Length far = sqrt(1/2)*electrode_radius;
+  Units.Position nearest "Smallest gap";
+  Units.Length to_axis "From the axis of the hole, not 0";
+  Units.Length hole_radius "Radius of the hole, not 0";
+  Real lost_hole(unit = "1") "Share of the disc above the hole";
+  Real side(unit = "1") "Where the wall cuts the disc, -1..1";
+  Real lost_side(unit = "1") "Share of the disc beyond edge or side";
+  Real lost(unit = "1") "Share of the disc without material below";
+  CapacitiveElectrode electrode(
+    radius = electrode_radius,
+    tilt_excess = tilt_factor - 1,
+    residual = residual,
+    range = range);
+  SensorFilter filter(order = order, bandwidth = bandwidth, damping = damping);
+  SampledNoise noise_source(period = noise_period, seed = seed);
+equation
+  workpiece.x[1] = x.position;
+  workpiece.x[2] = x.position + wide;
+  workpiece.x[3] = x.position - wide;
+  workpiece.x[4] = x.position + near;
+  workpiece.x[5] = x.position - near;
+  workpiece.x[6] = x.position + near;
+  workpiece.x[7] = x.position - near;
+  workpiece.y[1] = y.position;
+  workpiece.y[2] = y.position;
+  workpiece.y[3] = y.position;
+  workpiece.y[4] = y.position + far;
+  workpiece.y[5] = y.position + far;
+  workpiece.y[6] = y.position - far;
+  workpiece.y[7] = y.position - far;
+  for i in 1:7 loop
+    electrode.gaps[i] = z.position - workpiece.height[i];
+  end for;
+  distance_true = z.position - workpiece.height[1];
+  nearest = min(electrode.gaps[1], min(
+    min(min(electrode.gaps[2], electrode.gaps[3]), min(electrode.gaps[4], electrode.gaps[5])),
+    min(electrode.gaps[6], electrode.gaps[7])));
+  to_axis = max(smallest, workpiece.hole.from_axis);
+  hole_radius = max(smallest, workpiece.hole.radius);
+  lost_hole = (electrode_radius^2*acos(max(-1, min(1,
+      (to_axis^2 + electrode_radius^2 - hole_radius^2)/(2*to_axis*electrode_radius))))
+    + hole_radius^2*acos(max(-1, min(1,
+      (to_axis^2 + hole_radius^2 - electrode_radius^2)/(2*to_axis*hole_radius))))
+    - 0.5*sqrt(max(0, (electrode_radius + hole_radius - to_axis)
+      *(to_axis + electrode_radius - hole_radius)*(to_axis - electrode_radius + hole_radius)
+      *(to_axis + electrode_radius + hole_radius))))/(pi*electrode_radius^2);
+  side = max(-1, min(1, -max(workpiece.edge.beyond, workpiece.cylinder.beyond)/electrode_radius));
+  lost_side = (acos(side) - side*sqrt(1 - side^2))/pi;
+  lost = min(1, lost_hole + lost_side);
+  electrode.slope_x = workpiece.slope_x[1];
+  electrode.slope_y = workpiece.slope_y[1];
+  electrode.lost = lost;
+  filter.u = max(0, min(range, electrode.linearised));
+  valid = electrode.linearised < range;
+  touching = nearest <= (if pre(touching) then rounding else 0) and lost < 1;
+  when touching then
+    touch_time = time;
+    touch_count = pre(touch_count) + 1;
+  end when;
+  distance = if touching then 0
+    else max(0, min(range, filter.y + noise*(filter.y/noise_distance)^2*noise_source.y));
+  clearance = max(0, abs(distance_true) - workpiece.steepest*electrode_radius)
+    /sqrt(1 + workpiece.steepest^2);
+  annotation(
+    Documentation(info="<html>
+<p>Equations: the gaps at seven points of the electrode give a distance (CapacitiveElectrode), which
+is limited to 0..range, filtered (SensorFilter) and disturbed: distance = y + noise (y/d_n)^2 g(k), g a
+normal number that changes every noise_period (SampledNoise). The capacitance falls with 1/d, so that a
+constant noise of the electronics is one of the distance that grows with d^2.</p>
+<p>Edge and hole: the share of the disc without material adds no capacitance; it is the area that a
+straight wall cuts off a circle, or the lens that two circles have in common. When too little is left,
+the output runs to full scale and valid is false, at once, before the filter. When a point of the
+electrode is on the surface, the output is 0 and touching is true.</p>
+<p>clearance: with the largest slope L the electrode cannot touch within
+(d - L r)/sqrt(1 + L^2). Changes of valid are not in it.</p>
+<p>Assumptions: electrode level in x, y; tip and electrode are one. Limits: see CapacitiveElectrode;
+touching looks at the seven points; beside an edge the surface is continued, so that leaving the
+material sideways below its top still touches until the whole disc is beyond; edge and hole shall not
+cut the disc at the same place. Source: plate capacitor; circular segment and lens.</p>
+</html>"));
+end DistanceSensor;

@@ -1,0 +1,151 @@
+within AxisRig.Sensors;
+model WorkpieceProbe "Touch probe against a workpiece of any shape, with bounce, radio and switching on"
+  extends MovingSensor;
+  input Boolean switched_on(start = true) "Probe switched on";
+  parameter Units.Length ball_radius = 0 "Radius of the stylus ball";
+  parameter Units.Length pretravel = 0 "Deflection from contact to the switching point, everywhere";
+  parameter Units.Force seat_force = 0 "Of the three-leg seat; adds pre-travel by direction";
+  parameter Units.Length stylus_length = 50e-3 "From the plane of the pads to the ball centre";
+  parameter Units.Length seat_radius(min = 1e-4) = 10e-3 "Of the circle of the pads";
+  parameter Units.Angle seat_angle = 0 "Direction of the first pad from x";
+  parameter Units.Stiffness bending_stiffness(min = 1) = 0.2e6 "Of the stylus across its axis";
+  parameter Units.Stiffness axial_stiffness(min = 1) = 2e6 "Of the stylus along its axis";
+  parameter Units.Time trigger_delay(min = 0) = 0 "From the switching point to the edge";
+  parameter Units.Time radio_delay(min = 0) = 0 "Transmission to the receiver";
+  parameter Units.Time radio_jitter(min = 0) = 0 "Largest deviation of it to either side";
+  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the deviations";
+  parameter Integer bounce_count(min = 0, max = 100) = 0 "How often the signal opens after a touch";
+  parameter Integer release_bounce_count(min = 0, max = 100) = 0
+    "How often it closes after a release";
+  parameter Units.Time bounce_time(min = 1e-9) = 1e-3 "From the first edge to the last";
+  parameter Units.Time switch_on_time(min = 0) = 0 "From switching on until the signal is valid";
+  parameter Boolean inverted = false "Signal is true while the probe is free";
+  Workpieces.Workpiece workpiece(points = 3, slopes = 3);
+
+  output Boolean signal "Switching output; false until the probe is ready";
+  output Units.Time rising_time "Instant of the last rising edge of the signal";
+  output Units.Time falling_time "Instant of the last falling edge of the signal";
+  output Integer rising_count "Rising edges of the signal since the start";
+  output Integer falling_count "Falling edges of the signal since the start";
+  output Boolean contact "The ball touches the workpiece";
+  output Units.Time contact_time(start = 0, fixed = true) "Last instant at which the gap closed";
+  output Integer contact_count(start = 0, fixed = true) "How often the gap has closed";
+  output Units.Position contact_x(start = 0, fixed = true) "x at contact_time";
+  output Units.Position contact_y(start = 0, fixed = true) "y at contact_time";
+  output Units.Position contact_z(start = 0, fixed = true) "z at contact_time";
+  output Units.Position gap "Distance of the ball from the workpiece";
+  output Units.Length total_pretravel "In the direction of the surface";
+  output Units.Length clearance
+    "Distance that the ball can move without any edge; 0 while one is under way";
+  output Boolean ready "Switched on for long enough";
+protected
+  constant Units.Length rounding = 1e-13 "By how much two steps may disagree where they meet";
+  constant Units.Length smallest = 1e-12 "Below it a direction is not known";
+  Real norm[3](each unit = "1") "Length of (slope_x, slope_y, 1) at the points";
+  Units.Position top[3] "Height of the ball centre when it touches at the point";
+  Units.Slope touched_x "Slope where the ball touches: x";
+  Units.Slope touched_y "Slope where the ball touches: y";
+  Real touched_norm(unit = "1") "Length of (touched_x, touched_y, 1)";
+  Units.Position above "Distance of the ball centre from the surface";
+  Units.Length above_out "The same, 0 below";
+  Units.Length beyond_out "Distance of the ball centre from the upright wall, 0 inside";
+  Units.Length out "Distance of the ball centre from the material, 0 inside";
+  Units.Share upward "Share of the surface in the normal";
+  Units.Share sideways "Share of the upright wall in the normal";
+  ThreeLegSeat seat(
+    seat_force = seat_force,
+    stylus_length = stylus_length,
+    seat_radius = seat_radius,
+    seat_angle = seat_angle,
+    bending_stiffness = bending_stiffness,
+    axial_stiffness = axial_stiffness);
+  Boolean deflected "Deflected beyond the switching point";
+  Boolean deflected_at_start "Deflected when the simulation began";
+  EdgeDelay path(delay = trigger_delay + radio_delay, jitter = radio_jitter, seed = seed);
+  ContactBounce bounce(
+    closing_count = bounce_count,
+    opening_count = release_bounce_count,
+    duration = bounce_time);
+  SwitchOnDelay power(delay = switch_on_time);
+  EdgeCounter rising;
+  EdgeCounter falling;
+initial equation
+  pre(deflected_at_start) = gap + total_pretravel <= 0;
+equation
+  workpiece.x[1] = x.position;
+  workpiece.y[1] = y.position;
+  for i in 1:2 loop
+    workpiece.x[i + 1] = x.position + ball_radius*workpiece.slope_x[i]/norm[i];
+    workpiece.y[i + 1] = y.position + ball_radius*workpiece.slope_y[i]/norm[i];
+  end for;
+  for i in 1:3 loop
+    norm[i] = sqrt(1 + workpiece.slope_x[i]^2 + workpiece.slope_y[i]^2);
+    top[i] = workpiece.height[i] + sqrt(max(0, ball_radius^2
+      - (workpiece.x[i] - x.position)^2 - (workpiece.y[i] - y.position)^2));
+  end for;
+  touched_x = noEvent(if top[3] >= max(top[1], top[2]) then workpiece.slope_x[3]
+    elseif top[2] >= top[1] then workpiece.slope_x[2] else workpiece.slope_x[1]);
+  touched_y = noEvent(if top[3] >= max(top[1], top[2]) then workpiece.slope_y[3]
+    elseif top[2] >= top[1] then workpiece.slope_y[2] else workpiece.slope_y[1]);
+  touched_norm = sqrt(1 + touched_x^2 + touched_y^2);
+  above = (z.position - max(top[3], max(top[1], top[2])))/touched_norm + ball_radius;
+  above_out = max(0, above);
+  beyond_out = max(0, workpiece.beyond);
+  out = sqrt(above_out^2 + beyond_out^2);
+  gap = out + min(0, max(above, workpiece.beyond)) - ball_radius;
+  sideways = beyond_out/max(out, smallest);
+  upward = noEvent(if out > smallest then above_out/out else 1);
+  seat.normal_x = sideways*workpiece.beyond_x - upward*touched_x/touched_norm;
+  seat.normal_y = sideways*workpiece.beyond_y - upward*touched_y/touched_norm;
+  seat.normal_z = upward/touched_norm;
+  total_pretravel = pretravel + seat.pretravel;
+  contact = gap <= (if pre(contact) then rounding else 0);
+  deflected = gap + total_pretravel <= (if pre(deflected) then rounding else 0);
+  when contact then
+    contact_time = time;
+    contact_count = pre(contact_count) + 1;
+    contact_x = x.position;
+    contact_y = y.position;
+    contact_z = z.position;
+  end when;
+  deflected_at_start = pre(deflected_at_start);
+  path.u = deflected;
+  path.u_start = deflected_at_start;
+  bounce.u = path.y;
+  power.u = switched_on;
+  ready = power.ready;
+  signal = ready and bounce.y <> inverted;
+  rising.u = signal;
+  falling.u = not signal;
+  rising_time = rising.last;
+  rising_count = rising.count;
+  falling_time = falling.last;
+  falling_count = falling.count;
+  clearance = if path.waiting or bounce.bouncing or power.waiting then 0
+    elseif not contact then max(0, max(workpiece.beyond,
+      (z.position - workpiece.height[1])/sqrt(1 + workpiece.steepest^2)) - ball_radius)
+    else noEvent(if workpiece.steepest > 0 or seat_force > 0 then 0
+      else min(abs(gap), abs(gap + total_pretravel)));
+  annotation(
+    Documentation(info="<html>
+<p>Equations: a ball of radius r touches the surface h(x, y) at the foot f = p + r (h_x, h_y)/N with
+N = sqrt(1 + h_x^2 + h_y^2), the slopes taken at f; then its centre is at h(f) + sqrt(r^2 - |f - p|^2).
+f is found by two fixed-point steps from f = p, and the highest of the three candidates counts: on a
+plane this is exact (the centre is r/cos b above the surface, an error of r (1/cos b - 1) against the
+lowest point of the ball), and it is never too early. Where the material ends, the distance is that
+from the wall or from the edge between wall and top. Contact at gap &lt;= 0, switching at
+gap &lt;= -total_pretravel; pre-travel by direction from the normal (ThreeLegSeat).</p>
+<p>The edge follows after trigger_delay + radio_delay, with a deviation of its own (EdgeDelay), and
+then bounces (ContactBounce). The signal is false until the probe is ready (SwitchOnDelay).</p>
+<p>clearance: with the largest slope L of the surface the ball cannot touch within
+(z - h)/sqrt(1 + L^2) - r, nor within its distance from the wall. In contact it is given on level
+surfaces without three-leg seat only, else 0.</p>
+<p>Assumptions: the probe does not act back; the deviation of the radio is that of a touch, all edges
+of its bouncing share it. Limits: curvature of the surface times r below 0.5; where it is larger (short
+flanks) contact comes late by a part of r, walls want an edge or a hole. The top is taken as level
+where it ends at a wall. A touch shorter than the internal step can be missed; at most four edges of
+one direction within the delay; the level at the start is no edge.</p>
+<p>Source: ISO 230-10, probing systems of machine tools; contact of ball and surface: the envelope of
+balls on a surface, its parallel surface at r.</p>
+</html>"));
+end WorkpieceProbe;

@@ -1,0 +1,20 @@
+within AxisRig.Validation;
+model Ramp "Height and slopes along a straight path"
+  Workpieces.Ramp surface(azimuth = -0.3, rise = 2e-3, start = -0.0201, length = 0.0305);
+  output Units.Position height "Height on the path";
+  output Units.Slope slope_x "Derivative of it by x";
+  output Units.Slope slope_y "Derivative of it by y";
+  output Units.Slope steepest "Bound of the slope";
+equation
+  surface.x[1] = -0.05 + 0.1*time;
+  surface.y[1] = 0.02 - 0.03*time;
+  height = surface.height[1];
+  slope_x = surface.slope_x[1];
+  slope_y = surface.slope_y[1];
+  steepest = surface.steepest;
+  annotation(
+    experiment(StopTime=1, Interval=1e-2),
+    Documentation(info="<html>
+<p>A ramp, crossed from end to end. Compared: height and both slopes, and the bound of the slope.</p>
+</html>"));
+end Ramp;

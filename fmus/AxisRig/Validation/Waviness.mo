@@ -1,0 +1,21 @@
+within AxisRig.Validation;
+model Waviness "Height and slopes along a straight path"
+  Workpieces.Waviness surface(azimuth = -0.5, amplitude = {0.1e-3, 0.3e-3, 0.5e-3, 0.8e-3},
+    wavelength = {0.017, 0.031, 0.053, 0.11}, phase = {0.3, 1, 2, 3});
+  output Units.Position height "Height on the path";
+  output Units.Slope slope_x "Derivative of it by x";
+  output Units.Slope slope_y "Derivative of it by y";
+  output Units.Slope steepest "Bound of the slope";
+equation
+  surface.x[1] = -0.05 + 0.1*time;
+  surface.y[1] = 0.02 - 0.03*time;
+  height = surface.height[1];
+  slope_x = surface.slope_x[1];
+  slope_y = surface.slope_y[1];
+  steepest = surface.steepest;
+  annotation(
+    experiment(StopTime=1, Interval=1e-2),
+    Documentation(info="<html>
+<p>Four waves. Compared: height and both slopes, and the bound of the slope.</p>
+</html>"));
+end Waviness;

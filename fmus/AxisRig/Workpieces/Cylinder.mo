@@ -1,0 +1,37 @@
+within AxisRig.Workpieces;
+block Cylinder "Round bar or tube that lies on its side"
+  extends Profile;
+  parameter Units.Length radius = 0 "Radius; 0: no cylinder";
+  parameter Units.Position axis = 0 "Where the axis of the cylinder lies on the profile";
+  parameter Units.Share round = 0.95 "Share of the radius that is round; tangent beyond";
+  output Units.Position beyond "From the point 1 to the side of the cylinder; negative: above it";
+  output Units.Slope beyond_x "Derivative of it by x";
+  output Units.Slope beyond_y "Derivative of it by y";
+protected
+  final parameter Units.Length reach = round*radius "Where the tangent begins";
+  final parameter Real drop(unit = "1") = if radius > 0 then round/sqrt(max(1e-12, 1 - round^2)) else 0
+    "Slope of the tangent";
+  Units.Position from_axis[points] "Distance from the axis, within reach";
+  Units.Position over[points] "How far the reach is exceeded";
+equation
+  for i in 1:points loop
+    from_axis[i] = max(-reach, min(reach, s[i] - axis));
+    over[i] = abs(s[i] - axis - from_axis[i]);
+    height[i] = sqrt(max(0, radius^2 - from_axis[i]^2)) - radius - drop*over[i];
+  end for;
+  for i in 1:slopes loop
+    slope[i] = noEvent(if radius > 0 then -from_axis[i]/sqrt(max(1e-18, radius^2 - from_axis[i]^2))
+      else 0);
+  end for;
+  steepest = drop;
+  beyond = if radius > 0 then abs(s[1] - axis) - radius else -1e3;
+  beyond_x = noEvent(if s[1] > axis then along_x else -along_x);
+  beyond_y = noEvent(if s[1] > axis then along_y else -along_y);
+  annotation(
+    Documentation(info="<html>
+<p>Equation: h = sqrt(R^2 - (s - s_0)^2) - R, so that the highest line has the height 0 of its own.
+Assumption: the axis is level. Limit: towards the side the slope has no bound; beyond the share
+round of the radius the tangent goes on, and beyond the radius there is no material. Source: circle.
+</p>
+</html>"));
+end Cylinder;

@@ -1,0 +1,21 @@
+within AxisRig.Workpieces;
+block Hole "Round hole"
+  extends Border;
+  parameter Units.Position center_x = 0 "Axis of the hole: x";
+  parameter Units.Position center_y = 0 "Axis of the hole: y";
+  parameter Units.Length radius = 0 "Radius; 0: no hole";
+  output Units.Length from_axis "Distance from the axis of the hole";
+protected
+  constant Units.Length nowhere = 1e3 "Depth inside the material when there is no hole";
+  constant Units.Length smallest = 1e-12 "Below it the direction to the axis is not known";
+equation
+  from_axis = sqrt((x - center_x)^2 + (y - center_y)^2);
+  beyond = if radius > 0 then radius - from_axis else -nowhere;
+  beyond_x = (center_x - x)/max(from_axis, smallest);
+  beyond_y = (center_y - y)/max(from_axis, smallest);
+  annotation(
+    Documentation(info="<html>
+<p>Equation: e = R - sqrt((x - x_0)^2 + (y - y_0)^2). Assumption: upright wall without bottom.
+Limit: on the axis the direction is 0. Source: circle.</p>
+</html>"));
+end Hole;

@@ -1,0 +1,37 @@
+within AxisRig.Workpieces;
+block Waviness "Sum of sinusoidal profiles"
+  extends Profile;
+  constant Integer waves = 4 "How many";
+  parameter Units.Position amplitude[waves] = {0.1e-3, 0.3e-3, 0.6e-3, 1e-3} "Of each wave";
+  parameter Units.Length wavelength[waves](each min = 1e-6) = {0.05, 0.15, 0.3, 0.5} "Of each wave";
+  parameter Units.Angle phase[waves] = {0, 1, 2, 3} "Of each wave at s = 0";
+protected
+  constant Real pi = 3.141592653589793;
+  Units.Position part[points, waves] "Height of each wave";
+  Units.Slope part_slope[slopes, waves] "Slope of each wave";
+  Units.Slope part_steepest[waves] "Largest slope of each wave";
+equation
+  for i in 1:points loop
+    for k in 1:waves loop
+      part[i, k] = amplitude[k]*sin(2*pi*s[i]/wavelength[k] + phase[k]);
+    end for;
+    height[i] = sum(part[i, :]);
+  end for;
+  for i in 1:slopes loop
+    for k in 1:waves loop
+      part_slope[i, k] = 2*pi*amplitude[k]/wavelength[k]*cos(2*pi*s[i]/wavelength[k] + phase[k]);
+    end for;
+    slope[i] = sum(part_slope[i, :]);
+  end for;
+  for k in 1:waves loop
+    part_steepest[k] = 2*pi*abs(amplitude[k])/wavelength[k];
+  end for;
+  steepest = sum(part_steepest);
+  annotation(
+    Documentation(info="<html>
+<p>Equation: h = sum of A_k sin(2 pi s/l_k + p_k). The largest slope is the sum of those of the
+waves. Assumption: waves in one direction with fixed phases. Limit: the bound is reached only where
+all waves are steepest at one place. Source: Fourier series; wavelengths of 50 to 1000 mm with
+amplitudes of about a 500th are typical of sheet, chosen, not measured.</p>
+</html>"));
+end Waviness;

@@ -1,0 +1,148 @@
+/* An ideal axis as an FMI 3.0 co-simulation FMU that ends badly where it is told to when compiled:
+   CRASH_IN is the call (see below), CRASH_HOW what happens, CRASH_AT_S from which time on. */
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "fmi3Functions.h"
+
+enum { NOWHERE, LOAD, INSTANTIATE, INITIALIZE, SET, GET, STEP, TERMINATE, FREE };
+enum { SEGFAULT, ABORT, EXIT, HANG, KILL };
+
+#ifndef CRASH_IN
+#define CRASH_IN NOWHERE
+#endif
+#ifndef CRASH_HOW
+#define CRASH_HOW SEGFAULT
+#endif
+#ifndef CRASH_AT_S
+#define CRASH_AT_S 0.0
+#endif
+
+typedef struct {
+  double time, position_start, reference[4], position, velocity;
+  fmi3Boolean enabled;
+} Axis;
+
+static void here(int call, double time) {
+  if (call != CRASH_IN || time < CRASH_AT_S) return;
+  switch (CRASH_HOW) {
+    case SEGFAULT: *(volatile int *)8 = 1; break;
+    case ABORT: abort();
+    case EXIT: exit(3);
+    case KILL: raise(SIGKILL); break;
+    case HANG: for (;;) sleep(1);
+  }
+}
+
+__attribute__((constructor)) static void load(void) { here(LOAD, 1e9); }
+
+static void move(Axis *a) {
+  const double *r = a->reference; /* position, velocity, time, end */
+  double end = a->time < r[3] ? a->time : r[3];
+  if (a->enabled) a->position = r[0] + r[1] * (end - r[2]);
+  a->velocity = a->enabled && a->time < r[3] ? r[1] : 0.0;
+}
+
+#define EXPORT __attribute__((visibility("default")))
+#define UNUSED(x) (void)(x)
+
+EXPORT const char *fmi3GetVersion(void) { return "3.0"; }
+
+EXPORT fmi3Instance fmi3InstantiateCoSimulation(
+    fmi3String name, fmi3String token, fmi3String path, fmi3Boolean visible, fmi3Boolean logging,
+    fmi3Boolean events, fmi3Boolean early, const fmi3ValueReference required[], size_t count,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log,
+    fmi3IntermediateUpdateCallback update) {
+  UNUSED(name), UNUSED(token), UNUSED(path), UNUSED(visible), UNUSED(logging), UNUSED(events);
+  UNUSED(early), UNUSED(required), UNUSED(count), UNUSED(environment), UNUSED(log), UNUSED(update);
+  here(INSTANTIATE, 1e9);
+  Axis *a = calloc(1, sizeof *a);
+  a->position_start = 0.13;
+  return a;
+}
+
+EXPORT void fmi3FreeInstance(fmi3Instance c) {
+  here(FREE, 1e9);
+  free(c);
+}
+
+EXPORT fmi3Status fmi3EnterInitializationMode(fmi3Instance c, fmi3Boolean d, fmi3Float64 tolerance,
+                                              fmi3Float64 start, fmi3Boolean e, fmi3Float64 stop) {
+  UNUSED(d), UNUSED(tolerance), UNUSED(e), UNUSED(stop);
+  ((Axis *)c)->time = start;
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3ExitInitializationMode(fmi3Instance c) {
+  here(INITIALIZE, 1e9);
+  Axis *a = c;
+  a->position = a->position_start;
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
+  UNUSED(c);
+  here(TERMINATE, 1e9);
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
+  memset(c, 0, sizeof(Axis));
+  ((Axis *)c)->position_start = 0.13;
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                                 const fmi3Float64 v[], size_t count) {
+  Axis *a = c;
+  here(SET, a->time);
+  UNUSED(count);
+  for (size_t i = 0; i < n; i++) {
+    if (r[i] == 1) a->position_start = v[i];
+    else if (r[i] >= 2 && r[i] <= 5) a->reference[r[i] - 2] = v[i];
+    else return fmi3Error;
+  }
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                                 fmi3Float64 v[], size_t count) {
+  Axis *a = c;
+  here(GET, a->time);
+  UNUSED(count);
+  for (size_t i = 0; i < n; i++) {
+    if (r[i] == 0) v[i] = a->time;
+    else if (r[i] == 1) v[i] = a->position_start;
+    else if (r[i] >= 2 && r[i] <= 5) v[i] = a->reference[r[i] - 2];
+    else v[i] = r[i] % 2 ? a->velocity : a->position; /* 10, 12, 14 position, 11, 13 velocity */
+  }
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SetBoolean(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                                 const fmi3Boolean v[], size_t count) {
+  UNUSED(r), UNUSED(count);
+  if (n) ((Axis *)c)->enabled = v[n - 1];
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3GetBoolean(fmi3Instance c, const fmi3ValueReference r[], size_t n,
+                                 fmi3Boolean v[], size_t count) {
+  UNUSED(r), UNUSED(count);
+  for (size_t i = 0; i < n; i++) v[i] = ((Axis *)c)->enabled;
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Boolean final,
+                             fmi3Boolean *event, fmi3Boolean *terminate, fmi3Boolean *early,
+                             fmi3Float64 *last) {
+  Axis *a = c;
+  here(STEP, time);
+  UNUSED(final);
+  a->time = *last = time + step;
+  *event = *terminate = *early = fmi3False;
+  move(a);
+  return fmi3OK;
+}

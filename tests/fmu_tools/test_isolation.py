@@ -1,0 +1,196 @@
+"""`--isolate`: an FMU that crashes, ends the process or hangs costs its own case only."""
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+Outcome = tuple[int, str, str]
+Call = Callable[..., Outcome]
+Build = Callable[..., Path]
+
+ROOT = Path(__file__).parents[2]
+LISTS = ROOT / "testplans" / "rigs" / "lists"
+RIG = """\
+title = "one axis without a probe"
+
+[channel]
+list = "lists/channel.lst"
+
+[segment.can1]
+bitrate = 1_000_000
+
+[drive.servo]
+encoder_increments = 1_048_576
+lead_mm = 10.0
+
+[axis.Z]
+list = "lists/axis-z.lst"
+segment = "can1"
+node = 3
+drive = "servo"
+plant = "z"
+
+[plant.z]
+fmu = "{fmu}"
+"""
+PROGRAM = "N10 G90 G1 Z131 F6000\nN20 M30\n"
+CRASHES = {
+    "LOAD": "load",
+    "INSTANTIATE": "fmi3InstantiateCoSimulation",
+    "INITIALIZE": "fmi3ExitInitializationMode",
+    "SET": "fmi3SetFloat64",
+    "GET": "fmi3GetFloat64",
+    "STEP": "fmi3DoStep",
+    "TERMINATE": "fmi3Terminate",
+    "FREE": "fmi3FreeInstance",
+}
+SIGNALS = {"SEGFAULT": "SIGSEGV", "ABORT": "SIGABRT", "KILL": "SIGKILL"}
+
+pytestmark = pytest.mark.skipif(
+    sys.platform == "win32", reason="the FMUs of this test end by POSIX signals"
+)
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """A folder with a program and the parameter lists."""
+    shutil.copytree(LISTS, tmp_path / "lists")
+    (tmp_path / "move.nc").write_text(PROGRAM, encoding="utf-8")
+    return tmp_path
+
+
+def _rig(place: Path, name: str, fmu: Path) -> str:
+    (place / name).write_text(RIG.format(fmu=fmu.as_posix()), encoding="utf-8")
+    return name
+
+
+def _plan(place: Path, *rigs: str) -> str:
+    rows = [f"{Path(rig).stem}{number},move.nc,{rig},none" for number, rig in enumerate(rigs)]
+    text = "\n".join(["case,program,rig,check:alarms", *rows, ""])
+    (place / "plan.csv").write_text(text, encoding="utf-8")
+    return "plan.csv"
+
+
+@pytest.mark.parametrize(("crash_in", "function"), CRASHES.items())
+def test_a_crash_is_told_with_file_instance_and_call(
+    place: Path, axisrig: Call, ideal_axis: Build, crash_in: str, function: str
+) -> None:
+    at_s = 0.005 if crash_in in ("SET", "GET", "STEP") else 0
+    bad = ideal_axis("bad.fmu", CRASH_IN=crash_in, CRASH_AT_S=at_s)
+    rig = _rig(place, "bad.toml", bad)
+    code, out, err = axisrig("nc", "move.nc", "--rig", rig, "--isolate")
+    assert (code, out) == (2, "")
+    message = f"FMU bad.fmu (plant z) crashed in {function} at t = "
+    assert message in err
+    assert "SIGSEGV, it reached for memory that is not its own" in err
+    if at_s:
+        time_ms = float(err.partition(message)[2].split()[0])
+        assert 4.9 < time_ms < 10
+
+
+@pytest.mark.parametrize("how", [*SIGNALS, "EXIT"])
+def test_finished_cases_stay_and_the_others_go_on(
+    place: Path, axisrig: Call, ideal_axis: Build, how: str
+) -> None:
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_HOW=how, CRASH_AT_S=0.005)
+    plan = _plan(place, good, _rig(place, "bad.toml", bad), good)
+    code, out, _ = axisrig("run", plan, "--isolate", "-o", "results")
+    assert code == 4
+    cases = pd.read_csv(place / "results" / "cases.csv")
+    assert list(cases["verdict"]) == ["pass", "error", "pass"]
+    assert cases["frame_log_sha256"][0] == cases["frame_log_sha256"][2]
+    told = "ended the process in fmi3DoStep" if how == "EXIT" else "crashed in fmi3DoStep"
+    assert f"FMU bad.fmu (plant z) {told} at t = 5." in out
+    assert SIGNALS.get(how, "exit code 3") in out
+    assert "pass" in (place / "results" / "report.html").read_text(encoding="utf-8")
+
+
+def test_several_processes_name_the_fmu_too(place: Path, axisrig: Call, ideal_axis: Build) -> None:
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_AT_S=0.005)
+    plan = _plan(place, *[good, _rig(place, "bad.toml", bad)] * 3)
+    code, out, _ = axisrig("run", plan, "-j", "2", "-o", "results")
+    assert code == 4
+    cases = pd.read_csv(place / "results" / "cases.csv")
+    assert list(cases["verdict"]) == ["pass", "error"] * 3
+    assert out.count("FMU bad.fmu (plant z) crashed in fmi3DoStep at t = 5.") == 3
+
+
+@pytest.mark.parametrize("crash_in", ["STEP", "INITIALIZE"])
+def test_a_call_that_does_not_come_back_is_ended(
+    place: Path, axisrig: Call, ideal_axis: Build, crash_in: str
+) -> None:
+    at_s = 0.005 if crash_in == "STEP" else 0
+    bad = ideal_axis("bad.fmu", CRASH_IN=crash_in, CRASH_HOW="HANG", CRASH_AT_S=at_s)
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = _plan(place, _rig(place, "bad.toml", bad), good)
+    code, out, _ = axisrig("run", plan, "--isolate", "--call-timeout", "1", "-o", "results")
+    assert code == 4
+    assert list(pd.read_csv(place / "results" / "cases.csv")["verdict"]) == ["error", "pass"]
+    assert f"a call did not come back within 1 s: it was in {CRASHES[crash_in]} at t = " in out
+    assert "of plant z (bad.fmu)" in out
+
+
+def test_a_time_out_of_the_whole_case_names_the_call(
+    place: Path, axisrig: Call, ideal_axis: Build
+) -> None:
+    bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_HOW="HANG", CRASH_AT_S=0.005)
+    plan = _plan(place, _rig(place, "bad.toml", bad))
+    code, out, _ = axisrig("run", plan, "--timeout", "1", "-o", "results")
+    assert code == 4
+    assert "no end within 1 s of wall time: it was in fmi3DoStep at t = 5." in out
+
+
+def test_isolated_results_are_those_of_one_process(
+    place: Path, axisrig: Call, ideal_axis: Build
+) -> None:
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = _plan(place, good)
+    hashes = []
+    for number, options in enumerate([[], ["--isolate"], ["--isolate", "-j", "2"]]):
+        assert axisrig("run", plan, *options, "-o", f"out{number}")[0] == 0
+        cases = pd.read_csv(place / f"out{number}" / "cases.csv")
+        hashes.append(cases["frame_log_sha256"][0])
+    assert len(set(hashes)) == 1
+
+
+def test_what_is_wrong_before_the_run_is_rejected_as_without_isolation(
+    place: Path, axisrig: Call, ideal_axis: Build
+) -> None:
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = _plan(place, good, "none.toml")
+    plain = axisrig("run", plan, "-o", "results")
+    assert axisrig("run", plan, "--isolate", "-o", "results") == plain
+    assert plain[0] == 2
+    assert not (place / "results").exists()
+
+
+def test_nc_comes_to_its_end_in_the_process_apart(
+    place: Path, axisrig: Call, ideal_axis: Build
+) -> None:
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    (place / "move.nc").write_text('N10 #MSG["%d",1+1]\nN20 G1 Z131 F6000\nN30 M30\n')
+    assert axisrig("nc", "move.nc", "--rig", good, "--isolate")[0] == 0
+
+
+def test_nothing_of_a_crash_stays_on_the_disk(place: Path, ideal_axis: Build) -> None:
+    rig = _rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
+    scratch = place / "scratch"
+    scratch.mkdir()
+    ended = subprocess.run(
+        [sys.executable, "-m", "bench.cli", "nc", "move.nc", "--rig", rig, "--isolate"],
+        cwd=place,
+        env=os.environ | {"PYTHONPATH": str(ROOT), "TMPDIR": str(scratch)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert "FMU bad.fmu (plant z) crashed" in ended.stderr
+    assert list(scratch.iterdir()) == []

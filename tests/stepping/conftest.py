@@ -1,0 +1,100 @@
+"""Plants of one axis and one probe, stepped without the rest of the bench."""
+
+import importlib.util
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from fmus import ensure_built
+from fmus.build import build
+from kernel.cosim.fmu import FmuSlave, load_fmu
+from kernel.cosim.plant import Plant
+from kernel.cosim.roles import Roles, Source, map_roles, roles_of
+
+ROOT = Path(__file__).parents[2]
+LIBRARIES = {
+    "AxisRig": ROOT / "fmus" / "AxisRig",
+    "SteppingTest": Path(__file__).parent / "SteppingTest",
+    "EdgeProof": ROOT / "docs" / "plots" / "EdgeProof",
+}
+TOUCH_PROBE = "AxisRig.Sensors.TouchProbe"
+
+
+@pytest.fixture(scope="session")
+def edge_error() -> ModuleType:
+    """The script that makes the picture of the docs."""
+    path = ROOT / "docs" / "plots" / "edge_error.py"
+    spec = importlib.util.spec_from_file_location("edge_error", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["edge_error"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.fixture(scope="session")
+def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+    """Builds a model by its full name, once."""
+    folder = tmp_path_factory.mktemp("models")
+
+    def build_once(model: str) -> Path:
+        package = model.partition(".")[0]
+        if package == "AxisRig":
+            return ensure_built(model)
+        path = folder / f"{model}.fmu"
+        return path if path.is_file() else build(model, path, LIBRARIES[package], 10e-6)
+
+    return build_once
+
+
+@pytest.fixture
+def plant(fmu: Callable[[str], Path]) -> Iterator[Callable[..., Plant]]:
+    """Return `plant(axis model, probe model, ...)`: an initialised plant, its wire is `z`.
+
+    axis_start, probe_start: start values. without: roles to be left out. can_save: whether the
+    probe is believed to save its state. Everything else goes to `Plant`.
+    """
+    opened: list[Plant] = []
+
+    def make(
+        axis: str,
+        probe: str = TOUCH_PROBE,
+        *,
+        axis_start: Mapping[str, float] = {},
+        probe_start: Mapping[str, float] = {},
+        without: tuple[str, ...] = (),
+        can_save: bool = True,
+        **settings: Any,
+    ) -> Plant:
+        made = Plant(**settings)
+        opened.append(made)
+
+        def roles(slave: FmuSlave, kind: str, coordinates: tuple[str, ...]) -> Roles:
+            known = roles_of(kind, coordinates)
+            left_out: dict[str, Source | None] = {role: None for role in without if role in known}
+            return map_roles(slave, kind, left_out, coordinates)
+
+        def load(model: str, name: str, start: Mapping[str, float]) -> FmuSlave:
+            slave = load_fmu(fmu(model), name)
+            for variable, value in start.items():
+                slave.set_start(variable, value)
+            return slave
+
+        slave = load(axis, "axis", axis_start)
+        made.add_axis(slave, roles(slave, "axis", ()))
+        slave = load(probe, "probe", probe_start)
+        if not can_save:
+            slave.can = replace(slave.can, can_save_state=False)
+        made.add_probe(slave, {"z": "axis"}, roles(slave, "probe", ("z",)))
+        made.initialize(0)
+        return made
+
+    yield make
+    for made in opened:
+        made.close()

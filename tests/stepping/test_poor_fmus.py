@@ -1,0 +1,132 @@
+"""Probes that tell a level only, axes that tell positions only: how far their edges are known."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kernel.clock import MS, US
+
+Make = Callable[..., Any]
+BENT, FOLLOWER = "EdgeProof.Bent", "SteppingTest.Follower"
+LEVEL, LATE = "SteppingTest.LevelProbe", "SteppingTest.LateLevelProbe"
+SURFACE = -0.0003
+# v t = surface: before the acceleration changes
+EDGE_NS = 0.0003 / 0.02 * 1e9
+
+
+def edge_of(plant: Any, end_ns: int = 30 * MS) -> tuple[int, float]:
+    """Run in SYNCs of 1 ms; return the only edge and its uncertainty."""
+    for time_ns in range(MS, end_ns + 1, MS):
+        plant.advance_to(time_ns)
+    probe = plant.probes["probe"]
+    ((edge_ns, level),) = probe.signal.edges
+    assert level is True
+    return edge_ns, probe.edge_uncertainty_ns
+
+
+def test_level_is_enclosed_to_a_nanosecond_where_the_state_can_be_saved(plant: Make) -> None:
+    edge_ns, uncertainty_ns = edge_of(plant(BENT, LEVEL, probe_start={"surface": SURFACE}))
+    assert uncertainty_ns == 1
+    assert abs(edge_ns - EDGE_NS) <= 1
+
+
+@pytest.mark.parametrize("fine_us", [10, 50, 200])
+@pytest.mark.parametrize("surface", [SURFACE, -0.000312345])
+def test_without_a_saved_state_the_step_is_the_uncertainty(
+    plant: Make, fine_us: int, surface: float
+) -> None:
+    made = plant(
+        BENT, LEVEL, probe_start={"surface": surface}, can_save=False, fine_ns=fine_us * US
+    )
+    edge_ns, uncertainty_ns = edge_of(made)
+    assert uncertainty_ns == fine_us * US
+    assert abs(edge_ns + surface / 0.02 * 1e9) <= uncertainty_ns
+
+
+@pytest.mark.parametrize("can_save", [True, False])
+@pytest.mark.parametrize("surface", [SURFACE, -0.000312345, -0.00029999])
+def test_a_delayed_level_is_known_to_the_step_in_which_it_began(
+    plant: Make, surface: float, can_save: bool
+) -> None:
+    """130 us later; the FMU took the position at the end of a step for that of the whole step."""
+    made = plant(BENT, LATE, probe_start={"surface": surface}, can_save=can_save)
+    edge_ns, uncertainty_ns = edge_of(made)
+    assert uncertainty_ns == 50 * US
+    assert abs(edge_ns + surface / 0.02 * 1e9 - 130e3) <= uncertainty_ns
+
+
+def test_level_of_a_probe_that_gets_the_trajectory(plant: Make) -> None:
+    edge_ns, uncertainty_ns = edge_of(
+        plant(BENT, probe_start={"surface": SURFACE}, without=("clearance", "rising_count"))
+    )
+    assert uncertainty_ns == 1
+    assert abs(edge_ns - EDGE_NS) <= 1
+
+
+def test_velocity_is_derived_where_an_axis_tells_none(plant: Make) -> None:
+    """Constant acceleration: a parabola through three points has the right slope."""
+    made = plant(
+        BENT,
+        axis_start={"bend_time": 0.0},
+        probe_start={"surface": -0.0001},
+        without=("velocity", "motor_velocity"),
+    )
+    edge_ns, uncertainty_ns = edge_of(made, 20 * MS)
+    assert uncertainty_ns == 1
+    expected_s = 0.02 - math.sqrt(0.02**2 - 2 * 0.0001)
+    assert abs(edge_ns - expected_s * 1e9) <= 1
+    assert made.axes["axis"].motion[1] == pytest.approx(-0.02 + made.now_ns * 1e-9, abs=1e-9)
+
+
+def test_plain_demand_is_the_ramp_held_for_62_us(plant: Make) -> None:
+    """First-order lag under a staircase: x(k+1) = d(k) + (x(k) - d(k)) exp(-h/T)."""
+    ends = []
+    for exchange_ns in (100 * US, 20 * MS):
+        made = plant(FOLLOWER, LEVEL, probe_start={"surface": -1.0}, exchange_ns=exchange_ns)
+        axis = made.axes["axis"]
+        made.advance_to(MS)
+        assert axis.position_m() == 0.0
+        axis.command(MS, 0.0, 0.1, 9 * MS, True)
+        made.advance_to(11 * MS)
+        ends.append(axis.position_m())
+        assert axis.demand_position_m() == pytest.approx(0.1 * 8e-3, abs=1e-15)
+    h, x = 62.5e-6, 0.0
+    for k in range(160):
+        demand = 0.1 * min(k * h, 8e-3)
+        x = demand + (x - demand) * math.exp(-h / 5e-3)
+    assert ends[0] == pytest.approx(x, abs=1e-12)
+    assert ends[1] == pytest.approx(ends[0], abs=1e-15)
+
+
+def test_axis_that_cannot_be_switched_off_stays_where_it_was(plant: Make) -> None:
+    made = plant(FOLLOWER, LEVEL, axis_start={"position_start": 0.2}, probe_start={"surface": -1.0})
+    axis = made.axes["axis"]
+    made.advance_to(MS)
+    assert axis.position_m() == pytest.approx(0.2, abs=1e-15)
+    axis.command(MS, 0.5, 0.0, MS, False)
+    made.advance_to(9 * MS)
+    assert axis.position_m() == pytest.approx(0.2, abs=1e-15)
+    axis.command(9 * MS, 0.2, 0.05, 100 * MS, True)
+    made.advance_to(20 * MS)
+    where = axis.position_m()
+    axis.command(20 * MS, 0.0, 0.0, 20 * MS, False)
+    made.advance_to(200 * MS)
+    assert axis.position_m() == pytest.approx(where, abs=1e-12)
+
+
+def test_early_return_at_the_edge_is_exact_without_a_saved_state(plant: Make) -> None:
+    """A probe that gets the trajectory and ends its step where its level changes."""
+    made = plant(
+        BENT,
+        probe_start={"surface": -0.000312345},
+        without=("clearance", "rising_count"),
+        can_save=False,
+    )
+    slave, edge_at_ns = made.probes["probe"].slave, 15_617_250
+    step_towards = slave.step_towards
+    slave.step_towards = lambda end_ns: step_towards(
+        edge_at_ns if slave.time_ns < edge_at_ns < end_ns else end_ns
+    )
+    assert edge_of(made) == (edge_at_ns, 1)

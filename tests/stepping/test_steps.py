@@ -1,0 +1,113 @@
+"""Where edges can be, and what a plant does when it cannot know."""
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kernel.clock import MS, US
+from kernel.cosim.fmu import PlantError
+from kernel.cosim.probe import SPEED_GAIN_M_S2, free_s
+
+Make = Callable[..., Any]
+BOUNCER, JUMPER, BENT = "SteppingTest.Bouncer", "SteppingTest.Jumper", "EdgeProof.Bent"
+
+
+def edges_of(plant: Any, end_ns: int, step_ns: int = MS) -> list[tuple[int, bool]]:
+    """Run in SYNCs of 1 ms; return the edges."""
+    for time_ns in range(step_ns, end_ns + 1, step_ns):
+        plant.advance_to(time_ns)
+    edges: list[tuple[int, bool]] = plant.probes["probe"].signal.edges
+    return edges
+
+
+def steps_of(plant: Any, end_ns: int) -> list[int]:
+    """The steps of the plant in ns."""
+    ends: list[int] = []
+    step = plant._step
+
+    def watched(limit_ns: int) -> None:
+        step(limit_ns)
+        ends.append(plant.now_ns)
+
+    plant._step = watched
+    plant.advance_to(end_ns)
+    return [b - a for a, b in zip([0, *ends], ends, strict=False)]
+
+
+@pytest.mark.parametrize("room", [1e-9, 1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("speed", [0.0, 1e-3, 0.1, 2.0])
+def test_way_is_used_up_when_the_speed_grows_at_the_bound(room: float, speed: float) -> None:
+    t = free_s(room, speed, SPEED_GAIN_M_S2)
+    assert speed * t + SPEED_GAIN_M_S2 * t * t / 2 == pytest.approx(room, rel=1e-12)
+
+
+def test_steps_are_long_far_away_and_fine_near(plant: Make) -> None:
+    """The load falls 1 mm at 20 mm/s, meets the plane after 50 ms, and goes on."""
+    start = {"acceleration_then": 0.0, "position_start": 0.001}
+    made = plant(BENT, axis_start=start, probe_start={"surface": 0.0})
+    steps = steps_of(made, 60 * MS)
+    assert steps[0] == pytest.approx(free_s(1e-3, 0.02, SPEED_GAIN_M_S2) * 1e9, abs=50 * US)
+    assert all(step % (50 * US) == 0 for step in steps)
+    assert min(steps) == 50 * US
+    # Fine only where the ball can reach the plane within two of them: v h + A h^2/2 = 4.5 um
+    assert sum(step == 50 * US for step in steps) <= 2 * (4.5e-6 / 0.02 / 50e-6 + 1)
+    assert made.probes["probe"].signal.edges == [(50 * MS, True)]
+
+
+def test_probe_without_clearance_is_followed_all_the_time(plant: Make) -> None:
+    start = {"acceleration_then": 0.0, "position_start": 0.001}
+    made = plant(BENT, axis_start=start, probe_start={"surface": 0.0}, without=("clearance",))
+    assert set(steps_of(made, 60 * MS)) == {50 * US}
+    assert made.probes["probe"].signal.edges == [(50 * MS, True)]
+
+
+def test_several_edges_in_a_fine_step_are_all_found(plant: Make) -> None:
+    """The contact opens and closes every 8 us: five edges within 32 us."""
+    made = plant(BENT, BOUNCER, probe_start={"surface": -0.0003})
+    edges = edges_of(made, 20 * MS)
+    touch_ns = round(0.0003 / 0.02 * 1e9)
+    assert [level for _, level in edges] == [True, False, True, False, True]
+    times_ns = [time_ns for time_ns, _ in edges]
+    assert times_ns == pytest.approx([touch_ns + k * 8000 for k in range(5)], abs=1)
+
+
+def test_several_edges_are_an_error_when_no_step_can_be_repeated(plant: Make) -> None:
+    # The step ends inside the second touch
+    made = plant(BENT, BOUNCER, probe_start={"surface": -0.00029961}, can_save=False)
+    with pytest.raises(PlantError, match=r"2 edges of one direction inside one step.*fine_us"):
+        edges_of(made, 20 * MS)
+
+
+def test_motion_that_breaks_the_bound_near_an_edge_is_an_error(plant: Make) -> None:
+    """From rest to 5 m/s at once, 1 mm above the plane: faster than 500 m/s2 allows."""
+    made = plant(JUMPER, probe_start={"surface": -0.001})
+    with pytest.raises(PlantError, match=r"500 m/s2.*exchange_us") as error:
+        edges_of(made, 40 * MS)
+    assert error.value.instance == "probe"
+
+
+def test_in_fine_steps_alone_nothing_is_reckoned_ahead(plant: Make) -> None:
+    made = plant(JUMPER, probe_start={"surface": -0.001}, exchange_ns=50 * US)
+    ((edge_ns, level), *_) = edges_of(made, 40 * MS)
+    assert level is True
+    assert edge_ns == pytest.approx(20.5e6 + 1e-3 / 5 * 1e9, abs=1)
+
+
+def test_far_from_any_edge_the_bound_does_not_matter(plant: Make) -> None:
+    made = plant(JUMPER, probe_start={"surface": -1.0})
+    ((edge_ns, _), *_) = edges_of(made, 240 * MS)
+    assert edge_ns == pytest.approx(20.5e6 + 1.0 / 5 * 1e9, abs=1)
+
+
+def test_edges_are_the_same_however_the_plant_is_advanced(plant: Make) -> None:
+    found = []
+    for step_ns, exchange_ns in ((MS, 20 * MS), (10 * MS, 20 * MS), (20 * MS, MS), (MS, 100 * US)):
+        made = plant(BENT, probe_start={"surface": -0.0005}, exchange_ns=exchange_ns)
+        found.append(edges_of(made, 60 * MS, step_ns))
+    assert len(found[0]) == 1
+    assert found == [found[0]] * 4
+    # v t + a (t - b)^2/2 = -0.5 mm
+    t = 0.0234567 + 0.02 - math.sqrt(0.02**2 + 2 * (-0.0005 + 0.02 * 0.0234567))
+    assert found[0][0][0] == pytest.approx(t * 1e9, abs=1)
