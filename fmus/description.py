@@ -56,7 +56,7 @@ def describe(ir: Ir, system: System, variables: Sequence[Variable], step_s: floa
     """
     # The time comes first, then the variables in the order of their references.
     used = {variable.unit for variable in variables if variable.unit} | {"s"}
-    types = {_type_name(v): v.literals for v in variables if v.literals}
+    types = {v.enumeration: v.literals for v in variables if v.literals}
     return (
         templates(
             base_unit=_base_unit,
@@ -103,7 +103,7 @@ def _base_unit(unit: Unit) -> str:
 
 def _value_attributes(variable: Variable) -> str:
     """The attributes that a type of value brings: they are the same words in both versions."""
-    pairs = {"declaredType": _type_name(variable)} if variable.literals else {}
+    pairs = {"declaredType": variable.enumeration} if variable.literals else {}
     pairs |= {"unit": variable.unit} if variable.unit else {}
     if variable.type != "Boolean" and not variable.literals:
         limits = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal}
@@ -125,11 +125,6 @@ def _number(variable: Variable, value: float) -> str:
     if variable.type == "Boolean":
         return "true" if value else "false"
     return str(int(value))
-
-
-def _type_name(variable: Variable) -> str:
-    """A name for the enumeration type of a variable: its values tell types apart."""
-    return "Enumeration_" + "_".join(variable.literals)
 
 
 def _dependencies(references: tuple[int, ...] | None, offset: int = 0) -> str:

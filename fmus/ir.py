@@ -49,10 +49,10 @@ class Ir:
     files: Mapping[int, tuple[Path, str]]
     root: Path
 
-    def literals_of(self, variable: str) -> tuple[str, ...]:
-        """The names of the values of an enumeration variable, in their order.
+    def enumeration_of(self, variable: str) -> tuple[str, tuple[str, ...]] | None:
+        """Name and literals, in their order, of the type of an enumeration variable.
 
-        Empty when the compiler does not tell which type it is.
+        None when the compiler does not tell which type it is.
         """
         type_name = self.flat["variable_type_names"].get(variable, "")
         types: dict[str, dict[int, str]] = {}
@@ -61,7 +61,7 @@ class Ir:
             if owner == type_name or owner.endswith(f".{type_name}"):
                 types.setdefault(owner, {})[ordinal] = name.strip("'")
         found = {tuple(names[n] for n in sorted(names)) for names in types.values()}
-        return found.pop() if len(found) == 1 else ()
+        return (max(types, key=len), found.pop()) if len(found) == 1 else None
 
     def place(self, span: Mapping[str, int] | None) -> Source | None:
         """Where a span of the compiler lies; None when it is not from a file."""

@@ -25,7 +25,7 @@ class Variable:
     causality, variability, initial: words of FMI 3.0 (initial None: not to be written).
     dimensions: of an array, row by row; elements: the names of its scalars. start: one number per
     element, None where the FMU computes it. vector, index: where the first element rests ("y" or
-    "p"), the others follow. literals: of an enumeration.
+    "p"), the others follow. enumeration, literals: name and values of its type.
     """
 
     reference: int
@@ -44,6 +44,7 @@ class Variable:
     description: str
     vector: str
     index: int
+    enumeration: str = ""
     literals: tuple[str, ...] = ()
 
     @property
@@ -216,9 +217,11 @@ def _variable(
         _refuse_moving(ir, variable, "maximum")
     low, high = _numbers(ir, variable, "minimum"), _numbers(ir, variable, "maximum")
     nominal = _numbers(ir, variable, "nominal")
-    literals = ir.literals_of(variable["name"]) if kind == "Enumeration" else ()
-    if kind == "Enumeration" and not literals:
-        kind = "Int32"  # the values are known, their names are not
+    found = ir.enumeration_of(variable["name"]) if kind == "Enumeration" else None
+    enumeration, literals = found or ("", ())
+    if kind == "Enumeration":
+        # Without a known type the values are still there, only their names are not.
+        kind = "Enumeration" if literals else "Int32"
     return Variable(
         reference=reference,
         name=variable["name"],
@@ -236,6 +239,7 @@ def _variable(
         description=attributes["description"] or "",
         vector=slots[0][0],
         index=slots[0][1],
+        enumeration=enumeration,
         literals=literals,
     )
 
