@@ -19,6 +19,7 @@ from kernel.cosim.roles import (
     coordinates_of,
     guess_kind,
     map_roles,
+    refuse_unknown,
 )
 from kernel.errors import UserError, nearest
 
@@ -130,13 +131,15 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
             value=instance,
             hint="say kind and map in the rig; docs/rigs.md names the roles of both",
         )
-    if kind != "axis":
-        _check_wire(settings, instance, table, coordinates_of(slave, kind, sources))
 
     def located(error: UserError, role: str) -> UserError:
         keys = (*place, "map", role) if role in table.map else (*place, "fmu")
         return _at(settings, keys, error, f"plant {instance}: {error.message}")
 
+    coordinates = coordinates_of(slave, kind, sources)
+    refuse_unknown(kind, table.map, list(table.wire) or coordinates, located)
+    if kind != "axis":
+        _check_wire(settings, instance, table, coordinates)
     try:
         return map_roles(slave, kind, sources, list(table.wire), located)
     except UserError as error:

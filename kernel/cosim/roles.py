@@ -8,7 +8,7 @@ in `notes`, never left unsaid.
 import csv
 import ctypes
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -126,7 +126,8 @@ def bind(slave: FmuSlave, name: str, role: Role, source: Source) -> Bound:
     allowed = _INPUTS if role.causality == "input" else _READABLE
     if variable.causality not in allowed:
         raise UserError(
-            f"{name} needs an {role.causality}, {variable.name} is a {variable.causality}",
+            f"{name} needs an {role.causality}; {variable.name} has the causality "
+            f"{variable.causality}",
             value=variable.name,
             allowed=nearest(variable.name, slave.names(role.causality))
             or slave.names(role.causality)
@@ -308,12 +309,37 @@ class ConvertedExchange:
             exchange.write()
 
 
+Located = Callable[[UserError, str], UserError]
+
+
+def _as_it_is(error: UserError, _role: str) -> UserError:
+    return error
+
+
+def refuse_unknown(
+    kind: str,
+    names: Iterable[str],
+    coordinates: Sequence[str] = (),
+    located: Located = _as_it_is,
+) -> None:
+    """Raise UserError for a name that is no role of a kind."""
+    roles = roles_of(kind, coordinates)
+    for name in names:
+        if name not in roles:
+            error = UserError(
+                f"a plant of the kind {kind} has no such role",
+                value=name,
+                allowed=nearest(name, roles) or roles,
+            )
+            raise located(error, name)
+
+
 def map_roles(
     slave: FmuSlave,
     kind: str,
     sources: Mapping[str, Source | None],
     coordinates: Sequence[str] = (),
-    located: Callable[[UserError, str], UserError] = lambda error, _role: error,
+    located: Located = _as_it_is,
 ) -> Roles:
     """Bind the variables of an FMU to the roles of a kind.
 
@@ -322,14 +348,7 @@ def map_roles(
     Raises UserError for what does not fit.
     """
     roles = roles_of(kind, coordinates)
-    for name in sources:
-        if name not in roles:
-            error = UserError(
-                f"a plant of the kind {kind} has no such role",
-                value=name,
-                allowed=nearest(name, roles) or roles,
-            )
-            raise located(error, name)
+    refuse_unknown(kind, sources, coordinates, located)
     bound: dict[str, Bound] = {}
     for name, role in roles.items():
         source = sources.get(name, Source(name))
@@ -351,7 +370,14 @@ def _fits(slave: FmuSlave, name: str, role: Role) -> bool:
 
 
 def guess_kind(slave: FmuSlave, sources: Mapping[str, Source | None]) -> str | None:
-    """Tell the kind of a plant by its variables and the roles that are mapped; None: unclear."""
+    """Tell the kind of a plant by the mapped roles, else by its variables; None: unclear."""
+    mapped = [
+        kind
+        for kind in KINDS
+        if sources.keys() & roles_of(kind, coordinates_of(slave, kind, sources)).keys()
+    ]
+    if len(mapped) == 1:
+        return mapped[0]
     found = []
     for kind in KINDS:
         coordinates = coordinates_of(slave, kind, sources)

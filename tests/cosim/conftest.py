@@ -1,4 +1,4 @@
-"""Small FMUs of our own from `odd.c`, for both versions, that misbehave on demand."""
+"""Small FMUs of our own in C, for both versions, as another tool might have exported them."""
 
 import hashlib
 import subprocess
@@ -12,83 +12,107 @@ import pytest
 from fmus.compiler import find_compiler, this_platform
 from kernel.cosim.fmu import FmuSlave, load_fmu
 
-SOURCE = Path(__file__).with_name("odd.c")
+SOURCES = Path(__file__).parent
 BEHAVIOURS = (
     "plain", "discards long steps", "discards half way", "discards all", "tells no progress",
     "ends", "fails", "warns", "returns early", "returns at once", "crashes", "not a number",
 )  # fmt: skip
+BEHAVIOUR, LEVEL, TIME = 100, 101, 102
 UNITS = (
     '<UnitDefinitions><Unit name="mm"><BaseUnit m="1" factor="0.001"/>'
     '<DisplayUnit name="km" factor="1e-6"/></Unit>'
     '<Unit name="mm/s"><BaseUnit m="1" s="-1" factor="0.001"/></Unit>'
-    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit></UnitDefinitions>'
+    '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
+    '<Unit name="rad"><BaseUnit rad="1"/></Unit><Unit name="1/s"><BaseUnit s="-1"/></Unit>'
+    '<Unit name="turns/min"><BaseUnit rad="1" s="-1" factor="0.10471975511965977"/></Unit>'
+    '<Unit name="parsec"/></UnitDefinitions>'
 )
-# name, causality, variability, start, unit
-REALS = (
-    ("slide.x", "output", "continuous", None, "mm"),
-    ("slide.u", "input", "continuous", "0", "mm/s"),
-    ("limit", "parameter", "fixed", "1", "mm"),
-    ("scale", "parameter", "fixed", "1", None),
-    ("temperature", "parameter", "fixed", "20", "degC"),
-)
+Row = tuple[str, str, str | None, str | None]
+# name, causality, start, unit; in the order of the value references of the C source
+REALS: dict[str, list[Row]] = {
+    "odd": [
+        ("slide.x", "output", None, "mm"),
+        ("slide.u", "input", "0", "mm/s"),
+        ("limit", "parameter", "1", "mm"),
+        ("scale", "parameter", "1", None),
+        ("temperature", "parameter", "20", "degC"),
+        ("far", "parameter", "1", "parsec"),
+    ],
+    "table": [
+        ("control.s_set", "input", "0", "mm"),
+        ("table.s", "output", None, "mm"),
+        ("motor.phi", "output", None, "rad"),
+        ("motor.n", "output", None, "turns/min"),
+        ("control.gain", "parameter", "40", "1/s"),
+        ("table.s_start", "parameter", "0", "mm"),
+    ],
+    "switch": [
+        ("tip.depth", "input", "-1000", None),
+        ("contact_v", "output", None, None),
+        ("trip", "parameter", "-100", "mm"),
+    ],
+}
 
 
-def build_odd(folder: Path, version: int, name: str = "odd", **promises: str | bool) -> Path:
-    """Build `<name>.fmu`; promises: attributes of the co-simulation interface."""
+def build_fmu(
+    folder: Path, version: int, model: str = "odd", name: str | None = None, **promises: str | bool
+) -> Path:
+    """Build `<name>.fmu` of a C model; promises: attributes of the co-simulation interface."""
     told = {"canHandleVariableCommunicationStepSize": True, **promises}
-    identifier = "odd" + hashlib.sha256(repr((version, told)).encode()).hexdigest()[:8]
+    identifier = model + hashlib.sha256(repr((version, told)).encode()).hexdigest()[:8]
     library = folder / f"{identifier}{this_platform().ending}"
     if not library.exists():
         command = [*find_compiler().command, "-std=c11", "-O1", "-shared", "-fPIC"]
-        command += [f"-DFMI={version}", str(SOURCE), "-o", str(library), "-lm"]
+        command += [f"-DFMI={version}", str(SOURCES / f"{model}.c"), "-o", str(library), "-lm"]
         subprocess.run(command, check=True)
-    path = folder / f"{name}.fmu"
+    path = folder / f"{name or model}.fmu"
     place = fmpy.platform if version == 2 else fmpy.platform_tuple
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", _description(version, identifier, told))
+        archive.writestr("modelDescription.xml", _description(version, model, identifier, told))
         archive.write(library, f"binaries/{place}/{library.name}")
     return path
 
 
-def _description(version: int, identifier: str, told: dict[str, str | bool]) -> str:
+def _description(version: int, model: str, identifier: str, told: dict[str, str | bool]) -> str:
     flags = " ".join(f'{key}="{str(value).lower()}"' for key, value in told.items())
-    interface = f'<CoSimulation modelIdentifier="{identifier}" {flags}/>'
     token = "guid" if version == 2 else "instantiationToken"
-    variables = [_variable(version, *entry) for entry in enumerate(REALS)]
-    number = len(REALS)
+    rows = REALS[model]
+    variables = [_variable(version, number, row) for number, row in enumerate(rows)]
+    outputs = [number for number, row in enumerate(rows) if row[1] == "output"]
     if version == 2:
         variables += [
-            f'<ScalarVariable name="behaviour" valueReference="{number}" causality="parameter"'
+            f'<ScalarVariable name="behaviour" valueReference="{BEHAVIOUR}" causality="parameter"'
             ' variability="fixed"><Integer start="0"/></ScalarVariable>',
-            f'<ScalarVariable name="level" valueReference="{number + 1}" causality="output"'
+            f'<ScalarVariable name="level" valueReference="{LEVEL}" causality="output"'
             ' variability="discrete"><Boolean/></ScalarVariable>',
         ]
-        outputs = "".join(f'<Unknown index="{i}"/>' for i in (1, number + 2))
-        structure = f"<Outputs>{outputs}</Outputs><InitialUnknowns>{outputs}</InitialUnknowns>"
+        indices = [*(number + 1 for number in outputs), len(rows) + 2]
+        unknowns = "".join(f'<Unknown index="{index}"/>' for index in indices)
+        structure = f"<Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>"
     else:
         variables += [
-            f'<Int32 name="behaviour" valueReference="{number}" causality="parameter"'
+            f'<Int32 name="behaviour" valueReference="{BEHAVIOUR}" causality="parameter"'
             ' variability="fixed" start="0"/>',
-            f'<Boolean name="level" valueReference="{number + 1}" causality="output"/>',
-            f'<Float64 name="time" valueReference="{number + 2}" causality="independent"'
+            f'<Boolean name="level" valueReference="{LEVEL}" causality="output"/>',
+            f'<Float64 name="time" valueReference="{TIME}" causality="independent"'
             ' variability="continuous"/>',
         ]
         structure = "".join(
-            f'<{kind} valueReference="{i}"/>'
+            f'<{kind} valueReference="{reference}"/>'
             for kind in ("Output", "InitialUnknown")
-            for i in (0, number + 1)
+            for reference in (*outputs, LEVEL)
         )
     return (
-        f'<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}.0" modelName="odd"'
-        f' {token}="odd">{interface}{UNITS}<ModelVariables>{"".join(variables)}</ModelVariables>'
+        f'<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}.0" modelName="{model}"'
+        f' {token}="{model}"><CoSimulation modelIdentifier="{identifier}" {flags}/>{UNITS}'
+        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
 
 
-def _variable(
-    version: int, reference: int, row: tuple[str, str, str, str | None, str | None]
-) -> str:
-    name, causality, variability, start, unit = row
+def _variable(version: int, reference: int, row: Row) -> str:
+    name, causality, start, unit = row
+    variability = "fixed" if causality == "parameter" else "continuous"
     head = (
         f'name="{name}" valueReference="{reference}" causality="{causality}"'
         f' variability="{variability}"'
@@ -112,9 +136,9 @@ def version(request: pytest.FixtureRequest) -> int:
 
 
 @pytest.fixture
-def odd_fmu(odd_folder: Path, version: int) -> Callable[..., Path]:
-    """Build `<name>.fmu` with promises of its interface."""
-    return lambda **told: build_odd(odd_folder, version, **told)
+def fmu(odd_folder: Path, version: int) -> Callable[..., Path]:
+    """Build the FMU of a C model with promises of its interface."""
+    return lambda model="odd", **told: build_fmu(odd_folder, version, model, **told)
 
 
 @pytest.fixture
@@ -123,7 +147,7 @@ def odd(odd_folder: Path, version: int) -> Iterator[Callable[..., FmuSlave]]:
     slaves: list[FmuSlave] = []
 
     def load(behaviour: str = "plain", *, name: str = "odd", **promises: str | bool) -> FmuSlave:
-        slave = load_fmu(build_odd(odd_folder, version, **promises), name)
+        slave = load_fmu(build_fmu(odd_folder, version, **promises), name)
         slave.set_start("behaviour", BEHAVIOURS.index(behaviour))
         slave.set_start("slide.u", 100.0)
         slave.initialize(0)

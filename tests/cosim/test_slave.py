@@ -198,12 +198,10 @@ def test_fmu_that_exists_once_per_process_is_refused_a_second_time(odd: Odd) -> 
     odd(name="third", canBeInstantiatedOnlyOncePerProcess=True).step_to(1 * MS)
 
 
-def test_failed_load_leaves_the_working_directory(
-    odd_fmu: Callable[..., Path], tmp_path: Path
-) -> None:
+def test_failed_load_leaves_the_working_directory(fmu: Callable[..., Path], tmp_path: Path) -> None:
     """The library is no library; the hint says what the FMU needs."""
     spoilt = tmp_path / "spoilt.fmu"
-    good = odd_fmu(needsExecutionTool=True)
+    good = fmu(needsExecutionTool=True)
     with ZipFile(good) as old, ZipFile(spoilt, "w") as new:
         for name in old.namelist():
             new.writestr(name, b"no library" if "binaries" in name else old.read(name))

@@ -1,0 +1,250 @@
+"""Whole runs on FMUs of other tools: a feed table and a switch in mm, mapped by the rig.
+
+The table is a position loop s' = gain (s_set - s), the switch closes at a depth; both are exact, so
+what the bench measures is compared with closed forms.
+"""
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.cli import main
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.machine import Machine
+from bench.rig.settings import as_written, read_settings
+from kernel.nc.parser import read_program
+
+LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
+RIG = f"""\
+title = "table and switch of another tool"
+
+[channel]
+list = "{LISTS}/channel.lst"
+
+[segment.can1]
+
+[drive.servo]
+
+[axis.Z]
+list = "{LISTS}/axis-z-fine.lst"
+segment = "can1"
+node = 3
+drive = "servo"
+plant = "table"
+probe_1 = "switch"
+
+[plant.table]
+fmu = "table.fmu"
+start = {{ "table.s_start_mm" = 103, "control.gain" = 40 }}
+
+[plant.table.map]
+demand = "control.s_set"
+position = "table.s"
+
+[plant.switch]
+fmu = "switch.fmu"
+wire = {{ z = "table" }}
+start = {{ trip_mm = -100 }}
+
+[plant.switch.map]
+z_position = {{ variable = "tip.depth", unit = "mm", sign = -1 }}
+signal = {{ variable = "contact_v", threshold = 12 }}
+"""
+PROGRAM = """\
+N10 G90 G1 Z102 F3000
+N20 G100 Z98 F500
+N30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]
+N40 M30
+"""
+GAIN_PER_S, TICK_S = 40.0, 62.5e-6
+FEED_MM_S = 500 / 60
+INPUT_DELAY_S = 4e-6
+INCREMENT_MM = 10 / 1_048_576
+
+Place = Callable[..., Path]
+
+
+@pytest.fixture
+def place(tmp_path: Path, fmu: Callable[..., Path], version: int) -> Place:
+    """A folder with FMUs, rig and program; changes: (old text, new text) of the rig."""
+
+    def make(*changes: tuple[str, str], saves: bool = True, **promises: str | bool) -> Path:
+        flag = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
+        for model in ("table", "switch"):
+            built = fmu(model, **{flag: saves, **promises})
+            (tmp_path / built.name).write_bytes(built.read_bytes())
+        text = RIG
+        for old, new in changes:
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        (tmp_path / "rig.toml").write_text(text, encoding="utf-8")
+        (tmp_path / "part.nc").write_text(PROGRAM, encoding="utf-8")
+        return tmp_path
+
+    return make
+
+
+def run(place: Path, *assignments: str) -> Machine:
+    """Run the program to its end."""
+    rig, files = read_rig(place / "rig.toml")
+    changes = [(parse_assignment(text), as_written) for text in assignments]
+    settings = read_settings(rig, files, changes)
+    machine = Machine(settings, read_program(place / "part.nc", tuple(rig.axis)))
+    try:
+        machine.run()
+    finally:
+        machine.close()
+    assert machine.channel.alarms == []
+    return machine
+
+
+def latched_mm(machine: Machine) -> float:
+    """The measured value of the only run."""
+    (record,) = machine.channel.records
+    return record.latched_mm["Z"]
+
+
+def test_edge_is_enclosed_where_the_state_can_be_saved(place: Place) -> None:
+    """The switch closes at 100 mm; the drive latches 4 us later, at 500 mm/min."""
+    machine = run(place())
+    probe = machine.plant.probes["switch"]
+    assert probe.edge_uncertainty_ns == 1.0
+    expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
+    # one increment, one nanosecond, and the demand that is held for 62.5 us: v/8 of it at most
+    held_mm = FEED_MM_S * GAIN_PER_S * TICK_S * TICK_S / 8
+    assert latched_mm(machine) == pytest.approx(expected_mm, abs=INCREMENT_MM + held_mm)
+
+
+def test_without_saved_states_half_a_fine_step_is_the_recorded_uncertainty(place: Place) -> None:
+    machine = run(place(saves=False))
+    probe = machine.plant.probes["switch"]
+    fine_ns = machine.plant.fine_ns
+    assert probe.edge_uncertainty_ns == fine_ns / 2
+    expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
+    uncertain_mm = FEED_MM_S * probe.edge_uncertainty_ns * 1e-9 + INCREMENT_MM
+    assert latched_mm(machine) == pytest.approx(expected_mm, abs=uncertain_mm)
+
+
+def test_lag_is_that_of_a_demand_held_between_drive_ticks(place: Place) -> None:
+    """In steady motion the lag at a tick is v T / (1 - exp(-gain T)), T = 62.5 us.
+
+    From s(k+1) - e = s(k) - e exp(-gain T) with s(k+1) = s(k) + v T. Without the hold it were
+    v/gain, 1.6 um less at 50 mm/s.
+    """
+    folder = place(('"table.s_start_mm" = 103', '"table.s_start_mm" = 170'))
+    (folder / "part.nc").write_text("N10 G90 G1 Z120 F3000\nN20 M30\n", encoding="utf-8")
+    trace = run(folder).recorder.table()
+    set_mm = trace.column("Z.set_mm").to_numpy()
+    lag_mm = trace.column("Z.drive_lag_mm").to_numpy()
+    speed_mm_s = trace.column("Z.velocity_mm_s").to_numpy()
+    steady = np.flatnonzero((set_mm < 140) & (set_mm > 125))
+    expected_mm = -50.0 * TICK_S / (1 - math.exp(-GAIN_PER_S * TICK_S))
+    assert abs(expected_mm + 50.0 / GAIN_PER_S) > 1.5e-3
+    assert lag_mm[steady] == pytest.approx(expected_mm, abs=5e-5)
+    assert speed_mm_s[steady] == pytest.approx(-50.0, abs=50.0 * GAIN_PER_S * TICK_S)
+
+
+def test_encoder_on_the_screw_and_on_the_table_latch_the_same(place: Place) -> None:
+    motor = (
+        'position = "table.s"\n',
+        'position = "table.s"\n'
+        'motor_position = { variable = "motor.phi", lead_mm = 10 }\n'
+        'motor_velocity = { variable = "motor.n", lead_mm = 10 }\n',
+    )
+    machine = run(place(motor))
+    held_mm = FEED_MM_S * GAIN_PER_S * TICK_S * TICK_S / 8
+    expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
+    assert latched_mm(machine) == pytest.approx(expected_mm, abs=INCREMENT_MM + held_mm)
+
+
+def test_inverted_switch_gives_the_falling_edge(place: Place) -> None:
+    inverted = ("threshold = 12 }", "threshold = 12, sign = -1 }")
+    machine = run(place(inverted), "set:Z.kenngr.measure.edge=NEG")
+    ((_, level),) = machine.plant.probes["switch"].signal.edges
+    assert level is False
+
+
+def test_same_run_gives_the_same_frames(place: Place) -> None:
+    folder = place()
+    first, second = run(folder), run(folder)
+    assert first.frame_hash.hexdigest() == second.frame_hash.hexdigest()
+
+
+# ---- what is said
+
+
+def call(capsys: pytest.CaptureFixture[str], *words: str | Path) -> tuple[object, str, str]:
+    """Call `axisrig`."""
+    capsys.readouterr()
+    with pytest.raises(SystemExit) as ended:
+        main([str(word) for word in words])
+    printed = capsys.readouterr()
+    return ended.value.code, printed.out, printed.err
+
+
+def test_check_tells_what_the_bench_makes_of_the_fmus(
+    place: Place, capsys: pytest.CaptureFixture[str], version: int
+) -> None:
+    code, out, err = call(capsys, "check", place() / "rig.toml")
+    assert (code, err) == (0, "")
+    assert f"plant table (table.fmu, FMI {version}.0) is an axis" in out
+    assert "\n  no velocity: numeric derivative of position" in out
+    assert f"plant switch (switch.fmu, FMI {version}.0) is a probe" in out
+    assert "\n  no rising_count, falling_count, rising_time, falling_time: edges are looked" in out
+
+
+def test_nc_tells_what_is_done_without(place: Place, capsys: pytest.CaptureFixture[str]) -> None:
+    folder = place()
+    code, out, err = call(capsys, "nc", folder / "part.nc", "--rig", folder / "rig.toml")
+    assert (code, out) == (0, "V.A.MERF.Z=1\n")
+    assert "plant table: no enabled: while the drive is off the demand stays" in err
+
+
+MISTAKES = [
+    (
+        ('position = "table.s"', 'position = "motor.phi"'),
+        "position = ",
+        ["motor.phi is in rad", "lead_mm"],
+    ),
+    (('"table.s"', '"tabel.s"'), "position = ", ["'tabel.s'", "table.s"]),
+    (("z_position =", "z_posision ="), "z_posision", ["z_posision", "z_position"]),
+    (('position = "table.s"\n', ""), "fmu = ", ["a plant of the kind axis needs: position"]),
+    (('wire = { z = "table" }\n', ""), "[plant.switch]", ["wired to no axis"]),
+    (('unit = "mm"', 'unit = "ell"'), "z_position", ["'ell'", "unknown unit"]),
+    (("sign = -1", "sign = 2"), "z_position", ["sign"]),
+    (
+        ('"table.s_start_mm" = 103', '"table.s_start" = 103'),
+        "start = ",
+        ["is in mm", "would be a guess", "table.s_start_mm"],
+    ),
+    (
+        ('"table.s_start_mm" = 103', '"table.s_start_mm_s" = 103'),
+        "start = ",
+        ["another unit", "mm_s"],
+    ),
+    (("trip_mm", "tripp_mm"), "start = ", ["'tripp'", "trip"]),
+    (('"control.gain" = 40', '"control.s_set_mm" = 40'), "start = ", ["control.s_set"]),
+]
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+@pytest.mark.parametrize(("change", "line", "fragments"), MISTAKES)
+def test_mistake_in_a_map_is_told_with_its_place(
+    place: Place,
+    capsys: pytest.CaptureFixture[str],
+    change: tuple[str, str],
+    line: str,
+    fragments: list[str],
+) -> None:
+    folder = place(change)
+    code, out, err = call(capsys, "check", folder / "rig.toml")
+    assert (code, out) == (2, "")
+    number = int(err.split("rig.toml:")[1].split(":")[0])
+    text = (folder / "rig.toml").read_text(encoding="utf-8").splitlines()[number - 1]
+    assert text.startswith(line), err
+    for fragment in fragments:
+        assert fragment in err

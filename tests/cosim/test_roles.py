@@ -1,0 +1,203 @@
+"""Variables of foreign FMUs as roles: units, signs, thresholds, and what is refused."""
+
+import csv
+import math
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from bench.plan import assignment
+from kernel.cosim.fmu import Exchange, FmuSlave, load_fmu
+from kernel.cosim.roles import Source, guess_kind, map_roles, role_table
+from kernel.cosim.units import known_units, unit_of
+from kernel.errors import UserError
+
+AXIS = {"demand": Source("control.s_set"), "position": Source("table.s")}
+
+
+@pytest.fixture
+def table(fmu: Callable[..., Path]) -> Iterator[FmuSlave]:
+    """The feed table: mm, rad and turns per minute."""
+    slave = load_fmu(fmu("table"), "table")
+    yield slave
+    slave.close()
+
+
+@pytest.fixture
+def switch(fmu: Callable[..., Path]) -> Iterator[FmuSlave]:
+    """The switch, whose numbers have no unit."""
+    slave = load_fmu(fmu("switch"), "switch")
+    yield slave
+    slave.close()
+
+
+# ---- units
+
+
+def test_values_are_handed_over_in_si(table: FmuSlave) -> None:
+    roles = map_roles(table, "axis", AXIS)
+    demand = roles.exchange(["demand"])
+    demand.values[0] = 0.13
+    demand.write()
+    assert table.get("control.s_set") == pytest.approx(130.0, abs=1e-12)
+    table.set_start("table.s_start", -7.0)
+    table.initialize(0)
+    position = roles.exchange(["position"])
+    position.read()
+    assert position.values[0] == pytest.approx(-0.007, abs=1e-17)
+
+
+def test_rotation_stands_for_a_travel_by_its_lead(table: FmuSlave) -> None:
+    """A quarter turn of a screw of 10 mm moves the table by 2.5 mm; 60 turns/min by 10 mm/s."""
+    sources = {
+        **AXIS,
+        "motor_position": Source("motor.phi", lead_m=0.010),
+        "motor_velocity": Source("motor.n", lead_m=0.010, sign=-1),
+    }
+    roles = map_roles(table, "axis", sources)
+    table.set_start("table.s_start", 2.5)
+    table.set_start("control.s_set", 2.75)  # 40/s times 0.25 mm is 10 mm/s
+    table.initialize(0)
+    motor = roles.exchange(["motor_position", "motor_velocity"])
+    motor.read()
+    assert table.get("motor.phi") == pytest.approx(math.pi / 2)
+    assert list(motor.values) == pytest.approx([0.0025, -0.010])
+
+
+def test_offset_of_a_unit_counts_and_its_display_unit_does_not(
+    fmu: Callable[..., Path],
+) -> None:
+    slave = load_fmu(fmu(), "odd")
+    celsius = unit_of(slave.description, slave.variable("temperature"))
+    assert celsius is not None
+    assert celsius.to_si(20.0) == 293.15
+    assert celsius.from_si(293.15) == 20.0
+    length = unit_of(slave.description, slave.variable("limit"))
+    assert length is not None
+    assert length.to_si(1.0) == 1e-3
+    slave.close()
+
+
+@pytest.mark.parametrize(
+    ("source", "text"),
+    [
+        (
+            Source("motor.phi"),
+            r"motor.phi is in rad \(rad\), position needs a unit of m; .*lead",
+        ),
+        (Source("motor.n"), r"motor.n is in turns/min \(s-1.rad\), position needs a unit of m"),
+        (Source("table.s", unit="um"), r"the FMU says mm; found 'um'; allowed: mm, or no unit"),
+        (Source("table.s", unit="ell"), "table.s: unknown unit; found 'ell'"),
+        (Source("table.s", lead_m=0.01), "is in mm; lead_mm is for rotations"),
+        (Source("tabel.s"), r"no such variable; found 'tabel.s'; allowed: table.s"),
+    ],
+)
+def test_what_does_not_fit_is_refused(table: FmuSlave, source: Source, text: str) -> None:
+    with pytest.raises(UserError, match=text):
+        map_roles(table, "axis", {**AXIS, "position": source})
+
+
+def test_unit_that_the_fmu_names_but_does_not_define_is_refused(fmu: Callable[..., Path]) -> None:
+    slave = load_fmu(fmu(), "odd")
+    with pytest.raises(UserError, match="nothing tells what the unit is; found 'parsec'"):
+        unit_of(slave.description, slave.variable("far"))
+    slave.close()
+
+
+def test_number_without_unit_needs_one(switch: FmuSlave) -> None:
+    sources = {"z_position": Source("tip.depth"), "signal": Source("level")}
+    with pytest.raises(UserError, match=r'has no unit.*tip.depth", unit = "m" }'):
+        map_roles(switch, "probe", sources, ["z"])
+
+
+def test_same_unit_twice_is_no_contradiction(table: FmuSlave) -> None:
+    map_roles(table, "axis", {**AXIS, "position": Source("table.s", unit="mm")})
+
+
+# ---- levels
+
+
+@pytest.mark.parametrize(
+    ("source", "open_level"),
+    [
+        (Source("level"), False),
+        (Source("level", sign=-1), True),
+        (Source("contact_v", threshold=12.0), False),
+        (Source("contact_v", threshold=12.0, sign=-1), True),
+    ],
+)
+def test_level_of_a_boolean_or_of_a_number_above_a_threshold(
+    switch: FmuSlave, source: Source, open_level: bool
+) -> None:
+    sources = {"z_position": Source("tip.depth", unit="mm", sign=-1), "signal": source}
+    roles = map_roles(switch, "probe", sources, ["z"])
+    position, signal = roles.exchange(["z_position"]), roles.exchange(["signal"])
+    switch.initialize(0)
+    for height_m, is_closed in ((0.1005, False), (0.0995, True)):  # trip at depth -100 mm
+        position.values[0] = height_m
+        position.write()
+        switch.step_to(switch.time_ns + 1000)
+        signal.read()
+        assert bool(signal.values[0]) is (is_closed is not open_level)
+
+
+# ---- which roles
+
+
+def test_missing_roles_are_noted_with_what_happens_without(table: FmuSlave) -> None:
+    roles = map_roles(table, "axis", AXIS)
+    lacking = {note.partition(":")[0]: note.partition(": ")[2] for note in roles.notes}
+    assert set(lacking) == {
+        "no reference_position, reference_velocity, reference_time, reference_end",
+        *(f"no {r}" for r in ("enabled", "velocity", "motor_position", "motor_velocity")),
+        *(f"no {r}" for r in ("demand_position", "kv")),
+    }
+    assert lacking["no velocity"] == "numeric derivative of position"
+
+
+def test_missing_necessary_roles_are_refused(table: FmuSlave) -> None:
+    with pytest.raises(UserError, match=r"lacks what a plant of the kind axis .*position"):
+        map_roles(table, "axis", {"demand": Source("control.s_set")})
+    with pytest.raises(UserError, match=r"reference_end or demand"):
+        map_roles(table, "axis", {"position": Source("table.s")})
+
+
+def test_unknown_role_gets_the_nearest_ones(table: FmuSlave) -> None:
+    with pytest.raises(UserError, match=r"no such role; found 'posision'; allowed: position"):
+        map_roles(table, "axis", {**AXIS, "posision": Source("table.s")})
+
+
+def test_inputs_cannot_be_played_by_outputs(table: FmuSlave) -> None:
+    with pytest.raises(UserError, match=r"demand needs an input; table.s has the causality output"):
+        map_roles(table, "axis", {**AXIS, "demand": Source("table.s")})
+
+
+def test_kind_follows_from_the_roles(table: FmuSlave, switch: FmuSlave) -> None:
+    assert guess_kind(table, AXIS) == "axis"
+    assert guess_kind(table, {"position": Source("table.s")}) == "axis"
+    assert guess_kind(table, {}) is None
+    sources = {"z_position": Source("tip.depth", unit="mm"), "signal": Source("level")}
+    assert guess_kind(switch, sources) == "probe"
+
+
+def test_inputs_that_nothing_is_wired_to_are_known(table: FmuSlave) -> None:
+    assert map_roles(table, "axis", AXIS).spare_inputs() == []
+
+
+# ---- tables
+
+
+def test_units_of_roles_and_of_start_values_are_known() -> None:
+    roles = {role.unit for role in role_table() if role.unit}
+    path = Path(assignment.__file__).with_name("units.csv")
+    suffixes = {row["si"] for row in csv.DictReader(path.read_text("utf-8").splitlines())}
+    assert roles | suffixes <= set(known_units())
+
+
+def test_mixed_types_are_one_exchange(switch: FmuSlave) -> None:
+    """A Boolean and numbers together; the plain exchange of one type stays the fast one."""
+    sources = {"z_position": Source("tip.depth", unit="m"), "signal": Source("level")}
+    roles = map_roles(switch, "probe", sources, ["z"])
+    assert isinstance(roles.exchange(["z_position"]), Exchange)
+    assert not isinstance(roles.exchange(["z_position", "signal"]), Exchange)
