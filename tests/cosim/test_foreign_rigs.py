@@ -119,11 +119,11 @@ def test_edge_is_enclosed_where_the_state_can_be_saved(place: Place) -> None:
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=INCREMENT_MM + held_mm)
 
 
-def test_without_saved_states_half_a_fine_step_is_the_recorded_uncertainty(place: Place) -> None:
+def test_without_saved_states_a_fine_step_is_the_recorded_uncertainty(place: Place) -> None:
     machine = run(place(saves=False))
     probe = machine.plant.probes["switch"]
     fine_ns = machine.plant.fine_ns
-    assert probe.edge_uncertainty_ns == fine_ns / 2
+    assert probe.edge_uncertainty_ns == fine_ns
     expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
     uncertain_mm = FEED_MM_S * probe.edge_uncertainty_ns * 1e-9 + INCREMENT_MM
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=uncertain_mm)
