@@ -97,6 +97,11 @@ def _remarks(table: PlantTable, roles: Roles) -> list[str]:
         return []
     can, spare = roles.slave.can, roles.spare_inputs()
     lines = []
+    if roles.slave.grid_ns is not None:
+        between = "interpolated" if roles.kind == "axis" else "held"
+        lines.append(f"takes steps of {roles.slave.grid_ns / 1e6:g} ms only: {between} between")
+    elif not can.can_vary_step:
+        lines.append("takes steps of one length only and does not say of which")
     if can.needs_tool:
         lines.append("needs the tool that made it on this machine (needsExecutionTool)")
     if spare:
@@ -141,9 +146,17 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
     if kind != "axis":
         _check_wire(settings, instance, table, coordinates)
     try:
-        return map_roles(slave, kind, sources, list(table.wire), located)
+        roles = map_roles(slave, kind, sources, list(table.wire), located)
     except UserError as error:
         raise error if error.file else _at(settings, (*place, "fmu"), error) from error
+    if slave.grid_ns is not None and kind != "axis" and roles.has_group("trajectory"):
+        raise rig_error(
+            settings.files,
+            (*place, "fmu"),
+            f"plant {instance} reads trajectories but cannot take steps that differ in length",
+            hint="let it follow positions: step_time = false and g_position in its map",
+        )
+    return roles
 
 
 def _source(entry: str | Literal[False] | MapTable) -> Source | None:

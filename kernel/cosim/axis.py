@@ -17,6 +17,7 @@ AXIS_OUTPUTS = (
     "demand_position",
 )
 SAMPLE_NS = 62_500
+SLOPE_NS = 250_000
 # Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it
 HISTORY_STEPS = 4096
 
@@ -70,6 +71,10 @@ class _SampledDemand:
         self._begin_ns, self._position, self._rate, self._end_ns = time_ns, position, rate, end_ns
 
     def step(self, slave: FmuSlave, end_ns: TimeNs) -> None:
+        if slave.grid_ns is not None:  # it takes a demand at the begin of its step
+            self._input.values[0] = self.at(slave.time_ns)
+            self._input.write()
+            slave.step_to(end_ns)
         while slave.time_ns < end_ns:
             since_ns = slave.time_ns - self._begin_ns
             sample_ns = self._begin_ns + since_ns // SAMPLE_NS * SAMPLE_NS
@@ -100,6 +105,7 @@ class PlantAxis:
         self._times: deque[TimeNs] = deque(maxlen=HISTORY_STEPS)
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
         self._saved: FmuState | None = None
+        self._saved_ns: TimeNs = 0
 
     @property
     def tells_velocity(self) -> bool:
@@ -121,11 +127,17 @@ class PlantAxis:
         self._demand.command(time_ns, position, rate, end_ns)
 
     def _sample(self) -> None:
+        self._remember(self.slave.time_ns, self._read())
+
+    def _remember(self, time_ns: TimeNs, motion: list[float]) -> None:
+        self.motion = motion
+        self._times.append(time_ns)
+        self._past.append(motion)
+
+    def _read(self) -> list[float]:
         self._outputs.read()
         values: list[float] = self._outputs.values[:]
-        self.motion = values if len(values) == len(AXIS_OUTPUTS) else self._completed(values)
-        self._times.append(self.slave.time_ns)
-        self._past.append(self.motion)
+        return values if len(values) == len(AXIS_OUTPUTS) else self._completed(values)
 
     def _completed(self, values: Sequence[float]) -> list[float]:
         """Put in what the FMU does not tell, see `roles.csv`."""
@@ -135,21 +147,44 @@ class PlantAxis:
         motor = found.get("motor_position", position)
         motor_velocity = self._slope(2, motor) if "motor_position" in found else velocity
         motor_velocity = found.get("motor_velocity", motor_velocity)
-        begin_ns, start, rate, end_ns = self._commanded
-        demand = start + rate * (min(self.slave.time_ns, end_ns) - begin_ns) * 1e-9
+        demand = self._demand_at(self.slave.time_ns)
         return [position, velocity, motor, motor_velocity, found.get("demand_position", demand)]
 
+    def _demand_at(self, time_ns: TimeNs) -> float:
+        begin_ns, start, rate, end_ns = self._commanded
+        return start + rate * (min(time_ns, end_ns) - begin_ns) * 1e-9
+
     def _slope(self, index: int, now: float) -> float:
-        """Return the slope of a parabola through the last three points, at the last one."""
-        if not self._times:
+        """Return the slope now of the parabola through now and two points of the past.
+
+        Error for a smooth motion: x''' h^2 / 3 (backward difference of second order).
+        """
+        points = self._points_before()
+        if not points:
             return 0.0
-        h1 = (self.slave.time_ns - self._times[-1]) * 1e-9
-        slope = (now - self._past[-1][index]) / h1
-        if len(self._times) == 1:
+        (last_ns, last), *older = points
+        h1 = (self.slave.time_ns - last_ns) * 1e-9
+        slope = (now - last[index]) / h1
+        if not older:
             return slope
-        h0 = (self._times[-1] - self._times[-2]) * 1e-9
-        before = (self._past[-1][index] - self._past[-2][index]) / h0
+        h0 = (last_ns - older[0][0]) * 1e-9
+        before = (last[index] - older[0][1][index]) / h0
         return slope + (slope - before) * h1 / (h0 + h1)
+
+    def _points_before(self) -> list[tuple[TimeNs, list[float]]]:
+        """Return up to two points of the past, the latest first, SLOPE_NS or more apart.
+
+        So far apart, because over 3 us the tolerance of an FMU's own integration would be speed.
+        """
+        points: list[tuple[TimeNs, list[float]]] = []
+        latest_ns = self.slave.time_ns - SLOPE_NS
+        for time_ns, motion in zip(reversed(self._times), reversed(self._past), strict=True):
+            if time_ns <= latest_ns:
+                points.append((time_ns, motion))
+                if len(points) > 1:
+                    break
+                latest_ns = time_ns - SLOPE_NS
+        return points
 
     def step_to(self, end_ns: TimeNs) -> None:
         """Step the FMU to `end_ns`."""
@@ -162,12 +197,13 @@ class PlantAxis:
     def save(self) -> None:
         """Keep the present state for `restore`; the FMU must be able to."""
         self._saved = self.slave.save_state(self._saved)
+        self._saved_ns = self._times[-1]
 
     def restore(self) -> None:
         """Go back to where `save` was called last."""
         assert self._saved is not None
         self.slave.restore_state(self._saved)
-        while self._times[-1] > self.slave.time_ns:
+        while self._times[-1] > self._saved_ns:
             self._times.pop()
             self._past.pop()
         self.motion = self._past[-1]

@@ -197,7 +197,8 @@ class LevelProbe(PlantProbe):
             is_exact = self._trajectory is not None or not is_of_time
         uncertainty_ns = float(ENCLOSED_NS)
         if not is_exact:
-            uncertainty_ns = max(self._longest_ns, (self.slave.can.fixed_step_s or 0.0) * 1e9)
+            fixed_ns = (self.slave.can.fixed_step_s or 0.0) * 1e9
+            uncertainty_ns = max(self._longest_ns, fixed_ns, float(self.slave.grid_ns or 0))
         self._new.append((stand_ns, not level, uncertainty_ns))
         return not level
 

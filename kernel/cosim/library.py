@@ -5,7 +5,7 @@ from typing import Any
 
 from fmpy.model_description import ModelDescription
 
-from kernel.clock import TimeNs
+from kernel.clock import S, TimeNs
 from kernel.errors import UserError
 
 
@@ -50,6 +50,19 @@ class Capabilities:
             needs_tool=bool(told.needsExecutionTool),
             fixed_step_s=float(told.fixedInternalStepSize) if told.fixedInternalStepSize else None,
         )
+
+
+def grid_of(description: ModelDescription) -> TimeNs | None:
+    """Return the step of an FMU that cannot take steps of different length; None for others.
+
+    It is its internal step (FMI 3.0), else the step of its default experiment; an FMU that tells
+    neither gets the steps that the bench takes.
+    """
+    told, experiment = description.coSimulation, description.defaultExperiment
+    if told.canHandleVariableCommunicationStepSize:
+        return None
+    step_s = told.fixedInternalStepSize or (experiment.stepSize if experiment else None)
+    return max(round(float(step_s) * S), 1) if step_s else None
 
 
 class Missing:

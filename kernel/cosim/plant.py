@@ -12,6 +12,7 @@ from kernel.clock import MS, US, TimeNs
 from kernel.cosim.axis import PlantAxis
 from kernel.cosim.edges import make_probe
 from kernel.cosim.fmu import FmuSlave
+from kernel.cosim.grid import GridAxis
 from kernel.cosim.probe import PlantProbe
 from kernel.cosim.roles import Roles, map_roles
 from kernel.errors import UserError
@@ -57,7 +58,8 @@ class Plant:
 
         Raises UserError when its FMU lacks what an axis needs.
         """
-        axis = PlantAxis(roles or map_roles(slave, "axis", {}), self.advance_to)
+        kind = PlantAxis if slave.grid_ns is None else GridAxis
+        axis = kind(roles or map_roles(slave, "axis", {}), self.advance_to)
         self.axes[slave.name] = axis
         return axis
 

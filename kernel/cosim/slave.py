@@ -20,7 +20,7 @@ from fmpy.model_description import ModelDescription, ModelVariable
 
 from kernel.clock import TimeNs, ns_to_seconds, seconds_to_ns
 from kernel.cosim.journal import watched
-from kernel.cosim.library import Capabilities, LogMessage, Missing
+from kernel.cosim.library import Capabilities, LogMessage, Missing, grid_of
 from kernel.errors import UserError, nearest
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
@@ -55,6 +55,7 @@ class FmuState:
         self.handle = ctypes.c_void_p()
         self.time_ns: TimeNs = 0
         self.excess_s = 0.0
+        self.stands_ns: TimeNs = 0
 
 
 class Exchange:
@@ -117,8 +118,8 @@ class FmuSlave(ABC):
     """An instance of a co-simulation FMU with a name of its own.
 
     path: the FMU file. name: instance name in messages and recordings. messages: what the FMU
-    logged with a status above ok, the last 1000. Raises UserError for an FMU that cannot be used,
-    PlantError once it runs.
+    logged with a status above ok, the last 1000. grid_ns: step of an FMU that takes no other; its
+    outputs hold between. Raises UserError for an FMU that cannot be used, PlantError once it runs.
     """
 
     PREFIX: ClassVar[str]
@@ -140,6 +141,8 @@ class FmuSlave(ABC):
         self.pointer = 0
         self._variables = {v.name: v for v in description.modelVariables}
         self._excess_s = 0.0  # how far behind `time_ns` an early return left the FMU
+        self.grid_ns = grid_of(description)
+        self._stands_ns: TimeNs = 0  # on a grid: the last point that the FMU has reached
         self._can_terminate, self._is_fatal = False, False
         self._states: list[FmuState] = []
         self._is_final = True  # no state was saved yet that could be restored
@@ -263,7 +266,8 @@ class FmuSlave(ABC):
 
     def initialize(self, start_ns: TimeNs) -> None:
         """Run the initialisation at `start_ns`."""
-        self.time_ns, self._excess_s = start_ns, 0.0
+        self.time_ns = self._stands_ns = start_ns
+        self._excess_s = 0.0
         try:
             self._enter_initialization(ns_to_seconds(start_ns))
             self._can_terminate = True
@@ -286,6 +290,8 @@ class FmuSlave(ABC):
 
         Raises PlantError as `step_to` does.
         """
+        if self.grid_ns is not None:
+            return self._step_on_grid(self.grid_ns, end_ns)
         begin_ns, excess_s = self.time_ns, self._excess_s
         status = self._step(
             self.pointer,
@@ -297,6 +303,17 @@ class FmuSlave(ABC):
         if status > WARNING or self._cut.value:
             return self._not_there(status, end_ns)
         self.time_ns, self._excess_s = end_ns, 0.0
+        return end_ns
+
+    def _step_on_grid(self, grid_ns: TimeNs, end_ns: TimeNs) -> TimeNs:
+        """Do the steps of the FMU that end at `end_ns` at the latest."""
+        self.grid_ns, self.time_ns = None, self._stands_ns
+        try:
+            while self.time_ns + grid_ns <= end_ns:
+                self.step_to(self.time_ns + grid_ns)
+        finally:
+            self.grid_ns, self._stands_ns = grid_ns, self.time_ns
+        self.time_ns = end_ns
         return end_ns
 
     def _not_there(self, status: int, end_ns: TimeNs) -> TimeNs:
@@ -367,6 +384,7 @@ class FmuSlave(ABC):
         if status > WARNING:
             self.failed("save the state", status)
         state.time_ns, state.excess_s = self.time_ns, self._excess_s
+        state.stands_ns = self._stands_ns
         self._is_final = False
         return state
 
@@ -376,6 +394,7 @@ class FmuSlave(ABC):
         if status > WARNING:
             self.failed("restore the state", status)
         self.time_ns, self._excess_s = state.time_ns, state.excess_s
+        self._stands_ns = state.stands_ns
 
     # Ends
 
@@ -399,11 +418,9 @@ class FmuSlave(ABC):
         if not self._is_fatal:  # after fatal no function may be called any more
             for state in self._states:
                 self._free(self.pointer, ctypes.addressof(state.handle))
-            try:
+            with suppress(Exception):  # nothing is lost any more
                 if self._can_terminate:
                     self._fmu.terminate()
-            finally:
-                getattr(self._fmu, f"{self.PREFIX}FreeInstance")(self._fmu.component)
-                self.pointer = 0
+            getattr(self._fmu, f"{self.PREFIX}FreeInstance")(self._fmu.component)
         self.pointer = 0
         _ALONE.pop(self._alone, None)

@@ -57,7 +57,10 @@ REALS: dict[str, list[Row]] = {
 def build_fmu(
     folder: Path, version: int, model: str = "odd", name: str | None = None, **promises: str | bool
 ) -> Path:
-    """Build `<name>.fmu` of a C model; promises: attributes of the co-simulation interface."""
+    """Build `<name>.fmu` of a C model.
+
+    promises: attributes of the co-simulation interface; `stepSize` is that of the experiment.
+    """
     told = {"canHandleVariableCommunicationStepSize": True, **promises}
     identifier = model + hashlib.sha256(repr((version, told)).encode()).hexdigest()[:8]
     library = folder / f"{identifier}{this_platform().ending}"
@@ -74,6 +77,9 @@ def build_fmu(
 
 
 def _description(version: int, model: str, identifier: str, told: dict[str, str | bool]) -> str:
+    told = dict(told)
+    step = told.pop("stepSize", None)
+    experiment = f'<DefaultExperiment stepSize="{step}"/>' if step else ""
     flags = " ".join(f'{key}="{str(value).lower()}"' for key, value in told.items())
     token = "guid" if version == 2 else "instantiationToken"
     rows = REALS[model]
@@ -105,7 +111,7 @@ def _description(version: int, model: str, identifier: str, told: dict[str, str 
     return (
         f'<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}.0" modelName="{model}"'
         f' {token}="{model}"><CoSimulation modelIdentifier="{identifier}" {flags}/>{UNITS}'
-        f"<ModelVariables>{''.join(variables)}</ModelVariables>"
+        f"{experiment}<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
 

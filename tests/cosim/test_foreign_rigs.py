@@ -70,12 +70,19 @@ Place = Callable[..., Path]
 
 @pytest.fixture
 def place(tmp_path: Path, fmu: Callable[..., Path], version: int) -> Place:
-    """A folder with FMUs, rig and program; changes: (old text, new text) of the rig."""
+    """A folder with FMUs, rig and program; changes: (old text, new text) of the rig.
 
-    def make(*changes: tuple[str, str], saves: bool = True, **promises: str | bool) -> Path:
+    saves: whether states can be saved. table, switch: more that the FMUs promise.
+    """
+
+    def make(
+        *changes: tuple[str, str],
+        saves: bool = True,
+        **promises: dict[str, str | bool],
+    ) -> Path:
         flag = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
         for model in ("table", "switch"):
-            built = fmu(model, **{flag: saves, **promises})
+            built = fmu(model, **{flag: saves, **promises.get(model, {})})
             (tmp_path / built.name).write_bytes(built.read_bytes())
         text = RIG
         for old, new in changes:
@@ -129,23 +136,61 @@ def test_without_saved_states_a_fine_step_is_the_recorded_uncertainty(place: Pla
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=uncertain_mm)
 
 
-def test_lag_is_that_of_a_demand_held_between_drive_ticks(place: Place) -> None:
-    """In steady motion the lag at a tick is v T / (1 - exp(-gain T)), T = 62.5 us.
+FAR = ('"table.s_start_mm" = 103', '"table.s_start_mm" = 170')
 
-    From s(k+1) - e = s(k) - e exp(-gain T) with s(k+1) = s(k) + v T. Without the hold it were
-    v/gain, 1.6 um less at 50 mm/s.
-    """
-    folder = place(('"table.s_start_mm" = 103', '"table.s_start_mm" = 170'))
+
+def steady_motion(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Lag (mm) and velocity (mm/s) at each SYNC while the table moves steadily at -50 mm/s."""
     (folder / "part.nc").write_text("N10 G90 G1 Z120 F3000\nN20 M30\n", encoding="utf-8")
     trace = run(folder).recorder.table()
     set_mm = trace.column("Z.set_mm").to_numpy()
-    lag_mm = trace.column("Z.drive_lag_mm").to_numpy()
-    speed_mm_s = trace.column("Z.velocity_mm_s").to_numpy()
     steady = np.flatnonzero((set_mm < 140) & (set_mm > 125))
-    expected_mm = -50.0 * TICK_S / (1 - math.exp(-GAIN_PER_S * TICK_S))
-    assert abs(expected_mm + 50.0 / GAIN_PER_S) > 1.5e-3
-    assert lag_mm[steady] == pytest.approx(expected_mm, abs=5e-5)
-    assert speed_mm_s[steady] == pytest.approx(-50.0, abs=50.0 * GAIN_PER_S * TICK_S)
+    lag_mm = trace.column("Z.drive_lag_mm").to_numpy()
+    return lag_mm[steady], trace.column("Z.velocity_mm_s").to_numpy()[steady]
+
+
+def held_lag_mm(hold_s: float) -> float:
+    """Lag of a position loop whose demand is held: e = v T / (1 - exp(-gain T)).
+
+    From s(k+1) - e = s(k) - e exp(-gain T) with s(k+1) = s(k) + v T, v = -50 mm/s.
+    """
+    return -50.0 * hold_s / (1 - math.exp(-GAIN_PER_S * hold_s))
+
+
+def test_lag_is_that_of_a_demand_held_between_drive_ticks(place: Place) -> None:
+    """Without the hold it were v/gain, 1.6 um less."""
+    lag_mm, speed_mm_s = steady_motion(place(FAR))
+    assert abs(held_lag_mm(TICK_S) + 50.0 / GAIN_PER_S) > 1.5e-3
+    assert lag_mm == pytest.approx(held_lag_mm(TICK_S), abs=5e-5)
+    assert speed_mm_s == pytest.approx(-50.0, abs=50.0 * GAIN_PER_S * TICK_S)
+
+
+def test_fmu_that_takes_one_step_size_only_is_stepped_on_its_grid(
+    place: Place, version: int
+) -> None:
+    """The demand is then held for its step of 1 ms, and the motion is smooth between its points."""
+    size = "stepSize" if version == 2 else "fixedInternalStepSize"
+    fixed = {"canHandleVariableCommunicationStepSize": False, size: "0.001"}
+    lag_mm, speed_mm_s = steady_motion(place(FAR, table=fixed))
+    assert lag_mm == pytest.approx(held_lag_mm(1e-3), abs=5e-5)
+    assert speed_mm_s == pytest.approx(-50.0, abs=0.02)
+
+
+def test_edge_on_a_table_with_a_grid_is_enclosed_as_well(place: Place) -> None:
+    """Measured is the place of the edge, whatever the steps of the table are."""
+    fixed = {"canHandleVariableCommunicationStepSize": False, "stepSize": "0.001"}
+    machine = run(place(table=fixed))
+    assert machine.plant.probes["switch"].edge_uncertainty_ns == 1.0
+    expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
+    assert latched_mm(machine) == pytest.approx(expected_mm, abs=2 * INCREMENT_MM)
+
+
+def test_switch_with_a_grid_knows_its_edge_to_a_step(place: Place) -> None:
+    fixed = {"canHandleVariableCommunicationStepSize": False, "stepSize": "0.001"}
+    machine = run(place(switch=fixed))
+    assert machine.plant.probes["switch"].edge_uncertainty_ns == 1e6
+    expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
+    assert latched_mm(machine) == pytest.approx(expected_mm, abs=FEED_MM_S * 1e-3 + INCREMENT_MM)
 
 
 def test_encoder_on_the_screw_and_on_the_table_latch_the_same(place: Place) -> None:

@@ -56,6 +56,27 @@ def test_messages_keep_status_and_time_and_fill_in_their_numbers(odd: Odd, versi
         assert second.messages[-1].text == "hot at 1 ms"
 
 
+# ---- steps of one length
+
+
+def test_steps_of_one_length_are_kept_and_outputs_hold_between(odd: Odd, version: int) -> None:
+    """x = 0.1 mm per ms, seen at the last whole millisecond."""
+    fixed = {"canHandleVariableCommunicationStepSize": False, "stepSize": "0.001"}
+    slave = odd("plain", **saving(version), **fixed)
+    seen = []
+    for end_us in (300, 999, 1000, 1001, 2500, 5000):
+        slave.step_to(end_us * US)
+        assert slave.time_ns == end_us * US
+        seen.append(slave.get("slide.x"))
+    assert seen == pytest.approx([0.0, 0.0, 0.1, 0.1, 0.2, 0.5], abs=1e-12)
+    slave.step_to(5_500 * US)
+    state = slave.save_state()
+    slave.step_to(8 * MS)
+    slave.restore_state(state)
+    slave.step_to(6 * MS)
+    assert slave.get("slide.x") == pytest.approx(0.6, abs=1e-12)
+
+
 # ---- steps that are discarded
 
 
