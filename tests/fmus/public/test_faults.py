@@ -19,7 +19,7 @@ FAULTS = [
     ("Faults.Zeno", {}, 1.3545, "Faults/package.mo"),
     ("Control.Chattering", {}, 1.0886, "Control/package.mo"),
     ("Faults.NoSolution", {}, 1.0, "y"),
-    ("Faults.IndexOutOfRange", {}, 0.3, "Faults/package.mo"),
+    ("Faults.IndexOutOfRange", {}, 0.3, "y is not a finite number"),
     ("Faults.IntegerOverflow", {}, 0.2, "n"),
 ]
 
