@@ -7,6 +7,7 @@ package Units "SI types, so that every variable carries its unit"
   type Angle = Real(quantity = "Angle", unit = "rad");
   type Slope = Real(unit = "1") "Height per length";
   type DampingRatio = Real(unit = "1", min = 0) "Damping over critical damping";
+  type Acceleration = Real(quantity = "Acceleration", unit = "m/s2");
   type Force = Real(quantity = "Force", unit = "N");
   type Mass = Real(quantity = "Mass", unit = "kg", min = 0);
   type Inertia = Real(quantity = "MomentOfInertia", unit = "kg.m2", min = 0);
@@ -16,6 +17,18 @@ package Units "SI types, so that every variable carries its unit"
   type Exponent = Real(unit = "1", min = 1) "Power of the penetration";
   type Damping = Real(unit = "N.s/m", min = 0) "Force per velocity";
   type ContactDamping = Real(unit = "s/m", min = 0) "Share of the spring force per velocity";
+  type AngularVelocity = Real(quantity = "AngularVelocity", unit = "rad/s");
+  type Torque = Real(quantity = "Torque", unit = "N.m");
+  type TorsionalStiffness = Real(unit = "N.m/rad", min = 0);
+  type TorsionalDamping = Real(unit = "N.m.s/rad", min = 0) "Torque per angular velocity";
+  type Ratio = Real(unit = "1", min = 0);
+  type Voltage = Real(quantity = "Voltage", unit = "V");
+  type Current = Real(quantity = "Current", unit = "A");
+  type Resistance = Real(quantity = "Resistance", unit = "Ohm", min = 0);
+  type Inductance = Real(quantity = "Inductance", unit = "H", min = 0);
+  type TorqueConstant = Real(unit = "N.m/A", min = 0) "Also the voltage per angular velocity";
+  type TorsionalContactDamping = Real(unit = "s/rad", min = 0)
+    "Share of the spring torque per angular velocity";
   type Share = Real(unit = "1", min = 0, max = 1);
   type Direction = Real(unit = "1", min = -1, max = 1) "Component of a unit vector";
   annotation(

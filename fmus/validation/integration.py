@@ -5,7 +5,6 @@ that the right-hand side is smooth; the stretch ends where a guard changes its s
 """
 
 from collections.abc import Callable, Sequence
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,8 +12,9 @@ from scipy.integrate import solve_ivp
 
 Vector = NDArray[np.float64]
 Mode = tuple[bool, ...]
-RightHandSide = Callable[[float, Vector, Mode], Sequence[float]]
-Guard = Callable[[float, Vector], float]
+# Time in s, state, mode: derivatives of the state, or the value of a guard.
+RightHandSide = Callable[[float, list[float], Mode], Sequence[float]]
+Guard = Callable[[float, list[float], Mode], float]
 
 MAX_STRETCHES = 100_000
 
@@ -24,68 +24,72 @@ def integrate(
     state: Sequence[float],
     time_s: Vector,
     guards: Sequence[Guard] = (),
-    breaks_s: Sequence[float] = (),
     rtol: float = 1e-11,
     atol: float | Sequence[float] = 1e-14,
+    max_step_s: float = 2.5e-4,
 ) -> Vector:
     """States at every instant of `time_s` as rows: len(time_s) x len(state).
 
-    A guard is true where its function is positive. breaks_s: instants at which the right-hand side
-    jumps in time; it is evaluated on (or inside) one side of a break only.
+    A guard is true where its function is positive; it may depend on the mode of the others. It is
+    looked at every max_step_s.
     Method: DOP853 (Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I).
     Raises RuntimeError when the integration fails or finds no end of events.
     """
     rows = np.empty((len(time_s), len(state)))
     rows[0] = x = np.asarray(state, dtype=float)
-    mode = [guard(time_s[0], x) > 0 for guard in guards]
-    edges = sorted({time_s[0], time_s[-1], *(b for b in breaks_s if time_s[0] < b < time_s[-1])})
-    for begin, end in pairwise(edges):
-        x = _between(rhs, x, (begin, end), guards, mode, (time_s, rows), (rtol, atol))
-    return rows
-
-
-def _between(
-    rhs: RightHandSide,
-    x: Vector,
-    span: tuple[float, float],
-    guards: Sequence[Guard],
-    mode: list[bool],
-    wanted: tuple[Vector, Vector],
-    tolerance: tuple[float, float | Sequence[float]],
-) -> Vector:
-    """Integrate over one span of smooth inputs; fills the wanted rows and changes the mode."""
-    t, end = span
-    time_s, rows = wanted
+    t, end = float(time_s[0]), float(time_s[-1])
+    mode = settled(guards, t, x.tolist(), (False,) * len(guards), set())
     for _ in range(MAX_STRETCHES):
         found = solve_ivp(
-            rhs,
+            lambda t, x, mode: rhs(t, x.tolist(), mode),
             (t, end),
             x,
             method="DOP853",
-            rtol=tolerance[0],
-            atol=tolerance[1],
+            rtol=rtol,
+            atol=atol,
+            max_step=max_step_s,
             dense_output=True,
-            args=(tuple(mode),),
+            args=(mode,),
             events=[_event(guard, memory) for guard, memory in zip(guards, mode, strict=True)],
         )
         if found.status < 0:
             raise RuntimeError(f"no solution past {found.t[-1]} s: {found.message}")
         last = float(found.t[-1])
         inside = (time_s > t) & (time_s <= last)
-        rows[inside] = found.sol(time_s[inside]).T
+        if inside.any():
+            rows[inside] = found.sol(time_s[inside]).T
         t, x = last, found.y[:, -1]
         if found.status == 0:
-            return x
-        for k, instants in enumerate(found.t_events):
-            mode[k] ^= len(instants) > 0
+            return rows
+        crossed = {k for k, instants in enumerate(found.t_events) if len(instants)}
+        flipped = tuple(old ^ (k in crossed) for k, old in enumerate(mode))
+        mode = settled(guards, t, x.tolist(), flipped, crossed)
     raise RuntimeError(f"events without end at {t} s")
+
+
+def settled(
+    guards: Sequence[Guard], t: float, x: list[float], mode: Mode, crossed: set[int]
+) -> Mode:
+    """The mode in which every guard agrees with its function, but for those just `crossed`.
+
+    Raises RuntimeError when there is none.
+    """
+    for _ in range(2 * len(guards) + 1):
+        found = tuple(
+            old if k in crossed else guard(t, x, mode) > 0
+            for k, (guard, old) in enumerate(zip(guards, mode, strict=True))
+        )
+        if found == mode:
+            return mode
+        mode = found
+    raise RuntimeError(f"no mode fits at {t} s")
 
 
 def _event(guard: Guard, memory: bool) -> Callable[..., float]:
     """A guard as an event of solve_ivp: only the change that contradicts its memory counts."""
 
     def event(t: float, x: Vector, mode: Mode) -> float:
-        return guard(t, x)
+        return guard(t, x.tolist(), mode)
 
     event.terminal = True  # type: ignore[attr-defined]
     event.direction = -1.0 if memory else 1.0  # type: ignore[attr-defined]

@@ -10,10 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fmus.build import LIBRARY, build
+from fmus.build import LIBRARY, build, read_models
 
 VALIDATION = LIBRARY.parent / "validation"
-STEP_S = 20e-6  # internal step of the validation models
+STEP_S = 20e-6  # internal step of the validation models of parts
+# The validation of a model that is an FMU itself has its internal step.
+STEPS_S = {name.rpartition(".")[2]: row.step_s for name, row in read_models().items()}
 # A reference made anew on another machine may differ by this share of the tolerance.
 REPRODUCED = 1e-3
 # What a reference may be made from.
@@ -61,7 +63,11 @@ def validation(cache, load) -> Callable[[str], object]:
 
     def get(model: str):
         if model not in loaded:
-            path = build(f"AxisRig.Validation.{model}", cache / f"{model}.fmu", step_s=STEP_S)
+            path = build(
+                f"AxisRig.Validation.{model}",
+                cache / f"{model}.fmu",
+                step_s=STEPS_S.get(model, STEP_S),
+            )
             loaded[model] = load(path)
         else:
             loaded[model].restart()
@@ -80,24 +86,38 @@ def test_model_is_within_its_tolerances(model, validation):
     assert not outside, "\n".join(outside[:20])
 
 
-@pytest.mark.parametrize("model", MODELS)
-def test_one_percent_of_any_physical_parameter_is_noticed(model, validation):
+def physical(fmu, model: str) -> dict[str, list[float]]:
+    """The parameters of a validation model that it must notice, with their values."""
     spared = {row["parameter"] for row in read("not_physical.csv") if row["model"] == model}
-    fmu = validation(model)
     parameters = {
         v.name: [float(element) for element in v.start.split()]
         for v in fmu.description.modelVariables
         if v.causality == "parameter" and v.type == "Float64"
     }
     assert spared <= set(parameters), "not_physical.csv names what is not there"
+    return {name: value for name, value in parameters.items() if name not in spared}
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_one_percent_of_any_physical_parameter_is_noticed(model, validation):
+    fmu = validation(model)
     unnoticed = []
-    for name in sorted(set(parameters) - spared):
-        for k, value in enumerate(parameters[name]):
-            changed = [*parameters[name][:k], 1.01 * value, *parameters[name][k + 1 :]]
-            fmu.restart(**{name: changed})
-            if all(ratio <= 1 for _, _, ratio in deviations(fmu, model)):
-                unnoticed.append(f"{name}, element {k} = {value!r}")
+    for name, elements in physical(fmu, model).items():
+        for k, value in enumerate(elements):
+            if value:
+                fmu.restart(**{name: [*elements[:k], 1.01 * value, *elements[k + 1 :]]})
+                if all(ratio <= 1 for _, _, ratio in deviations(fmu, model)):
+                    unnoticed.append(f"{name}, element {k} = {value!r}")
     assert not unnoticed, unnoticed
+
+
+def test_a_parameter_that_is_zero_in_one_model_is_a_number_in_another(validation):
+    """Zero has no percent, so that another model with the same component must notice it."""
+    values: dict[str, set[float]] = {}
+    for model in MODELS:
+        for name, value in physical(validation(model), model).items():
+            values.setdefault(name.rpartition(".")[2], set()).update(value)
+    assert not {name for name, found in values.items() if found == {0.0}}
 
 
 def test_stored_references_are_those_that_the_scripts_make(tmp_path):

@@ -1,38 +1,28 @@
 within AxisRig.Mechanics;
-model FixedStop "Obstacle at rest that can only push"
-  parameter Units.Position stop_position = 1e3 "Where the slide touches";
-  parameter Integer stop_direction(min = -1, max = 1) = 1
-    "1: the stop is met in positive direction, -1: in negative direction";
+model FixedStop "Obstacle at rest that can only push, contact by Hunt and Crossley"
+  extends PartialStop;
   parameter Units.Stiffness stiffness = 20e6 "Force over penetration at the reference penetration";
   parameter Units.Exponent exponent = 1 "Power of the penetration; 1: straight, 1.5: Hertz";
   parameter Units.Length reference_penetration(min = 1e-9) = 1e-5
     "Where the stiffness counts; without meaning for exponent 1";
   parameter Units.ContactDamping damping = 20 "Share of the spring force per velocity";
-  Interfaces.Flange flange "Moving side";
-  Units.Position penetration "How far the slide is past the first touch";
-  Units.Velocity velocity "Velocity into the stop";
-  Units.Force force "Force between stop and slide, never negative";
 protected
   Units.Length depth "Penetration while there is one";
 equation
-  penetration = stop_direction*(flange.s - stop_position);
-  velocity = stop_direction*der(flange.s);
   depth = noEvent(if penetration > 0 then penetration else 0);
   force = if penetration > 0 and 1 + damping*velocity > 0
     then stiffness*depth*(depth/reference_penetration)^(exponent - 1)*(1 + damping*velocity)
     else 0;
-  flange.f = stop_direction*force;
-  assert(abs(stop_direction) > 0.5, "stop_direction must be 1 or -1");
   annotation(
     Documentation(info="<html>
-<p>Equation (Hunt-Crossley): F = max(0, k p (p/p_r)^(n-1) (1 + a dp/dt)) while p &gt; 0. With n = 1 it
-is F = k p (1 + a dp/dt); a = 0 gives a plain spring.</p>
+<p>Equation: F = max(0, k p (p/p_r)^(n-1) (1 + a dp/dt)) while p &gt; 0. With n = 1 it is
+F = k p (1 + a dp/dt); a = 0 then gives a plain spring.</p>
 <p>The damping share a makes the force continuous at touch and lets it end at zero when the slide
 leaves; the velocity is never set, so energy is only lost. Coefficient of restitution e at the
 speed v of impact from a v (1 + e) = ln((1 + a v)/(1 - a e v)). The largest force exceeds the
 v sqrt(k m) of an undamped stop: by 9 % at a v = 2 and n = 1.</p>
-<p>Assumption: the stop does not move. Limit: one point of contact. Source: K. H. Hunt, F. R. E.
-Crossley, Coefficient of restitution interpreted as damping in vibroimpact, J. Applied Mechanics
-42 (1975).</p>
+<p>Assumption: the stop does not move. Limit: one point of contact; stops of machines have 20 to
+500 N/um. Source: K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping
+in vibroimpact, J. Applied Mechanics 42 (1975).</p>
 </html>"));
 end FixedStop;

@@ -1,14 +1,12 @@
 within AxisRig.Mechanics;
 model GuidewayFriction "Coulomb, Stribeck and viscous friction against the ground"
+  extends PartialFriction;
   parameter Units.Force coulomb = 120 "Force at creeping motion beyond the Stribeck range";
   parameter Units.Force breakaway = 160 "Largest force at the beginning of the motion";
   parameter Units.Velocity stribeck = 5e-3 "Velocity over which breakaway falls to Coulomb";
   parameter Units.Damping viscous = 800 "Force that grows with the velocity";
   parameter Units.Velocity slope = 1e-4 "Velocity over which the force changes its sign";
-  Interfaces.Flange flange "Moving side";
-  Units.Velocity velocity "Velocity against the ground";
 equation
-  velocity = der(flange.s);
   flange.f = (coulomb + (breakaway - coulomb)*exp(-(velocity/stribeck)^2))*tanh(velocity/slope)
     + viscous*velocity;
   annotation(
@@ -17,7 +15,8 @@ equation
 <p>Assumption: the sign function is replaced by tanh, which keeps the force smooth. Limits: at rest
 under load the slide creeps with v = v_0 F/F_s instead of sticking, and there is no pre-sliding;
 the values are chosen, not measured. v_0 times the effective mass over F_s is a time constant
-(0.12 ms) that the internal step must resolve.</p>
+(0.12 ms) that the internal step must resolve; LuGreFriction holds its position and is smoother when
+the motion reverses.</p>
 <p>Source: Armstrong-Helouvry, Dupont, Canudas de Wit, A survey of models, analysis tools and
 compensation methods for the control of machines with friction, Automatica 30 (1994).</p>
 </html>"));

@@ -1,0 +1,35 @@
+within AxisRig.Drives;
+block SampledVelocityController "PI velocity loop as a digital drive computes it"
+  parameter Units.Time period(min = 1e-6) = 62.5e-6 "Cycle of the velocity loop";
+  parameter Units.Damping gain = 1e4 "Force per velocity error";
+  parameter Units.Time integral_time(min = 1e-5) = 8e-3 "Integral time";
+  parameter Units.Time anti_windup_time(min = 1e-5) = 8e-3 "How fast the integral part is led back";
+  input Units.Velocity velocity_reference "Demand";
+  input Units.Velocity velocity "Velocity of the motor encoder";
+  input Units.Force limit "Largest force in either direction";
+  input Boolean enabled "False: no force and an empty integral part";
+  output Units.Force force_reference(start = 0, fixed = true) "Demand for the current loop, held";
+  discrete Units.Force integral(start = 0, fixed = true) "Integral part";
+protected
+  discrete Units.Force proportional(start = 0, fixed = true) "Proportional part";
+  discrete Units.Force unlimited(start = 0, fixed = true) "Force that the controller asks for";
+  discrete Units.Force limited(start = 0, fixed = true) "Force within the limit";
+equation
+  when sample(0, period) then
+    proportional = gain*(velocity_reference - velocity);
+    unlimited = proportional + pre(integral);
+    limited = if unlimited > limit then limit elseif unlimited < -limit then -limit else unlimited;
+    integral = if enabled
+      then pre(integral) + period*(proportional/integral_time
+        + (limited - unlimited)/anti_windup_time)
+      else 0;
+    force_reference = if enabled then limited else 0;
+  end when;
+  annotation(
+    Documentation(info="<html>
+<p>Equation, at t = k T: u = K e + I(k), F(k) = sat(u),
+I(k+1) = I(k) + T (K e/T_n + (F(k) - u)/T_a); F rests until the next instant.</p>
+<p>Assumption: computing takes no time. Limit: reference and velocity are taken at the instant, not as
+means over a cycle. Source: K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, section 8.5.</p>
+</html>"));
+end SampledVelocityController;

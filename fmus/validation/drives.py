@@ -1,0 +1,116 @@
+"""References of the parts of a drive, from their equations."""
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from integration import Mode, Vector, integrate
+from scipy.linalg import expm
+
+
+def clamp(value: float, limit: float) -> float:
+    """The value within plus and minus the limit."""
+    return min(max(value, -limit), limit)
+
+
+def velocity_controller(time_s: Vector) -> Mapping[str, Vector]:
+    """PI loop on 190 kg with 40 N of weight, limit 400 N, power off at 0.17 s.
+
+    F_ref = sat(K e + I), dI/dt = K e/T_n + (F_ref - K e - I)/T_a; off: F_ref = 0, I fades with 1 ms.
+    Source: Astrom, Hagglund, Advanced PID Control, section 3.5.
+    """
+    mass, weight, gain, tn, ta, limit, wc = 190.0, 40.0, 7e4, 8e-3, 5e-3, 400.0, 1600.0 * math.pi
+
+    def rhs(t: float, x: list[float], mode: Mode) -> tuple[float, float, float]:
+        back, off, high, low = mode
+        v, force, integral = x
+        error = (-0.02 if back else 0.05) - v
+        asked = gain * error + integral
+        given = limit if high else -limit if low else asked
+        if off:
+            return (force - weight) / mass, -wc * force, -integral / 1e-3
+        rate = gain * error / tn + (given - asked) / ta
+        return (force - weight) / mass, wc * (given - force), rate
+
+    def asked(x: list[float], mode: Mode) -> float:
+        return gain * ((-0.02 if mode[0] else 0.05) - x[0]) + x[2]
+
+    guards = [
+        lambda t, x, m: t - 0.1001,
+        lambda t, x, m: t - 0.17,
+        lambda t, x, m: asked(x, m) - limit,
+        lambda t, x, m: -limit - asked(x, m),
+    ]
+    rows = integrate(rhs, [0.0, 0.0, 0.0], time_s, guards)
+    return {"velocity": rows[:, 0], "force": rows[:, 1], "integral": rows[:, 2]}
+
+
+def sampled_velocity_controller(time_s: Vector) -> Mapping[str, Vector]:
+    """The PI loop at multiples of 62.5 us; between them the plant is linear: matrix exponential.
+
+    F(k) = sat(K e + I(k)), I(k+1) = I(k) + T (K e/T_n + (F(k) - K e - I(k))/T_a).
+    Source: Astrom, Wittenmark, Computer-Controlled Systems, section 8.5.
+    """
+    mass, weight, gain, tn, ta, limit, wc = 190.0, 40.0, 7e4, 8e-3, 5e-3, 400.0, 1600.0 * math.pi
+    period = 62.5e-6
+    # States: velocity, motor force, held demand, 1.
+    system = np.array(
+        [[0, 1 / mass, 0, -weight / mass], [0, -wc, wc, 0], [0, 0, 0, 0], [0, 0, 0, 0]]
+    )
+    whole = expm(system * period)
+    x, integral, rows, k = np.array([0.0, 0.0, 0.0, 1.0]), 0.0, [], 0
+    for t in time_s:
+        while k * period <= t:
+            if k:
+                x = whole @ x
+            error = (0.02 if k * period < 0.05003 else -0.02) - x[0]
+            asked = gain * error + integral
+            given = clamp(asked, limit)
+            on = k * period < 0.17003
+            x[2] = given if on else 0.0
+            rate = gain * error / tn + (given - asked) / ta
+            integral = integral + period * rate if on else 0.0
+            k += 1
+        velocity, force, _, _ = expm(system * (t - (k - 1) * period)) @ x
+        rows.append((velocity, force, integral))
+    velocities, forces, integrals = np.array(rows).T
+    return {"velocity": velocities, "force": forces, "integral": integrals}
+
+
+def motor_winding(time_s: Vector) -> Mapping[str, Vector]:
+    """Current controller and winding of a motor that moves 190 kg by a screw of 10 mm.
+
+    L di/dt = u - R i - K_t w, u = sat(K e + I), dI/dt = 2 pi f_c R e + (u - K e - I) R/L.
+    Source: Gross, Hamann, Wiegaertner, Electrical Feed Drives in Automation.
+    """
+    mass, kt, r, inductance, limit, lead = 190.0, 0.49, 3.07, 6.57e-3, 100.0, 0.01
+    wc, turns = 1600.0 * math.pi, 2.0 * math.pi / lead
+
+    def asked(x: list[float], mode: Mode) -> float:
+        current = (-800.0 if mode[0] else 1500.0) / (turns * kt)
+        return wc * inductance * (current - x[2]) + x[3]
+
+    def rhs(t: float, x: list[float], mode: Mode) -> tuple[float, float, float, float]:
+        _, v, current, integral = x
+        raw = asked(x, mode)
+        voltage = limit if mode[1] else -limit if mode[2] else raw
+        rate = (voltage - r * current - kt * turns * v) / inductance
+        proportional = raw - integral
+        winding = r / inductance * (proportional + voltage - raw)
+        return v, turns * kt * current / mass, rate, winding
+
+    guards = [
+        lambda t, x, m: t - 0.0101,
+        lambda t, x, m: asked(x, m) - limit,
+        lambda t, x, m: -limit - asked(x, m),
+    ]
+    rows = integrate(rhs, [0.0, 0.1, 0.0, 0.0], time_s, guards)
+    voltages = [
+        clamp(asked(x, (t > 0.0101,)), limit) for t, x in zip(time_s, rows.tolist(), strict=True)
+    ]
+    return {
+        "force": turns * kt * rows[:, 2],
+        "current": rows[:, 2],
+        "voltage": np.array(voltages),
+        "velocity": rows[:, 1],
+    }
