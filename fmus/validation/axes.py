@@ -7,7 +7,7 @@ Source: Gross, Hamann, Wiegaertner, Electrical Feed Drives in Automation.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,7 +65,7 @@ class Course:
 
     def guards(self) -> list[Guard]:
         """One for each instant."""
-        return [lambda t, x, m, at=at: t - at for at in self.instants]  # type: ignore[misc]
+        return [lambda t, x, m, at=at: t - at for at in self.instants]
 
     def demand(self, t: float, mode: Mode) -> tuple[float, float]:
         """Position and velocity of the demand."""
@@ -77,9 +77,8 @@ class Course:
 
     @staticmethod
     def limit(mode: Mode) -> float:
-        """Force limit: the motor's 550 N against 600 N, then 450 N."""
+        """Force limit: the motor's 550 N, then 450 N."""
         return 450.0 if mode[1] else 550.0
-
 
 
 def servo_axis(time_s: Vector) -> Mapping[str, Vector]:
@@ -198,7 +197,7 @@ def gravity_axis(time_s: Vector) -> Mapping[str, Vector]:
         lambda t, s, m: -course.limit(m) - asked(t, s, m),
         lambda t, s, m: s[0] - STOP,
         lambda t, s, m: 1.0 + 20.0 * s[1],
-        *(lambda t, s, m, at=at: t - at for at in brakes),  # type: ignore[misc]
+        *(lambda t, s, m, at=at: t - at for at in brakes),
     ]
     rows = integrate(rhs, [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0], time_s, guards, rtol=1e-12)
     stops = [max(0.0, hunt_crossley(x - STOP, v, 20e6, 1.0, 20.0)) for x, v, *_ in rows.tolist()]
@@ -241,7 +240,7 @@ def rotary_axis(time_s: Vector) -> Mapping[str, Vector]:
         return w, total / inertia, bend, *rates
 
     guards: list[Guard] = [
-        *(lambda t, s, m, at=at: t - at for at in (0.5, 0.8, 1.2, 0.6)),  # type: ignore[misc]
+        *(lambda t, s, m, at=at: t - at for at in (0.5, 0.8, 1.2, 0.6)),
         lambda t, s, m: asked(t, s, m) - limit(m),
         lambda t, s, m: -limit(m) - asked(t, s, m),
         lambda t, s, m: s[0] - stop_at,
@@ -302,13 +301,13 @@ def gantry_pair(time_s: Vector) -> Mapping[str, Vector]:
             moment += arms[side] * (joint - stop)
         return s[1], force_sum / mass, s[3], moment / inertia, *sides
 
-    guards: list[Guard] = [lambda t, s, m, at=at: t - at for at in (0.5, 0.7, 1.0)]  # type: ignore[misc]
+    guards: list[Guard] = [lambda t, s, m, at=at: t - at for at in (0.5, 0.7, 1.0)]
     for one in (0, 1):
         guards += [
-            lambda t, s, m, side=one: asked(t, s, side, m) - limits[side],  # type: ignore[misc]
-            lambda t, s, m, side=one: -limits[side] - asked(t, s, side, m),  # type: ignore[misc]
-            lambda t, s, m, side=one: end(s, side)[0] - stops[side],  # type: ignore[misc]
-            lambda t, s, m, side=one: 1.0 + 20.0 * end(s, side)[1],  # type: ignore[misc]
+            lambda t, s, m, side=one: asked(t, s, side, m) - limits[side],
+            lambda t, s, m, side=one: -limits[side] - asked(t, s, side, m),
+            lambda t, s, m, side=one: end(s, side)[0] - stops[side],
+            lambda t, s, m, side=one: 1.0 + 20.0 * end(s, side)[1],
         ]
     start = [1e-4, 0.0, 0.0, 0.0, *([1e-4, 0.0, 0.0, 0.0, 0.0] * 2)]
     rows = integrate(rhs, start, time_s, guards, rtol=1e-12)

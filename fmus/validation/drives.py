@@ -16,8 +16,8 @@ def clamp(value: float, limit: float) -> float:
 def velocity_controller(time_s: Vector) -> Mapping[str, Vector]:
     """PI loop on 190 kg with 40 N of weight, limit 400 N, power off at 0.17 s.
 
-    F_ref = sat(K e + I), dI/dt = K e/T_n + (F_ref - K e - I)/T_a; off: F_ref = 0, I fades with 1 ms.
-    Source: Astrom, Hagglund, Advanced PID Control, section 3.5.
+    F_ref = sat(K e + I), dI/dt = K e/T_n + (F_ref - K e - I)/T_a; off: F_ref = 0
+    and I fades with 1 ms. Source: Astrom, Hagglund, Advanced PID Control, section 3.5.
     """
     mass, weight, gain, tn, ta, limit, wc = 190.0, 40.0, 7e4, 8e-3, 5e-3, 400.0, 1600.0 * math.pi
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
-from integration import Mode, Vector, integrate
+from integration import Guard, Mode, Vector, integrate
 from scipy.linalg import expm
 
 
@@ -16,7 +16,9 @@ def stribeck(v: float, coulomb: float, breakaway: float, velocity: float) -> flo
     return coulomb + (breakaway - coulomb) * math.exp(-((v / velocity) ** 2))
 
 
-def lugre(v: float, z: float, sliding: float, stiffness: float, damping: float) -> tuple[float, float]:
+def lugre(
+    v: float, z: float, sliding: float, stiffness: float, damping: float
+) -> tuple[float, float]:
     """Rate of the deflection z in m/s and force without the viscous part in N.
 
     Source: Canudas de Wit, Olsson, Astrom, Lischinsky (1995).
@@ -126,9 +128,7 @@ def lu_gre_friction(time_s: Vector) -> Mapping[str, Vector]:
         rate, force = friction(x)
         return x[1], ((-220.0 if mode[0] else 100.0) - force) / mass, rate
 
-    rows = integrate(
-        rhs, [0.0, 0.05, 0.0], time_s, guards=[lambda t, x, m: t - 0.3], rtol=1e-12
-    )
+    rows = integrate(rhs, [0.0, 0.05, 0.0], time_s, guards=[lambda t, x, m: t - 0.3], rtol=1e-12)
     forces = np.array([friction(x)[1] for x in rows.tolist()])
     return {"position": rows[:, 0], "velocity": rows[:, 1], "friction_force": forces}
 
@@ -154,7 +154,7 @@ def elastic_joint(time_s: Vector) -> Mapping[str, Vector]:
         f, load = force(x, mode), 300.0 if mode[4] else -200.0
         return x[1], (load - f) / driver, x[3], (f - weight) / driven
 
-    guards = [
+    guards: list[Guard] = [
         lambda t, x, m: sides(x)[0] - half,
         lambda t, x, m: sides(x)[1],
         lambda t, x, m: -half - sides(x)[0],

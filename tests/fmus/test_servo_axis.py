@@ -166,10 +166,10 @@ def test_disabling_empties_the_integral_part(servo):
     axis = servo(enabled=True)
     axis.set(reference_velocity=0.02, reference_end=100.0)
     axis.step(0.5)
-    assert axis.get("velocity_controller.integral") > 100
+    assert axis.get("drive.velocity_controller.integral") > 100
     axis.set(enabled=False)
     axis.step(0.05)
-    assert abs(axis.get("velocity_controller.integral")) < 1e-12
+    assert abs(axis.get("drive.velocity_controller.integral")) < 1e-12
     assert abs(axis.force) < 1e-12
 
 

@@ -139,12 +139,12 @@ equation
   skew = position_1 - position_2;
   annotation(
     Documentation(info="<html>
-<p>Equations: two cascades as in ServoAxis, each with a carriage (mass and rotor), LuGre friction and an
-elastic joint to one end of CrossBeam. The encoders sit on the motors, position_1 and position_2 are
-the ends of the beam, skew is their difference.</p>
+<p>Equations: two cascades as in ServoAxis, each with a carriage (mass and rotor), LuGre friction
+and an elastic joint to one end of CrossBeam. The encoders sit on the motors, position_1 and
+position_2 are the ends of the beam, skew is their difference.</p>
 <p>With both drives at the same demand a centre of mass off the middle gives a skew only while the
 speed changes; a difference of the demands gives the same skew at rest.</p>
-<p>Assumptions: rigid beam, small yaw. Limits: no bending, no guideway forces across. The numbers are
-chosen, not measured. Source: the parts.</p>
+<p>Assumptions: rigid beam, small yaw. Limits: no bending, no guideway forces across. The numbers
+are chosen, not measured. Source: the parts.</p>
 </html>"));
 end GantryPair;

@@ -30,11 +30,12 @@ equation
   brake_open = brake.open;
   annotation(
     Documentation(info="<html>
-<p>Equation: m_eff dv/dt = F_motor - F_friction - F_brake - F_stop - (m g - F_c). Up is positive.</p>
-<p>The brake closes without voltage. After the power stage has gone off the axis falls for the closing
-time: 1/2 a t^2 with a = (m g - F_c - F_friction)/m_eff. Default: 300 N of 1177 N are not
+<p>Equation: m_eff dv/dt = F_motor - F_friction - F_brake - F_stop - (m g - F_c). Up is
+positive.</p>
+<p>The brake closes without voltage. After the power stage has gone off the axis falls for the
+closing time: 1/2 a t^2 with a = (m g - F_c - F_friction)/m_eff. Default: 300 N of 1177 N are not
 balanced.</p>
-<p>Assumptions: rigid between motor and slide; constant force of the counterbalance. Limits: those of
-HoldingBrake. Source: the parts.</p>
+<p>Assumptions: rigid between motor and slide; constant force of the counterbalance. Limits: those
+of HoldingBrake. Source: the parts.</p>
 </html>"));
 end GravityAxis;

@@ -32,8 +32,8 @@ equation
     Documentation(info="<html>
 <p>Equation: L di/dt = u - R i - K_t w, F = (2 pi/h) K_t i; controller u = sat(K e + I),
 dI/dt = K/T e + (sat(u) - u) R/L with K = 2 pi f_c L, K/T = 2 pi f_c R.</p>
-<p>With these gains the closed loop is the lag 1/(1 + s/(2 pi f_c)) at standstill; motion disturbs it
-by the induced voltage. Back-calculation keeps the integral part at the voltage limit.</p>
+<p>With these gains the closed loop is the lag 1/(1 + s/(2 pi f_c)) at standstill; motion disturbs
+it by the induced voltage. Back-calculation keeps the integral part at the voltage limit.</p>
 <p>Assumptions: one equivalent winding, so that K_t in N.m/A is the voltage constant in V.s/rad too;
 continuous controller. Limits: no saturation of iron, no cogging, no temperature. Numbers: a 2.2 Nm
 servo motor. Source: H. Gross et al., Electrical Feed Drives in Automation, chapter on current

@@ -41,7 +41,7 @@ equation
     Documentation(info="<html>
 <p>Equation: v_ref = Kv (x_d - x) + f v_d with the position x of the motor encoder. A model that
 extends this one adds velocity loop, current loop and motor.</p>
-<p>Assumption: everything in terms of the slide. Limit: the sampling of the position loop is left out.
-Source: H. Gross, J. Hamann, G. Wiegaertner, Electrical Feed Drives in Automation.</p>
+<p>Assumption: everything in terms of the slide. Limit: the sampling of the position loop is left
+out. Source: H. Gross, J. Hamann, G. Wiegaertner, Electrical Feed Drives in Automation.</p>
 </html>"));
 end PartialCascade;

@@ -93,10 +93,10 @@ equation
   stop_force = stop.force*arm;
   annotation(
     Documentation(info="<html>
-<p>Equation: (I + J i^2) dw/dt = M_motor - M_friction - M_stop - M_u sin(phi). The parts are those of a
-linear axis that act at a radius of 1 m, where a force in N is a torque in N.m.</p>
+<p>Equation: (I + J i^2) dw/dt = M_motor - M_friction - M_stop - M_u sin(phi). The parts are those
+of a linear axis that act at a radius of 1 m, where a force in N is a torque in N.m.</p>
 <p>Steady lag in motion with constant w: (1 - f) w/Kv.</p>
-<p>Assumptions: rigid gear without play; the angle counts on over full turns. Limits: at zero the centre
-of mass lies lowest; no modulo. Source: the parts.</p>
+<p>Assumptions: rigid gear without play; the angle counts on over full turns. Limits: at zero the
+centre of mass lies lowest; no modulo. Source: the parts.</p>
 </html>"));
 end RotaryAxis;

@@ -28,7 +28,7 @@ equation
 <p>As ServoAxis, nearer to a digital drive: the velocity loop computes every 62.5 us and holds its
 demand, the current loop feeds a winding with a voltage limit, friction sticks.
 Equations: those of the parts.</p>
-<p>Assumptions and limits: rigid between motor and slide; position and current loop are continuous.
+<p>Assumption: rigid between motor and slide. Limit: position and current loop are continuous.
 Source: the parts.</p>
 </html>"));
 end SampledServoAxis;

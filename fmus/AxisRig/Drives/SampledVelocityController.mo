@@ -29,7 +29,8 @@ equation
     Documentation(info="<html>
 <p>Equation, at t = k T: u = K e + I(k), F(k) = sat(u),
 I(k+1) = I(k) + T (K e/T_n + (F(k) - u)/T_a); F rests until the next instant.</p>
-<p>Assumption: computing takes no time. Limit: reference and velocity are taken at the instant, not as
-means over a cycle. Source: K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, section 8.5.</p>
+<p>Assumption: computing takes no time. Limit: reference and velocity are taken at the instant, not
+as means over a cycle. Source: K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, section
+8.5.</p>
 </html>"));
 end SampledVelocityController;

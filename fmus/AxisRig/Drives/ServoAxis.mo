@@ -31,8 +31,8 @@ The parts hold the equations. Equation of the mass: m_eff = m + J (2 pi/h)^2 wit
 h.</p>
 <p>Steady lag in motion with constant v: (1 - f) v/Kv. Contact at standstill with the stop at the
 force limit: penetration (F_lim - F_g)/k.</p>
-<p>Assumptions and limits: rigid between motor and slide (motor_position = position), no backlash, no
-brake; continuous controllers. The default values describe a 2.2 Nm motor on a 10 mm screw. Source:
-the parts.</p>
+<p>Assumptions and limits: rigid between motor and slide (motor_position = position), no backlash,
+no brake; continuous controllers. The default values describe a 2.2 Nm motor on a 10 mm screw.
+Source: the parts.</p>
 </html>"));
 end ServoAxis;

@@ -22,7 +22,7 @@ equation
     Documentation(info="<html>
 <p>Equation: m d2x/dt2 = f_1 + f_2, I d2w/dt2 = l_1 f_1 - l_2 f_2 with l_1 = L/2 - o,
 l_2 = L/2 + o; ends at x + l_1 w and x - l_2 w.</p>
-<p>Assumption: small angles (1 mm over 2 m is 0.5 mrad). Limit: the beam does not bend. Source: Newton
-and Euler, plane motion of a rigid body.</p>
+<p>Assumption: small angles (1 mm over 2 m is 0.5 mrad). Limit: the beam does not bend. Source:
+Newton and Euler, plane motion of a rigid body.</p>
 </html>"));
 end CrossBeam;

@@ -8,6 +8,7 @@ model ElasticJoint "Spring and damper between two flanges, with backlash"
   Units.Position twist "How far the driving side is ahead";
   Units.Force force "Force on the driven side";
 protected
+  Boolean preloaded "Without backlash both contacts are closed";
   Units.Velocity twist_rate "How fast the driving side gains";
   Units.Force ahead "Force of the contact when the driving side is ahead";
   Units.Force behind "Force of the contact when the driving side is behind";
@@ -16,7 +17,8 @@ equation
   twist_rate = der(flange_a.s) - der(flange_b.s);
   ahead = stiffness*(twist - backlash/2) + damping*twist_rate;
   behind = stiffness*(twist + backlash/2) + damping*twist_rate;
-  force = if backlash <= 0 then ahead
+  preloaded = backlash <= 0;
+  force = if preloaded then ahead
     elseif twist > backlash/2 and ahead > 0 then ahead
     elseif twist < -backlash/2 and behind < 0 then behind
     else 0;
@@ -27,8 +29,8 @@ equation
 <p>Equation: F = k e_c + d de/dt with e = s_a - s_b and e_c = e - b/2 for e &gt; b/2, e + b/2 for
 e &lt; -b/2; a contact only pushes, and between both there is no force. Without backlash (preloaded
 nut) F = k e + d de/dt throughout.</p>
-<p>Assumption: no mass of its own. Limit: the damper acts from the first touch, so that the force jumps
-there. Source: M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash, Automatica 38
-(2002).</p>
+<p>Assumption: no mass of its own. Limit: the damper acts from the first touch, so that the force
+jumps there. Source: M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash,
+Automatica 38 (2002).</p>
 </html>"));
 end ElasticJoint;

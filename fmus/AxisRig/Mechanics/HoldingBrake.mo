@@ -34,9 +34,9 @@ equation
   flange.f = force;
   annotation(
     Documentation(info="<html>
-<p>Equation: the armature travels from 0 to 1 in the opening time while released, back in the closing
-time while not. At 1 the brake opens, at 0 it closes. Closed: dz/dt = v - k |v| z/F_h,
-F = k z + d dz/dt (LuGre without Stribeck); open: F = 0.</p>
+<p>Equation: the armature travels from 0 to 1 in the opening time while released, back in the
+closing time while not. At 1 the brake opens, at 0 it closes. Closed: dz/dt = v - k |v| z/F_h, F = k
+z + d dz/dt (LuGre without Stribeck); open: F = 0.</p>
 <p>At rest it carries up to F_h and yields by F/k; a larger load slips at F_h.</p>
 <p>Assumption: the force is there at once when the armature has arrived. Limits: no wear, no heat; a
 release shorter than the opening time does nothing. Times and force are chosen after catalogues of

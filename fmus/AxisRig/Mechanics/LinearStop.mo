@@ -11,8 +11,8 @@ equation
   annotation(
     Documentation(info="<html>
 <p>Equation: F = max(0, k p + d dp/dt) while p &gt; 0.</p>
-<p>Assumption: the damper acts from the first touch, so that the force jumps to d v there. Limit: the
-jump is not what a real contact does; <code>FixedStop</code> is continuous. Source: K. L. Johnson,
-Contact Mechanics, chapter 11 (Kelvin-Voigt element).</p>
+<p>Assumption: the damper acts from the first touch, so that the force jumps to d v there. Limit:
+the jump is not what a real contact does; <code>FixedStop</code> is continuous. Source: K. L.
+Johnson, Contact Mechanics, chapter 11 (Kelvin-Voigt element).</p>
 </html>"));
 end LinearStop;

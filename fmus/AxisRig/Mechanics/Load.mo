@@ -6,7 +6,7 @@ equation
   flange.f = -force;
   annotation(
     Documentation(info="<html>
-<p>Equation: f = -F. Assumption: the force does not depend on the motion, or the model around says how.
-Limit: none. Source: sign of the flange.</p>
+<p>Equation: f = -F. Assumption: the force does not depend on the motion, or the model around says
+how. Limit: none. Source: sign of the flange.</p>
 </html>"));
 end Load;

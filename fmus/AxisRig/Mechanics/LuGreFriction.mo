@@ -28,10 +28,10 @@ equation
 g(v) = F_c + (F_s - F_c) exp(-(v/v_s)^2).</p>
 <p>Steady sliding gives g(v) sign(v) + k_v v. Below F_s it is a spring of stiffness s0: it holds its
 position, and the slide yields by F/s0 (8 um at 160 N) before it slides.</p>
-<p>Assumption: one mean bristle. Within 1e-11 m/s, |v| is replaced by a polynomial with the same value
-and slope at both ends, so that rest is no sequence of events. Limits: the pole s0 |v|/g grows with
-the speed (83 000 1/s at 0.5 m/s), the internal step must stay below 2.7 g/(s0 |v|); repeated load
-below F_s makes it drift. The values are chosen, not measured.</p>
+<p>Assumption: one mean bristle. Within 1e-11 m/s, |v| is replaced by a polynomial with the same
+value and slope at both ends, so that rest is no sequence of events. Limits: the pole s0 |v|/g grows
+with the speed (83 000 1/s at 0.5 m/s), the internal step must stay below 2.7 g/(s0 |v|); repeated
+load below F_s makes it drift. The values are chosen, not measured.</p>
 <p>Source: C. Canudas de Wit, H. Olsson, K. J. Astrom, P. Lischinsky, A new model for control of
 systems with friction, IEEE Transactions on Automatic Control 40 (1995).</p>
 </html>"));

@@ -1,27 +1,52 @@
 within AxisRig.Validation;
 model GantryPair "Gantry with its centre of mass off the middle; one side meets a stop"
+  parameter Units.Position position_start = 1e-4 "Position of both sides at the start";
+  parameter Units.Rate kv = 20 "Gain of the position loops";
+  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward";
+  parameter Units.Frequency velocity_bandwidth = 40
+    "Bandwidth of the velocity loops, sets their gain";
+  parameter Units.Time velocity_integral_time = 12e-3 "Integral time of the velocity loops";
+  parameter Units.Time anti_windup_time = 9e-3 "Back-calculation time of the velocity loops";
+  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loops";
+  parameter Units.Force force_limit_motor = 900
+    "Largest force of each motor, in terms of the slide";
+  parameter Units.Mass carriage_mass = 60 "Each carriage between screw and beam";
+  parameter Units.Inertia rotor_inertia = 6e-4 "Each motor with coupling and screw";
+  parameter Units.Length screw_lead = 0.02 "Travel per revolution";
+  parameter Units.Mass beam_mass = 400 "Beam with what it carries";
+  parameter Units.Inertia beam_inertia = 150 "About the vertical through the centre of mass";
+  parameter Units.Length span = 2 "Between both guideways";
+  parameter Units.Position mass_offset = 0.2
+    "Centre of mass from the middle, towards the first guideway";
+  parameter Units.Stiffness coupling_stiffness = 150e6 "Between each carriage and the beam";
+  parameter Units.Damping coupling_damping = 20e3 "Between each carriage and the beam";
+  parameter Units.Position stop_position_1 = 0.016
+    "Fixed stop of the first side, positive direction";
+  parameter Units.Position stop_position_2 = 0.0165 "Fixed stop of the second side";
+  parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of each stop";
+  parameter Units.ContactDamping stop_damping = 20 "Share of the stop's spring force per velocity";
   Drives.GantryPair axis(
-    position_start = 1e-4,
-    kv = 20,
-    feed_forward = 0.3,
-    velocity_bandwidth = 40,
-    velocity_integral_time = 12e-3,
-    anti_windup_time = 9e-3,
-    current_bandwidth = 800,
-    force_limit_motor = 900,
-    carriage_mass = 60,
-    rotor_inertia = 6e-4,
-    screw_lead = 0.02,
-    beam_mass = 400,
-    beam_inertia = 150,
-    span = 2,
-    mass_offset = 0.2,
-    coupling_stiffness = 150e6,
-    coupling_damping = 20e3,
-    stop_position_1 = 0.016,
-    stop_position_2 = 0.0165,
-    stop_stiffness = 20e6,
-    stop_damping = 20);
+    position_start = position_start,
+    kv = kv,
+    feed_forward = feed_forward,
+    velocity_bandwidth = velocity_bandwidth,
+    velocity_integral_time = velocity_integral_time,
+    anti_windup_time = anti_windup_time,
+    current_bandwidth = current_bandwidth,
+    force_limit_motor = force_limit_motor,
+    carriage_mass = carriage_mass,
+    rotor_inertia = rotor_inertia,
+    screw_lead = screw_lead,
+    beam_mass = beam_mass,
+    beam_inertia = beam_inertia,
+    span = span,
+    mass_offset = mass_offset,
+    coupling_stiffness = coupling_stiffness,
+    coupling_damping = coupling_damping,
+    stop_position_1 = stop_position_1,
+    stop_position_2 = stop_position_2,
+    stop_stiffness = stop_stiffness,
+    stop_damping = stop_damping);
   output Units.Position position_1 "First end of the beam";
   output Units.Position position_2 "Second end of the beam";
   output Units.Position motor_position_1 "First encoder";

@@ -1,26 +1,45 @@
 within AxisRig.Validation;
 model GravityAxis "Vertical axis: brake opens, contact, release, brake catches it, brake opened by hand"
   Examples.Course course;
+  parameter Units.Position position_start = 1e-4 "Position at the start";
+  parameter Units.Rate kv = 20 "Gain of the position loop";
+  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward";
+  parameter Units.Frequency velocity_bandwidth = 60 "Bandwidth of the velocity loop, sets its gain";
+  parameter Units.Time velocity_integral_time = 8e-3 "Integral time of the velocity loop";
+  parameter Units.Time anti_windup_time = 6e-3 "Back-calculation time of the velocity loop";
+  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loop";
+  parameter Units.Force force_limit_motor = 550 "Largest motor force, in terms of the slide";
+  parameter Units.Mass mass = 120 "Slide with what it carries";
+  parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor, coupling and screw";
+  parameter Units.Length screw_lead = 0.01 "Travel per revolution";
+  parameter Units.Position stop_position = 0.015 "Fixed stop; the default lies out of reach";
+  parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of the stop";
+  parameter Units.ContactDamping stop_damping = 20 "Share of the stop's spring force per velocity";
+  parameter Units.Force counterbalance = 877 "Upward force of the counterbalance";
+  parameter Units.Time brake_opening_time = 60e-3 "From release to no force";
+  parameter Units.Time brake_closing_time = 20e-3 "From the end of release to force";
+  parameter Units.Force brake_force = 2000 "Holding force, in terms of the slide";
+  parameter Units.Stiffness brake_stiffness = 100e6 "Of the closed brake, at the slide";
   Drives.GravityAxis axis(
-    position_start = 1e-4,
-    kv = 20,
-    feed_forward = 0.3,
-    velocity_bandwidth = 60,
-    velocity_integral_time = 8e-3,
-    anti_windup_time = 6e-3,
-    current_bandwidth = 800,
-    force_limit_motor = 550,
-    mass = 120,
-    rotor_inertia = 1.8e-4,
-    screw_lead = 0.01,
-    stop_position = 0.015,
-    stop_stiffness = 20e6,
-    stop_damping = 20,
-    counterbalance = 877,
-    brake_opening_time = 60e-3,
-    brake_closing_time = 20e-3,
-    brake_force = 2000,
-    brake_stiffness = 100e6);
+    position_start = position_start,
+    kv = kv,
+    feed_forward = feed_forward,
+    velocity_bandwidth = velocity_bandwidth,
+    velocity_integral_time = velocity_integral_time,
+    anti_windup_time = anti_windup_time,
+    current_bandwidth = current_bandwidth,
+    force_limit_motor = force_limit_motor,
+    mass = mass,
+    rotor_inertia = rotor_inertia,
+    screw_lead = screw_lead,
+    stop_position = stop_position,
+    stop_stiffness = stop_stiffness,
+    stop_damping = stop_damping,
+    counterbalance = counterbalance,
+    brake_opening_time = brake_opening_time,
+    brake_closing_time = brake_closing_time,
+    brake_force = brake_force,
+    brake_stiffness = brake_stiffness);
   output Units.Position position "Slide";
   output Units.Velocity velocity "Slide";
   output Units.Position motor_position "Motor encoder";
@@ -44,7 +63,7 @@ equation
   annotation(
     experiment(StopTime=2, Interval=0.0051),
     Documentation(info="<html>
-<p>Course with contact at the force limit, release, stick and power off, 2 s; the brake is released by
-hand at 1.9 s.</p>
+<p>Course with contact at the force limit, release, stick and power off, 2 s; the brake is released
+by hand at 1.9 s.</p>
 </html>"));
 end GravityAxis;

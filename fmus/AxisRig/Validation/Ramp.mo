@@ -15,6 +15,7 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>A ramp, crossed from end to end. Compared: height and both slopes, and the bound of the slope.</p>
+<p>A ramp, crossed from end to end. Compared: height and both slopes, and the bound of the
+slope.</p>
 </html>"));
 end Ramp;

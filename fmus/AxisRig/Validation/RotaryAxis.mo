@@ -1,28 +1,51 @@
 within AxisRig.Validation;
 model RotaryAxis "Rotary axis with imbalance: steady lag, contact, saturation, release, stick"
   parameter Units.AngularVelocity feed = 0.4 "Forward";
+  parameter Units.Angle position_start = 1e-3 "Angle at the start";
+  parameter Units.Rate kv = 20 "Gain of the position loop";
+  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward";
+  parameter Units.Frequency velocity_bandwidth = 60 "Bandwidth of the velocity loop, sets its gain";
+  parameter Units.Time velocity_integral_time = 8e-3 "Integral time of the velocity loop";
+  parameter Units.Time anti_windup_time = 6e-3 "Back-calculation time of the velocity loop";
+  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loop";
+  parameter Units.Torque torque_limit_motor = 60 "Largest torque at the table";
+  parameter Units.Inertia inertia = 0.5 "Table with what it carries";
+  parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor and coupling";
+  parameter Units.Ratio gear_ratio = 60 "Turns of the motor per turn of the table";
+  parameter Units.Torque imbalance = 5 "Weight times distance of the centre of mass";
+  parameter Units.Torque coulomb_friction = 8 "Coulomb friction";
+  parameter Units.Torque breakaway_friction = 11 "Breakaway torque";
+  parameter Units.AngularVelocity stribeck_velocity = 0.01
+    "Angular velocity over which breakaway falls to Coulomb";
+  parameter Units.TorsionalDamping viscous_friction = 5 "Viscous friction";
+  parameter Units.TorsionalStiffness bristle_stiffness = 5e5 "Stiffness while it sticks";
+  parameter Units.TorsionalDamping bristle_damping = 200 "Damping while it sticks";
+  parameter Units.Angle stop_position = 0.15 "Fixed stop; the default lies out of reach";
+  parameter Units.TorsionalStiffness stop_stiffness = 1e6 "Stiffness of the stop";
+  parameter Units.TorsionalContactDamping stop_damping = 1
+    "Share of the stop's spring torque per angular velocity";
   Drives.RotaryAxis axis(
-    position_start = 1e-3,
-    kv = 20,
-    feed_forward = 0.3,
-    velocity_bandwidth = 60,
-    velocity_integral_time = 8e-3,
-    anti_windup_time = 6e-3,
-    current_bandwidth = 800,
-    torque_limit_motor = 60,
-    inertia = 0.5,
-    rotor_inertia = 1.8e-4,
-    gear_ratio = 60,
-    imbalance = 5,
-    coulomb_friction = 8,
-    breakaway_friction = 11,
-    stribeck_velocity = 0.01,
-    viscous_friction = 5,
-    bristle_stiffness = 5e5,
-    bristle_damping = 200,
-    stop_position = 0.15,
-    stop_stiffness = 1e6,
-    stop_damping = 1);
+    position_start = position_start,
+    kv = kv,
+    feed_forward = feed_forward,
+    velocity_bandwidth = velocity_bandwidth,
+    velocity_integral_time = velocity_integral_time,
+    anti_windup_time = anti_windup_time,
+    current_bandwidth = current_bandwidth,
+    torque_limit_motor = torque_limit_motor,
+    inertia = inertia,
+    rotor_inertia = rotor_inertia,
+    gear_ratio = gear_ratio,
+    imbalance = imbalance,
+    coulomb_friction = coulomb_friction,
+    breakaway_friction = breakaway_friction,
+    stribeck_velocity = stribeck_velocity,
+    viscous_friction = viscous_friction,
+    bristle_stiffness = bristle_stiffness,
+    bristle_damping = bristle_damping,
+    stop_position = stop_position,
+    stop_stiffness = stop_stiffness,
+    stop_damping = stop_damping);
   output Units.Angle position "Table";
   output Units.AngularVelocity velocity "Table";
   output Units.Angle demand_position "Demand";

@@ -15,6 +15,7 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>An obstacle of 2.8 mm, crossed over both flanks. Compared: height and both slopes, and the bound of the slope.</p>
+<p>An obstacle of 2.8 mm, crossed over both flanks. Compared: height and both slopes, and the bound
+of the slope.</p>
 </html>"));
 end Step;

@@ -15,6 +15,7 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>A sheet that is 0.26 mm too thick. Compared: height and both slopes, and the bound of the slope.</p>
+<p>A sheet that is 0.26 mm too thick. Compared: height and both slopes, and the bound of the
+slope.</p>
 </html>"));
 end ThicknessOffset;

@@ -34,7 +34,7 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>Over a ramp, an obstacle, a sine, waves and a bar, across a hole, and off an edge. Compared: height,
-slopes, distance from the material, its derivatives and presence.</p>
+<p>Over a ramp, an obstacle, a sine, waves and a bar, across a hole, and off an edge. Compared:
+height, slopes, distance from the material, its derivatives and presence.</p>
 </html>"));
 end Workpiece;
