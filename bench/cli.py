@@ -229,8 +229,16 @@ def perf(
     case: Annotated[str | None, typer.Option("--case", help="Row; the first by default.")] = None,
     repeats: Annotated[int, typer.Option("--repeats", min=1, help="Runs to time.")] = 5,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+    fmu: Annotated[
+        bool, typer.Option("--fmu", help="Time a step of the axis FMU instead.")
+    ] = False,
 ) -> None:
     """Time one row with all its files written, and split a cycle into its parts."""
+    if fmu:
+        from bench.run.fmu_perf import measure_fmu, show_fmu
+
+        print(show_fmu(measure_fmu(repeats, time.perf_counter_ns), as_json))
+        return
     from bench.run.perf import measure, show
     from reports.build import build_report
 

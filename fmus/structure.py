@@ -51,8 +51,14 @@ def _leaves(value: Expr) -> set[Slot]:
 
 def _sources(system: System) -> dict[Slot, set[Slot]]:
     """What each computed slot is computed from."""
-    rows = (*system.algebraics, *system.runtime, *system.updates, *system.whens)
-    sources: dict[Slot, set[Slot]] = {}
+    rows = (
+        *system.algebraics,
+        *system.runtime,
+        *system.updates,
+        *system.whens,
+        *system.conditions,
+    )
+    sources: dict[Slot, set[Slot]] = {("p", flag): {TIME} for flag, _ in system.schedules}
     for row in rows:
         sources.setdefault((row.vector, row.index), set()).update(_leaves(row.value))
     for relation in system.relations:

@@ -261,6 +261,15 @@ def test_perf_takes_the_first_row_and_prints_a_table(place: Path, axisrig: Call)
     assert "allowed: a" in err
 
 
+def test_perf_of_the_axis_fmu_compares_python_with_c(axisrig: Call) -> None:
+    code, out, err = axisrig("perf", "--fmu", "--json", "--repeats", "1")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    both = told["c_loop_us"] + told["call_us"]
+    assert told["ratio"] == pytest.approx(told["slave_us"] / both)
+    assert "slave / (loop + call) = " in axisrig("perf", "--fmu", "--repeats", "1")[1]
+
+
 # ---- processes of their own: pipes, encodings, Ctrl-C, a killed worker
 
 

@@ -1,0 +1,92 @@
+"""`axisrig fmu build`: options, several models at once, what is refused."""
+
+import sys
+
+import pytest
+
+from bench import library
+from fmus import CATALOGUE, MODELS
+from kernel.errors import UserError
+
+SOME = MODELS[:2]
+
+
+@pytest.fixture
+def own_cache(tmp_path, monkeypatch):
+    """A cache folder of this test alone."""
+    monkeypatch.setattr("platformdirs.user_cache_dir", lambda name: str(tmp_path))
+    return tmp_path / "fmus"
+
+
+@pytest.fixture
+def two_models(monkeypatch):
+    """A library of two models."""
+    monkeypatch.setattr(library, "MODELS", SOME)
+
+
+@pytest.mark.usefixtures("two_models")
+def test_all_models_are_built_in_their_order_and_then_taken_from_the_cache(own_cache):
+    first = list(library.build_models(None))
+    assert [line.partition(": ")[0] for line in first] == list(SOME)
+    stamps = {path.name: path.stat().st_mtime_ns for path in own_cache.glob("*.fmu")}
+    assert len(stamps) == len(SOME)
+    assert list(library.build_models(None)) == first
+    assert {path.name: path.stat().st_mtime_ns for path in own_cache.glob("*.fmu")} == stamps
+
+
+@pytest.mark.usefixtures("two_models")
+def test_versions_lie_side_by_side(own_cache):
+    three = list(library.build_models(SOME[0]))
+    two = list(library.build_models(SOME[0], fmi="2.0"))
+    assert three != two
+    assert len(list(own_cache.glob("*.fmu"))) == 2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("AxisRig.Drives.ServoAxs",), "AxisRig.Drives.ServoAxis"),
+        ((None, "2"), "2.0"),
+        ((None, "3.0", ["x86_64-linus"]), "x86_64-linux"),
+        ((None, "3.0", (), "gcc"), "cc"),
+    ],
+)
+def test_unknown_words_are_refused_with_the_nearest(arguments, text):
+    with pytest.raises(UserError) as error:
+        list(library.build_models(*arguments))
+    assert text in str(error.value)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the compiler is a script with a first line")
+@pytest.mark.usefixtures("two_models", "own_cache")
+def test_failed_build_of_another_process_is_told(tmp_path, monkeypatch):
+    compiler = tmp_path / "cc"
+    compiler.write_text("""#!/bin/sh
+case "$1" in
+    --version|-dumpmachine) echo broken 1.0 ;;
+    *) echo "x.c:1: error: no way" >&2; exit 1 ;;
+esac
+""")
+    compiler.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(UserError, match=f"{SOME[0]} cannot be built: .*: error: no way"):
+        list(library.build_models(None))
+
+
+def test_list_shows_every_model_with_its_step_and_title():
+    lines = library.listing().splitlines()
+    assert len(lines) == len(CATALOGUE)
+    for line, row in zip(lines, CATALOGUE.values(), strict=True):
+        assert line.startswith(row.name)
+        assert f"{row.step_s * 1e6:g} us" in line
+        assert line.endswith(row.title)
+
+
+def test_command_takes_version_platform_and_compiler(axisrig):
+    code, _, err = axisrig("fmu", "build", SOME[0], "--fmi", "1.0")
+    assert (code, "no such FMI version" in err) == (2, True)
+    code, _, err = axisrig("fmu", "build", SOME[0], "--platform", "amiga", "--compiler", "cc")
+    assert (code, "no such platform" in err) == (2, True)
+    code, _, err = axisrig("fmu", "build", SOME[0], "--fmi", "2.0")
+    assert code == 0
+    assert err.startswith(f"{SOME[0]}: ")
