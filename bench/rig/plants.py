@@ -277,6 +277,9 @@ def plant_log(plant: Plant) -> list[str]:
     lines = [
         f"plant {instance}: {note}" for instance, notes in plant.notes.items() for note in notes
     ]
+    for instance, probe in plant.probes.items():
+        if probe.edge_uncertainty_ns > 1.0:
+            lines.append(f"plant {instance}: edges are known to {probe.edge_uncertainty_ns:g} ns")
     slaves = [axis.slave for axis in plant.axes.values()]
     slaves += [probe.slave for probe in plant.probes.values()]
     for slave in slaves:

@@ -11,6 +11,7 @@ import numpy as np
 
 from bench.plan.checks import Check, Value
 from bench.run.observe import Observed, Touch
+from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact
 
 # The drive node counts whole nanoseconds
@@ -86,6 +87,8 @@ def _of_contact(
     def metric(observed: Observed, touch: Touch, axis: str) -> Observation:
         if touch.contact is None:
             note = "the probe met nothing during the measurement run"
+            if not touch.tells_contacts:
+                note = "the FMU of the probe tells no contact (contact_count in docs/rigs.md)"
             return Observation(None, note=note)
         return function(observed, touch, touch.contact, axis)
 
@@ -131,12 +134,15 @@ _METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")
 
 
 @_of_run
-def latch_mm(_observed: Observed, touch: Touch, axis: str) -> Observation:
+def latch_mm(observed: Observed, touch: Touch, axis: str) -> Observation:
     """Measured position as the channel has published it."""
     value = touch.record.latched_mm.get(axis)
     if value is None:
         return Observation(None, note=f"no measured value of axis {axis}")
-    return Observation(value)
+    if touch.edge_ns is None or touch.edge_uncertainty_ns <= INSTANT_NS:
+        return Observation(value)
+    way_mm = abs(_speed_mm_s(observed, touch.edge_ns, axis)) * touch.edge_uncertainty_ns * 1e-9
+    return Observation(value, way_mm, f"edge known to {touch.edge_uncertainty_ns:g} ns")
 
 
 @_of_run
@@ -185,11 +191,11 @@ def contact_velocity_mm_s(
     observed: Observed, _touch: Touch, contact: Contact, axis: str
 ) -> Observation:
     """True velocity at the last SYNC before contact."""
-    return Observation(_speed_mm_s(observed, contact, axis))
+    return Observation(_speed_mm_s(observed, contact.time_ns, axis))
 
 
-def _speed_mm_s(observed: Observed, contact: Contact, axis: str) -> float:
-    return float(observed.column(axis, "velocity_mm_s")[observed.index_at(contact.time_ns)])
+def _speed_mm_s(observed: Observed, time_ns: TimeNs, axis: str) -> float:
+    return float(observed.column(axis, "velocity_mm_s")[observed.index_at(time_ns)])
 
 
 @_of_contact
@@ -201,7 +207,7 @@ def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str
         return latch
     if not isinstance(truth.value, float):
         return truth
-    speed_um_s = abs(_speed_mm_s(observed, contact, axis)) * 1e3
+    speed_um_s = abs(_speed_mm_s(observed, contact.time_ns, axis)) * 1e3
     fine_s = observed.machine.plant.fine_ns * 1e-9
     interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * fine_s**2 * 1e3
     events_ns = INSTANT_NS + touch.edge_uncertainty_ns

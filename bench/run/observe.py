@@ -21,6 +21,7 @@ class Touch:
     """One measurement run with what the plant saw of it.
 
     edge_uncertainty_ns: how well the plant knows the instants of its contacts and edges.
+    tells_contacts: whether the FMU of a probe tells them at all.
     """
 
     record: RunRecord
@@ -28,6 +29,7 @@ class Touch:
     edge_ns: TimeNs | None
     end_ns: TimeNs
     edge_uncertainty_ns: float
+    tells_contacts: bool
 
 
 class Observed:
@@ -78,7 +80,8 @@ class Observed:
             if record.begin_ns <= time_ns <= end_ns
         ]
         known_ns = max((probe.edge_uncertainty_ns for probe in probes), default=0.0)
-        return Touch(record, contact, min(edges, default=None), end_ns, known_ns)
+        tells = any(probe.roles.has_group("contact") for probe in probes)
+        return Touch(record, contact, min(edges, default=None), end_ns, known_ns, tells)
 
     def probes_of(self, record: RunRecord) -> list[PlantProbe]:
         """Return the probes that are wired to the input in use of the measuring axes."""
@@ -128,9 +131,11 @@ class Observed:
         for probe_name, probe in self.machine.plant.probes.items():
             for contact in probe.contacts:
                 marks.append(Event(contact.time_ns, "contact", f"{probe_name}: contact", None))
+            spread_us = probe.edge_uncertainty_ns / 1e3
+            known = f", known to {spread_us:g} us" if probe.edge_uncertainty_ns > 1.0 else ""
             for time_ns, level in probe.signal.edges:
                 word = "rising" if level else "falling"
-                marks.append(Event(time_ns, "edge", f"{probe_name}: {word} edge", None))
+                marks.append(Event(time_ns, "edge", f"{probe_name}: {word} edge{known}", None))
         for axis in self.machine.links:
             for time_ns, number in self.latches_ns(axis):
                 marks.append(Event(time_ns, "latch", f"{axis}: latch of probe {number}", axis))

@@ -4,11 +4,13 @@ The table is a position loop s' = gain (s_set - s), the switch closes at a depth
 what the bench measures is compared with closed forms.
 """
 
+import json
 import math
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 from bench.cli import main
@@ -247,6 +249,34 @@ def test_nc_tells_what_is_done_without(place: Place, capsys: pytest.CaptureFixtu
     code, out, err = call(capsys, "nc", folder / "part.nc", "--rig", folder / "rig.toml")
     assert (code, out) == (0, "V.A.MERF.Z=1\n")
     assert "plant table: no enabled: while the drive is off the demand stays" in err
+
+
+PLAN = """\
+case,program,rig,check:latch_mm:Z,check:latch_error_um:Z
+a,part.nc,rig.toml,<= {limit},<= 1
+"""
+
+
+def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
+    place: Place, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The true place of the latch is the limit; the edge is known to 50 us."""
+    folder = place(saves=False)
+    limit_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
+    (folder / "plan.csv").write_text(PLAN.format(limit=f"{limit_mm:.7f}"), encoding="utf-8")
+    call(capsys, "run", folder / "plan.csv", "-o", folder / "out")
+    rows = pd.read_csv(folder / "out" / "results.csv").set_index("metric")
+    latch = rows.loc["latch_mm:Z"]
+    assert latch["verdict"] == "inconclusive"
+    assert latch["uncertainty"] == pytest.approx(FEED_MM_S * 50e-6, rel=0.01)
+    assert 0.0 <= limit_mm - latch["value"] <= latch["uncertainty"] + INCREMENT_MM
+    told = json.loads((folder / "out" / "runs" / "plan-a.json").read_text(encoding="utf-8"))
+    assert "plant switch: edges are known to 50000 ns" in told["log"]
+    assert "plant table: no velocity: numeric derivative of position" in told["log"]
+    assert [e["label"] for e in told["events"] if e["kind"] == "edge"] == [
+        "switch: rising edge, known to 50 us"
+    ]
+    assert "tells no contact" in told["notes"]["latch_error_um:Z"]
 
 
 MISTAKES = [
