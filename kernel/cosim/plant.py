@@ -52,6 +52,8 @@ class Plant:
         self.remarks: dict[str, list[str]] = {}
         self.axes: dict[str, PlantAxis] = {}
         self.probes: dict[str, PlantProbe] = {}
+        self._axes: list[PlantAxis] = []
+        self._probes: list[PlantProbe] = []
 
     def add_axis(self, slave: FmuSlave, roles: Roles | None = None) -> PlantAxis:
         """Add an axis; roles: None = its variables have the names of the roles.
@@ -86,6 +88,7 @@ class Plant:
     def initialize(self, start_ns: TimeNs = 0) -> None:
         """Initialise axes first, then the sensors at the axes' positions."""
         self.now_ns = start_ns
+        self._axes, self._probes = list(self.axes.values()), list(self.probes.values())
         for axis in self.axes.values():
             axis.start(start_ns)
         for probe in self.probes.values():
@@ -101,19 +104,18 @@ class Plant:
 
     def _step(self, limit_ns: TimeNs) -> None:
         """Take one step, as far as it may go but not beyond `limit_ns`."""
-        begin_ns, probes = self.now_ns, self.probes.values()
-        end_ns = begin_ns + self._span_ns(limit_ns - begin_ns)
-        near = [p for p in probes if self._follows_always or p.free_until_ns < end_ns]
+        end_ns = self.now_ns + self._span_ns(limit_ns - self.now_ns)
+        near = [p for p in self._probes if self._follows_always or p.free_until_ns < end_ns]
         if near:
             can_repeat = self._can_repeat and all(p.slave.can.can_save_state for p in near)
             self._follow(end_ns, near, DIVISIONS if can_repeat else 0)
         else:
-            self._move(end_ns, near)
+            for axis in self._axes:
+                axis.step_to(end_ns)
         self.now_ns = end_ns
-        if len(near) < len(self.probes):
-            for probe in probes:
-                if probe not in near:
-                    probe.passed_over(begin_ns, end_ns)
+        for probe in self._probes:
+            if probe not in near:
+                probe.passed_over(end_ns)
 
     def _span_ns(self, rest_ns: TimeNs) -> TimeNs:
         """Return how far the next step goes: to the end, or over whole fine steps before it."""
@@ -123,7 +125,7 @@ class Plant:
             return min(rest_ns, fine_ns)
         if rest_ns > self.exchange_ns:
             span_ns = self.exchange_ns // fine_ns * fine_ns
-        for probe in self.probes.values():
+        for probe in self._probes:
             free_ns = probe.look_ahead(self.now_ns, span_ns) - self.now_ns
             if free_ns < span_ns:
                 span_ns = max(free_ns // fine_ns * fine_ns, min(fine_ns, rest_ns))
@@ -154,10 +156,10 @@ class Plant:
         self.now_ns = end_ns
 
     def _move(self, end_ns: TimeNs, near: Sequence[PlantProbe]) -> int:
-        """Step axes, then these probes; return how many edges of one kind came at most."""
-        for axis in self.axes.values():
+        """Step axes, then these probes; return how many edges of one kind came, the most."""
+        for axis in self._axes:
             axis.step_to(end_ns)
-        return max((probe.step(self.now_ns, end_ns) for probe in near), default=0)
+        return max(probe.step(self.now_ns, end_ns) for probe in near)
 
     def close(self) -> None:
         """Free every instance."""

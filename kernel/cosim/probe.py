@@ -77,6 +77,8 @@ class PlantProbe(ABC):
         self._has_clearance = roles.has("clearance")
         self._hold_until_ns: TimeNs = 0
         self._gain_m_s2 = SPEED_GAIN_M_S2 * sqrt(len(self.sources))
+        # As they were when free_until_ns was found
+        self._seen_ns: TimeNs = 0
         self._clearance_m = self._room_m = self._speed_m_s = 0.0
         self._places_m = [0.0] * len(self.sources)
         self._saved: FmuState | None = None
@@ -134,17 +136,19 @@ class PlantProbe(ABC):
 
         Raises PlantError when an axis has gained speed faster than SPEED_GAIN_M_S2.
         """
-        self.free_until_ns = now_ns
-        if self._has_clearance and now_ns >= self._hold_until_ns:
-            free_ns = self._free_ns(now_ns)
-            if free_ns < wanted_ns and self.slave.time_ns < now_ns:
-                self._catch_up(now_ns)
+        if self.free_until_ns < now_ns + wanted_ns:
+            self.free_until_ns = now_ns
+            if self._has_clearance and now_ns >= self._hold_until_ns:
                 free_ns = self._free_ns(now_ns)
-            self.free_until_ns += max(free_ns, 0)
+                if free_ns < wanted_ns and self.slave.time_ns < now_ns:
+                    self._catch_up(now_ns)
+                    free_ns = self._free_ns(now_ns)
+                self.free_until_ns += max(free_ns, 0)
         return self.free_until_ns
 
     def _free_ns(self, now_ns: TimeNs) -> TimeNs:
         moved = [axis.motion[0] - x for axis, x in zip(self.sources, self._places_m, strict=True)]
+        self._seen_ns = now_ns
         self._room_m = self._clearance_m - hypot(*moved)
         self._speed_m_s = hypot(*[axis.motion[1] for axis in self.sources])
         if self._room_m < 0.0:
@@ -161,13 +165,16 @@ class PlantProbe(ABC):
             )
         self._look()
 
-    def passed_over(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+    def passed_over(self, now_ns: TimeNs) -> None:
         """Check that a step without this probe was what `look_ahead` reckoned with."""
-        speed_m_s = hypot(*[axis.motion[1] for axis in self.sources])
-        step_s = (end_ns - begin_ns) * 1e-9
-        is_faster = speed_m_s > self._speed_m_s + self._gain_m_s2 * step_s
-        if is_faster and speed_m_s * step_s > self._room_m:
-            self._bound_is_broken(end_ns)
+        since_s = (now_ns - self._seen_ns) * 1e-9
+        limit_m_s = self._speed_m_s + self._gain_m_s2 * since_s
+        square = 0.0
+        for axis in self.sources:
+            speed_m_s = axis.motion[1]
+            square += speed_m_s * speed_m_s
+        if square > limit_m_s * limit_m_s and sqrt(square) * since_s > self._room_m:
+            self._bound_is_broken(now_ns)
 
     def _bound_is_broken(self, now_ns: TimeNs) -> None:
         names = ", ".join(axis.slave.name for axis in self.sources)
