@@ -7,8 +7,9 @@ an edge").
 """
 
 from collections.abc import Mapping, Sequence
+from math import isclose, lcm
 
-from kernel.clock import MS, US, TimeNs
+from kernel.clock import MS, US, S, TimeNs
 from kernel.cosim.axis import PlantAxis
 from kernel.cosim.edges import make_probe
 from kernel.cosim.fmu import FmuSlave
@@ -29,10 +30,10 @@ SHORTEST_DIVIDED_NS = 1 * US
 class Plant:
     """All plant FMUs of a rig under one time.
 
-    exchange_ns: longest step. fine_ns: step where an edge can be, a multiple of the internal steps
-    of the axes, so that they integrate over the same grid whatever the steps are. hold_ns,
-    look_back_ns: around an edge, what the drives look up in the motion. notes: what an FMU lacks,
-    by instance, and what is done without it; remarks: what else a user should know.
+    exchange_ns: longest step. fine_ns: step where an edge can be; `initialize` shortens it to whole
+    internal steps of the axes, so that they integrate over the same grid whatever the steps are.
+    hold_ns, look_back_ns: around an edge, what the drives look up in the motion. notes: what an
+    FMU lacks, by instance, and what is done without it; remarks: what else a user should know.
     """
 
     def __init__(
@@ -93,9 +94,26 @@ class Plant:
             axis.start(start_ns)
         for probe in self.probes.values():
             probe.start(start_ns)
+        self.fine_ns = self._whole_steps_ns(self.fine_ns)
         self._can_repeat = all(axis.slave.can.can_save_state for axis in self.axes.values())
         if not all(axis.tells_velocity for axis in self.axes.values()):
             self._follows_always = True  # a numeric derivative is no base to reckon ahead from
+
+    def _whole_steps_ns(self, fine_ns: TimeNs) -> TimeNs:
+        """Return the longest span up to `fine_ns` that is whole internal steps of every axis.
+
+        An axis that tells none, or one that is no whole nanosecond or too long, does not count.
+        """
+        told_s = [axis.slave.can.fixed_step_s or 0.0 for axis in self._axes]
+        steps_ns = [round(step_s * S) for step_s in told_s]
+        common_ns = lcm(
+            *[
+                step_ns
+                for step_ns, step_s in zip(steps_ns, told_s, strict=True)
+                if 0 < step_ns <= fine_ns and isclose(step_ns, step_s * S, rel_tol=1e-9)
+            ]
+        )
+        return fine_ns // common_ns * common_ns or fine_ns
 
     def advance_to(self, time_ns: TimeNs) -> None:
         """Advance every FMU to `time_ns`; nothing happens when they are there already."""

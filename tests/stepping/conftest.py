@@ -58,7 +58,8 @@ def plant(fmu: Callable[[str], Path]) -> Iterator[Callable[..., Plant]]:
     """Return `plant(axis model, probe model, ...)`: an initialised plant, its wire is `z`.
 
     axis_start, probe_start: start values. without: roles to be left out. can_save: whether the
-    probe is believed to save its state. Everything else goes to `Plant`.
+    probe is believed to save its state. internal_s, second_internal_s: internal step that the FMU
+    of the axis, and of a second one, is believed to have. Everything else goes to `Plant`.
     """
     opened: list[Plant] = []
 
@@ -70,6 +71,8 @@ def plant(fmu: Callable[[str], Path]) -> Iterator[Callable[..., Plant]]:
         probe_start: Mapping[str, float] = {},
         without: tuple[str, ...] = (),
         can_save: bool = True,
+        internal_s: float | None = None,
+        second_internal_s: float | None = None,
         **settings: Any,
     ) -> Plant:
         made = Plant(**settings)
@@ -87,7 +90,13 @@ def plant(fmu: Callable[[str], Path]) -> Iterator[Callable[..., Plant]]:
             return slave
 
         slave = load(axis, "axis", axis_start)
+        if internal_s is not None:
+            slave.can = replace(slave.can, fixed_step_s=internal_s)
         made.add_axis(slave, roles(slave, "axis", ()))
+        if second_internal_s is not None:
+            slave = load(axis, "second", axis_start)
+            slave.can = replace(slave.can, fixed_step_s=second_internal_s)
+            made.add_axis(slave, roles(slave, "axis", ()))
         slave = load(probe, "probe", probe_start)
         if not can_save:
             slave.can = replace(slave.can, can_save_state=False)

@@ -111,3 +111,41 @@ def test_edges_are_the_same_however_the_plant_is_advanced(plant: Make) -> None:
     # v t + a (t - b)^2/2 = -0.5 mm
     t = 0.0234567 + 0.02 - math.sqrt(0.02**2 + 2 * (-0.0005 + 0.02 * 0.0234567))
     assert found[0][0][0] == pytest.approx(t * 1e9, abs=1)
+
+
+@pytest.mark.parametrize(
+    ("fine_us", "internal_us", "expected_us"),
+    [(50, 10, 50), (50, 20, 40), (50, 12.5, 50), (50, 80, 50), (30, 25, 25), (50, 0.0031, 49.9999)],
+)
+def test_fine_step_is_whole_internal_steps(
+    plant: Make, fine_us: int, internal_us: float, expected_us: float
+) -> None:
+    made = plant(BENT, internal_s=internal_us * 1e-6, fine_ns=fine_us * US)
+    assert made.fine_ns == round(expected_us * US)
+
+
+def test_axes_of_different_internal_steps_share_the_fine_step(plant: Make) -> None:
+    """20 and 12.5 us: 100 us is too long, so the step stays as it is."""
+    made = plant(BENT, internal_s=20e-6, second_internal_s=12.5e-6)
+    assert made.fine_ns == 50 * US
+    made = plant(BENT, internal_s=20e-6, second_internal_s=12.5e-6, fine_ns=230 * US)
+    assert made.fine_ns == 200 * US
+
+
+@pytest.mark.parametrize("axis", ["ServoAxis", "ScrewAxis", "GravityAxis"])
+def test_library_axes_give_the_same_bits_at_any_step(plant: Make, axis: str) -> None:
+    """At 30 mm/s into a plane 2 mm away, with friction, and on behind it."""
+    left = []
+    for exchange_ns in (50 * US, 200 * US, 20 * MS):
+        made = plant(
+            f"AxisRig.Drives.{axis}", probe_start={"surface": -2e-3}, exchange_ns=exchange_ns
+        )
+        servo = made.axes["axis"]
+        for sync_ns in range(MS, 200 * MS, 10 * MS):
+            made.advance_to(sync_ns)
+            servo.command(sync_ns, servo.demand_position_m(), -0.03, sync_ns + 10 * MS, True)
+        left.append(
+            (made.probes["probe"].signal.edges, made.probes["probe"].contacts, servo.motion)
+        )
+    assert len(left[0][0]) == 1
+    assert left == [left[0]] * 3
