@@ -286,7 +286,7 @@ class ConvertedExchange:
         self._parts = [
             (
                 Exchange(slave, [bound[i].variable for i in places]),
-                [(i, bound[i]) for i in places],
+                [(i, bound[i].to_si, bound[i].from_si) for i in places],
                 kind.startswith(("Float", "Real")),
             )
             for kind, places in types.items()
@@ -294,18 +294,18 @@ class ConvertedExchange:
 
     def read(self) -> None:
         """Fill `values` from the FMU."""
+        values = self.values
         for exchange, places, _ in self._parts:
             exchange.read()
-            for value, (index, bound) in zip(exchange.values, places, strict=True):
-                self.values[index] = bound.to_si(value)
+            for value, (index, to_si, _) in zip(exchange.values[:], places, strict=True):
+                values[index] = to_si(value)
 
     def write(self) -> None:
         """Hand `values` to the FMU."""
+        values = self.values[:]
         for exchange, places, is_real in self._parts:
-            exchange.values[:] = [
-                value if is_real else round(value)
-                for value in (bound.from_si(self.values[index]) for index, bound in places)
-            ]
+            raw = [from_si(values[index]) for index, _, from_si in places]
+            exchange.values[:] = raw if is_real else [round(value) for value in raw]
             exchange.write()
 
 
