@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from integration import Guard, Mode, Vector, advance, integrate
+from integration import Guard, Mode, Vector, integrate
 from mechanics import hunt_crossley, lugre, stribeck
 
 LEAD = 0.01
@@ -112,79 +112,6 @@ def servo_axis(time_s: Vector) -> Mapping[str, Vector]:
         "velocity": rows[:, 1],
         "motor_position": rows[:, 0],
         "force": rows[:, 2],
-        "stop_force": np.array(stops),
-    }
-
-
-def sampled_servo_axis(time_s: Vector) -> Mapping[str, Vector]:
-    """Velocity loop at multiples of 62.5 us, motor winding, rigid slide with LuGre friction.
-
-    States: x, v, bristles, current, integral part of the current controller. I(k+1) = I(k)
-    + T (G e/T_n + (F - G e - I)/T_a). Source: Astrom, Wittenmark, section 8.5; Gross et al.
-    """
-    mass, period, stop_at = SLIDE + ROTOR, 62.5e-6, 0.005
-    drive = Drive(gain=2.0 * math.pi * 60.0 * mass)
-    kt, r, inductance, voltage, turns = 0.49, 3.07, 6.57e-3, 20.0, 2.0 * math.pi / LEAD
-    held = 0.0
-
-    def asked(s: list[float]) -> float:
-        return drive.wc * inductance * (held / (turns * kt) - s[3]) + s[4]
-
-    def rhs(t: float, s: list[float], mode: Mode) -> tuple[float, ...]:
-        x, v, z, current, _ = s
-        raw = asked(s)
-        given = voltage if mode[0] else -voltage if mode[1] else raw
-        stop = 20e6 * (x - stop_at) * (1.0 + 20.0 * v) if mode[2] and mode[3] else 0.0
-        bend, bristle = lugre(v, z, stribeck(v, 120.0, 160.0, 5e-3), 20e6, 4e3)
-        force = turns * kt * current
-        back = kt * turns * v
-        return (
-            v,
-            (force - bristle - 800.0 * v - stop - 60.0) / mass,
-            bend,
-            (given - r * current - back) / inductance,
-            drive.wc * r * (held / (turns * kt) - current) + (given - raw) * r / inductance,
-        )
-
-    guards: list[Guard] = [
-        lambda t, s, m: asked(s) - voltage,
-        lambda t, s, m: -voltage - asked(s),
-        lambda t, s, m: s[0] - stop_at,
-        lambda t, s, m: 1.0 + 20.0 * s[1],
-    ]
-
-    def sample(t: float, s: list[float], integral: float) -> tuple[float, float]:
-        if t > 0.85003:
-            return 0.0, 0.0
-        if t < 0.35003:
-            demand, limit = (0.04 * min(t, 0.20003), 0.04 if t < 0.20003 else 0.0), 550.0
-        else:
-            moved = 0.03 * (min(t, 0.55003) - 0.35003)
-            demand, limit = (0.005 - moved, -0.03 if t < 0.55003 else 0.0), 450.0
-        error = drive.error(demand, s[0], s[1])
-        raw = drive.gain * error + integral
-        given = min(max(raw, -limit), limit)
-        rate = drive.gain * error / drive.tn + (given - raw) / drive.ta
-        return given, integral + period * rate
-
-    s, integral, t, rows, k = [1e-4, 0.0, 0.0, 0.0, 0.0], 0.0, 0.0, [], 0
-    for instant in time_s.tolist():
-        while k * period <= instant:
-            if k * period > t:
-                s = advance(rhs, s, (t, k * period), guards)
-            t = k * period
-            held, integral = sample(t, s, integral)
-            k += 1
-        if instant > t:
-            s, t = advance(rhs, s, (t, instant), guards), instant
-        rows.append(s)
-    x, v, _, current, _ = np.array(rows).T
-    stops = [max(0.0, hunt_crossley(a - stop_at, b, 20e6, 1.0, 20.0)) for a, b, *_ in rows]
-    return {
-        "position": x,
-        "velocity": v,
-        "motor_position": x,
-        "force": turns * kt * current,
         "stop_force": np.array(stops),
     }
 

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 
 import numpy as np
 from integration import Mode, Vector, integrate
-from scipy.linalg import expm
 
 
 def clamp(value: float, limit: float) -> float:
@@ -43,38 +42,6 @@ def velocity_controller(time_s: Vector) -> Mapping[str, Vector]:
     ]
     rows = integrate(rhs, [0.0, 0.0, 0.0], time_s, guards)
     return {"velocity": rows[:, 0], "force": rows[:, 1], "integral": rows[:, 2]}
-
-
-def sampled_velocity_controller(time_s: Vector) -> Mapping[str, Vector]:
-    """The PI loop at multiples of 62.5 us; between them the plant is linear: matrix exponential.
-
-    F(k) = sat(K e + I(k)), I(k+1) = I(k) + T (K e/T_n + (F(k) - K e - I(k))/T_a).
-    Source: Astrom, Wittenmark, Computer-Controlled Systems, section 8.5.
-    """
-    mass, weight, gain, tn, ta, limit, wc = 190.0, 40.0, 7e4, 8e-3, 5e-3, 400.0, 1600.0 * math.pi
-    period = 62.5e-6
-    # States: velocity, motor force, held demand, 1.
-    system = np.array(
-        [[0, 1 / mass, 0, -weight / mass], [0, -wc, wc, 0], [0, 0, 0, 0], [0, 0, 0, 0]]
-    )
-    whole = expm(system * period)
-    x, integral, rows, k = np.array([0.0, 0.0, 0.0, 1.0]), 0.0, [], 0
-    for t in time_s:
-        while k * period <= t:
-            if k:
-                x = whole @ x
-            error = (0.02 if k * period < 0.05003 else -0.02) - x[0]
-            asked = gain * error + integral
-            given = clamp(asked, limit)
-            on = k * period < 0.17003
-            x[2] = given if on else 0.0
-            rate = gain * error / tn + (given - asked) / ta
-            integral = integral + period * rate if on else 0.0
-            k += 1
-        velocity, force, _, _ = expm(system * (t - (k - 1) * period)) @ x
-        rows.append((velocity, force, integral))
-    velocities, forces, integrals = np.array(rows).T
-    return {"velocity": velocities, "force": forces, "integral": integrals}
 
 
 def motor_winding(time_s: Vector) -> Mapping[str, Vector]:

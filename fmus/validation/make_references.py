@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 HERE = Path(__file__).parent
 # Each holds the references of one part of the library.
-MODULES = ("mechanics", "drives", "axes", "sensors", "workpieces")
+MODULES = ("mechanics", "drives", "axes", "sampled", "sensors", "workpieces")
 
 Reference = Callable[[NDArray[np.float64]], Mapping[str, NDArray[np.float64]]]
 
