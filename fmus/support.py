@@ -85,6 +85,26 @@ def refuse_unknown_slots(
                 raise at(ir, place, "an internal value of the compiler is not supported")
 
 
+def refuse_undetermined(ir: Ir, determined: set[int]) -> None:
+    """Stop at discrete variables that no equation computes: the compiler has dropped theirs.
+
+    It does so with equations between whole arrays of Boolean and Integer outside when-clauses.
+    determined: the slots of p that some row computes.
+    Raises BuildError with the place of the declaration.
+    """
+    bindings = ir.solve["layout"]["bindings"]
+    for variable in ir.dae["variables"]:
+        slot = bindings.get(variable["name"], {}).get("P")
+        if slot is None or variable["role"] not in ("discrete_real", "discrete_value"):
+            continue
+        first = slot["index"]
+        if not determined.issuperset(range(first, first + variable["scalar_count"])):
+            span = variable["declaration"].get("span")
+            message = f"the compiler lost the equation of {variable['name']}"
+            hint = "write it for each element on its own" if variable["scalar_count"] > 1 else ""
+            raise ir.error(span, "; ".join(filter(None, (message, hint))))
+
+
 def at(ir: Ir, place: Source | None, message: str) -> BuildError:
     """A BuildError at a place of the source, or at the model where there is none."""
     if place is None:

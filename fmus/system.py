@@ -17,7 +17,7 @@ from fmus.expressions import Expr, UnsupportedError, choice, parameter
 from fmus.functions import Functions
 from fmus.ir import Ir, Source
 from fmus.programs import read_program
-from fmus.support import at, refuse_unknown_slots, refuse_unsupported
+from fmus.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
 
 Assignment = Row
 
@@ -246,6 +246,7 @@ def _check(ir: Ir, system: System) -> None:
     ]
     everything += [(relation.function, relation.place) for relation in system.relations]
     known = {row.index for row in rows if row.vector == "p"}
+    refuse_undetermined(ir, known)
     known |= {slot for slot, _, _ in system.previous}
     known |= {relation.memory for relation in system.relations}
     known |= {slot for slot, _ in system.schedules}

@@ -22,6 +22,8 @@ REFUSED = [
     ("Refused.DerOfDiscrete", "discrete", "DerOfDiscrete"),
     ("Refused.VariableDelay", "delay", "VariableDelay"),
     ("Refused.Spatial", "spatialDistribution", "Spatial"),
+    ("Refused.BooleanArray", "lost the equation of b", "BooleanArray"),
+    ("Refused.IntegerArray", "lost the equation of k", "IntegerArray"),
     ("Refused.ClockedSynchronous", "clock", "ClockedSynchronous"),
 ]
 

@@ -74,6 +74,24 @@ package Refused "Constructs that no FMU of this exporter can hold"
     (a, b) = spatialDistribution(sin(time), 0, time, true, {0.0, 1.0}, {0.0, 0.0});
   end Spatial;
 
+  model BooleanArray "The compiler drops the equation of the array"
+    Boolean b[2];
+    output Integer n;
+  equation
+    b = {time > 0.2, time > 0.8};
+    n = (if b[1] then 1 else 0) + (if b[2] then 1 else 0);
+  end BooleanArray;
+
+  model IntegerArray "The same in a loop"
+    Integer k[2];
+    output Integer n;
+  equation
+    for i in 1:2 loop
+      k[i] = if time > 0.3*i then 1 else 0;
+    end for;
+    n = k[1] + k[2];
+  end IntegerArray;
+
   model ClockedSynchronous
     Clock c = Clock(0.1);
     Real x(start = 0);
