@@ -28,7 +28,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Co-simulation test bench for measurement runs and distance control of CNC machines.",
 )
-fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list them, build them.")
+fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list, build, show, check.")
 app.add_typer(fmu_app, name="fmu")
 
 SetOption = Annotated[
@@ -264,6 +264,45 @@ def list_models() -> None:
     from bench.library import listing
 
     print(listing())
+
+
+@fmu_app.command("check")
+@_rejecting
+def check_fmus(
+    files: Annotated[list[str], typer.Argument(metavar="FMU...", help="Files or models.")],
+    call_limit_s: CallTimeoutOption = 60.0,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+) -> None:
+    """Try FMUs out in processes apart: are they safe, sound, repeatable, and what could they be?
+
+    Exit code 0: nothing failed, 1: something did, 2: there is no such file.
+    """
+    import json
+
+    from bench.fmu.check import check_fmu
+    from bench.fmu.findings import show_findings
+    from bench.fmu.place import find_fmu
+
+    checked = [check_fmu(find_fmu(text), call_limit_s) for text in files]
+    if as_json:
+        print(json.dumps({"fmus": [fmu.as_data() for fmu in checked]}, indent=2))
+    else:
+        for fmu in checked:
+            show_findings(fmu.findings, f"{fmu.path}: {fmu.verdict}")
+    raise typer.Exit(0 if all(fmu.is_good for fmu in checked) else 1)
+
+
+@fmu_app.command("show")
+@_rejecting
+def show(
+    file: Annotated[str, typer.Argument(metavar="FMU", help="File or model.")],
+    is_all: Annotated[bool, typer.Option("--all", help="Local variables too.")] = False,
+) -> None:
+    """Show variables, units, structure, platforms and capabilities; no code of it runs."""
+    from bench.fmu.place import find_fmu
+    from bench.fmu.show import read_fmu, show_fmu
+
+    show_fmu(read_fmu(find_fmu(file)), is_all=is_all)
 
 
 @fmu_app.command("build")

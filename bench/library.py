@@ -86,9 +86,17 @@ def _told(name: str, built: Callable[[], Path]) -> str:
 
 
 def listing() -> str:
-    """Return the models with their internal steps and titles, one a line."""
+    """Return the models with their internal steps, whether they are built, and their titles."""
     width = max(len(name) for name in MODELS)
-    return "\n".join(
-        f"{row.name:<{width}}  {row.step_s * 1e6:4.0f} us  {row.title}"
-        for row in CATALOGUE.values()
-    )
+    lines = []
+    places: set[str] = set()
+    for row in CATALOGUE.values():
+        try:
+            place = place_in_cache(row.name)
+            places.add(f"built FMUs lie in {place.parent}")
+            built = "built" if place.is_file() else "-"
+        except BuildError as error:
+            places.add(f"nothing can be built: {error}")
+            built = "?"
+        lines.append(f"{row.name:<{width}}  {row.step_s * 1e6:5g} us  {built:<5}  {row.title}")
+    return "\n".join([*lines, "", *sorted(places)])

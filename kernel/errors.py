@@ -65,6 +65,11 @@ def _short(text: str) -> str:
     return text if len(text) <= _VALUE_LENGTH_MAX else f"{text[:_VALUE_LENGTH_MAX]}..."
 
 
+def printable(text: str) -> str:
+    """Return foreign text without what could steer a terminal or turn the reading direction."""
+    return "".join(sign if sign.isprintable() else " " for sign in text)
+
+
 def nearest(word: str, known: Iterable[str], count: int = 3) -> list[str]:
     """Return the names of `known` that look most like `word`, best first."""
     names = {name.lower(): name for name in known}

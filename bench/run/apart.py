@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from concurrent.futures import TimeoutError as PoolTimeout
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import mkdtemp
 from typing import Any, TypeVar
@@ -66,10 +67,12 @@ def run_apart(
     is_fresh: bool = True,
     timeout_s: float | None = None,
     call_limit_s: float = CALL_LIMIT_S,
+    is_unrelated: bool = False,
 ) -> Iterator[T | Died]:
     """Yield `function(*task)` of every task, in their order, from processes.
 
     jobs: processes at a time. is_fresh: a new process for every task; else one may do several.
+    is_unrelated: new processes share no memory layout with this one, and start slower.
     timeout_s: wall time of one task, None = no limit. call_limit_s: wall time that one call into
     an FMU may take. Exceptions of the function are raised here.
     """
@@ -77,7 +80,11 @@ def run_apart(
         return
     folder = session_folder()  # made here, so that it outlives the children
     notes = Path(mkdtemp(prefix="notes-", dir=folder))
-    pool = ProcessPool(max_workers=min(jobs, len(tasks)), max_tasks=int(is_fresh))
+    pool = ProcessPool(
+        max_workers=min(jobs, len(tasks)),
+        max_tasks=int(is_fresh),
+        context=get_context("spawn" if is_unrelated else None),
+    )
     try:
         running: list[_Task] = []
         for number, task in enumerate(tasks):

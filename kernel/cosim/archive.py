@@ -153,6 +153,7 @@ _BROKEN = (
     RuntimeError,
     OverflowError,
 )
+REPACK = "have it packed again by whoever made it"
 NO_FMU = "this is no FMU (a zip archive with modelDescription.xml)"
 
 
@@ -205,7 +206,9 @@ def _check_directory_size(path: Path, file: BufferedReader) -> None:
 def _refuse(
     path: Path, name: str, why: str, *, allowed: str | None = None, hint: str | None = None
 ) -> NoReturn:
-    raise UserError(f"unsafe archive: entry {name!r} {why}", file=path, allowed=allowed, hint=hint)
+    raise UserError(
+        f"unsafe archive: entry {name!r} {why}", file=path, allowed=allowed, hint=hint or REPACK
+    )
 
 
 def _check(path: Path, file: BufferedReader, archive: zipfile.ZipFile) -> None:

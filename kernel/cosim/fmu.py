@@ -11,11 +11,12 @@ from kernel.cosim.archive import unpack
 from kernel.cosim.fmi2 import Fmi2Slave
 from kernel.cosim.fmi3 import Fmi3Slave
 from kernel.cosim.library import Capabilities
-from kernel.cosim.slave import Exchange, FmuSlave, FmuState, PlantError
+from kernel.cosim.slave import EndedError, Exchange, FmuSlave, FmuState, PlantError
 from kernel.errors import UserError
 
 __all__ = [
     "Capabilities",
+    "EndedError",
     "Exchange",
     "FmuSlave",
     "FmuState",

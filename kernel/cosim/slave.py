@@ -21,7 +21,7 @@ from fmpy.model_description import ModelDescription, ModelVariable
 from kernel.clock import TimeNs, ns_to_seconds, seconds_to_ns
 from kernel.cosim.journal import watched
 from kernel.cosim.library import Capabilities, LogMessage, Missing, grid_of
-from kernel.errors import UserError, nearest
+from kernel.errors import UserError, nearest, printable
 
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 STATUS_WORDS = {
@@ -46,6 +46,10 @@ class PlantError(Exception):
     def __init__(self, instance: str, time_ns: TimeNs, message: str) -> None:
         super().__init__(f"plant {instance} at t = {time_ns / 1e6:.6f} ms: {message}")
         self.instance, self.time_ns, self.reason = instance, time_ns, message
+
+
+class EndedError(PlantError):
+    """An FMU ended the simulation by itself, as a model may by `terminate`."""
 
 
 class FmuState:
@@ -206,7 +210,7 @@ class FmuSlave(ABC):
 
     def _log(self, status: int, category: bytes | None, message: bytes | None) -> None:
         if status > OK:
-            text = (message or b"").decode("utf-8", errors="replace").strip()
+            text = printable((message or b"").decode("utf-8", errors="replace").strip())
             word = (category or b"").decode("utf-8", errors="replace")
             self.messages.append(LogMessage(self.time_ns, status, word, text))
 
@@ -221,6 +225,11 @@ class FmuSlave(ABC):
         address = ctypes.cast(found, ctypes.c_void_p).value
         assert address is not None
         return self._watched(name, ctypes.PYFUNCTYPE(ctypes.c_int, *signature)(address))
+
+    @property
+    def fmpy(self) -> Any:
+        """fmpy's slave of this instance, for what the loop does not need."""
+        return self._fmu
 
     def _watched(self, name: str, call: Any) -> Any:
         return watched(call, self.path.name, self.name, name, self)
@@ -327,7 +336,7 @@ class FmuSlave(ABC):
         while status == DISCARD or (status <= WARNING and self._cut.value):
             last_s, wants_end = self._progress()
             if wants_end:
-                self._fail("the FMU ended the simulation", last_s)
+                self._fail("the FMU ended the simulation", last_s, EndedError)
             if not begin_s - TIME_RESOLUTION_S <= last_s <= end_ns * 1e-9 + TIME_RESOLUTION_S:
                 self._fail("doStep: cut short, and the FMU does not tell how far it came")
             if last_s > begin_s + TIME_RESOLUTION_S:
@@ -404,9 +413,11 @@ class FmuSlave(ABC):
         self._is_fatal = status == FATAL
         self._fail(f"{what}: {STATUS_WORDS.get(status, status)}")
 
-    def _fail(self, text: str, time_s: float = math.nan) -> NoReturn:
+    def _fail(
+        self, text: str, time_s: float = math.nan, kind: type[PlantError] = PlantError
+    ) -> NoReturn:
         time_ns = seconds_to_ns(time_s) if math.isfinite(time_s) else self.time_ns
-        raise PlantError(self.name, time_ns, self._explain(text))
+        raise kind(self.name, time_ns, self._explain(text))
 
     def _explain(self, text: str) -> str:
         return "; ".join([text, *(message.text for message in list(self.messages)[-3:])])

@@ -71,8 +71,11 @@ def build_fmu(
     path = folder / f"{name or model}.fmu"
     place = fmpy.platform if version == 2 else fmpy.platform_tuple
     with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("modelDescription.xml", _description(version, model, identifier, told))
-        archive.write(library, f"binaries/{place}/{library.name}")
+        # Without the date of the day, so that one FMU built twice has the same bytes
+        text = _description(version, model, identifier, told)
+        archive.writestr(zipfile.ZipInfo("modelDescription.xml"), text)
+        name = f"binaries/{place}/{library.name}"
+        archive.writestr(zipfile.ZipInfo(name), library.read_bytes())
     return path
 
 

@@ -56,7 +56,7 @@ def refused() -> Callable[[Path], str]:
 
 
 HEADERS = Path(fmpy.__file__).parent / "c-code"
-SOURCE = Path(__file__).with_name("crashing.c")
+SOURCE = Path(__file__).with_name("ideal_axis.c")
 VARIABLES = """\
 <Float64 name="time" valueReference="0" causality="independent" variability="continuous"/>
 <Float64 name="position_start" valueReference="1" causality="parameter" variability="fixed"
@@ -71,10 +71,12 @@ VARIABLES = """\
 <Float64 name="motor_position" valueReference="12" causality="output" unit="m"/>
 <Float64 name="motor_velocity" valueReference="13" causality="output" unit="m/s"/>
 <Float64 name="demand_position" valueReference="14" causality="output" unit="m"/>
+<Float64 name="way" valueReference="15" causality="output"/>
 """
 AXIS = f"""<?xml version="1.0" encoding="UTF-8"?>
 <fmiModelDescription fmiVersion="3.0" modelName="Ideal" instantiationToken="{{ideal}}">
-<CoSimulation modelIdentifier="ideal" canHandleVariableCommunicationStepSize="true"/>
+<CoSimulation modelIdentifier="ideal" canHandleVariableCommunicationStepSize="true"
+ canGetAndSetFMUState="true" canSerializeFMUState="true"/>
 <UnitDefinitions>
 <Unit name="m"><BaseUnit m="1"/></Unit>
 <Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>
@@ -83,8 +85,8 @@ AXIS = f"""<?xml version="1.0" encoding="UTF-8"?>
 <ModelVariables>
 {VARIABLES}</ModelVariables>
 <ModelStructure>
-{"".join(f'<Output valueReference="{v}"/>' for v in range(10, 15))}
-{"".join(f'<InitialUnknown valueReference="{v}"/>' for v in range(10, 15))}
+{"".join(f'<Output valueReference="{v}"/>' for v in range(10, 16))}
+{"".join(f'<InitialUnknown valueReference="{v}"/>' for v in range(10, 16))}
 </ModelStructure>
 </fmiModelDescription>
 """
@@ -92,9 +94,19 @@ AXIS = f"""<?xml version="1.0" encoding="UTF-8"?>
 
 @pytest.fixture(scope="session")
 def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Compile an ideal axis to an FMU; defines: what `crashing.c` is told, `CRASH_IN="STEP"`."""
+    """Compile an ideal axis to an FMU.
 
-    def build(name: str = "ideal.fmu", **defines: object) -> Path:
+    defines: the fault that it gets, `CRASH_IN="STEP"` (see ideal_axis.c). change: makes another
+    model description of the good one. place: below `binaries/`, by default that of this platform.
+    """
+
+    def build(
+        name: str = "ideal.fmu",
+        *,
+        change: Callable[[str], str] = str,
+        place: str | None = None,
+        **defines: object,
+    ) -> Path:
         folder = tmp_path_factory.mktemp("ideal")
         platform = this_platform()
         library = folder / f"ideal{platform.ending}"
@@ -108,8 +120,8 @@ def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         )
         path = folder / name
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-            archive.writestr("modelDescription.xml", AXIS)
-            archive.write(library, f"binaries/{platform.folder}/{library.name}")
+            archive.writestr("modelDescription.xml", change(AXIS))
+            archive.write(library, f"binaries/{place or platform.name}/{library.name}")
         return path
 
     return build

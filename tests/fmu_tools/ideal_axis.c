@@ -1,14 +1,20 @@
-/* An ideal axis as an FMI 3.0 co-simulation FMU that ends badly where it is told to when compiled:
-   CRASH_IN is the call (see below), CRASH_HOW what happens, CRASH_AT_S from which time on. */
+/* An ideal axis as an FMI 3.0 co-simulation FMU with one fault that it is given when compiled.
+   CRASH_IN, CRASH_HOW, CRASH_AT_S: in which call it ends its process, how, from which time on.
+   FLAW: what it does wrong without a crash. */
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#ifdef __x86_64__
+#include <xmmintrin.h>
+#endif
 
 #include "fmi3Functions.h"
 
 enum { NOWHERE, LOAD, INSTANTIATE, INITIALIZE, SET, GET, STEP, TERMINATE, FREE };
 enum { SEGFAULT, ABORT, EXIT, HANG, KILL };
+enum { NONE, GLOBAL, ADDRESS, COUNTS, FORGETS, FORGETS_BYTES, NAN_OUTPUT, CHDIR, FLUSH, REFUSES,
+       STICKS };
 
 #ifndef CRASH_IN
 #define CRASH_IN NOWHERE
@@ -16,14 +22,20 @@ enum { SEGFAULT, ABORT, EXIT, HANG, KILL };
 #ifndef CRASH_HOW
 #define CRASH_HOW SEGFAULT
 #endif
+#ifndef FLAW
+#define FLAW NONE
+#endif
 #ifndef CRASH_AT_S
 #define CRASH_AT_S 0.0
 #endif
 
 typedef struct {
-  double time, position_start, reference[4], position, velocity;
+  double time, position_start, reference[4], position, velocity, way;
   fmi3Boolean enabled;
 } Axis;
+
+static double everybodys_way; /* GLOBAL: shared by all instances */
+static int instances;         /* COUNTS: tells the first from the second */
 
 static void here(int call, double time) {
   if (call != CRASH_IN || time < CRASH_AT_S) return;
@@ -36,13 +48,23 @@ static void here(int call, double time) {
   }
 }
 
-__attribute__((constructor)) static void load(void) { here(LOAD, 1e9); }
+__attribute__((constructor)) static void load(void) {
+  here(LOAD, 1e9);
+#ifdef __x86_64__
+  if (FLAW == FLUSH) _mm_setcsr(_mm_getcsr() | 0x8040); /* what -ffast-math links in */
+#endif
+}
 
 static void move(Axis *a) {
   const double *r = a->reference; /* position, velocity, time, end */
   double end = a->time < r[3] ? a->time : r[3];
   if (a->enabled) a->position = r[0] + r[1] * (end - r[2]);
   a->velocity = a->enabled && a->time < r[3] ? r[1] : 0.0;
+  double *way = FLAW == GLOBAL ? &everybodys_way : &a->way;
+  *way += 1e-6 + a->position * 1e-3;
+  if (FLAW == ADDRESS) *way = (double)((size_t)&everybodys_way >> 12);
+  if (FLAW == COUNTS) *way = instances;
+  if (FLAW == NAN_OUTPUT) *way = 0.0 / (a->time - a->time);
 }
 
 #define EXPORT __attribute__((visibility("default")))
@@ -60,6 +82,7 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
   here(INSTANTIATE, 1e9);
   Axis *a = calloc(1, sizeof *a);
   a->position_start = 0.13;
+  everybodys_way = 0.0, instances++;
   return a;
 }
 
@@ -89,6 +112,7 @@ EXPORT fmi3Status fmi3Terminate(fmi3Instance c) {
 }
 
 EXPORT fmi3Status fmi3Reset(fmi3Instance c) {
+  if (FLAW == STICKS) return fmi3OK;
   memset(c, 0, sizeof(Axis));
   ((Axis *)c)->position_start = 0.13;
   return fmi3OK;
@@ -116,6 +140,7 @@ EXPORT fmi3Status fmi3GetFloat64(fmi3Instance c, const fmi3ValueReference r[], s
     if (r[i] == 0) v[i] = a->time;
     else if (r[i] == 1) v[i] = a->position_start;
     else if (r[i] >= 2 && r[i] <= 5) v[i] = a->reference[r[i] - 2];
+    else if (r[i] == 15) v[i] = FLAW == GLOBAL ? everybodys_way : a->way;
     else v[i] = r[i] % 2 ? a->velocity : a->position; /* 10, 12, 14 position, 11, 13 velocity */
   }
   return fmi3OK;
@@ -141,8 +166,52 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step,
   Axis *a = c;
   here(STEP, time);
   UNUSED(final);
+  if (FLAW == CHDIR && chdir("/")) return fmi3Fatal;
+  if (FLAW == REFUSES && step < 5e-4) return fmi3Error;
   a->time = *last = time + step;
   *event = *terminate = *early = fmi3False;
   move(a);
   return fmi3OK;
 }
+
+EXPORT fmi3Status fmi3GetFMUState(fmi3Instance c, fmi3FMUState *state) {
+  if (!*state) *state = malloc(sizeof(Axis));
+  memcpy(*state, c, sizeof(Axis));
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SetFMUState(fmi3Instance c, fmi3FMUState state) {
+  double way = ((Axis *)c)->way;
+  memcpy(c, state, sizeof(Axis));
+  if (FLAW == FORGETS) ((Axis *)c)->way = way;
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3FreeFMUState(fmi3Instance c, fmi3FMUState *state) {
+  UNUSED(c);
+  free(*state);
+  *state = NULL;
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SerializedFMUStateSize(fmi3Instance c, fmi3FMUState state, size_t *size) {
+  UNUSED(c), UNUSED(state);
+  *size = sizeof(Axis);
+  return fmi3OK;
+}
+
+EXPORT fmi3Status fmi3SerializeFMUState(fmi3Instance c, fmi3FMUState state, fmi3Byte bytes[],
+                                        size_t size) {
+  UNUSED(c);
+  memcpy(bytes, state, size);
+  return fmi3OK;
+}
+
+#ifndef WITHOUT_DESERIALIZE
+EXPORT fmi3Status fmi3DeserializeFMUState(fmi3Instance c, const fmi3Byte bytes[], size_t size,
+                                          fmi3FMUState *state) {
+  if (fmi3GetFMUState(c, state) != fmi3OK) return fmi3Error;
+  memcpy(*state, bytes, FLAW == FORGETS_BYTES ? size / 2 : size);
+  return fmi3OK;
+}
+#endif
