@@ -10,7 +10,7 @@ import importlib.util
 import shutil
 import tempfile
 import zipfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -146,9 +146,9 @@ def build(
         sources = work / "sources"
         _write_sources(sources, generated)
         _compile(chosen, targets, sources / f"{generated.identifier}.c", work / "binaries", fmi)
-        (work / "modelDescription.xml").write_text(generated.description, encoding="utf-8")
+        _write(work / "modelDescription.xml", generated.description)
         packed = work / "packed"
-        _pack(work, sorted(p for p in work.rglob("*") if p.is_file()), packed)
+        _pack(work, packed)
         packed.replace(path)
     return path
 
@@ -214,11 +214,9 @@ def _write_sources(folder: Path, generated: Generated) -> None:
     """Write generated code, runtime and the FMI headers of the installed fmpy."""
     folder.mkdir()
     identifier = generated.identifier
-    (folder / f"{identifier}.c").write_text(generated.source, encoding="utf-8")
+    _write(folder / f"{identifier}.c", generated.source)
     if generated.fmi == "3.0":  # 2.0 lists the sources in the model description
-        (folder / "buildDescription.xml").write_text(
-            _BUILD_DESCRIPTION.format(identifier=identifier), encoding="utf-8"
-        )
+        _write(folder / "buildDescription.xml", _BUILD_DESCRIPTION.format(identifier=identifier))
     for name in runtime_files(generated.fmi):
         shutil.copyfile(TARGET / name, folder / name)
     for header in _headers(generated.fmi):
@@ -234,15 +232,23 @@ def _headers(fmi: str) -> list[Path]:
     return [folder / name for name in HEADERS[fmi]]
 
 
-def _pack(root: Path, files: Iterable[Path], packed: Path) -> None:
-    """Write a zip archive whose bytes depend on the files alone."""
-    with zipfile.ZipFile(packed, "w", zipfile.ZIP_DEFLATED) as archive:
-        for file in files:
-            entry = zipfile.ZipInfo(file.relative_to(root).as_posix(), _ZIP_DATE)
-            entry.compress_type = zipfile.ZIP_DEFLATED
+def _write(file: Path, text: str) -> None:
+    """Write a text that is the same on every system."""
+    file.write_text(text, encoding="utf-8", newline="\n")
+
+
+def _pack(root: Path, packed: Path) -> None:
+    """Write a zip archive whose bytes depend on the files below `root` alone.
+
+    They are stored as they are: what compression makes of them depends on the library that does it.
+    """
+    files = {p.relative_to(root).as_posix(): p for p in root.rglob("*") if p.is_file()}
+    with zipfile.ZipFile(packed, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name, _ZIP_DATE)
             entry.create_system = 3
             entry.external_attr = 0o644 << 16
-            archive.writestr(entry, file.read_bytes())
+            archive.writestr(entry, files[name].read_bytes())
 
 
 def cache_key(

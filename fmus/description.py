@@ -68,7 +68,7 @@ def describe(ir: Ir, system: System, variables: Sequence[Variable], step_s: floa
         .render(
             model=ir.model,
             identifier=identifier_of(ir.model),
-            text=ir.flat["model_description"] or "",
+            text=" ".join((ir.flat["model_description"] or "").split()),
             step=repr(step_s),
             units=[(name, read_unit(name)) for name in sorted(used)],
             types=sorted(types.items()),

@@ -1,6 +1,7 @@
 """The variables of an FMU: names, causality, units and start values from the compiler's list."""
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -15,6 +16,10 @@ FMI_TYPE = {
     "boolean": "Boolean",
     "enumeration": "Enumeration",
 }
+
+# A name of Modelica; the compiler's own variables have other signs in theirs.
+_PART = r"(?:[A-Za-z_]\w*|'[^']+')(?:\[\d+(?:,\d+)*\])?"
+_NAME = re.compile(rf"{_PART}(?:\.{_PART})*", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -190,7 +195,7 @@ def read_variables(ir: Ir, system: System) -> list[Variable]:
         if kind not in FMI_TYPE:
             message = f"{variable['name']} has the type {kind}, which is not supported"
             raise ir.error(variable["declaration"].get("span"), message)
-        if variable["role"] == "constant" or slots is None:
+        if variable["role"] == "constant" or slots is None or not _NAME.fullmatch(variable["name"]):
             continue
         vector, index = slots[0]
         if slots != [(vector, index + k) for k in range(len(slots))]:
@@ -222,7 +227,7 @@ def _variable(
     if kind == "Enumeration":
         # Without a known type the values are still there, only their names are not.
         kind = "Enumeration" if literals else "Int32"
-    return Variable(
+    found_variable = Variable(
         reference=reference,
         name=variable["name"],
         type=kind,
@@ -236,12 +241,27 @@ def _variable(
         minimum=1.0 if literals else _limit(low, min),
         maximum=float(len(literals)) if literals else _limit(high, max),
         nominal=abs(nominal[0]) if nominal and nominal[0] and len(set(nominal)) == 1 else None,
-        description=attributes["description"] or "",
+        description=" ".join((attributes["description"] or "").split()),
         vector=slots[0][0],
         index=slots[0][1],
         enumeration=enumeration,
         literals=literals,
     )
+    _check_start(ir, variable, found_variable)
+    return found_variable
+
+
+def _check_start(ir: Ir, source: Mapping[str, Any], variable: Variable) -> None:
+    """Refuse a start value outside the limits: the FMU would refuse it when it is set."""
+    low = -math.inf if variable.minimum is None else variable.minimum
+    high = math.inf if variable.maximum is None else variable.maximum
+    for value in variable.start or ():
+        if not low <= value <= high:
+            span = source["declaration"].get("span")
+            message = (
+                f"the start value {value:g} of {variable.name} lies outside {low:g} .. {high:g}"
+            )
+            raise ir.error(span, message)
 
 
 def _words(variable: Mapping[str, Any], kind: str, is_free: bool) -> tuple[str, str, str | None]:

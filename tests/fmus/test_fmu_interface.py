@@ -5,7 +5,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from fmus import MODELS, ensure_built
+from fmus import FMI_VERSIONS, MODELS, ensure_built
 
 
 @pytest.fixture
@@ -26,9 +26,10 @@ def run(axis, count=80):
     return results
 
 
+@pytest.mark.parametrize("fmi", FMI_VERSIONS)
 @pytest.mark.parametrize("model", MODELS)
-def test_validator_finds_no_problem(cache, model):
-    assert validate_fmu(str(ensure_built(model, cache))) == []
+def test_validator_finds_no_problem(cache, model, fmi):
+    assert validate_fmu(str(ensure_built(model, cache, fmi))) == []
 
 
 @pytest.mark.parametrize("model", MODELS)
@@ -98,9 +99,9 @@ def test_instances_do_not_meet(servo):
 
 
 def test_steps_of_whole_internal_steps_do_not_change_a_bit(servo):
-    """Internal steps of 25 us; the demand ends and the stop is met between two of them."""
+    """Internal steps of 10 us; the demand ends and the stop is met between two of them."""
     ends = []
-    for size_us in (25, 50, 200, 1000, 50_000):
+    for size_us in (10, 50, 200, 1000, 50_000):
         axis = servo(stop_position=0.0005, enabled=True, force_limit=500.0)
         axis.step_to(48e-6)
         axis.set(reference_velocity=0.05, reference_time=48e-6, reference_end=0.0873211)

@@ -7,6 +7,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
+from fmus import BuildError
 from fmus.build import build
 
 LIBRARY = """package Small
@@ -89,3 +90,15 @@ def test_what_is_calculated_or_final_cannot_be_set(load, plant, name):
 def test_limits_of_a_component_hold(load, plant):
     with pytest.raises(FMICallException):
         load(plant, **{"box.spring.stiffness": -1.0})
+
+
+def test_start_value_outside_its_limits_is_refused_with_its_line(tmp_path):
+    root = tmp_path / "Small"
+    root.mkdir()
+    text = LIBRARY.replace("Spring spring(stiffness=30);", "Spring spring(stiffness=-30);")
+    (root / "package.mo").write_text(text, encoding="utf-8")
+    with pytest.raises(
+        BuildError, match=r"-30 of box\.spring\.stiffness lies outside 0 \.\. inf"
+    ) as e:
+        build("Small.Plant", tmp_path / "plant.fmu", root)
+    assert (e.value.file, e.value.line) == ("Small/package.mo", 3)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus import ensure_built
+from fmus import FMI_VERSIONS, ensure_built
 from fmus.build import build
 
 SERVO = "AxisRig.Drives.ServoAxis"
@@ -221,6 +221,14 @@ def test_failure_at_the_start_is_told(small):
     plant.enter()
     plant.set(limit=-1.0)
     assert "x has passed its limit (t = 0 s)" in plant.refusal(plant.slave.exitInitializationMode)
+
+
+def test_both_versions_move_bit_by_bit_alike(cache, slaves, unpack):
+    two, three = (
+        slaves(*unpack(ensure_built(SERVO, cache, fmi=version))).start(**MOVE)
+        for version in FMI_VERSIONS
+    )
+    assert two.run(150) == three.run(150)
 
 
 # --- states and instances ------------------------------------------------------------------------
