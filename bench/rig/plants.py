@@ -70,7 +70,7 @@ def build_plant(settings: Settings) -> Plant:
             else:
                 sensors.append((instance, table, roles))
             set_start_values(settings, instance, table, roles)
-            plant.notes[instance] = roles.notes
+            plant.notes[instance] = [*_problems(slave), *roles.notes]
             plant.remarks[instance] = _remarks(table, roles)
         for instance, table, roles in sensors:
             _wire(settings, plant, instance, table, roles)
@@ -89,6 +89,17 @@ def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
         message = f"{error.message} ({path.name})"
         keys = ("plant", instance, "fmu")
         raise _at(settings, keys, error, message) from error
+
+
+def _problems(slave: FmuSlave) -> list[str]:
+    """Tell that the description of an FMU breaks the standard."""
+    if not slave.problems:
+        return []
+    more = f" (and {len(slave.problems) - 1} more)" if len(slave.problems) > 1 else ""
+    return [
+        f"its description breaks the standard: {slave.problems[0]}{more};"
+        f" axisrig fmu check {slave.path.name} lists it"
+    ]
 
 
 def _remarks(table: PlantTable, roles: Roles) -> list[str]:

@@ -5,7 +5,7 @@ from functools import cache
 from pathlib import Path
 
 import fmpy
-from fmpy.model_description import ModelDescription
+from fmpy.model_description import ModelDescription, ValidationError
 
 from kernel.cosim.archive import unpack
 from kernel.cosim.fmi2 import Fmi2Slave
@@ -41,6 +41,23 @@ def read_description(folder: Path) -> ModelDescription:
     return fmpy.read_model_description(str(folder))
 
 
+@cache
+def _read_anyhow(folder: Path) -> tuple[ModelDescription, tuple[str, ...]]:
+    """Read a description that may break the standard; return it with what is wrong.
+
+    Many tools leave out or add something that nobody needs to step the FMU. Names that are there
+    twice are another matter. Raises what `read_description` raises.
+    """
+    try:
+        return read_description(folder), ()
+    except ValidationError as error:
+        description = fmpy.read_model_description(str(folder), validate=False)
+        names = [variable.name for variable in description.modelVariables]
+        if len(set(names)) < len(names):
+            raise
+        return description, tuple(error.problems)
+
+
 def load_description(path: Path) -> tuple[ModelDescription, str]:
     """Return the model description and the unpacked folder of the FMU at `path`.
 
@@ -49,7 +66,7 @@ def load_description(path: Path) -> tuple[ModelDescription, str]:
     """
     folder = unpack(path)
     try:
-        description = read_description(folder)
+        description, _ = _read_anyhow(folder)
     except Exception as error:  # fmpy tells an unknown version or a missing element like that
         problems = getattr(error, "problems", None) or [str(error) or type(error).__name__]
         more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
@@ -101,4 +118,6 @@ def load_fmu(path: Path, name: str) -> FmuSlave:
     Raises UserError for an FMU that cannot be used.
     """
     description, folder = load_description(path)
-    return _VERSIONS[fmi_version(description)](path, name, description, folder)
+    slave = _VERSIONS[fmi_version(description)](path, name, description, folder)
+    slave.problems = _read_anyhow(Path(folder))[1]
+    return slave

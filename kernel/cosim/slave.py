@@ -132,6 +132,8 @@ class FmuSlave(ABC):
     """Type in the description -> word in the names of get and set, ctypes type."""
     STATE_WORD: ClassVar[str]
 
+    problems: tuple[str, ...] = ()
+    """Where the model description breaks the standard without being useless."""
     _fmu: Any  # fmpy's slave
     _step: Any  # doStep of the library, and what follows its first four arguments
     _step_tail: tuple[int, ...] = ()

@@ -8,6 +8,7 @@ import json
 import math
 from collections.abc import Callable
 from pathlib import Path
+from zipfile import ZipFile
 
 import numpy as np
 import pandas as pd
@@ -277,6 +278,29 @@ def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
         "switch: rising edge, known to 50 us"
     ]
     assert "tells no contact" in told["notes"]["latch_error_um:Z"]
+
+
+@pytest.mark.parametrize("version", [2], ids=["FMI2"], indirect=True)
+def test_description_that_breaks_the_standard_is_told_and_used(
+    place: Place, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A tool has put in an attribute of its own, which the schema does not allow."""
+    folder = place()
+    fmu = folder / "table.fmu"
+    with ZipFile(fmu) as old:
+        files = {name: old.read(name) for name in old.namelist()}
+    text = files["modelDescription.xml"].decode()
+    text = text.replace("<CoSimulation ", '<CoSimulation colour="red" ')
+    files["modelDescription.xml"] = text.encode()
+    with ZipFile(fmu, "w") as new:
+        for name, content in files.items():
+            new.writestr(name, content)
+    code, out, err = call(capsys, "check", folder / "rig.toml")
+    assert (code, err) == (0, "")
+    assert "its description breaks the standard: " in out
+    assert "'colour'" in out
+    code, out, _ = call(capsys, "nc", folder / "part.nc", "--rig", folder / "rig.toml")
+    assert (code, out) == (0, "V.A.MERF.Z=1\n")
 
 
 MISTAKES = [
