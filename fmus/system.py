@@ -16,6 +16,7 @@ from fmus.events import AT_ZERO, Memories, Relation, Row, is_synthetic
 from fmus.expressions import Expr, UnsupportedError, choice, parameter
 from fmus.functions import Functions
 from fmus.ir import Ir, Source
+from fmus.modifiers import refuse_dropped_modifiers
 from fmus.programs import read_program
 from fmus.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
 
@@ -71,6 +72,7 @@ def read_system(ir: Ir) -> System:
     Raises BuildError with the place of the construct.
     """
     refuse_unsupported(ir)
+    refuse_dropped_modifiers(ir)
     system = _Reader(ir).read()
     _check(ir, system)
     return system

@@ -7,16 +7,18 @@ import numpy as np
 import pytest
 
 
-def functions(t):
+def polynomial(t):
     c = np.array([1.0, -2, 3, -4])
-    k = np.where(np.sin(3 * t) < -0.5, -1, np.where(np.sin(3 * t) < 0.5, 0, 1))
-    return {
-        "value": np.polyval(c, t),
-        "slope": np.polyval(np.polyder(c), t),
-        "root": np.sqrt(1 + t),
-        "t": np.interp(t, [0, 1, 2, 4], [0, 10, 15, 5]),
-        "k": k,
-    }
+    return {"value": np.polyval(c, t), "slope": np.polyval(np.polyder(c), t)}
+
+
+def looked_up(t):
+    return {"t": np.interp(t, [0, 1, 2, 4], [0, 10, 15, 5])}
+
+
+def classified(t):
+    u = np.sin(3 * t)
+    return {"k": np.where(u < -0.5, -1, np.where(u < 0.5, 0, 1))}
 
 
 def if_equations(t):
@@ -160,7 +162,10 @@ def steps(t):
 
 # model, last instant, interval, tolerance, reference
 CASES = [
-    ("Language.Functions", 4, 0.0401, 1e-12, functions),
+    ("Language.Functions", 4, 0.0401, 1e-12, polynomial),
+    ("Language.WhileFunction", 4, 0.0401, 1e-12, lambda t: {"root": np.sqrt(1 + t)}),
+    ("Language.TableFunction", 3.9, 0.0401, 1e-12, looked_up),
+    ("Language.IntegerFunction", 4, 0.0401, 1e-12, classified),
     ("Language.IfEquations", 3, 0.0401, 1e-10, if_equations),
     ("Language.Records", 5, 0.05, 1e-10, records),
     ("Language.InnerOuter", 5, 0.05, 1e-11, inner_outer),

@@ -24,6 +24,8 @@ REFUSED = [
     ("Refused.Spatial", "spatialDistribution", "Spatial"),
     ("Refused.BooleanArray", "lost the equation of b", "BooleanArray"),
     ("Refused.IntegerArray", "lost the equation of k", "IntegerArray"),
+    ("Refused.RedeclaredModifier", "drops the modifier", "RedeclaredModifier"),
+    ("Refused.ConstrainingModifier", "drops the modifier", "ConstrainingModifier"),
     ("Refused.ClockedSynchronous", "clock", "ClockedSynchronous"),
 ]
 
@@ -46,3 +48,8 @@ def test_refusal_names_file_and_line(tmp_path, model, words, where):
     text = (FOLDER / "Refused" / "package.mo").read_text(encoding="utf-8")
     assert error.value.line in class_lines(text, where)
     assert not list(tmp_path.iterdir())
+
+
+def test_only_classes_that_the_model_uses_are_judged(tmp_path):
+    """Whole and Part stand beside two models with a modifier that the compiler drops."""
+    assert building.build("Refused.Whole", tmp_path / "x.fmu", FOLDER / "Refused").is_file()

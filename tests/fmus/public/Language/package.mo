@@ -65,15 +65,29 @@ package Language "Constructs of the language"
     f := if n <= 1 then 1 else n*factorial(n - 1);
   end factorial;
 
-  model Functions
-    output Real value, slope, root, t;
-    output Integer k;
+  model Functions "Loop over an array of any size, two results"
+    output Real value, slope;
   equation
     (value, slope) = polynomial({1, -2, 3, -4}, time);
-    root = heron(1 + time);
-    t = table(time);
-    k = classify(sin(3*time));
   end Functions;
+
+  model WhileFunction "Iteration with while"
+    output Real root;
+  equation
+    root = heron(1 + time);
+  end WhileFunction;
+
+  model TableFunction "Search in a local array"
+    output Real t;
+  equation
+    t = table(time);
+  end TableFunction;
+
+  model IntegerFunction "A whole number that jumps without an event"
+    output Integer k;
+  equation
+    k = classify(sin(3*time));
+  end IntegerFunction;
 
   model ScalarFunction "One scalar function in a derivative"
     function f
@@ -191,7 +205,7 @@ package Language "Constructs of the language"
   end Plant;
 
   model Redeclared
-    extends Plant(redeclare model Spring = Quadratic(k = 5));
+    extends Plant(redeclare model Spring = Quadratic, spring(k = 5));
   end Redeclared;
 
   model Conditional

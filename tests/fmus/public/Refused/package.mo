@@ -74,6 +74,27 @@ package Refused "Constructs that no FMU of this exporter can hold"
     (a, b) = spatialDistribution(sin(time), 0, time, true, {0.0, 1.0}, {0.0, 0.0});
   end Spatial;
 
+  model Part
+    parameter Real k = 2;
+    output Real y = k*time;
+  end Part;
+
+  model Whole
+    replaceable model Inner = Part;
+    Inner inner_part;
+    output Real y = inner_part.y;
+  end Whole;
+
+  model RedeclaredModifier "The compiler ignores k = 5"
+    extends Whole(redeclare model Inner = Part(k = 5));
+  end RedeclaredModifier;
+
+  model ConstrainingModifier "The compiler ignores k = 6"
+    replaceable model Inner = Part constrainedby Part(k = 6);
+    Inner inner_part;
+    output Real y = inner_part.y;
+  end ConstrainingModifier;
+
   model BooleanArray "The compiler drops the equation of the array"
     Boolean b[2];
     output Integer n;
