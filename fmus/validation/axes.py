@@ -185,9 +185,11 @@ def gravity_axis(time_s: Vector) -> Mapping[str, Vector]:
         rates = drive.rates(error, force, integral, limited, not mode[3])
         stop = 20e6 * (x - STOP) * (1.0 + 20.0 * v) if mode[6] and mode[7] else 0.0
         bend, bristle = lugre(v, z, stribeck(v, 120.0, 160.0, 5e-3), 20e6, 4e3)
-        give, brake = lugre(v, y, 2000.0, 100e6, 20e3)
+        stuck = 100e6 * y + 20e3 * v
+        brake = 2000.0 if mode[11] else -2000.0 if mode[12] else stuck
         if (mode[8] and not mode[9]) or mode[10]:
-            give, brake = -y / 1e-3, 0.0
+            brake = 0.0
+        give = (brake - 100e6 * y) / 20e3
         total = force - bristle - 800.0 * v - brake - stop - weight
         return v, total / mass, bend, give, *rates
 
@@ -198,6 +200,8 @@ def gravity_axis(time_s: Vector) -> Mapping[str, Vector]:
         lambda t, s, m: s[0] - STOP,
         lambda t, s, m: 1.0 + 20.0 * s[1],
         *(lambda t, s, m, at=at: t - at for at in brakes),
+        lambda t, s, m: 100e6 * s[3] + 20e3 * s[1] - 2000.0,
+        lambda t, s, m: -2000.0 - 100e6 * s[3] - 20e3 * s[1],
     ]
     rows = integrate(rhs, [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0], time_s, guards, rtol=1e-12)
     stops = [max(0.0, hunt_crossley(x - STOP, v, 20e6, 1.0, 20.0)) for x, v, *_ in rows.tolist()]

@@ -177,31 +177,37 @@ def elastic_joint(time_s: Vector) -> Mapping[str, Vector]:
 def holding_brake(time_s: Vector) -> Mapping[str, Vector]:
     """A mass hangs in the brake, falls from 0.11 s to 0.17 s, slips and hangs again.
 
-    The armature needs 60 ms from 0.05 s to open and 20 ms from 0.15 s to close.
+    The armature needs 60 ms from 0.05 s to open and 20 ms from 0.15 s to close. Closed: a spring
+    with damper in series with a slider. Source: Iwan (1966).
     """
     mass, weight, hold, k, d = 190.0, 300.0, 2000.0, 100e6, 20e3
     opened, closed = 0.05 + 0.06, 0.15 + 0.02
 
-    def rhs(t: float, x: list[float], mode: Mode) -> tuple[float, float, float]:
+    def brake(x: list[float], mode: Mode) -> float:
         if mode[0] and not mode[1]:
-            return x[1], -weight / mass, -x[2] / 1e-3
-        rate, force = lugre(x[1], x[2], hold, k, d)
-        return x[1], (-weight - force) / mass, rate
+            return 0.0
+        return hold if mode[2] else -hold if mode[3] else k * x[2] + d * x[1]
 
-    rows = integrate(
-        rhs,
-        [0.0, 0.0, 0.0],
-        time_s,
-        guards=[lambda t, x, m: t - opened, lambda t, x, m: t - closed],
-        rtol=1e-12,
-    )
-    free = (time_s > opened) & (time_s < closed)
-    forces = np.array([lugre(v, z, hold, k, d)[1] for _, v, z in rows.tolist()])
+    def rhs(t: float, x: list[float], mode: Mode) -> tuple[float, float, float]:
+        force = brake(x, mode)
+        return x[1], (-weight - force) / mass, (force - k * x[2]) / d
+
+    guards: list[Guard] = [
+        lambda t, x, m: t - opened,
+        lambda t, x, m: t - closed,
+        lambda t, x, m: k * x[2] + d * x[1] - hold,
+        lambda t, x, m: -hold - k * x[2] - d * x[1],
+    ]
+    rows = integrate(rhs, [0.0, 0.0, 0.0], time_s, guards, rtol=1e-12)
+    forces = [
+        brake(x, tuple(guard(t, x, ()) > 0 for guard in guards))
+        for t, x in zip(time_s, rows.tolist(), strict=True)
+    ]
     return {
         "position": rows[:, 0],
         "velocity": rows[:, 1],
-        "force": np.where(free, 0.0, forces),
-        "open": free.astype(float),
+        "force": np.array(forces),
+        "open": ((time_s > opened) & (time_s < closed)).astype(float),
     }
 
 

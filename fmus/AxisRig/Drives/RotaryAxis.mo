@@ -22,8 +22,8 @@ model RotaryAxis "Rotary table with drive cascade, friction, imbalance and a fix
   parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor and coupling";
   parameter Units.Ratio gear_ratio = 60 "Turns of the motor per turn of the table";
   parameter Units.Torque imbalance = 0 "Weight times distance of the centre of mass";
-  parameter Units.Torque coulomb_friction(min = 1e-9) = 8 "Coulomb friction";
-  parameter Units.Torque breakaway_friction(min = 1e-9) = 11 "Breakaway torque";
+  parameter Units.Torque coulomb_friction(min = 0) = 8 "Coulomb friction";
+  parameter Units.Torque breakaway_friction(min = 0) = 11 "Breakaway torque";
   parameter Units.AngularVelocity stribeck_velocity(min = 1e-6) = 0.01
     "Angular velocity over which breakaway falls to Coulomb";
   parameter Units.TorsionalDamping viscous_friction = 5 "Viscous friction";

@@ -26,7 +26,7 @@ equation
 <p>Equation: rotor J (2 pi/h)^2 dv_m/dt = F_motor - F_s, slide m dv/dt = F_s - F_friction - F_stop -
 F_g with F_s of ElasticJoint. The encoder sits on the motor: motor_position differs from position by
 F_s/k and half the backlash, with the sign of the load.</p>
-<p>Modes with the default values: 159 Hz with the motor locked, sqrt(k/m)/(2 pi), and 195 Hz free,
+<p>Modes with the default values: 159 Hz with the motor locked, sqrt(k/m)/(2 pi), and 261 Hz free,
 sqrt(k/m + k/m_r)/(2 pi).</p>
 <p>Assumptions: two masses; friction acts on the slide. Limits: no bending of the screw, stiffness
 does not depend on the position. Source: the parts; two masses with LuGre friction and backlash are

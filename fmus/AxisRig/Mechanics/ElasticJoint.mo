@@ -9,18 +9,21 @@ model ElasticJoint "Spring and damper between two flanges, with backlash"
   Units.Force force "Force on the driven side";
 protected
   Boolean preloaded "Without backlash both contacts are closed";
+  Units.Length reach "Twist at which a contact closes; out of reach when preloaded";
   Units.Velocity twist_rate "How fast the driving side gains";
   Units.Force ahead "Force of the contact when the driving side is ahead";
   Units.Force behind "Force of the contact when the driving side is behind";
 equation
   twist = flange_a.s - flange_b.s;
   twist_rate = der(flange_a.s) - der(flange_b.s);
-  ahead = stiffness*(twist - backlash/2) + damping*twist_rate;
-  behind = stiffness*(twist + backlash/2) + damping*twist_rate;
   preloaded = backlash <= 0;
-  force = if preloaded then ahead
-    elseif twist > backlash/2 and ahead > 0 then ahead
-    elseif twist < -backlash/2 and behind < 0 then behind
+  // Rest without backlash is no place for relations: noise would cross them again and again.
+  reach = if preloaded then 1e3 else backlash/2;
+  ahead = stiffness*(twist - reach) + damping*twist_rate;
+  behind = stiffness*(twist + reach) + damping*twist_rate;
+  force = if preloaded then stiffness*twist + damping*twist_rate
+    elseif twist > reach and ahead > 0 then ahead
+    elseif twist < -reach and behind < 0 then behind
     else 0;
   flange_a.f = force;
   flange_b.f = -force;
