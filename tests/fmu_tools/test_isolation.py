@@ -175,25 +175,33 @@ def test_what_is_wrong_before_the_run_is_rejected_as_without_isolation(
     assert not (place / "results").exists()
 
 
-def test_nc_comes_to_its_end_in_the_process_apart(
-    place: Path, axisrig: Call, ideal_axis: Build
-) -> None:
+def _nc_apart(place: Path, rig: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    """`nc --isolate` as a program of its own: its outputs are those of two processes."""
+    return subprocess.run(
+        [
+            *(sys.executable, "-m", "bench.cli", "nc", "move.nc", "--rig", rig, "--isolate"),
+            *("--set", "set:channel.meas_error_no_signal=1"),
+        ],
+        cwd=place,
+        env=os.environ | {"PYTHONPATH": str(ROOT)} | environment,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_nc_shows_messages_and_alarms_of_the_process_apart(place: Path, ideal_axis: Build) -> None:
     good = _rig(place, "good.toml", ideal_axis("good.fmu"))
-    (place / "move.nc").write_text('N10 #MSG["%d",1+1]\nN20 G1 Z131 F6000\nN30 M30\n')
-    assert axisrig("nc", "move.nc", "--rig", good, "--isolate")[0] == 0
+    (place / "move.nc").write_text('N10 #MSG["%d",1+1]\nN20 G100 Z131 F6000\nN30 M30\n')
+    ended = _nc_apart(place, good)
+    assert (ended.returncode, ended.stdout) == (1, "2\n")
+    assert "ID " in ended.stderr
 
 
 def test_nothing_of_a_crash_stays_on_the_disk(place: Path, ideal_axis: Build) -> None:
     rig = _rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
     scratch = place / "scratch"
     scratch.mkdir()
-    ended = subprocess.run(
-        [sys.executable, "-m", "bench.cli", "nc", "move.nc", "--rig", rig, "--isolate"],
-        cwd=place,
-        env=os.environ | {"PYTHONPATH": str(ROOT), "TMPDIR": str(scratch)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    ended = _nc_apart(place, rig, TMPDIR=str(scratch))
     assert "FMU bad.fmu (plant z) crashed" in ended.stderr
     assert list(scratch.iterdir()) == []
