@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from fmus.ir import Ir
+from fmus.programs import plain_programs
 
 _TOKENS = re.compile(
     rb'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/|\b(?:end\s+)?for\b|[;()\[\]{}]', re.DOTALL
@@ -26,7 +27,8 @@ def read_owners(ir: Ir) -> dict[int, int]:
     owners: dict[int, int] = {}
     taken: set[tuple[int, int]] = set()  # source and start of the calls that are known
     later = []
-    for span, numbers in _numbered_calls(ir.solve):
+    initial = plain_programs(ir.solve["initialization"]["residual"])
+    for span, numbers in (*_numbered_calls(ir.solve), *_numbered_calls(initial)):
         inside = _inside(named, span, (span.get("start", 0), span.get("end", 0)))
         if inside:
             owners |= _matched(ir, span, numbers, inside)

@@ -34,13 +34,14 @@ class Clocks:
     """All schedules. flags: for each the slot of p that is true at its instants.
 
     of_slot: the flag that a discrete variable waits for, by its slot in p. aliases: the compiler's
-    own flag to ours.
+    own flag to ours. of_clock: our flag of a clock of the compiler that is one schedule.
     """
 
     schedules: Sequence[Schedule]
     flags: Sequence[int]
     of_slot: Mapping[int, int]
     aliases: Mapping[int, int]
+    of_clock: Mapping[int, int]
 
 
 def read_clocks(ir: Ir, first_slot: int) -> Clocks:
@@ -78,12 +79,14 @@ class _Reader:
                 ((vector, where),) = bindings[name].items()
                 if vector == "P":
                     of_slot[where["index"]] = flags[number]
-        aliases = {}
-        for clock, slot in enumerate(self._ir.solve["clocks"]["activation_parameter_indices"]):
-            numbers = self._of_clock.get(clock, set())
-            if len(numbers) == 1:
-                aliases[slot] = flags[next(iter(numbers))]
-        return Clocks(self._schedules, flags, of_slot, aliases)
+        of_clock = {
+            clock: flags[next(iter(numbers))]
+            for clock, numbers in self._of_clock.items()
+            if len(numbers) == 1
+        }
+        slots = self._ir.solve["clocks"]["activation_parameter_indices"]
+        aliases = {slots[clock]: flag for clock, flag in of_clock.items()}
+        return Clocks(self._schedules, flags, of_slot, aliases, of_clock)
 
     def _schedule_of(self, ownership: Mapping[str, Any]) -> int:
         """The schedule that a discrete variable waits for."""

@@ -1,10 +1,10 @@
 """Relations: functions whose sign, or whole part, rests in memory between events."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fmus.expressions import COMPARE, ZERO, Expr, apply, parameter
+from fmus.expressions import COMPARE, ZERO, Expr, apply, in_order, parameter
 from fmus.ir import Ir, Source
 from fmus.support import at
 
@@ -14,7 +14,12 @@ AT_ZERO: Mapping[str, str] = {
     "Positive": "ZERO_IS_FALSE",
     "Previous": "ZERO_KEEPS",
 }
-_WHOLE: Mapping[str, str] = {"Floor": "WHOLE_BELOW", "Ceil": "WHOLE_ABOVE", "Trunc": "WHOLE_INSIDE"}
+_WHOLE: Mapping[str, str] = {
+    "Floor": "WHOLE_BELOW",
+    "Ceil": "WHOLE_ABOVE",
+    "Trunc": "WHOLE_INSIDE",
+    "Sign": "SIGN",
+}
 
 
 @dataclass(frozen=True)
@@ -60,24 +65,41 @@ class Memories:
     """
 
     def __init__(self, ir: Ir, first_slot: int) -> None:
-        self._ir, self._first = ir, first_slot
+        self._ir = ir
+        self.end = first_slot  # the first slot that is free
         self._slots: dict[tuple[str, Expr], int] = {}
         self.found: list[Relation] = []
 
-    def in_rows(self, rows: Sequence[Row], whole_parts: bool = True) -> list[Row]:
-        """The rows with memories. whole_parts: floor() and the like too, not only the time."""
+    def slot(self) -> int:
+        """A slot of p that nothing else uses."""
+        self.end += 1
+        return self.end - 1
+
+    def in_rows(
+        self, rows: Sequence[Row], whole_parts: bool = True, comparisons: bool = False
+    ) -> list[Row]:
+        """The rows with memories for comparisons of the time.
+
+        whole_parts: for floor() and the like too. comparisons: for all that the compiler has left.
+        """
         return [
-            Row(row.vector, row.index, self._in(row.value, row.place, whole_parts), row.place)
+            Row(
+                row.vector,
+                row.index,
+                self._in(row.value, row.place, whole_parts, comparisons),
+                row.place,
+            )
             for row in rows
         ]
 
-    def _in(self, value: Expr, place: Source | None, whole_parts: bool) -> Expr:
+    def _in(self, value: Expr, place: Source | None, whole_parts: bool, comparisons: bool) -> Expr:
         new: dict[Expr, Expr] = {}
-        for node in _arguments_first(value):
+        for node in in_order([value]):
             if not node.moves:
                 continue
             inner = node.replaced(new)
-            if node.kind in COMPARE and not node.unknowns() and inner.moves:
+            at_time = comparisons or not node.unknowns()
+            if node.kind in COMPARE and at_time and inner.moves:
                 new[node] = self._comparison(inner, place)
             elif node.kind in _WHOLE and whole_parts and inner.moves:
                 new[node] = self._memory(_WHOLE[node.kind], inner.args[0], place)
@@ -86,7 +108,7 @@ class Memories:
     def _comparison(self, node: Expr, place: Source | None) -> Expr:
         left, right = node.args
         if node.kind in ("Eq", "Ne"):
-            raise at(self._ir, place, "the time can only be compared by <, <=, >, >=")
+            raise at(self._ir, place, "what moves can only be compared by <, <=, >, >=")
         below = node.kind in ("Lt", "Le")
         function = apply("Sub", left, right) if below else apply("Sub", right, left)
         kind = "ZERO_IS_TRUE" if node.kind in ("Le", "Ge") else "ZERO_IS_FALSE"
@@ -95,26 +117,6 @@ class Memories:
     def _memory(self, kind: str, function: Expr, place: Source | None) -> Expr:
         key = (kind, function)
         if key not in self._slots:
-            self._slots[key] = self._first + len(self.found)
+            self._slots[key] = self.slot()
             self.found.append(Relation(function, self._slots[key], kind, place))
         return parameter(self._slots[key])
-
-
-def _arguments_first(value: Expr) -> Iterable[Expr]:
-    return reversed(list(_parents_first(value)))
-
-
-def _parents_first(value: Expr) -> list[Expr]:
-    """Every node after all nodes that use it."""
-    order: list[Expr] = []
-    seen: set[Expr] = set()
-    stack = [(value, False)]
-    while stack:
-        node, ready = stack.pop()
-        if ready:
-            order.append(node)
-        elif node not in seen:
-            seen.add(node)
-            stack.append((node, True))
-            stack.extend((arg, False) for arg in node.args)
-    return order[::-1]

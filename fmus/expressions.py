@@ -1,7 +1,7 @@
 """Expressions of one model: a graph in which equal nodes are the same object."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
 from typing import ClassVar
 from weakref import WeakValueDictionary
 
@@ -59,7 +59,10 @@ class UnsupportedError(Exception):
 class Expr:
     """One node: an operator with arguments, or a leaf. Equal nodes are one object.
 
-    kind: an operator of the tables, "Select", or "const", "time", "y", "p" for leaves.
+    kind: an operator of the tables, "Select", or "const", "time", "y", "p" for leaves. "System":
+    the solution of the linear equations with the matrix and then the right side as arguments, row
+    by row. "Newton": the solution of block `index`, see equations.py, which reads the arguments.
+    "Component": number `index` of such a solution.
     value: the number of a constant. index: the slot of "y" or "p".
     """
 
@@ -136,6 +139,23 @@ class Expr:
             same = all(a is b for a, b in zip(args, node.args, strict=True))
             done[node] = node if same else Expr(node.kind, args, node.value, node.index)
         return done[self]
+
+
+def in_order(roots: Iterable[Expr], known: Container[Expr] = ()) -> list[Expr]:
+    """All nodes of some expressions, each once and after its arguments; none below `known`."""
+    order: list[Expr] = []
+    seen: set[Expr] = set()
+    for root in roots:
+        stack = [(root, False)]
+        while stack:
+            node, ready = stack.pop()
+            if ready:
+                order.append(node)
+            elif node not in seen and node not in known:
+                seen.add(node)
+                stack.append((node, True))
+                stack.extend((arg, False) for arg in reversed(node.args))
+    return order
 
 
 def const(value: float) -> Expr:
@@ -216,6 +236,13 @@ def quotient(a: Expr, b: Expr) -> Expr:
     return Expr("Div", (a, b))
 
 
+def power(a: Expr, b: Expr) -> Expr:
+    """a to the power b; exponents 0 and 1 need no function."""
+    if b is ZERO:
+        return ONE
+    return a if b is ONE else Expr("Pow", (a, b))
+
+
 def choice(condition: Expr, yes: Expr, no: Expr) -> Expr:
     """yes where the condition holds, else no."""
     if condition.kind == "const":
@@ -255,6 +282,7 @@ _SIMPLER: Mapping[str, Callable[..., Expr]] = {
     "Sub": difference,
     "Mul": product,
     "Div": quotient,
+    "Pow": power,
     "Select": choice,
 }
 _EXACT: Mapping[str, Callable[..., float]] = {

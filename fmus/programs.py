@@ -4,9 +4,10 @@ A program is straight-line code: each operation writes one or several registers 
 row by row in registers that follow each other. What is not known here stops the build.
 """
 
+import itertools
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from fmus.expressions import (
@@ -20,6 +21,7 @@ from fmus.expressions import (
     choice,
     const,
     parameter,
+    power,
     total,
     variable,
 )
@@ -27,25 +29,31 @@ from fmus.expressions import (
 Op = Mapping[str, Any]
 # Inlines a call: number of the function, registers, first register of each argument.
 Call = Callable[[int, Mapping[int, Expr], Sequence[int]], Sequence[Expr]]
+# The solution of linear equations: matrix row by row, right side.
+Linear = Callable[[Sequence[Expr], Sequence[Expr]], Expr]
 
 _OPERANDS = ("arg", "lhs", "rhs", "cond", "if_true", "if_false")
 _INNER: Mapping[str, Mapping[str, str]] = {"Unary": UNARY, "Binary": BINARY, "Compare": COMPARE}
 _NUMBERS = {"positive_infinity": math.inf, "negative_infinity": -math.inf, "nan": math.nan}
 
 
-def read_program(ops: Sequence[Op], call: Call, captures: Sequence[Expr] = ()) -> dict[int, Expr]:
+def read_program(
+    ops: Sequence[Op], call: Call, linear: Linear, captures: Sequence[Expr] = ()
+) -> dict[int, Expr]:
     """Turn register code into one expression for each output index.
 
-    call: what a function call stands for. captures: values that a branch takes from around it.
+    call, linear: what a function call and linear equations stand for. captures: values that a
+    branch takes from around it.
     Raises UnsupportedError for an op, operator or form that is not known.
     """
-    return _Reader(call, captures).read(ops)
+    return _Reader(call, linear, captures).read(ops)
 
 
 class _Reader:
-    def __init__(self, call: Call, captures: Sequence[Expr]) -> None:
-        self._call, self._captures = call, captures
+    def __init__(self, call: Call, linear: Linear, captures: Sequence[Expr]) -> None:
+        self._call, self._linear, self._captures = call, linear, captures
         self._registers: dict[int, Expr] = {}
+        self._systems: dict[tuple[int, int], Expr] = {}  # by their registers
 
     def read(self, ops: Sequence[Op]) -> dict[int, Expr]:
         outputs: dict[int, Expr] = {}
@@ -68,7 +76,7 @@ class _Reader:
         operator = op.get("operator", kind)
         if kind in _INNER and operator in _INNER[kind]:
             parts = [self._registers[op[name]] for name in _OPERANDS if name in op]
-            return [Expr(operator, parts)]
+            return [power(*parts) if operator == "Pow" else Expr(operator, parts)]
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind).lower()  # LoadP: _op_load_p
         method = getattr(self, f"_op_{words}", None)
         if method is None or op.get("lanes", 1) != 1:
@@ -195,6 +203,13 @@ class _Reader:
         size = op["size"]
         return [ONE if i == j else ZERO for i in range(size) for j in range(size)]
 
+    def _op_linear_solve_component(self, op: Op) -> list[Expr]:
+        key = op["matrix_start"], op["rhs_start"]
+        if key not in self._systems:
+            matrix = self._several(op["matrix_start"], op["n"] ** 2)
+            self._systems[key] = self._linear(matrix, self._several(op["rhs_start"], op["n"]))
+        return [Expr("Component", (self._systems[key],), index=op["component"])]
+
     # --- branches and calls
 
     def _op_function_conditional(self, op: Op) -> list[Expr]:
@@ -202,7 +217,7 @@ class _Reader:
         captures = self._several(op["capture_start"], op["capture_count"])
 
         def outputs(program: Op) -> list[Expr]:
-            found = read_program(program["ops"], self._call, captures)
+            found = read_program(program["ops"], self._call, self._linear, captures)
             return [found[index] for index in range(len(found))]
 
         results = outputs(op["fallback"])
@@ -239,3 +254,53 @@ def _picked(values: Sequence[Expr], index: Expr, first: int) -> Expr:
         condition = Expr("Eq", (index, const(number + first)))
         result = choice(condition, values[number], result)
     return result
+
+
+def plain_programs(residual: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The programs of an initial residual in the form of a plan.
+
+    The compiler prepares no plan for these; its own form names the same operations.
+    Raises UnsupportedError for any other form.
+    """
+    found = []
+    for node in residual["nodes"]:
+        ((kind, content),) = node.items()
+        if kind != "ScalarPrograms":
+            raise UnsupportedError(f"a residual of the form {kind}")
+        indices = iter(content["output_indices"])
+        spans = content.get("program_spans") or [None] * len(content["programs"])
+        for ops, span in zip(content["programs"], spans, strict=True):
+            found.append({"ops": _plain_ops(ops, indices), "span": span})
+    return found
+
+
+def _plain_ops(ops: Sequence[Mapping[str, Any]], indices: Iterator[int]) -> list[dict[str, Any]]:
+    """Operations in the form of a plan; `indices` numbers the outputs."""
+    plain = []
+    for raw in ops:
+        ((kind, content),) = raw.items()
+        op = {"kind": kind, **content}
+        if "op" in op:
+            op["operator"] = op.pop("op")
+        if kind == "Const":
+            finite = isinstance(op["value"], int | float) and math.isfinite(op["value"])
+            op["value_class"] = "finite" if finite else str(op["value"])
+        elif kind == "PureCall":
+            op["owner"] = op["site"]["owner"]
+        elif kind == "StoreOutput":
+            op["output_index"] = next(indices)
+        elif kind == "StoreOutputRange":
+            op["output_indices"] = [next(indices) for _ in range(op["count"])]
+        elif kind == "FunctionConditional":
+            program = op.pop("program")
+            op |= program
+            op["fallback"] = {"ops": _plain_ops(program["fallback"], itertools.count())}
+            op["arms"] = [
+                {
+                    part: {"ops": _plain_ops(arm[part], itertools.count())}
+                    for part in ("condition", "result")
+                }
+                for arm in program["arms"]
+            ]
+        plain.append(op)
+    return plain

@@ -16,22 +16,17 @@ def refuse_unsupported(ir: Ir) -> None:
     """
     solve, temporal = ir.solve, ir.dae["systems"]["temporal"]
     layout, events = solve["solve_layout"], solve["events"]
-    initial, discrete = solve["initialization"], solve["discrete"]
-    implicit = solve["continuous"]["implicit_rhs"]["scalar_plan"]
+    discrete = solve["discrete"]
     clocked = [b for b in layout["pre_param_bindings"] if b["clock_schedule"] is not None]
     mass = solve["artifacts"]["continuous"]["mass_matrix"]["kind"]
     refused: Sequence[tuple[object, str | None, str]] = (
         (clocked, None, "previous() on a clock is"),
         (layout["terminal_event_parameter_index"] is not None, "terminal", "terminal() is"),
-        (layout["initial_homotopy_parameter_index"] is not None, "homotopy", "homotopy() is"),
         (temporal["delays"], "delay", "delay() is"),
         (temporal["terminals"], "terminal", "terminal() is"),
         (temporal["previous"], "previous", "previous() is"),
-        (initial["residual"]["nodes"], None, "an initial equation without explicit unknown is"),
-        (initial["projection_plan"]["blocks"], None, "a system of initial equations is"),
         (events["scheduled_root_conditions"], None, "a scheduled root condition is"),
         (mass != "identity", None, "a mass matrix is"),
-        (implicit["uses_linear_solve_component"], None, "a linear system of equations is"),
     )
     for found, word, message in refused:
         if found:
@@ -39,14 +34,11 @@ def refuse_unsupported(ir: Ir) -> None:
     spans = [program.get("span") for program in _programs(discrete)]
     if len(spans) != len(discrete["update_targets"]):
         raise ir.error(None, "discrete equations and their targets do not match")
-    for target, span in zip(discrete["update_targets"], spans, strict=True):
-        if "P" not in target:
-            raise ir.error(span, "reinit() is not supported")
     named = [binding.get("P") for binding in solve["layout"]["bindings"].values()]
     for target, observed, span in zip(
         discrete["update_targets"], discrete["observation_refresh"], spans, strict=True
     ):
-        if observed and target["P"] in named:
+        if observed and target.get("P", -1) in named:
             message = "a discrete variable that changes without an event is not supported"
             raise ir.error(span, message)
 

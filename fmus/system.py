@@ -6,30 +6,26 @@ values, relation memory). Each relation has a function whose sign decides it; be
 value rests in p. Slots behind the compiler's own hold what this exporter adds.
 """
 
+import functools
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fmus.algebra import NotAffineError, solve_for
+from fmus.actions import Action, actions_of, kind_of, read_message, start_check
 from fmus.clocks import Schedule, read_clocks
+from fmus.equations import Block, Equation, Solver
 from fmus.events import AT_ZERO, Memories, Relation, Row, is_synthetic
-from fmus.expressions import Expr, UnsupportedError, choice, parameter
+from fmus.expressions import ONE, Expr, UnsupportedError, apply, choice, parameter, variable
 from fmus.functions import Functions
-from fmus.ir import Ir, Source
+from fmus.ir import Ir
 from fmus.modifiers import refuse_dropped_modifiers
-from fmus.programs import read_program
+from fmus.programs import plain_programs, read_program
 from fmus.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
 
 Assignment = Row
 
-
-@dataclass(frozen=True)
-class Assertion:
-    """The simulation ends with `message` when `failed` is true after an event."""
-
-    failed: Expr
-    message: str
-    place: Source | None
+# Initial equations that decide an unknown; the others can only agree with what these decide.
+_SOLVED = ("Solved", "SolvedThroughAlgebraicRefresh")
 
 
 @dataclass(frozen=True)
@@ -42,7 +38,9 @@ class System:
     equations, all from one snapshot; `whens` of them belong to when-clauses. conditions: what the
     conditions of when-clauses were at the last event, from one snapshot. previous: (slot of pre(v),
     "y" or "p", slot of v). schedules: periodic instants, each with the slot of its flag.
-    initial_flag: the slot that is true during initialization.
+    reinits: states that get a new value at an event, from one snapshot. initial_flag: the slot that
+    is true during initialization. blocks: equations that hold at once. twins: (state of the
+    compiler's own, the variable with whose start value it begins).
     """
 
     y_count: int
@@ -56,9 +54,12 @@ class System:
     conditions: Sequence[Assignment]
     previous: Sequence[tuple[int, str, int]]
     relations: Sequence[Relation]
-    assertions: Sequence[Assertion]
+    actions: Sequence[Action]
+    reinits: Sequence[Assignment]
     schedules: Sequence[tuple[int, Schedule]]
     initial_flag: int | None
+    blocks: Sequence[Block]
+    twins: Sequence[tuple[int, int]]
 
     @property
     def state_count(self) -> int:
@@ -84,20 +85,20 @@ class _Reader:
     def __init__(self, ir: Ir) -> None:
         self._ir = ir
         self._functions = Functions(ir)
+        self._solver = Solver(ir)
         slots = ir.solve["layout"]["p_scalars"]
         self._clocks = read_clocks(ir, slots)
-        self._p_count = slots + len(self._clocks.flags)
+        self._memories = Memories(ir, slots + len(self._clocks.flags))
         self._aliases = {
             parameter(old): parameter(new) for old, new in self._clocks.aliases.items()
         }
+        homotopy = ir.solve["solve_layout"]["initial_homotopy_parameter_index"]
+        if homotopy is not None:
+            self._aliases[parameter(homotopy)] = ONE  # homotopy() is its first argument
 
     def read(self) -> System:
         solve = self._ir.solve
-        layout, discrete, initial = (
-            solve["solve_layout"],
-            solve["discrete"],
-            solve["initialization"],
-        )
+        layout, discrete = solve["solve_layout"], solve["discrete"]
         targets = discrete["update_targets"]
         offset = discrete["rhs_plan"]["output_count"]
         equations = self._targeted(discrete["rhs_plan"], targets)
@@ -111,36 +112,45 @@ class _Reader:
             (binding["dest_p_index"], *_slot(binding["source"]))
             for binding in layout["pre_param_bindings"]
         ]
+        at_once = self._algebraics(layout["state_scalar_count"])
+        with_memory = self._memories.in_rows
+        guarded = self._targeted(discrete["guarded_assignment_plan"], targets[offset:])
+        whens = [self._held(row, previous) for row in guarded if row.vector == "p"]
+        reinits = [self._gated(row) for row in guarded if row.vector == "y"]
+        runtime = discrete["runtime_assignment_plan"], discrete["runtime_assignment_targets"]
         system = System(
             y_count=solve["layout"]["y_scalars"],
-            p_count=self._p_count,
-            derivatives=self._derivatives(),
-            algebraics=self._algebraics(layout["state_scalar_count"]),
-            initial=self._targeted(initial["update_plan"], initial["update_targets"]),
-            runtime=self._targeted(
-                discrete["runtime_assignment_plan"], discrete["runtime_assignment_targets"]
-            ),
-            updates=[row for row in equations if row.index in named],
-            whens=[
-                self._held(row, previous)
-                for row in self._targeted(discrete["guarded_assignment_plan"], targets[offset:])
-            ],
-            conditions=[row for row in equations if row.index not in named],
+            p_count=0,
+            derivatives=with_memory(self._derivatives()),
+            algebraics=self._solved(at_once),
+            initial=self._initial(at_once),
+            runtime=with_memory(self._targeted(*runtime)),
+            updates=with_memory([row for row in equations if row.index in named]),
+            whens=with_memory(whens, whole_parts=False),
+            conditions=with_memory([row for row in equations if row.index not in named]),
             previous=previous,
             relations=self._relations(),
-            assertions=self._assertions(),
+            actions=self._actions(),
+            reinits=with_memory(reinits, whole_parts=False),
             schedules=list(zip(self._clocks.flags, self._clocks.schedules, strict=True)),
             initial_flag=layout["initial_event_parameter_index"],
+            blocks=self._solver.blocks,
+            twins=self._twins(at_once, layout["state_scalar_count"]),
         )
-        return _with_memories(self._ir, system)
+        return replace(
+            system,
+            p_count=self._memories.end,
+            relations=[*system.relations, *self._memories.found],
+        )
 
     def _rows(self, plan: Mapping[str, Any]) -> list[Assignment]:
         """Each output of a plan as an assignment to "y" of its output index."""
         rows = []
         for program in plan["programs"]:
             span = program.get("span")
+            linear = functools.partial(self._solver.linear, self._ir.place(span))
             try:
-                outputs = read_program(program["ops"], self._functions.call)
+                outputs = read_program(program["ops"], self._functions.call, linear)
             except UnsupportedError as error:
                 raise self._ir.error(span, f"{error} is not supported") from error
             except RecursionError:
@@ -177,6 +187,12 @@ class _Reader:
             value = choice(parameter(flag), value, held)
         return replace(row, value=value)
 
+    def _gated(self, row: Assignment) -> Assignment:
+        """reinit() of a state, which may wait for a clock."""
+        if row.index >= self._ir.solve["solve_layout"]["state_scalar_count"]:
+            raise at(self._ir, row.place, "reinit() of a variable that is not a state")
+        return row
+
     def _derivatives(self) -> list[Assignment]:
         rows = self._rows(self._ir.solve["continuous"]["derivative_rhs"]["scalar_plan"])
         count = self._ir.solve["solve_layout"]["state_scalar_count"]
@@ -184,30 +200,73 @@ class _Reader:
             raise self._ir.error(None, "not every state has a derivative")
         return rows
 
-    def _algebraics(self, state_count: int) -> list[Assignment]:
-        """Solve each algebraic equation for its unknown and put them in order.
-
-        Raises BuildError for an equation that is not linear in its unknown and for loops.
-        """
+    def _algebraics(self, state_count: int) -> list[Equation]:
+        """What holds between the states and everything else in y at any time."""
         continuous = self._ir.solve["continuous"]
         targets = continuous["implicit_row_targets"]
-        solved: dict[int, Assignment] = {}
-        for row in self._rows(continuous["implicit_rhs"]["scalar_plan"]):
+        equations = []
+        rows = self._memories.in_rows(self._rows(continuous["implicit_rhs"]["scalar_plan"]))
+        for row in rows:
             target = targets[row.index]
             if target is None:
                 raise at(self._ir, row.place, "an equation without an unknown")
-            _, unknown = _slot(target)
-            try:
-                value = solve_for(row.value, unknown)
-            except NotAffineError:
-                name = _name(self._ir, unknown)
-                message = f"the equation for {name} is not linear in it; solve it by hand"
-                raise at(self._ir, row.place, message) from None
-            solved[unknown] = Assignment("y", unknown, value, row.place)
-        missing = set(range(state_count, self._ir.solve["layout"]["y_scalars"])) - solved.keys()
+            equations.append(Equation(row.value, variable(_slot(target)[1]), row.place))
+        found = {equation.unknown.index for equation in equations}
+        missing = set(range(state_count, self._ir.solve["layout"]["y_scalars"])) - found
         if missing:
             raise self._ir.error(None, f"no equation for {_name(self._ir, min(missing))}")
-        return _in_order(self._ir, solved, state_count)
+        return equations
+
+    def _twins(self, equations: Sequence[Equation], count: int) -> list[tuple[int, int]]:
+        """States that stand for a variable of the model, as after index reduction."""
+        declared = {name for v in self._ir.dae["variables"] for name in v["scalar_names"]}
+        equal: dict[int, int] = {}
+        for equation in equations:
+            parts = equation.residual.args
+            if equation.residual.kind == "Sub" and all(part.kind == "y" for part in parts):
+                equal[parts[0].index] = parts[1].index
+                equal[parts[1].index] = parts[0].index
+        twins = []
+        for state in range(count):
+            if _name(self._ir, state) not in declared:
+                if state not in equal:
+                    message = f"the start of {_name(self._ir, state)} is not known"
+                    raise self._ir.error(None, message)
+                twins.append((state, equal[state]))
+        return twins
+
+    def _solved(self, equations: Sequence[Equation]) -> list[Assignment]:
+        return [
+            Assignment(
+                solution.unknown.kind, solution.unknown.index, solution.value, solution.place
+            )
+            for solution in self._solver.solve(equations)
+        ]
+
+    def _initial(self, equations_at_once: Sequence[Equation]) -> list[Assignment]:
+        """What holds at the start only, with all that it needs of what holds at any time."""
+        initial = self._ir.solve["initialization"]
+        equations = [
+            Equation(apply("Sub", leaf, row.value), leaf, row.place)
+            for row in self._targeted(initial["update_plan"], initial["update_targets"])
+            for leaf in [Expr(row.vector, index=row.index)]
+        ]
+        residuals = self._initial_residuals()
+        for block in initial["projection_plan"]["blocks"]:
+            for row, target in zip(block["rows"], block["unknowns"], strict=True):
+                vector, index = _slot(target)
+                residual = residuals[row]
+                equations.append(
+                    Equation(residual.value, Expr(vector, index=index), residual.place)
+                )
+        return self._solved(_with_needed(equations, equations_at_once))
+
+    def _initial_residuals(self) -> dict[int, Assignment]:
+        try:
+            programs = plain_programs(self._ir.solve["initialization"]["residual"])
+        except UnsupportedError as error:
+            raise self._ir.error(None, f"{error} is not supported") from error
+        return {row.index: row for row in self._rows({"programs": programs})}
 
     def _relations(self) -> list[Relation]:
         """The relations with their memory."""
@@ -225,19 +284,41 @@ class _Reader:
                 relations.append(Relation(row.value, slot, AT_ZERO[domain], place))
         return relations
 
-    def _assertions(self) -> list[Assertion]:
-        """assert() of the model; any other action stops the build."""
-        events = self._ir.solve["events"]
-        assertions = []
-        rows = self._rows(events["action_plan"])
-        for row, action in zip(rows, events["actions"], strict=True):
-            parts = action["message"]["parts"] if action["kind"] == "Assert" else []
-            if not parts or any(list(part) != ["Text"] for part in parts):
-                message = "only assert() with a fixed text is supported"
-                raise self._ir.error(action.get("span"), message)
-            text = "".join(part["Text"] for part in parts)
-            assertions.append(Assertion(row.value, text, self._ir.place(action.get("span"))))
-        return assertions
+    def _actions(self) -> list[Action]:
+        """assert() and terminate() of the model."""
+        actions = []
+        plan = self._rows(self._ir.solve["events"]["action_plan"])
+        rows = self._memories.in_rows(plan, comparisons=True)
+        for row, action in zip(rows, actions_of(self._ir), strict=True):
+            span = action.get("span")
+            try:
+                text, values = read_message(action, self._value)
+            except UnsupportedError as error:
+                raise self._ir.error(span, f"{error} is not supported") from error
+            condition = row.value
+            if action["clock_owner"] is not None:
+                flag = self._clocks.of_clock.get(action["clock_owner"])
+                if flag is None:
+                    raise self._ir.error(span, "an assertion that waits for several clocks")
+                condition = apply("And", parameter(flag), condition)
+            kind = kind_of(action)
+            memory = self._memories.slot() if kind == "warning" else -1
+            place = self._ir.place(span)
+            actions.append(Action(kind, condition, text, values, place, memory=memory))
+        return actions + self._start_checks()
+
+    def _value(self, raw: Sequence[Mapping[str, Any]]) -> Expr:
+        """The value of one program in the compiler's own form."""
+        node = {"ScalarPrograms": {"output_indices": [0], "programs": [raw]}}
+        (program,) = plain_programs({"nodes": [node]})
+        return self._rows({"programs": [program]})[0].value
+
+    def _start_checks(self) -> list[Action]:
+        """Start values that are given although equations decide them."""
+        roles = self._ir.solve["initialization"]["row_roles"]
+        surplus = [number for number, role in enumerate(roles) if role not in _SOLVED]
+        residuals = self._initial_residuals() if surplus else {}
+        return [start_check(residuals[n].value, residuals[n].place) for n in surplus]
 
 
 def _check(ir: Ir, system: System) -> None:
@@ -280,41 +361,18 @@ def _slot(target: Mapping[str, Any]) -> tuple[str, int]:
     return vector.lower(), where["index"]
 
 
-def _in_order(ir: Ir, solved: Mapping[int, Assignment], state_count: int) -> list[Assignment]:
-    """Sort so that each assignment needs only states and earlier ones."""
-    done: set[int] = set(range(state_count))
-    order: list[Assignment] = []
-    waiting = dict(solved)
+def _with_needed(equations: Sequence[Equation], others: Sequence[Equation]) -> list[Equation]:
+    """The equations, and those of the others that they depend on."""
+    by_unknown = {equation.unknown: equation for equation in others}
+    chosen = {equation.unknown: equation for equation in equations}
+    waiting = list(equations)
     while waiting:
-        ready = [i for i, a in waiting.items() if a.value.unknowns() <= done]
-        if not ready:
-            names = ", ".join(sorted(_name(ir, i) for i in waiting))
-            first = waiting[min(waiting)]
-            raise at(ir, first.place, f"algebraic loop among {names}")
-        for index in ready:
-            order.append(waiting.pop(index))
-        done.update(ready)
-    return order
+        for leaf in waiting.pop().residual.leaves():
+            if leaf in by_unknown and leaf not in chosen:
+                chosen[leaf] = by_unknown[leaf]
+                waiting.append(chosen[leaf])
+    return list(chosen.values())
 
 
 def _name(ir: Ir, index: int) -> str:
     return str(ir.solve["solve_layout"]["solver_maps"]["names"][index])
-
-
-def _with_memories(ir: Ir, system: System) -> System:
-    """The system with a memory for everything that jumps without being a relation yet."""
-    memories = Memories(ir, system.p_count)
-    system = replace(
-        system,
-        derivatives=memories.in_rows(system.derivatives),
-        algebraics=memories.in_rows(system.algebraics),
-        runtime=memories.in_rows(system.runtime),
-        updates=memories.in_rows(system.updates),
-        whens=memories.in_rows(system.whens, whole_parts=False),
-        conditions=memories.in_rows(system.conditions),
-    )
-    return replace(
-        system,
-        p_count=system.p_count + len(memories.found),
-        relations=[*system.relations, *memories.found],
-    )

@@ -1,4 +1,4 @@
-/* What a generated model gives to the runtime, and small helpers of the generated code.
+/* What a generated model and the runtime share, and small helpers of the generated code.
  *
  * A model lives in two vectors: y (N_X states, then what follows from them at the same instant)
  * and p (parameters, inputs, discrete variables, previous values, relation memory). The functions
@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
 
 typedef enum { TYPE_FLOAT64, TYPE_INT32, TYPE_BOOLEAN, TYPE_ENUMERATION } VariableType;
 /* CLASS_PARAMETER: also start values of states; both can be set before the start only. */
@@ -28,7 +29,8 @@ typedef struct {
 } VariableInfo;
 
 /* What a relation keeps in its memory: whether its function is below zero, and what that means at
- * exactly zero; or the whole number below, above or towards zero of its function.
+ * exactly zero; or the whole number below, above or towards zero of its function, or its sign. A
+ * KINK has no memory: the right-hand side has another form on the other side, without an event.
  */
 typedef enum {
     ZERO_IS_FALSE,
@@ -37,6 +39,8 @@ typedef enum {
     WHOLE_BELOW,
     WHOLE_ABOVE,
     WHOLE_INSIDE,
+    SIGN,
+    KINK,
 } RelationKind;
 
 typedef struct {
@@ -52,19 +56,25 @@ typedef struct {
     const char *place; /* file:line */
 } ClockInfo;
 
-/* Generated (model.c). */
-static void model_derivatives(double t, const double *restrict x, const double *restrict p,
-                              double *restrict dx);
-static void model_relations(double t, const double *restrict x, const double *restrict p,
-                            double *restrict z);
-static void model_algebraics(double t, double *restrict y, const double *restrict p);
-static void model_initial(double t, double *y, double *p);
-static void model_runtime(double t, const double *y, double *p);
-static void model_updates(double t, const double *y, double *p, bool with_whens);
-static void model_conditions(double t, const double *y, double *p);
-static void model_clocks(const double *p, double *offset, double *interval);
-static void model_previous(const double *y, double *p);
-static const char *model_failed_assertion(double t, const double *y, const double *p);
+/* Equations that hold at once: everything in them, file:line of the first. */
+typedef struct {
+    const char *names;
+    const char *place;
+} BlockInfo;
+
+typedef enum {
+    SOLVER_OK,
+    SOLVER_TERMINATED, /* the model called terminate() */
+    SOLVER_FAILED,
+} SolverResult;
+
+/* What a model says while it runs; the slave hands it to the importer's logger. */
+enum { N_WARNINGS = 8, WARNING_SIZE = 256, TEXT_SIZE = 768 };
+typedef struct {
+    int warnings;                         /* more than N_WARNINGS are only counted */
+    char warning[N_WARNINGS][WARNING_SIZE];
+    char text[TEXT_SIZE];                 /* of what has ended the simulation */
+} Notes;
 
 static inline double smaller(double a, double b) { return b < a ? b : a; }
 static inline double larger(double a, double b) { return b > a ? b : a; }

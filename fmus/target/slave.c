@@ -33,6 +33,7 @@ typedef struct {
     char *name;
     void *environment;
     void (*log)(void); /* the importer's function, of a type that only its version knows */
+    Notes notes;
     unsigned silent;   /* bits of log categories that are switched off */
 } Instance;
 
@@ -69,26 +70,25 @@ static Status misplaced(const Instance *me, const char *function)
                 me->now.core.t);
 }
 
-static Status tell(const Instance *me, SolverReport r)
+static Status tell(Instance *me, SolverReport r)
 {
+    const int told = me->notes.warnings < N_WARNINGS ? me->notes.warnings : N_WARNINGS;
+    for (int i = 0; i < told; i++) {
+        say(me, STATUS_WARNING, "%s", me->notes.warning[i]);
+    }
+    if (me->notes.warnings > told) {
+        say(me, STATUS_WARNING, "%d more warnings", me->notes.warnings - told);
+    }
+    me->notes.warnings = 0;
     switch (r.result) {
     case SOLVER_OK:
-        return STATUS_OK;
+        return told > 0 ? STATUS_WARNING : STATUS_OK;
     case SOLVER_TERMINATED:
-        return say(me, STATUS_DISCARD, "terminate: %s (t = %.12g s)", r.text, r.t);
-    case SOLVER_NOT_FINITE:
-        return fail(me, "%s is not a finite number at t = %.12g s", Y_NAMES[r.state], r.t);
-    case SOLVER_NO_FIXED_POINT:
-        return fail(me, "discrete equations do not come to rest at t = %.12g s", r.t);
-    case SOLVER_TOO_MANY_EVENTS:
-        return fail(me, "more than %d events in one step at t = %.12g s, relation at %s",
-                    MAX_EVENTS, r.t, r.text);
-    case SOLVER_ASSERTION:
-        return fail(me, "%s (t = %.12g s)", r.text, r.t);
-    case SOLVER_NO_INTERVAL:
-        return fail(me, "the interval of a clock must be above zero, sample() at %s", r.text);
+        return say(me, STATUS_DISCARD, "terminate: %s", r.text);
+    case SOLVER_FAILED:
+        break;
     }
-    return STATUS_ERROR;
+    return fail(me, "%s", r.text);
 }
 
 /* The phase that follows from what the equations said. */
@@ -182,7 +182,7 @@ static Status set_times(Instance *me, double start, bool stop_defined, double st
 static Status exit_initialization(Instance *me)
 {
     me->now.inputs_changed = false;
-    return concluded(me, start(&me->now.core));
+    return concluded(me, start(&me->now.core, &me->notes));
 }
 
 /* --- values ----------------------------------------------------------------------------- */
@@ -211,7 +211,7 @@ static const Core *readable(Instance *me, const char *function)
         /* More may be set before the start: look at a copy. */
         if (me->now.inputs_changed) {
             memcpy(&me->view, &me->now.core, sizeof me->view);
-            if (tell(me, settle(&me->view, true)) == STATUS_ERROR) {
+            if (tell(me, settle(&me->view, true, &me->notes)) == STATUS_ERROR) {
                 return NULL;
             }
             me->now.inputs_changed = false;
@@ -342,12 +342,14 @@ static Status step(Instance *me, const char *function, double begin, double size
     }
     if (me->now.inputs_changed) {
         me->now.inputs_changed = false;
-        const Status settled = concluded(me, settle(core, false));
-        if (settled != STATUS_OK) {
+        const Status settled = concluded(me, settle(core, false, &me->notes));
+        if (settled > STATUS_WARNING) {
             return settled;
         }
+        const Status status = concluded(me, advance(core, end, &me->notes));
+        return status > settled ? status : settled;
     }
-    return concluded(me, advance(core, end));
+    return concluded(me, advance(core, end, &me->notes));
 }
 
 /* --- states ----------------------------------------------------------------------------- */

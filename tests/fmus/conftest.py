@@ -154,6 +154,7 @@ class Plants:
         step_s: float | None = None,
         x_start: float = 1,
         n_start: int = 0,
+        x_fixed: bool = True,
     ) -> Path:
         """The FMU. A variable y, x or n that no equation names is 0."""
         self._count += 1
@@ -162,14 +163,14 @@ class Plants:
         for name in "xyn":
             if not re.search(rf"\b{name}\b", equation):
                 equation += f" {name} = 0;"
-        fixed = "true" if "der(x)" in equation else "false"
+        fixed = "true" if x_fixed and "der(x)" in equation else "false"
         text = MODEL.format(**locals())
         (folder / "Small" / "package.mo").write_text(text, encoding="utf-8")
         return building.build("Small.Plant", folder / "plant.fmu", folder / "Small", step_s=step_s)
 
     def __call__(self, equation: str, *args: Any, **options: Any) -> Fmu:
         """An instance after initialization; options that `build` does not have are values."""
-        known = {"step_s", "x_start", "n_start"}
+        known = {"step_s", "x_start", "n_start", "x_fixed"}
         path = self.build(equation, *args, **{k: v for k, v in options.items() if k in known})
         return self._load(path, **{k: v for k, v in options.items() if k not in known})
 

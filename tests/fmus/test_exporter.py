@@ -16,10 +16,7 @@ from fmus import MODELS, BuildError, ensure_built
 from fmus.compiler import FLAGS, LINK, find_compiler
 
 UNSUPPORTED = {
-    "reinit": ("der(x) = -1; when x < 0 then reinit(x, 1); end when; y = x; n = 0;", "reinit()"),
     "delay": ("y = delay(time, 0.1); n = 0; x = 0;", "delay()"),
-    "loop": ("y = x + 1; x = 0.5*y + time; n = 0;", "algebraic loop among x, y"),
-    "nonlinear": ("y^3 + y = time; n = 0; x = 0;", "not linear"),
     "unit": ("y = z; n = 0; x = 0;", "unit furlong is not known"),
 }
 MODEL = """package Small
