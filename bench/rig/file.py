@@ -102,7 +102,7 @@ class PlantTable(_Table):
     """
 
     fmu: str
-    kind: Literal["axis", "probe"] | None = None
+    kind: Literal["axis", "probe", "distance"] | None = None
     start: dict[str, StartValue] = Field(default_factory=dict)
     wire: dict[Name, Name] = Field(default_factory=dict)
     map: dict[Name, str | Literal[False] | MapTable] = Field(default_factory=dict)

@@ -214,8 +214,9 @@ def _check_wire(
 
 
 def _wire(settings: Settings, plant: Plant, instance: str, table: PlantTable, roles: Roles) -> None:
+    add = plant.add_probe if roles.kind == "probe" else plant.add_distance
     try:
-        plant.add_probe(roles.slave, table.wire, roles)
+        add(roles.slave, table.wire, roles)
     except UserError as error:
         raise _at(settings, ("plant", instance, "wire"), error) from error
 
@@ -274,13 +275,19 @@ def describe_plants(settings: Settings, plant: Plant) -> list[str]:
         notes = [*plant.notes[instance], *plant.remarks[instance]]
         if not notes and not table.fmu.endswith(".fmu"):
             continue
-        is_axis = instance in plant.axes
-        slave = plant.axes[instance].slave if is_axis else plant.probes[instance].slave
+        slave, kind = _what(plant, instance)
         version = f"{Path(table.fmu).name}, FMI {slave.description.fmiVersion}"
-        kind = "an axis" if is_axis else "a probe"
         lines.append(f"plant {instance} ({version}) is {kind}")
         lines += [f"  {note}" for note in notes]
     return lines
+
+
+def _what(plant: Plant, instance: str) -> tuple[FmuSlave, str]:
+    if instance in plant.axes:
+        return plant.axes[instance].slave, "an axis"
+    if instance in plant.probes:
+        return plant.probes[instance].slave, "a probe"
+    return plant.distances[instance].slave, "a distance sensor"
 
 
 def plant_log(plant: Plant) -> list[str]:
@@ -291,9 +298,7 @@ def plant_log(plant: Plant) -> list[str]:
     for instance, probe in plant.probes.items():
         if probe.edge_uncertainty_ns > 1.0:
             lines.append(f"plant {instance}: edges are known to {probe.edge_uncertainty_ns:g} ns")
-    slaves = [axis.slave for axis in plant.axes.values()]
-    slaves += [probe.slave for probe in plant.probes.values()]
-    for slave in slaves:
+    for slave in (_what(plant, instance)[0] for instance in plant.notes):
         for message in list(slave.messages)[:WARNINGS_SHOWN_MAX]:
             lines.append(f"plant {slave.name} at {message.time_ns / 1e6:.6f} ms: {message.text}")
         more = len(slave.messages) - WARNINGS_SHOWN_MAX

@@ -4,6 +4,7 @@ A row holds what belongs together: the state of the plant at the SYNC (truth, en
 and what the kernel made of it in the cycle after (set position, its own lag).
 """
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -11,6 +12,7 @@ import pyarrow as pa
 
 from kernel.channel import Channel
 from kernel.cosim.axis import PlantAxis
+from kernel.cosim.distance import PlantDistance
 from kernel.cosim.plant import Plant
 from kernel.cosim.probe import PlantProbe
 
@@ -22,13 +24,21 @@ AXIS_COLUMNS = (
     "cnc_lag_mm",
     "drive_lag_mm",
 )
+# Column -> role that the FMU of a distance sensor must fill for it
+DISTANCE_COLUMNS = {
+    "distance_mm": "distance",
+    "distance_true_mm": "distance_true",
+    "valid": "valid",
+    "touching": "touching",
+}
 
 
 class Recorder:
     """Collects the trace of one run.
 
     axes: (axis name, its plant); probes: instance name -> plant. `table()` gives one column
-    `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64) and per probe its signal.
+    `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64), per probe its signal and per
+    distance sensor those of DISTANCE_COLUMNS that it tells.
     """
 
     def __init__(
@@ -45,6 +55,8 @@ class Recorder:
         self._times: list[int] = []
         self._rows: list[tuple[float, ...]] = []
         self._levels: list[tuple[bool, ...]] = []
+        self._sensors = list(plant.distances.items())
+        self._distances: list[list[tuple[float, ...]]] = []
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
@@ -62,6 +74,14 @@ class Recorder:
             )
         self._rows.append(tuple(row))
         self._levels.append(tuple([signal.level for signal in self._signals]))
+        if self._sensors:
+            self._distances.append([self._told(sensor) for _, sensor in self._sensors])
+
+    @staticmethod
+    def _told(sensor: PlantDistance) -> tuple[float, ...]:
+        """Return the values of DISTANCE_COLUMNS now."""
+        true_m = math.nan if sensor.distance_true_m is None else sensor.distance_true_m
+        return (sensor.distance_m * 1e3, true_m * 1e3, sensor.is_valid, sensor.is_touching)
 
     def table(self) -> pa.Table:
         """Return the trace; columns in the order of the axes."""
@@ -75,4 +95,15 @@ class Recorder:
         )
         for index, name in enumerate(self._probe_names):
             columns[f"{name}.signal"] = pa.array(levels[:, index])
-        return pa.table(columns)
+        return pa.table(columns | self._distance_columns())
+
+    def _distance_columns(self) -> dict[str, pa.Array]:
+        columns: dict[str, pa.Array] = {}
+        shape = (len(self._distances), len(self._sensors), len(DISTANCE_COLUMNS))
+        values = np.array(self._distances, dtype=np.float64).reshape(shape)
+        for number, (name, sensor) in enumerate(self._sensors):
+            for place, (column, role) in enumerate(DISTANCE_COLUMNS.items()):
+                if sensor.roles.has(role):
+                    kind = np.float64 if column.endswith("_mm") else np.int8
+                    columns[f"{name}.{column}"] = pa.array(values[:, number, place].astype(kind))
+        return columns

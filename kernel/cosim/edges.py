@@ -26,7 +26,7 @@ def make_probe(roles: Roles, sources: Mapping[str, PlantAxis]) -> PlantProbe:
     return LocatingProbe(roles, sources) if tells_edges else LevelProbe(roles, sources)
 
 
-class _Trajectory:
+class Trajectory:
     """Hands over position and velocity at both ends of a step; the FMU interpolates."""
 
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
@@ -37,10 +37,12 @@ class _Trajectory:
         self._pack = struct.Struct(f"={len(names)}d").pack_into  # ten assignments in one call
 
     def write(self, begin_ns: TimeNs, end_ns: TimeNs, motion: Sequence[float]) -> None:
+        """Hand over a step; motion: per source position and velocity at its begin and its end."""
         self._pack(self._inputs.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *motion)
         self._inputs.write()
 
     def write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+        """Hand over a step in which the axes rest where they are."""
         motion: list[float] = []
         for axis in self._sources:
             place = axis.motion[0]
@@ -48,6 +50,7 @@ class _Trajectory:
         self.write(begin_ns, end_ns, motion)
 
     def write_step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+        """Hand over the last step of the axes."""
         motion: list[float] = []
         for axis in self._sources:
             motion += axis.tick
@@ -61,7 +64,7 @@ class LocatingProbe(PlantProbe):
 
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
         super().__init__(roles, sources)
-        self._trajectory = _Trajectory(roles, sources)
+        self._trajectory = Trajectory(roles, sources)
         kinds = 3 if roles.has_group("contact") else 2
         self._counts = roles.exchange(COUNTS[:kinds])
         self._seen = [0] * kinds
@@ -138,7 +141,7 @@ class LevelProbe(PlantProbe):
         self.edge_uncertainty_ns = float(ENCLOSED_NS)
         self._trajectory = None
         if roles.has_group("trajectory"):
-            self._trajectory = _Trajectory(roles, sources)
+            self._trajectory = Trajectory(roles, sources)
         else:
             self._positions = roles.exchange([f"{group}_position" for group in sources])
         self._clearance = roles.exchange(["clearance"]) if self._has_clearance else None

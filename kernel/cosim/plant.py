@@ -11,6 +11,7 @@ from math import isclose, lcm
 
 from kernel.clock import MS, US, S, TimeNs
 from kernel.cosim.axis import PlantAxis
+from kernel.cosim.distance import FOLLOW_NS, PlantDistance
 from kernel.cosim.edges import make_probe
 from kernel.cosim.fmu import FmuSlave
 from kernel.cosim.grid import GridAxis
@@ -53,6 +54,7 @@ class Plant:
         self.remarks: dict[str, list[str]] = {}
         self.axes: dict[str, PlantAxis] = {}
         self.probes: dict[str, PlantProbe] = {}
+        self.distances: dict[str, PlantDistance] = {}
         self._axes: list[PlantAxis] = []
         self._probes: list[PlantProbe] = []
 
@@ -73,6 +75,22 @@ class Plant:
 
         Raises UserError for an unknown axis, or when its FMU lacks what a probe needs.
         """
+        wired = self._wired(slave, sources)
+        probe = make_probe(roles or map_roles(slave, "probe", {}, list(sources)), wired)
+        probe.hold_ns, probe.look_back_ns = self._hold_ns, self._look_back_ns
+        self.probes[slave.name] = probe
+        return probe
+
+    def add_distance(
+        self, slave: FmuSlave, sources: Mapping[str, str], roles: Roles | None = None
+    ) -> PlantDistance:
+        """Add a distance sensor; arguments and errors as `add_probe`."""
+        wired = self._wired(slave, sources)
+        found = roles or map_roles(slave, "distance", {}, list(sources))
+        self.distances[slave.name] = PlantDistance(found, wired)
+        return self.distances[slave.name]
+
+    def _wired(self, slave: FmuSlave, sources: Mapping[str, str]) -> dict[str, PlantAxis]:
         for group, name in sources.items():
             if name not in self.axes:
                 raise UserError(
@@ -80,11 +98,7 @@ class Plant:
                     value=name,
                     allowed=self.axes,
                 )
-        wired = {group: self.axes[name] for group, name in sources.items()}
-        probe = make_probe(roles or map_roles(slave, "probe", {}, list(sources)), wired)
-        probe.hold_ns, probe.look_back_ns = self._hold_ns, self._look_back_ns
-        self.probes[slave.name] = probe
-        return probe
+        return {group: self.axes[name] for group, name in sources.items()}
 
     def initialize(self, start_ns: TimeNs = 0) -> None:
         """Initialise axes first, then the sensors at the axes' positions."""
@@ -94,6 +108,10 @@ class Plant:
             axis.start(start_ns)
         for probe in self.probes.values():
             probe.start(start_ns)
+        for sensor in self.distances.values():
+            sensor.start(start_ns)
+        if self.distances:
+            self.exchange_ns = min(self.exchange_ns, FOLLOW_NS)
         self.fine_ns = self._whole_steps_ns(self.fine_ns)
         self._can_repeat = all(axis.slave.can.can_save_state for axis in self.axes.values())
         if not all(axis.tells_velocity for axis in self.axes.values()):
@@ -130,6 +148,7 @@ class Plant:
         else:
             for axis in self._axes:
                 axis.step_to(end_ns)
+            self._measure(end_ns)
         self.now_ns = end_ns
         for probe in self._probes:
             if probe not in near:
@@ -171,7 +190,13 @@ class Plant:
             return
         for probe in near:
             probe.accept()
+        self._measure(end_ns)
         self.now_ns = end_ns
+
+    def _measure(self, end_ns: TimeNs) -> None:
+        """Let distance sensors follow a step that is not repeated any more."""
+        for sensor in self.distances.values():
+            sensor.step(self.now_ns, end_ns)
 
     def _move(self, end_ns: TimeNs, near: Sequence[PlantProbe]) -> int:
         """Step axes, then these probes; return how many edges of one kind came, the most."""
@@ -185,3 +210,5 @@ class Plant:
             axis.slave.close()
         for probe in self.probes.values():
             probe.slave.close()
+        for sensor in self.distances.values():
+            sensor.slave.close()

@@ -37,6 +37,29 @@ LIBRARY = """package Shop
   equation
     light = above > height;
   end Barrier;
+  model Eye "Optical distance sensor"
+    input Real above(unit="um") "Place of the sensor";
+    parameter Real surface(unit="mm") = 90 "Below it";
+    parameter Real reach(unit="mm") = 15 "Farther it sees nothing";
+    output Real reading(unit="mm") "Distance";
+    output Boolean blind "Nothing in reach";
+  equation
+    reading = above*1e-3 - surface;
+    blind = reading > reach;
+  end Eye;
+  model Tracer "With the names of the roles: straight between the ends of a step"
+    input Real step_time(unit="s");
+    input Real step_size(unit="s", start=1);
+    input Real z_start(unit="m");
+    input Real z_rate_start(unit="m/s");
+    input Real z_end(unit="m");
+    input Real z_rate_end(unit="m/s");
+    output Real distance(unit="m");
+    output Real distance_true(unit="m");
+  equation
+    distance = z_start + (time - step_time)/step_size*(z_end - z_start);
+    distance_true = distance + 0*(z_rate_start + z_rate_end);
+  end Tracer;
 end Shop;
 """
 RIG = f"""\
@@ -67,6 +90,17 @@ wire = {{ z = "carriage" }}
 [plant.barrier.map]
 z_position = "above"
 signal = {{ variable = "light", sign = -1 }}
+[plant.eye]
+fmu = "eye.fmu"
+wire = {{ z = "carriage" }}
+start = {{ surface_um = 91000 }}
+[plant.eye.map]
+z_position = "above"
+distance = "reading"
+valid = {{ variable = "blind", sign = -1 }}
+[plant.tracer]
+fmu = "tracer.fmu"
+wire = {{ z = "carriage" }}
 """
 PROGRAM = """\
 N10 G90 G1 Z108 F500
@@ -92,7 +126,7 @@ def place(
 ) -> Path:
     """A folder with the FMUs in one version of the standard, rig and program."""
     folder = tmp_path_factory.mktemp("shop")
-    for model in ("Carriage", "Barrier"):
+    for model in ("Carriage", "Barrier", "Eye", "Tracer"):
         build(f"Shop.{model}", folder / f"{model.lower()}.fmu", library, fmi=request.param)
     (folder / "rig.toml").write_text(RIG, encoding="utf-8")
     (folder / "part.nc").write_text(PROGRAM, encoding="utf-8")
@@ -137,6 +171,26 @@ def test_steady_lag_is_that_of_the_loop_and_half_a_drive_tick(machine: Machine) 
     assert lag_mm == pytest.approx(expected_mm, abs=3 * INCREMENT_MM)
     speed_mm_s = trace.column("Z.velocity_mm_s").to_numpy()[steady]
     assert speed_mm_s == pytest.approx(-SPEED_MM_S, rel=1e-3)
+
+
+def test_distance_sensor_is_recorded_with_the_place_of_the_axis(machine: Machine) -> None:
+    """It reads the height above 91 mm, up to 15 mm."""
+    trace = machine.recorder.table()
+    assert set(trace.column_names) >= {"eye.distance_mm", "eye.valid"}
+    assert "eye.distance_true_mm" not in trace.column_names
+    truth_mm = trace.column("Z.truth_mm").to_numpy()
+    distance_mm = trace.column("eye.distance_mm").to_numpy()
+    assert distance_mm == pytest.approx(truth_mm - 91.0, abs=1e-9)
+    valid = trace.column("eye.valid").to_numpy()
+    assert list(np.unique(valid)) == [0, 1]
+    assert np.array_equal(valid == 1, distance_mm <= 15.0)
+
+
+def test_distance_sensor_with_trajectories_follows_them(machine: Machine) -> None:
+    trace = machine.recorder.table()
+    truth_mm = trace.column("Z.truth_mm").to_numpy()
+    for column in ("tracer.distance_mm", "tracer.distance_true_mm"):
+        assert trace.column(column).to_numpy() == pytest.approx(truth_mm, abs=1e-9)
 
 
 def test_notes_tell_what_is_left_out(machine: Machine) -> None:
