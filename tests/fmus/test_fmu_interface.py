@@ -99,9 +99,9 @@ def test_instances_do_not_meet(servo):
 
 
 def test_steps_of_whole_internal_steps_do_not_change_a_bit(servo):
-    """Internal steps of 10 us; the demand ends and the stop is met between two of them."""
+    """Internal steps of 12.5 us; the demand ends and the stop is met between two of them."""
     ends = []
-    for size_us in (10, 50, 200, 1000, 50_000):
+    for size_us in (25, 50, 200, 1000, 50_000):
         axis = servo(stop_position=0.0005, enabled=True, force_limit=500.0)
         axis.step_to(48e-6)
         axis.set(reference_velocity=0.05, reference_time=48e-6, reference_end=0.0873211)
