@@ -24,14 +24,9 @@ def examine() -> tuple[str, bool]:
         except metadata.PackageNotFoundError:
             lines.append(f"LACKS {name}: pip install -e . brings it")
             well = False
-    compiler = shutil.which("cc")
-    if compiler:
-        lines.append(f"ok    C compiler {compiler}")
-    elif find_spec("ziglang"):
-        lines.append("ok    C compiler ziglang (no system cc)")
-    else:
-        lines.append("LACKS C compiler: install a system cc, or pip install -e '.[cc]'")
-        well = False
+    found, has_compiler = _compilers()
+    lines += found
+    well = well and has_compiler
     cache = Path(platformdirs.user_cache_dir("axisrig"))
     lines.append(f"info  built FMUs lie in {cache / 'fmus'}")
     for model in MODELS:
@@ -42,3 +37,23 @@ def examine() -> tuple[str, bool]:
             well = False
     lines.append("info  nothing here needs a network; only pip does, see README")
     return "\n".join(lines), well
+
+
+def _compilers() -> tuple[list[str], bool]:
+    """What can build FMUs, and whether anything can."""
+    cc, omc, has_zig = shutil.which("cc"), shutil.which("omc"), bool(find_spec("ziglang"))
+    lines = []
+    if cc:
+        lines.append(f"ok    C compiler {cc}")
+    if has_zig:
+        version = metadata.version("ziglang")
+        lines.append(f"ok    C compiler ziglang {version}, also for other platforms")
+    else:
+        pip = "pip install -e '.[cc]'"
+        need = "" if cc else "install a system cc, or "
+        word = "info " if cc else "LACKS"
+        what = "FMUs for other platforms need ziglang" if cc else "C compiler"
+        lines.append(f"{word} {what}: {need}{pip}")
+    if omc:
+        lines.append(f"info  OpenModelica {omc} (fmu build --compiler omc)")
+    return lines, bool(cc) or has_zig
