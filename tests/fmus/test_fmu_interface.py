@@ -5,7 +5,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from fmus import FMI_VERSIONS, MODELS, ensure_built
+from fmus import CATALOGUE, FMI_VERSIONS, MODELS, ensure_built
 
 
 @pytest.fixture
@@ -99,14 +99,16 @@ def test_instances_do_not_meet(servo):
 
 
 def test_steps_of_whole_internal_steps_do_not_change_a_bit(servo):
-    """Internal steps of 12.5 us; the demand ends and the stop is met between two of them."""
+    """The demand ends and the stop is met between two internal steps."""
+    internal_ns = round(CATALOGUE["AxisRig.Drives.ServoAxis"].step_s * 1e9)
+    whole_ns = 8000 * internal_ns
     ends = []
-    for size_us in (25, 50, 200, 1000, 50_000):
+    for size_ns in (internal_ns * count for count in (1, 4, 16, 80, 4000)):
         axis = servo(stop_position=0.0005, enabled=True, force_limit=500.0)
         axis.step_to(48e-6)
         axis.set(reference_velocity=0.05, reference_time=48e-6, reference_end=0.0873211)
-        for end_us in range(48 + size_us, 100_049, size_us):
-            axis.step_to(end_us * 1000 * 1e-9)
+        for end_ns in range(48_000 + size_ns, 48_001 + whole_ns, size_ns):
+            axis.step_to(end_ns * 1e-9)
         ends.append(axis.outputs())
     assert ends[0]["stop_force"] > 100
     assert all(end == ends[0] for end in ends)
