@@ -10,7 +10,7 @@ from bench.rig.file import PlantTable, rig_error
 from bench.rig.settings import Settings
 from kernel.cosim.fmu import PlantError
 from kernel.cosim.roles import Roles
-from kernel.cosim.units import Unit, known_units, unit_of
+from kernel.cosim.units import Unit, find_unit, known_units, unit_name
 from kernel.errors import UserError, nearest
 
 _FLAGS = {"true": True, "1": True, "false": False, "0": False}
@@ -78,8 +78,9 @@ def _flag(roles: Roles, item: Assignment) -> bool:
 def _number(roles: Roles, item: Assignment, variable: ModelVariable) -> float:
     """Return the value in the FMU's unit, an int for an integer variable; check unit and range."""
     label = f"{item.name} of {roles.slave.name}"
-    unit = unit_of(roles.slave.description, variable) or known_units()["1"]
-    value = _in_unit(label, item, unit)
+    name = unit_name(variable) or "1"
+    unit = find_unit(roles.slave.description, name) or Unit(name, ())
+    value = _in_unit(label, item, unit) if unit.exponents else _in_own_unit(label, item, unit)
     low = -math.inf if variable.min is None else float(variable.min)
     high = math.inf if variable.max is None else float(variable.max)
     if not low <= value <= high:
@@ -90,6 +91,17 @@ def _number(roles: Roles, item: Assignment, variable: ModelVariable) -> float:
             raise UserError(f"{label} is a whole number", value=item.value)
         return int(value)
     return value
+
+
+def _in_own_unit(label: str, item: Assignment, unit: Unit) -> float:
+    """Return a value for a variable whose unit the FMU names without defining it."""
+    if item.unit:
+        raise UserError(
+            f"{label} is in {unit.name}, which the FMU does not define",
+            value=item.unit,
+            allowed="a bare number in that unit",
+        )
+    return item.si()
 
 
 def _in_unit(label: str, item: Assignment, unit: Unit) -> float:

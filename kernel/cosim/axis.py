@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
+from math import isfinite
 
 from kernel.clock import TimeNs
 from kernel.cosim.fmu import FmuSlave, FmuState, PlantError
@@ -130,9 +131,23 @@ class PlantAxis:
         self._remember(self.slave.time_ns, self._read())
 
     def _remember(self, time_ns: TimeNs, motion: list[float]) -> None:
+        total = sum(motion)
+        if total - total != 0.0:  # one of them is no number or infinite
+            self._refuse(motion)
         self.motion = motion
         self._times.append(time_ns)
         self._past.append(motion)
+
+    def _refuse(self, motion: Sequence[float]) -> None:
+        found = zip(AXIS_OUTPUTS, motion, strict=True)
+        wrong = [(role, value) for role, value in found if not isfinite(value)]
+        names = [
+            f"{self.roles.bound[role].variable} ({role}) is {value}"
+            for role, value in wrong
+            if self.roles.has(role)
+        ]
+        told = ", ".join(names or [f"{role} is {value}" for role, value in wrong])
+        raise PlantError(self.slave.name, self.slave.time_ns, told)
 
     def _read(self) -> list[float]:
         self._outputs.read()

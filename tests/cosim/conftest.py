@@ -45,6 +45,7 @@ REALS: dict[str, list[Row]] = {
         ("motor.n", "output", None, "turns/min"),
         ("control.gain", "parameter", "40", "1/s"),
         ("table.s_start", "parameter", "0", "mm"),
+        ("oil", "parameter", "1", "parsec"),
     ],
     "switch": [
         ("tip.depth", "input", "-1000", None),

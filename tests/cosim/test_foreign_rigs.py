@@ -6,6 +6,7 @@ what the bench measures is compared with closed forms.
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from zipfile import ZipFile
@@ -278,6 +279,27 @@ def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
         "switch: rising edge, known to 50 us"
     ]
     assert "tells no contact" in told["notes"]["latch_error_um:Z"]
+
+
+@pytest.mark.parametrize(("behaviour", "value"), [(1, "nan"), (2, "inf")])
+def test_position_that_is_no_number_is_told_with_its_variable(
+    place: Place, capsys: pytest.CaptureFixture[str], behaviour: int, value: str
+) -> None:
+    folder = place(('"control.gain" = 40', f'"control.gain" = 40, behaviour = {behaviour}'))
+    code, out, err = call(capsys, "nc", folder / "part.nc", "--rig", folder / "rig.toml")
+    assert (code, out) == (2, "")
+    assert re.search(rf"plant table at t = 200\.\d+ ms: table.s \(position\) is {value}", err)
+
+
+def test_unit_that_nobody_defines_takes_a_bare_number_only(
+    place: Place, capsys: pytest.CaptureFixture[str]
+) -> None:
+    bare = ('"control.gain" = 40', '"control.gain" = 40, oil = 3')
+    assert call(capsys, "check", place(bare) / "rig.toml")[0] == 0
+    suffixed = ('"control.gain" = 40', '"control.gain" = 40, oil_mm = 3')
+    code, _, err = call(capsys, "check", place(suffixed) / "rig.toml")
+    assert code == 2
+    assert "is in parsec, which the FMU does not define" in err
 
 
 @pytest.mark.parametrize("version", [2], ids=["FMI2"], indirect=True)
