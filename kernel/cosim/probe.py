@@ -52,6 +52,8 @@ def free_s(room_m: float, speed_m_s: float, gain_m_s2: float) -> float:
 
     That is t in v t + a t^2/2 = room: the speed now is v and grows by at most a.
     """
+    if room_m <= 0.0:
+        return 0.0
     return 2.0 * room_m / (speed_m_s + sqrt(speed_m_s * speed_m_s + 2.0 * gain_m_s2 * room_m))
 
 

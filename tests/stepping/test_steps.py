@@ -43,6 +43,10 @@ def test_way_is_used_up_when_the_speed_grows_at_the_bound(room: float, speed: fl
     assert speed * t + SPEED_GAIN_M_S2 * t * t / 2 == pytest.approx(room, rel=1e-12)
 
 
+def test_no_room_is_no_time() -> None:
+    assert free_s(0.0, 0.0, SPEED_GAIN_M_S2) == 0.0
+
+
 def test_steps_are_long_far_away_and_fine_near(plant: Make) -> None:
     """The load falls 1 mm at 20 mm/s, meets the plane after 50 ms, and goes on."""
     start = {"acceleration_then": 0.0, "position_start": 0.001}

@@ -1,0 +1,59 @@
+"""Long steps lose no edge: three axes wander about an inclined plane, seen twice.
+
+Once every step is fine and the probe follows all the time, once steps are as long as the bench
+thinks right. Edges, contacts and the motion must be the same bits.
+"""
+
+import random
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kernel.clock import MS, US
+from kernel.cosim.fmu import load_fmu
+from kernel.cosim.plant import Plant
+
+Fmu = Callable[[str], Path]
+NORMAL = {"normal_x": 1 / 3, "normal_y": 2 / 3, "normal_z": 2 / 3}
+PROBE = {"surface": 0.0, "pretravel": 2e-6, "trigger_delay": 180e-6, "seat_force": 0.5}
+
+
+def wander(fmu: Fmu, seed: int, exchange_ns: int) -> tuple[Any, ...]:
+    """Move for 1.5 s from place to place near the plane; instants of commands are irregular."""
+    choose = random.Random(seed)
+    plant = Plant(exchange_ns, hold_ns=333_000)
+    try:
+        for name in "xyz":
+            slave = load_fmu(fmu("AxisRig.Drives.ServoAxis"), name)
+            slave.set_start("kv", 60.0)
+            plant.add_axis(slave)
+        slave = load_fmu(fmu("AxisRig.Sensors.TouchProbe"), "probe")
+        for variable, value in (NORMAL | PROBE).items():
+            slave.set_start(variable, value)
+        plant.add_probe(slave, {name: name for name in "xyz"})
+        plant.initialize(0)
+        now_ns, where = 0, []
+        while now_ns < 1500 * MS:
+            span_ns = choose.choice([MS, 3 * MS, 7 * MS + 12_345, 20 * MS, 45 * MS])
+            reach_m = choose.choice([2e-6, 2e-5, 3e-4, 4e-3])
+            for axis in plant.axes.values():
+                here = axis.demand_position_m()
+                rate = (choose.uniform(-reach_m, reach_m) - here) / max(span_ns * 1e-9, 5e-3)
+                axis.command(now_ns, here, rate, now_ns + span_ns, True)
+            now_ns += span_ns
+            plant.advance_to(now_ns)
+            where.append([axis.position_m() for axis in plant.axes.values()])
+        probe = plant.probes["probe"]
+        return probe.signal.edges, probe.contacts, where
+    finally:
+        plant.close()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_long_steps_find_what_fine_steps_find(fmu: Fmu, seed: int) -> None:
+    fine, long = (wander(fmu, seed, exchange_ns) for exchange_ns in (50 * US, 20 * MS))
+    assert len(fine[0]) >= 10
+    assert len(fine[1]) >= 5
+    assert long == fine
