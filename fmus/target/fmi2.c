@@ -91,7 +91,8 @@ fmi2Status fmi2ExitInitializationMode(fmi2Component c)
     if (me->now.phase != INITIALIZING) {
         return (fmi2Status)misplaced(me, "fmi2ExitInitializationMode");
     }
-    return exit_initialization(me) == STATUS_ERROR ? fmi2Error : fmi2OK;
+    const Status status = exit_initialization(me);
+    return status == STATUS_DISCARD ? fmi2OK : (fmi2Status)status;
 }
 
 fmi2Status fmi2Terminate(fmi2Component c)

@@ -67,14 +67,19 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance instance, fmi3Boolean tolera
     return (fmi3Status)status;
 }
 
-/* terminate() at the start has no flag in this call: the first step tells it. */
+/* A model that ends the simulation has flags of its own in the step; here the first step tells it. */
+static fmi3Status without_end(Status status)
+{
+    return status == STATUS_DISCARD ? fmi3OK : (fmi3Status)status;
+}
+
 fmi3Status fmi3ExitInitializationMode(fmi3Instance instance)
 {
     BEGIN
     if (me->now.phase != INITIALIZING) {
         return (fmi3Status)misplaced(me, "fmi3ExitInitializationMode");
     }
-    return exit_initialization(me) == STATUS_ERROR ? fmi3Error : fmi3OK;
+    return without_end(exit_initialization(me));
 }
 
 fmi3Status fmi3Terminate(fmi3Instance instance)
@@ -133,7 +138,7 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
     *terminateSimulation = status == STATUS_DISCARD;
     *earlyReturn = fmi3False;
     *lastSuccessfulTime = me->now.core.t;
-    return status == STATUS_ERROR ? fmi3Error : fmi3OK;
+    return without_end(status);
 }
 
 /* --- state of the FMU ------------------------------------------------------------------- */

@@ -34,7 +34,7 @@ typedef struct {
     void *environment;
     void (*log)(void); /* the importer's function, of a type that only its version knows */
     Notes notes;
-    unsigned silent;   /* bits of log categories that are switched off */
+    unsigned silent; /* bits of log categories that are switched off */
 } Instance;
 
 /* In the order of Status, from STATUS_WARNING. */
@@ -211,7 +211,7 @@ static const Core *readable(Instance *me, const char *function)
         /* More may be set before the start: look at a copy. */
         if (me->now.inputs_changed) {
             memcpy(&me->view, &me->now.core, sizeof me->view);
-            if (tell(me, settle(&me->view, true, &me->notes)) == STATUS_ERROR) {
+            if (tell(me, start(&me->view, &me->notes)) == STATUS_ERROR) {
                 return NULL;
             }
             me->now.inputs_changed = false;

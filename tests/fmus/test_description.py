@@ -188,3 +188,51 @@ def test_values_of_every_type_go_in_and_come_out(fmus, fmi):
     assert found["z"] == pytest.approx(303.15, rel=1e-15)
     assert found["w"] == pytest.approx(STATE_AT_2 * 2, rel=1e-9)
     assert found["state"] == 3
+
+
+LOOPS = """package Small
+  model Plant
+    input Real u(unit="1", start=2) "Right side of the loop";
+    input Real v(unit="1", start=1) "Right side of the cube";
+    parameter Real q(unit="1", fixed=false, start=3) "Found at the start";
+    output Real a(unit="1") "Of the loop";
+    output Real c(unit="1") "Of a state";
+    output Real d(unit="1") "Of the cube";
+    Real b(unit="1"), x(unit="1"), s(unit="1", start=7), w(unit="1", start=4, fixed=true);
+  initial equation
+    x = 2*q;
+    q = 5;
+    der(s) = 0;
+  equation
+    a + b = u;
+    a - 2*b = x;
+    c = x;
+    d^3 + d = v;
+    der(x) = -x;
+    der(s) = 3 - s;
+    der(w) = 0;
+  end Plant;
+end Small;
+"""
+
+
+@pytest.fixture(scope="module")
+def loops(tmp_path_factory) -> Path:
+    root = tmp_path_factory.mktemp("loops") / "Small"
+    root.mkdir()
+    (root / "package.mo").write_text(LOOPS, encoding="utf-8")
+    return build("Small.Plant", root.parent / "x.fmu", root)
+
+
+def test_dependencies_lead_through_systems_of_equations(loops):
+    outputs = fmpy.read_model_description(str(loops)).outputs
+    found = {o.variable.name: {d.name for d in o.dependencies} for o in outputs}
+    assert found == {"a": {"u"}, "c": set(), "d": {"v"}}
+
+
+def test_what_initial_equations_find_is_calculated(loops):
+    found = described(loops)
+    assert (found["q"].causality, found["q"].initial) == ("calculatedParameter", "calculated")
+    assert [found[name].initial for name in ("x", "s")] == ["calculated", "calculated"]
+    assert (found["w"].initial, found["w"].start) == ("exact", "4.0")
+    assert validate_fmu(str(loops)) == []
