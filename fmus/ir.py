@@ -5,13 +5,14 @@ Source: behaviour of rumoca 0.10.2; the layout is pinned by `SCHEMA_VERSION`.
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import rumoca
 
+from fmus.classes import used_classes
 from fmus.errors import BuildError
 
 SCHEMA_VERSION = 71
@@ -128,11 +129,31 @@ def _refused(error: BaseException, model: str, library: Path) -> BuildError:
                 what = message.group(1) if message else "syntax error"
                 return BuildError(_short(file, library), int(place.group(1)), what)
     first = text.splitlines()[0] if text else type(error).__name__
-    name = re.search(r"[`']([\w.\[\]]+)[`']", first)
+    told = re.search(r" ?\[([^\]\s]+\.mo):(\d+):\d+\]", text)
+    if told and (file := Path(told.group(1))).is_relative_to(library):
+        return BuildError(_short(file, library), int(told.group(2)), first.replace(told[0], ""))
+    file, line = _place_of(re.findall(r"[`']([\w.\[\]]+)[`']", first), model, library)
+    return BuildError(_short(file, library), line, first)
+
+
+def _place_of(names: Sequence[str], model: str, library: Path) -> tuple[Path, int | None]:
+    """Where one of the names stands in a class that the model uses; else where the model begins."""
     home = _file_of(model, library)
-    word = name.group(1) if name else model
-    line = _line_of(word, home) or _line_of(model, home)
-    return BuildError(_short(home, library), line, first)
+    others = [file for file in sorted(library.rglob("*.mo")) if file != home]
+    files = dict(enumerate([home, *others] if library.is_dir() else [home]))
+    texts = {number: file.read_text(encoding="utf-8") for number, file in files.items()}
+    bodies = list(used_classes(texts, model))
+    words = [name.rpartition(".")[2].partition("[")[0] for name in names]
+    for word in words:
+        for body in bodies:
+            found = re.search(rf"\b{re.escape(word)}\b", body.text)
+            if found:
+                text = texts[body.number][: body.offset + found.start()]
+                return files[body.number], text.count("\n") + 1
+    if bodies:
+        text = texts[bodies[0].number][: bodies[0].offset]
+        return files[bodies[0].number], text.count("\n") + 1
+    return home, None
 
 
 def _short(file: Path, library: Path) -> str:
@@ -150,13 +171,3 @@ def _file_of(model: str, library: Path) -> Path:
                 return candidate
         parts.pop()
     return library / "package.mo" if library.is_dir() else library
-
-
-def _line_of(name: str, file: Path) -> int | None:
-    """The first line of `file` in which the last part of `name` stands as a word."""
-    last = name.rpartition(".")[2].partition("[")[0]
-    word = re.compile(rf"\b{re.escape(last)}\b")
-    for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
-        if word.search(line):
-            return number
-    return None

@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from fmus.classes import used_classes
 from fmus.errors import BuildError
 from fmus.expressions import Expr
 from fmus.ir import Ir, Source
@@ -54,13 +55,15 @@ def _programs(discrete: Mapping[str, Any]) -> list[Mapping[str, Any]]:
 
 
 def _find(ir: Ir, word: str | None) -> Mapping[str, int] | None:
-    """The span of the first use of a built-in function in the model's files."""
+    """The span of the first use of a built-in function in the classes of the model."""
     if word is None:
         return None
-    for number, (_, text) in ir.files.items():
-        found = re.search(rf"\b{word}\s*\(", text)
+    files = {number: text for number, (_, text) in ir.files.items()}
+    for body in used_classes(files, ir.model):
+        found = re.search(rf"\b{word}\s*\(", body.text)
         if found:
-            return {"source": number, "start": len(text[: found.start()].encode())}
+            before = files[body.number][: body.offset + found.start()]
+            return {"source": body.number, "start": len(before.encode())}
     return None
 
 

@@ -10,23 +10,28 @@ from fmus import BuildError
 
 FOLDER = Path(__file__).parent
 
-# model, words of the message, the class whose lines may be named
+# model, words of the message, the class whose lines may be named, text of the line
 REFUSED = [
-    ("Refused.StringParameter", "string", "StringParameter"),
-    ("Refused.ExternalFunction", "external", "external_sine"),
-    ("Refused.TooManyEquations", "unbalanced", "TooManyEquations"),
-    ("Refused.TooFewEquations", "unbalanced", "TooFewEquations"),
-    ("Refused.UnknownFunction", "bessel", "UnknownFunction"),
-    ("Refused.WrongType", "Boolean", "WrongType"),
-    ("Refused.RealEquality", "equality", "RealEquality"),
-    ("Refused.DerOfDiscrete", "discrete", "DerOfDiscrete"),
-    ("Refused.VariableDelay", "delay", "VariableDelay"),
-    ("Refused.Spatial", "spatialDistribution", "Spatial"),
-    ("Refused.BooleanArray", "lost the equation of b", "BooleanArray"),
-    ("Refused.IntegerArray", "lost the equation of k", "IntegerArray"),
-    ("Refused.RedeclaredModifier", "drops the modifier", "RedeclaredModifier"),
-    ("Refused.ConstrainingModifier", "drops the modifier", "ConstrainingModifier"),
-    ("Refused.ClockedSynchronous", "clock", "ClockedSynchronous"),
+    ("Refused.StringParameter", "string", "StringParameter", "String name"),
+    ("Refused.ExternalFunction", "external", "ExternalFunction", "external_sine(time)"),
+    ("Refused.TooManyEquations", "unbalanced", "TooManyEquations", "model TooManyEquations"),
+    ("Refused.TooFewEquations", "unbalanced", "TooFewEquations", "model TooFewEquations"),
+    ("Refused.UnknownFunction", "bessel", "UnknownFunction", "y = bessel(time)"),
+    ("Refused.WrongType", "Boolean", "WrongType", "y = b + 1"),
+    ("Refused.RealEquality", "equality", "RealEquality", ""),
+    ("Refused.DerOfDiscrete", "discrete", "DerOfDiscrete", ""),
+    ("Refused.VariableDelay", "delay", "VariableDelay", "y = delay("),
+    ("Refused.Spatial", "spatialDistribution", "Spatial", "spatialDistribution("),
+    ("Refused.BooleanArray", "lost the equation of b", "BooleanArray", "Boolean b[2]"),
+    ("Refused.IntegerArray", "lost the equation of k", "IntegerArray", "Integer k[2]"),
+    ("Refused.RedeclaredModifier", "drops the modifier", "RedeclaredModifier", "redeclare"),
+    ("Refused.ConstrainingModifier", "drops the modifier", "ConstrainingModifier", "constrained"),
+    ("Refused.ClockedSynchronous", "clock", "ClockedSynchronous", ""),
+    ("Logic.Algorithmic", "sequential read", "Algorithmic", "n"),
+    ("Logic.LaterWins", "sequential read", "LaterWins", "n"),
+    ("Language.RecursiveFunction", "recursive", "RecursiveFunction", ""),
+    ("Language.InitialAlgorithm", "initial algorithm", "InitialAlgorithm", ""),
+    ("Control.DelayedSine", "delay", "DelayedSine", "y = delay(u, 0.3)"),
 ]
 
 
@@ -39,14 +44,16 @@ def class_lines(text: str, name: str) -> range:
     return range(first + 1, lines.index(f"  end {name};") + 2)
 
 
-@pytest.mark.parametrize(("model", "words", "where"), REFUSED, ids=[r[0] for r in REFUSED])
-def test_refusal_names_file_and_line(tmp_path, model, words, where):
+@pytest.mark.parametrize(("model", "words", "where", "line"), REFUSED, ids=[r[0] for r in REFUSED])
+def test_refusal_names_file_and_line(tmp_path, model, words, where, line):
+    library = FOLDER / model.partition(".")[0]
     with pytest.raises(BuildError) as error:
-        building.build(model, tmp_path / "x.fmu", FOLDER / "Refused")
+        building.build(model, tmp_path / "x.fmu", library)
     assert words.lower() in str(error.value).lower()
-    assert error.value.file == "Refused/package.mo"
-    text = (FOLDER / "Refused" / "package.mo").read_text(encoding="utf-8")
+    assert error.value.file == f"{library.name}/package.mo"
+    text = (library / "package.mo").read_text(encoding="utf-8")
     assert error.value.line in class_lines(text, where)
+    assert line in text.splitlines()[error.value.line - 1]
     assert not list(tmp_path.iterdir())
 
 
