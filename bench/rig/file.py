@@ -16,7 +16,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from kernel.errors import UserError
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-StartValue = bool | int | float | str
+StartValue = bool | int | float
 
 
 def _whole_um(value_mm: float) -> float:
@@ -265,7 +265,7 @@ _WORDS = {
     "model_type": "must be a table",
     "dict_type": "must be a table",
     "string_pattern_mismatch": "must be a letter, then letters, digits and _",
-    "bool_type": "must be a number, true or false, or a text",
+    "bool_type": "must be a number or true or false",
     "string_type": "must be a text",
     "int_type": "must be a whole number",
     "float_type": "must be a number",

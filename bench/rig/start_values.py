@@ -24,8 +24,7 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
     """
     for key, value in table.start.items():
         try:
-            text = value if isinstance(value, str) else str(value).lower()
-            _set(roles, parse_assignment(f"plant:{instance}.{key}={text}"))
+            _set(roles, parse_assignment(f"plant:{instance}.{key}={str(value).lower()}"))
         except UserError as error:
             raise rig_error(
                 settings.files,
@@ -57,13 +56,8 @@ def _set(roles: Roles, item: Assignment) -> None:
             allowed=nearest(plain.name, settable) or settable,
         )
     variable = slave.variable(plain.name)
-    value: float | bool | str = plain.value
-    if variable.type == "Boolean":
-        value = _flag(roles, plain)
-    elif variable.type == "Enumeration" and not plain.value.lstrip("-").isdecimal():
-        value = _word(roles, plain, variable)
-    elif variable.type != "String":
-        value = _number(roles, plain, variable)
+    is_flag = str(variable.type) == "Boolean"
+    value = _flag(roles, plain) if is_flag else _number(roles, plain, variable)
     try:
         slave.set_start(plain.name, value)
     except PlantError as error:
@@ -79,19 +73,6 @@ def _flag(roles: Roles, item: Assignment) -> bool:
             allowed="true, false",
         )
     return _FLAGS[item.value.lower()]
-
-
-def _word(roles: Roles, item: Assignment, variable: ModelVariable) -> int:
-    """Return the number of an item of an enumeration."""
-    declared = variable.declaredType
-    words = {i.name: int(i.value) for i in declared.items} if declared is not None else {}
-    if item.value not in words:
-        raise UserError(
-            f"{item.name} of {roles.slave.name} has no such item",
-            value=item.value,
-            allowed=nearest(item.value, words) or words or "whole numbers",
-        )
-    return words[item.value]
 
 
 def _number(roles: Roles, item: Assignment, variable: ModelVariable) -> float:

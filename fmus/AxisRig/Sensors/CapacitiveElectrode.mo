@@ -2,28 +2,30 @@ within AxisRig.Sensors;
 block CapacitiveElectrode "What a disc electrode tells of the gaps below it"
   parameter Units.Length radius(min = 1e-6) = 2e-3 "Radius of the disc";
   parameter Units.Share tilt_excess(max = 20) = 0 "Tilt factor minus that of the ideal disc";
-  parameter Units.Share residual(min = -1) = 0 "Share of nonlinearity that is left";
-  parameter Units.Length range(min = 1e-6) = 10e-3 "Full scale";
+  parameter Units.Share nonlinearity(min = -1) = 0 "Share of nonlinearity that is left";
+  parameter Units.Length full_scale(min = 1e-6) = 10e-3 "Full scale";
   input Units.Position gaps[7] "Gaps at the points of the disc";
   input Units.Slope slope_x "Slope of the surface below the centre: x";
   input Units.Slope slope_y "Slope of the surface below the centre: y";
   input Units.Share lost "Share of the disc without material below";
   output Units.Position averaged "Distance of a plane with the same capacitance";
-  output Units.Position linearised "What the linearised electronics tell, without limits";
+  output Units.Position seen "The same with the excess of the tilt error";
+  output Units.Position linearised "What the linearised electronics tell, within 0..full_scale";
 protected
   constant Units.Length smallest = 1e-6 "Gaps below count as this";
   constant Units.Share least = 1e-9 "Shares of the disc below count as this";
   Real share_per_gap[7](each unit = "1/m") "Weight over gap";
-  Units.Position tilted "With the excess of the tilt error";
+  Units.Position limited "seen, within 0..full_scale";
 equation
   share_per_gap[1] = 0.25/max(smallest, gaps[1]);
   for i in 2:7 loop
     share_per_gap[i] = 0.125/max(smallest, gaps[i]);
   end for;
   averaged = 1/(max(least, 1 - lost)*sum(share_per_gap));
-  tilted = max(0, averaged
+  seen = max(0, averaged
     - tilt_excess*radius^2*(slope_x^2 + slope_y^2)/(4*max(smallest, averaged)));
-  linearised = tilted + residual*tilted*(1 - tilted/range);
+  limited = if seen < full_scale then seen else full_scale;
+  linearised = limited + nonlinearity*limited*(1 - limited/full_scale);
   annotation(
     Documentation(info="<html>
 <p>Equation: each element of the disc is a plate capacitor, so that the disc tells the harmonic mean
@@ -33,7 +35,7 @@ sqrt(2/3) of the radius. Over a plane inclined by b it gives
 d (1 + sqrt(1 - (r tan b/d)^2))/2, to 1e-5 for r tan b/d up to 0.3; for small tilt
 d - (r tan b)^2/(4 d).</p>
 <p>Electrodes in practice show the tilt error k (r tan b)^2/(4 d) with k about 5; tilt_excess is k - 1. What the
-linearisation leaves: d + c d (1 - d/range), c within 0.5 to 2 %.</p>
+linearisation leaves within the range: d + c d (1 - d/full_scale), c within 0.5 to 2 %.</p>
 <p>Assumptions: no stray field; what is beyond a border adds nothing. Limit: a flank shorter than the
 disc is seen in steps of an eighth. Source: plate capacitor; Abramowitz, Stegun, Handbook of Mathematical
 Functions, 25.4.61; Lion Precision, Capacitive sensor operation, note on probe tilt.</p>

@@ -33,7 +33,7 @@ equation
   bouncing = left > 0;
   annotation(
     Documentation(info="<html>
-<p>After an edge of the input at t the output follows at once and then changes 2 n times, at
+<p>Equation: after an edge of the input at t the output follows at once and then changes 2 n times, at
 t + k T/(2 n), k = 1 to 2 n; it rests from t + T on. A new edge of the input ends the bouncing of
 the one before.</p>
 <p>Assumption: equal intervals, which makes every instant a closed form; real ones become shorter.

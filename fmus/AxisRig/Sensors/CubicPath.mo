@@ -13,8 +13,10 @@ equation
     + passed*(2*(start - finish) + span*(start_rate + finish_rate))));
   annotation(
     Documentation(info="<html>
-<p>s(u) = h00 s0 + h10 T v0 + h01 s1 + h11 T v1 with the cubic Hermite base functions, written
-in the Horner form. Exact for motions whose acceleration is linear in time; across an acceleration
+<p>Equation: s(u) = h00 s0 + h10 T v0 + h01 s1 + h11 T v1 with the cubic Hermite base functions, written
+in the Horner form.</p>
+<p>Assumption: position and rate are those of the axis at both ends. Limit: exact for motions whose
+acceleration is linear in time; across an acceleration
 step of da inside the duration T the error is at most 0.0162 da T^2.</p>
 <p>Source: C. de Boor, A Practical Guide to Splines, chapter IV.</p>
 </html>"));

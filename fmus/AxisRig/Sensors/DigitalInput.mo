@@ -29,28 +29,26 @@ protected
   Boolean rose "The last rising edge lies behind";
   Boolean fell "The last falling edge lies behind";
   Boolean level_in "Level at the terminal now";
-  Boolean level_start "Level at the terminal when the simulation began";
-  EdgeQueue rising_path(delay = rise_delay);
-  EdgeQueue falling_path(delay = fall_delay);
+  Boolean level_start(start = false, fixed = true) "Level when the simulation began";
+  EdgeQueue rising_path(transit = rise_delay);
+  EdgeQueue falling_path(transit = fall_delay);
   LevelFilter filter(rest_time = filter_time);
   EdgeStamp rising(
     multiplier = 16807,
-    jitter = jitter,
-    seed = seed,
-    clock_error = clock_error,
-    clock_seconds = clock_seconds,
-    clock_nanoseconds = clock_nanoseconds,
-    keep_first = keep_first);
+    spread = jitter,
+    random_seed = seed,
+    error = clock_error,
+    epoch_seconds = clock_seconds,
+    epoch_nanoseconds = clock_nanoseconds,
+    hold_first = keep_first);
   EdgeStamp falling(
     multiplier = 48271,
-    jitter = jitter,
-    seed = seed,
-    clock_error = clock_error,
-    clock_seconds = clock_seconds,
-    clock_nanoseconds = clock_nanoseconds,
-    keep_first = keep_first);
-initial equation
-  pre(level_start) = signal;
+    spread = jitter,
+    random_seed = seed,
+    error = clock_error,
+    epoch_seconds = clock_seconds,
+    epoch_nanoseconds = clock_nanoseconds,
+    hold_first = keep_first);
 equation
   rose = rising_count > 0 and time >= rising_time;
   fell = falling_count > 0 and time >= falling_time;
@@ -61,7 +59,9 @@ equation
     elseif rising_count > 0 then false
     elseif falling_count > 0 then true
     else signal;
-  level_start = pre(level_start);
+  when initial() then
+    level_start = signal;
+  end when;
   rising_path.u = level_in;
   falling_path.u = not level_in;
   filter.u = if level_start then rising_path.arrived >= falling_path.arrived
@@ -84,8 +84,8 @@ equation
 <p>The inputs are the outputs of a probe for the same communication step. From them the level at each
 instant follows exactly: after the later of the last two edges that lie behind; before both it is the
 level that the earlier one ended. So the stamps do not depend on the length of the step.</p>
-<p>Chain: delay of the input circuit, different for the two directions (EdgeQueue); filter
-(LevelFilter); stamp of the filtered edge (EdgeStamp): edge + delay + filter time.</p>
+<p>Equation: stamp = edge + delay + filter time on the clock. Chain: delay of the input circuit, different for the two directions (EdgeQueue); filter
+(LevelFilter); stamp of the filtered edge (EdgeStamp).</p>
 <p>Assumptions: the inputs of a step are set before the step. Limits: one rising and one falling edge
 in a communication step reach the terminal, of more the last ones; at most four edges of one direction
 within the delay. Source: as for the parts.</p>

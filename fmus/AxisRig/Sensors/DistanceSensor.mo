@@ -26,9 +26,9 @@ protected
   constant Real pi = 3.141592653589793;
   constant Units.Length rounding = 1e-13 "By how much two steps may disagree where they meet";
   constant Units.Length smallest = 1e-12 "Below it a length counts as this";
-  final parameter Units.Length wide = sqrt(2/3)*electrode_radius;
-  final parameter Units.Length near = sqrt(1/6)*electrode_radius;
-  final parameter Units.Length far = sqrt(1/2)*electrode_radius;
+  constant Real wide(unit = "1") = 0.816496580927726 "sqrt(2/3)";
+  constant Real near(unit = "1") = 0.408248290463863 "sqrt(1/6)";
+  constant Real far(unit = "1") = 0.7071067811865476 "sqrt(1/2)";
   Units.Position nearest "Smallest gap";
   Units.Length to_axis "From the axis of the hole, not 0";
   Units.Length hole_radius "Radius of the hole, not 0";
@@ -39,25 +39,25 @@ protected
   CapacitiveElectrode electrode(
     radius = electrode_radius,
     tilt_excess = tilt_factor - 1,
-    residual = residual,
-    range = range);
-  SensorFilter filter(order = order, bandwidth = bandwidth, damping = damping);
-  SampledNoise noise_source(period = noise_period, seed = seed);
+    nonlinearity = residual,
+    full_scale = range);
+  SensorFilter filter(number = order, corner = bandwidth, damping_ratio = damping);
+  SampledNoise noise_source(period = noise_period, random_seed = seed);
 equation
   workpiece.x[1] = x.position;
-  workpiece.x[2] = x.position + wide;
-  workpiece.x[3] = x.position - wide;
-  workpiece.x[4] = x.position + near;
-  workpiece.x[5] = x.position - near;
-  workpiece.x[6] = x.position + near;
-  workpiece.x[7] = x.position - near;
+  workpiece.x[2] = x.position + wide*electrode_radius;
+  workpiece.x[3] = x.position - wide*electrode_radius;
+  workpiece.x[4] = x.position + near*electrode_radius;
+  workpiece.x[5] = x.position - near*electrode_radius;
+  workpiece.x[6] = x.position + near*electrode_radius;
+  workpiece.x[7] = x.position - near*electrode_radius;
   workpiece.y[1] = y.position;
   workpiece.y[2] = y.position;
   workpiece.y[3] = y.position;
-  workpiece.y[4] = y.position + far;
-  workpiece.y[5] = y.position + far;
-  workpiece.y[6] = y.position - far;
-  workpiece.y[7] = y.position - far;
+  workpiece.y[4] = y.position + far*electrode_radius;
+  workpiece.y[5] = y.position + far*electrode_radius;
+  workpiece.y[6] = y.position - far*electrode_radius;
+  workpiece.y[7] = y.position - far*electrode_radius;
   for i in 1:7 loop
     electrode.gaps[i] = z.position - workpiece.height[i];
   end for;
@@ -80,8 +80,8 @@ equation
   electrode.slope_x = workpiece.slope_x[1];
   electrode.slope_y = workpiece.slope_y[1];
   electrode.lost = lost;
-  filter.u = max(0, min(range, electrode.linearised));
-  valid = electrode.linearised < range;
+  filter.u = if touching then 0 else electrode.linearised;
+  valid = electrode.seen < range;
   touching = nearest <= (if pre(touching) then rounding else 0) and lost < 1;
   when touching then
     touch_time = time;
@@ -100,7 +100,8 @@ constant noise of the electronics is one of the distance that grows with d^2.</p
 <p>Edge and hole: the share of the disc without material adds no capacitance; it is the area that a
 straight wall cuts off a circle, or the lens that two circles have in common. When too little is left,
 the output runs to full scale and valid is false, at once, before the filter. When a point of the
-electrode is on the surface, the output is 0 and touching is true.</p>
+electrode is on the surface, the electrode is short-circuited: the output is 0 at once, and touching is
+true.</p>
 <p>clearance: with the largest slope L the electrode cannot touch within
 (d - L r)/sqrt(1 + L^2). Changes of valid are not in it.</p>
 <p>Assumptions: electrode level in x, y; tip and electrode are one. Limits: see CapacitiveElectrode;

@@ -10,6 +10,8 @@ equation
   end when;
   annotation(
     Documentation(info="<html>
-<p>A signal that is true at the start has had no edge. Before the first edge the instant is 0.</p>
+<p>Equation: at each rising edge the number grows by 1 and the instant is kept. Assumption: a signal that
+is true at the start has had no edge. Limit: before the first edge the instant is 0; only the last
+instant is kept. Source: definition.</p>
 </html>"));
 end EdgeCounter;

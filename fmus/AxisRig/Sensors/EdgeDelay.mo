@@ -2,14 +2,14 @@ within AxisRig.Sensors;
 block EdgeDelay "Boolean signal that arrives later"
   parameter Units.Time delay(min = 0) = 0 "Time from an edge of the input to that of the output";
   parameter Units.Time jitter(min = 0) = 0 "Largest deviation of it to either side";
-  parameter Integer seed(min = 0, max = 1000000) = 0 "Of the deviations";
+  parameter Integer random_seed(min = 0, max = 1000000) = 0 "Of the deviations";
   input Boolean u "Input";
   input Boolean u_start "Level of the input at the start";
   output Boolean y "Input as it was one delay ago";
   output Boolean waiting "An edge is under way";
 protected
-  EdgeQueue rising(delay = delay, jitter = jitter, seed = seed, multiplier = 16807);
-  EdgeQueue falling(delay = delay, jitter = jitter, seed = seed, multiplier = 48271);
+  EdgeQueue rising(transit = delay, spread = jitter, seed = random_seed, multiplier = 16807);
+  EdgeQueue falling(transit = delay, spread = jitter, seed = random_seed, multiplier = 48271);
 equation
   rising.u = u;
   falling.u = not u;
@@ -19,9 +19,9 @@ equation
     Documentation(info="<html>
 <p>Equation: y(t) = u(t - delay), and y = u_start at the start, as if the input had always
 rested. With jitter each edge has a delay of its own (EdgeQueue), not below 0.</p>
-<p>Edges travel in two queues, one for each direction; at most four of one direction may be under
+<p>Limit: edges travel in two queues, one for each direction; at most four of one direction may be under
 way at a time, else the simulation ends with an error. A pulse of which the end would overtake the
-beginning is lost. Source: a radio link sends its state in slots of time, which makes the delay
+beginning is lost. Assumption: deviations are uniform. Source: a radio link sends its state in slots of time, which makes the delay
 uniform over a slot.</p>
 </html>"));
 end EdgeDelay;

@@ -1,8 +1,8 @@
 within AxisRig.Sensors;
 block EdgeQueue "Rising edges under way, first in first out, at most four"
   constant Real multiplier(unit = "1") = 16807 "16807 or 48271: two sequences of random numbers";
-  parameter Units.Time delay(min = 0) = 0 "How long an edge is under way";
-  parameter Units.Time jitter(min = 0) = 0 "Largest deviation of it to either side";
+  parameter Units.Time transit(min = 0) = 0 "How long an edge is under way";
+  parameter Units.Time spread(min = 0) = 0 "Largest deviation of it to either side";
   parameter Integer seed(min = 0, max = 1000000) = 0 "Of the deviations";
   input Boolean u "Input";
   output Integer arrived(start = 0, fixed = true) "Number of edges that have arrived";
@@ -24,7 +24,7 @@ protected
 initial equation
   pre(random) = mod(multiplier*(1 + mod(742938285*seed, modulus - 1)), modulus);
 equation
-  due = max(pre(last_due), time + max(0, delay + jitter*(2*pre(random)/modulus - 1)));
+  due = max(pre(last_due), time + max(0, transit + spread*(2*pre(random)/modulus - 1)));
   when u then
     sent = pre(sent) + 1;
     write_slot = if pre(write_slot) > 2 then 0 else pre(write_slot) + 1;
@@ -46,7 +46,7 @@ equation
   assert(sent - arrived < 5, "more than four edges of one direction are under way");
   annotation(
     Documentation(info="<html>
-<p>Equation: edge k arrives at max(t_k + max(0, delay + jitter (2 s(k)/m - 1)), arrival of edge k - 1),
+<p>Equation: edge k arrives at max(t_k + max(0, transit + spread (2 s(k)/m - 1)), arrival of edge k - 1),
 with m = 2^31 - 1, s(k + 1) = a s(k) mod m, s(0) = a (1 + 742938285 seed mod (m - 1)) mod m. Products
 stay below 2^53, so that doubles hold them exactly. Seed 0 and a = 16807 give the sequence of the
 source.</p>

@@ -1,7 +1,7 @@
 within AxisRig.Sensors;
 block SampledNoise "Normally distributed numbers that repeat with a seed"
   parameter Units.Time period(min = 1e-6) = 100e-6 "From one number to the next";
-  parameter Integer seed(min = 0, max = 1000000) = 1 "Same seed, same numbers";
+  parameter Integer random_seed(min = 0, max = 1000000) = 1 "Same seed, same numbers";
   output Real y(unit = "1", start = 0, fixed = true) "Number with mean 0 and deviation 1";
 protected
   constant Real pi = 3.141592653589793;
@@ -9,10 +9,10 @@ protected
   Real radius_state(unit = "1") "State of the first sequence";
   Real angle_state(unit = "1") "State of the second sequence";
 initial equation
-  pre(radius_state) = 1 + mod(742938285*seed, modulus - 1);
-  pre(angle_state) = 1 + mod(950706376*seed, modulus - 1);
+  pre(radius_state) = 1 + mod(742938285*random_seed, modulus - 1);
+  pre(angle_state) = 1 + mod(950706376*random_seed, modulus - 1);
 equation
-  when sample(0, period) then
+  when sample(period, period) then
     radius_state = mod(16807*pre(radius_state), modulus);
     angle_state = mod(48271*pre(angle_state), modulus);
     y = sqrt(-2*log(mod(16807*pre(radius_state), modulus)/modulus))
@@ -21,8 +21,8 @@ equation
   annotation(
     Documentation(info="<html>
 <p>Equations: two sequences a(k+1) = 16807 a(k) mod m and b(k+1) = 48271 b(k) mod m, m = 2^31 - 1,
-begin at 1 + (742938285 seed mod (m - 1)) and 1 + (950706376 seed mod (m - 1)); number k, from
-k T on, is sqrt(-2 ln(a(k+1)/m)) cos(2 pi b(k+1)/m).</p>
+begin with a(0) = 1 + (742938285 seed mod (m - 1)) and b(0) = 1 + (950706376 seed mod (m - 1)); number k,
+from k T on, is sqrt(-2 ln(a(k)/m)) cos(2 pi b(k)/m), k = 1, 2, ... Before T it is 0.</p>
 <p>Assumption: white noise up to half the rate of the numbers. Limits: the number rests for a period,
 so that the spectrum falls with sin(x)/x; period of the sequences 2^31 - 2; products stay below 2^53,
 so that doubles hold them exactly.</p>

@@ -1,24 +1,25 @@
 within AxisRig.Sensors;
 block SensorFilter "Bandwidth of a sensor: first or second order, at rest at the start"
-  parameter Integer order(min = 1, max = 2) = 1 "1 or 2";
-  parameter Units.Frequency bandwidth(min = 1) = 1000 "Corner or natural frequency";
-  parameter Units.DampingRatio damping = 0.7 "Of the second order";
+  parameter Integer number(min = 1, max = 2) = 1 "1 or 2";
+  parameter Units.Frequency corner(min = 1) = 1000 "Corner or natural frequency";
+  parameter Units.DampingRatio damping_ratio = 0.7 "Of the second order";
   input Units.Position u "Input";
   output Units.Position y "Output";
 protected
   constant Real pi = 3.141592653589793;
-  final parameter Real omega(unit = "rad/s") = 2*pi*bandwidth;
-  Units.Position first "Output of the first order";
-  Units.Position second "Output of the second order";
+  final parameter Real omega(unit = "rad/s") = 2*pi*corner;
+  Units.Position at_start(start = 0, fixed = true) "Input at the start";
+  Units.Position first(start = 0, fixed = true) "Output of the first order since the start";
+  Units.Position second(start = 0, fixed = true) "Output of the second order since the start";
   Units.Velocity second_rate(start = 0, fixed = true) "Rate of it";
-initial equation
-  first = u;
-  second = u;
 equation
-  der(first) = omega*(u - first);
+  when initial() then
+    at_start = u;
+  end when;
+  der(first) = omega*(u - at_start - first);
   der(second) = second_rate;
-  der(second_rate) = omega^2*(u - second) - 2*damping*omega*second_rate;
-  y = if order == 1 then first else second;
+  der(second_rate) = omega^2*(u - at_start - second) - 2*damping_ratio*omega*second_rate;
+  y = at_start + (2 - number)*first + (number - 1)*second;
   annotation(
     Documentation(info="<html>
 <p>Equations: dy/dt = w (u - y), or d2y/dt2 = w^2 (u - y) - 2 D w dy/dt, with w = 2 pi f. In steady

@@ -16,7 +16,8 @@ equation
   waiting = u and not ready;
   annotation(
     Documentation(info="<html>
-<p>A device that is on at the start counts as switched on at the start. Switching off acts at once.
-</p>
+<p>Equation: ready from t + delay on, t the instant of switching on; not ready when off. Assumption: a
+device that is on at the start was switched on at the start. Limit: switching off acts at once. Source:
+radio probes need some seconds after switching on until their signal is valid.</p>
 </html>"));
 end SwitchOnDelay;

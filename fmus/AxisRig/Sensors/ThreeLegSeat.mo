@@ -1,11 +1,11 @@
 within AxisRig.Sensors;
 block ThreeLegSeat "Pre-travel of a stylus whose seat rests on three pads, by direction"
-  parameter Units.Force seat_force = 2.5 "Spring force that keeps the stylus in its seat";
-  parameter Units.Length stylus_length = 50e-3 "From the plane of the pads to the ball centre";
-  parameter Units.Length seat_radius(min = 1e-4) = 10e-3 "Of the circle of the pads";
-  parameter Units.Angle seat_angle = 0 "Direction of the first pad from x";
-  parameter Units.Stiffness bending_stiffness(min = 1) = 0.2e6 "Of the stylus across its axis";
-  parameter Units.Stiffness axial_stiffness(min = 1) = 2e6 "Of the stylus along its axis";
+  parameter Units.Force force = 2.5 "Spring force that keeps the stylus in its seat";
+  parameter Units.Length length = 50e-3 "From the plane of the pads to the ball centre";
+  parameter Units.Length radius(min = 1e-4) = 10e-3 "Of the circle of the pads";
+  parameter Units.Angle angle = 0 "Direction of the first pad from x";
+  parameter Units.Stiffness bending(min = 1) = 0.2e6 "Of the stylus across its axis";
+  parameter Units.Stiffness axial(min = 1) = 2e6 "Of the stylus along its axis";
   input Units.Direction normal_x "Normal of the touched surface, towards free space: x";
   input Units.Direction normal_y "Normal of the touched surface, towards free space: y";
   input Units.Direction normal_z "Normal of the touched surface, towards free space: z";
@@ -14,20 +14,20 @@ block ThreeLegSeat "Pre-travel of a stylus whose seat rests on three pads, by di
 protected
   constant Real pi = 3.141592653589793;
   constant Real weakest(unit = "1") = 1e-3 "Of the share of the contact force that unloads a pad";
-  final parameter Real lever(unit = "1") = 2*stylus_length/seat_radius "Unloading per force";
-  final parameter Real pad_1_x(unit = "1") = cos(seat_angle);
-  final parameter Real pad_1_y(unit = "1") = sin(seat_angle);
-  final parameter Real pad_2_x(unit = "1") = cos(seat_angle + 2*pi/3);
-  final parameter Real pad_2_y(unit = "1") = sin(seat_angle + 2*pi/3);
-  final parameter Real pad_3_x(unit = "1") = cos(seat_angle - 2*pi/3);
-  final parameter Real pad_3_y(unit = "1") = sin(seat_angle - 2*pi/3);
+  final parameter Real lever(unit = "1") = 2*length/radius "Unloading per force";
+  final parameter Real pad_1_x(unit = "1") = cos(angle);
+  final parameter Real pad_1_y(unit = "1") = sin(angle);
+  final parameter Real pad_2_x(unit = "1") = cos(angle + 2*pi/3);
+  final parameter Real pad_2_y(unit = "1") = sin(angle + 2*pi/3);
+  final parameter Real pad_3_x(unit = "1") = cos(angle - 2*pi/3);
+  final parameter Real pad_3_y(unit = "1") = sin(angle - 2*pi/3);
   Real towards_pad(unit = "1") "Horizontal normal times the direction of the nearest pad";
 equation
   towards_pad = max(normal_x*pad_1_x + normal_y*pad_1_y,
     max(normal_x*pad_2_x + normal_y*pad_2_y, normal_x*pad_3_x + normal_y*pad_3_y));
-  trigger_force = seat_force/max(weakest, normal_z + lever*towards_pad);
+  trigger_force = force/max(weakest, normal_z + lever*towards_pad);
   pretravel = trigger_force
-    *((normal_x^2 + normal_y^2)/bending_stiffness + normal_z^2/axial_stiffness);
+    *((normal_x^2 + normal_y^2)/bending + normal_z^2/axial);
   annotation(
     Documentation(info="<html>
 <p>Equation: the contact force F n acts on the ball, at the stylus length L below the pads, which

@@ -34,12 +34,12 @@ model TouchProbe "Touch probe against a plane, with edges located inside the ste
 protected
   constant Units.Length rounding = 1e-13 "By how much two steps may disagree where they meet";
   ThreeLegSeat seat(
-    seat_force = seat_force,
-    stylus_length = stylus_length,
-    seat_radius = seat_radius,
-    seat_angle = seat_angle,
-    bending_stiffness = bending_stiffness,
-    axial_stiffness = axial_stiffness);
+    force = seat_force,
+    length = stylus_length,
+    radius = seat_radius,
+    angle = seat_angle,
+    bending = bending_stiffness,
+    axial = axial_stiffness);
   Boolean deflected "Deflected beyond the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(delay = trigger_delay);

@@ -53,15 +53,16 @@ protected
   Units.Share upward "Share of the surface in the normal";
   Units.Share sideways "Share of the upright wall in the normal";
   ThreeLegSeat seat(
-    seat_force = seat_force,
-    stylus_length = stylus_length,
-    seat_radius = seat_radius,
-    seat_angle = seat_angle,
-    bending_stiffness = bending_stiffness,
-    axial_stiffness = axial_stiffness);
+    force = seat_force,
+    length = stylus_length,
+    radius = seat_radius,
+    angle = seat_angle,
+    bending = bending_stiffness,
+    axial = axial_stiffness);
   Boolean deflected "Deflected beyond the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
-  EdgeDelay path(delay = trigger_delay + radio_delay, jitter = radio_jitter, seed = seed);
+  EdgeDelay path(delay = trigger_delay + radio_delay, jitter = radio_jitter,
+    random_seed = seed);
   ContactBounce bounce(
     closing_count = bounce_count,
     opening_count = release_bounce_count,

@@ -8,8 +8,11 @@ block Cylinder "Round bar or tube that lies on its side"
   output Units.Slope beyond_x "Derivative of it by x";
   output Units.Slope beyond_y "Derivative of it by y";
 protected
+  constant Units.Length nowhere = 1e4 "Depth inside the material when there is no cylinder";
+  // Compilers fix parameters that decide an if: the radius would no longer be one of an FMU.
+  constant Units.Length thin = 1e-9 "A radius below counts as none";
   final parameter Units.Length reach = round*radius "Where the tangent begins";
-  final parameter Real drop(unit = "1") = if radius > 0 then round/sqrt(max(1e-12, 1 - round^2)) else 0
+  final parameter Real drop(unit = "1") = round/sqrt(max(1e-12, 1 - round^2))*min(1, radius/thin)
     "Slope of the tangent";
   Units.Position from_axis[points] "Distance from the axis, within reach";
   Units.Position over[points] "How far the reach is exceeded";
@@ -20,11 +23,10 @@ equation
     height[i] = sqrt(max(0, radius^2 - from_axis[i]^2)) - radius - drop*over[i];
   end for;
   for i in 1:slopes loop
-    slope[i] = noEvent(if radius > 0 then -from_axis[i]/sqrt(max(1e-18, radius^2 - from_axis[i]^2))
-      else 0);
+    slope[i] = -from_axis[i]/sqrt(max(1e-18, radius^2 - from_axis[i]^2));
   end for;
   steepest = drop;
-  beyond = if radius > 0 then abs(s[1] - axis) - radius else -1e3;
+  beyond = abs(s[1] - axis) - radius - nowhere*max(0, 1 - radius/thin);
   beyond_x = noEvent(if s[1] > axis then along_x else -along_x);
   beyond_y = noEvent(if s[1] > axis then along_y else -along_y);
   annotation(

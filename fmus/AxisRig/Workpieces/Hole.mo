@@ -6,11 +6,13 @@ block Hole "Round hole"
   parameter Units.Length radius = 0 "Radius; 0: no hole";
   output Units.Length from_axis "Distance from the axis of the hole";
 protected
-  constant Units.Length nowhere = 1e3 "Depth inside the material when there is no hole";
+  constant Units.Length nowhere = 1e4 "Depth inside the material when there is no hole";
+  // Compilers fix parameters that decide an if: the radius would no longer be one of an FMU.
+  constant Units.Length thin = 1e-9 "A radius below counts as none";
   constant Units.Length smallest = 1e-12 "Below it the direction to the axis is not known";
 equation
   from_axis = sqrt((x - center_x)^2 + (y - center_y)^2);
-  beyond = if radius > 0 then radius - from_axis else -nowhere;
+  beyond = radius - from_axis - nowhere*max(0, 1 - radius/thin);
   beyond_x = (center_x - x)/max(from_axis, smallest);
   beyond_y = (center_y - y)/max(from_axis, smallest);
   annotation(
