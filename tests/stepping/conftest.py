@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from fmus import ensure_built
+from fmus import MODELS, ensure_built
 from fmus.build import build
 from kernel.cosim.fmu import FmuSlave, load_fmu
 from kernel.cosim.plant import Plant
@@ -45,9 +45,9 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 
     def build_once(model: str) -> Path:
         package = model.partition(".")[0]
-        if package == "AxisRig":
-            return ensure_built(model)
         path = folder / f"{model}.fmu"
+        if model in MODELS:
+            return ensure_built(model)
         return path if path.is_file() else build(model, path, LIBRARIES[package], 10e-6)
 
     return build_once
