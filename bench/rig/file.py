@@ -11,7 +11,15 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    ConfigDict,
+    Discriminator,
+    Field,
+    Tag,
+    ValidationError,
+)
 
 from kernel.errors import UserError
 
@@ -94,6 +102,24 @@ class MapTable(_Table):
     lead_mm: Annotated[float, Field(gt=0)] | None = None
 
 
+_TEXT, _TABLE, _NOTHING = "(text)", "(table)", "(false)"
+
+
+def _form(entry: object) -> str:
+    """Tell which form an entry of a map has; what is none of them is held to be a text."""
+    if entry is False:
+        return _NOTHING
+    return _TABLE if isinstance(entry, dict | MapTable) else _TEXT
+
+
+MapEntry = Annotated[
+    Annotated[str, Tag(_TEXT)]
+    | Annotated[MapTable, Tag(_TABLE)]
+    | Annotated[Literal[False], Tag(_NOTHING)],
+    Discriminator(_form),
+]
+
+
 class PlantTable(_Table):
     """`[plant.NAME]`: an FMU, its start values (`surface_mm = 100`) and what it is wired to.
 
@@ -105,7 +131,7 @@ class PlantTable(_Table):
     kind: Literal["axis", "probe", "distance"] | None = None
     start: dict[str, StartValue] = Field(default_factory=dict)
     wire: dict[Name, Name] = Field(default_factory=dict)
-    map: dict[Name, str | Literal[False] | MapTable] = Field(default_factory=dict)
+    map: dict[Name, MapEntry] = Field(default_factory=dict)
 
 
 class RigFile(_Table):
@@ -215,13 +241,15 @@ def _find_key(text: str, table: str, key: str) -> int | None:
 
 
 def _known_keys(keys: tuple[str, ...]) -> list[str]:
-    """Return the keys that the table holding the last of `keys` may have."""
+    """Return the keys that the table which holds the last of `keys` may have."""
     model: Any = RigFile
     named = {
         "segment": SegmentTable, "drive": DriveTable, "axis": AxisTable, "plant": PlantTable,
         "cycle": CycleTable, "channel": ChannelTable,
     }  # fmt: skip
-    if len(keys) > 1:
+    if keys[2:3] == ("map",):
+        model = MapTable
+    elif len(keys) > 1:
         model = named.get(keys[0], RigFile)
     return [*model.model_fields, *(["base"] if model is RigFile else [])]
 
@@ -238,7 +266,9 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
         # A misspelt key is also a missing one; the spelling is what helps
         first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
         # What follows a start value are the kinds that were tried
-        keys = tuple(str(part) for part in first["loc"][:4])
+        depth = 6 if first["loc"][2:3] == ("map",) else 4
+        forms = (_TEXT, _TABLE, _NOTHING)
+        keys = tuple(str(part) for part in first["loc"][:depth] if part not in forms)
         file, line = _locate(files, keys)
         place = ".".join(keys)
         if first["type"] == "extra_forbidden":

@@ -154,6 +154,10 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
 
     coordinates = coordinates_of(slave, kind, sources)
     refuse_unknown(kind, table.map, list(table.wire) or coordinates, located)
+    if kind == "axis" and table.wire:
+        raise rig_error(
+            settings.files, (*place, "wire"), f"plant {instance} is an axis: nothing is wired to it"
+        )
     if kind != "axis":
         _check_wire(settings, instance, table, coordinates)
     try:
@@ -179,7 +183,7 @@ def _source(entry: str | Literal[False] | MapTable) -> Source | None:
             FLAG_THRESHOLD if entry.threshold is None else entry.threshold,
             None if entry.lead_mm is None else entry.lead_mm * 1e-3,
         )
-    return Source(entry) if entry else None
+    return None if entry is False else Source(entry)
 
 
 def _empty_plant(settings: Settings) -> Plant:

@@ -336,7 +336,17 @@ MISTAKES = [
     (('position = "table.s"\n', ""), "fmu = ", ["a plant of the kind axis needs: position"]),
     (('wire = { z = "table" }\n', ""), "[plant.switch]", ["wired to no axis"]),
     (('unit = "mm"', 'unit = "ell"'), "z_position", ["'ell'", "unknown unit"]),
-    (("sign = -1", "sign = 2"), "z_position", ["sign"]),
+    (("sign = -1", "sign = 2"), "z_position", ["z_position.sign: input should be 1 or -1"]),
+    (("sign = -1", "sgn = -1"), "z_position", ["unknown rig key", "sgn", "did you mean sign?"]),
+    (("threshold = 12", 'threshold = "a"'), "signal", ["threshold: must be a number"]),
+    (
+        ('variable = "contact_v", ', ""),
+        "signal",
+        ["lacks the key", "map.signal.variable"],
+    ),
+    (('position = "table.s"', "position = 5"), "position = ", ["must be a text", "found 5"]),
+    (('position = "table.s"', 'position = ""'), "position = ", ["no such variable; found ''"]),
+    (('"table.fmu"\n', '"table.fmu"\nwire = { z = "table" }\n'), "wire = ", ["is an axis"]),
     (
         ('"table.s_start_mm" = 103', '"table.s_start" = 103'),
         "start = ",
