@@ -2,6 +2,7 @@
 
 import ast
 import csv
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -155,6 +156,31 @@ def test_every_signal_names_unit_tolerance_and_source():
 def test_every_validation_model_is_compared():
     models = {p.stem for p in (LIBRARY / "Validation").glob("*.mo")} - {"package"}
     assert models == set(MODELS)
+
+
+def parts(file: Path, classes: dict[str, Path]) -> set[str]:
+    """The classes of the library that a class names outside its strings."""
+    code = re.sub(r'"(?:[^"\\]|\\.)*"', "", file.read_text(encoding="utf-8"))
+    inside = file.parent.name
+    found = {f"{inside}.{name}" for name in re.findall(r"(?<![.\w])([A-Z]\w*)", code)}
+    found |= set(re.findall(r"(?<![.\w])([A-Z]\w*\.[A-Z]\w*)", code))
+    return found & set(classes)
+
+
+@pytest.mark.parametrize("package", ["Drives", "Mechanics", "Sensors", "Workpieces"])
+def test_every_component_is_part_of_a_validation(package):
+    classes = {
+        f"{path.parent.name}.{path.stem}": path
+        for path in LIBRARY.glob("*/*.mo")
+        if path.stem != "package"
+    }
+    reached, waiting = set(), [f"Validation.{model}" for model in MODELS]
+    while waiting:
+        name = waiting.pop()
+        if name not in reached:
+            reached.add(name)
+            waiting += parts(classes[name], classes)
+    assert not {name for name in classes if name.startswith(f"{package}.")} - reached
 
 
 def test_what_is_spared_says_why():
