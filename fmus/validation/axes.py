@@ -140,7 +140,7 @@ def screw_axis(time_s: Vector) -> Mapping[str, Vector]:
         joint = screw(s, 1.0) if ahead else screw(s, -1.0) if behind else 0.0
         bend, bristle = lugre(v, z, stribeck(v, 120.0, 160.0, 5e-3), 20e6, 4e3)
         slide = (joint - bristle - 800.0 * v - stop - 60.0) / SLIDE
-        return v, slide, v_m, (force - joint) / ROTOR, bend, *rates
+        return v, slide, v_m, (force - joint - 100.0 * v_m) / ROTOR, bend, *rates
 
     guards: list[Guard] = [
         *course.guards(),

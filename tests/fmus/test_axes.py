@@ -32,7 +32,7 @@ def test_motor_leads_the_slide_by_half_the_backlash_and_the_twist(axis, directio
     lead = screw.motor_position - screw.position
     friction = 120 + 40 * math.exp(-((0.01 / 5e-3) ** 2)) + 800 * 0.01
     assert lead == pytest.approx(direction * (5e-6 + friction / 120e6), abs=1e-10)
-    assert screw.force == pytest.approx(direction * friction, rel=1e-6)
+    assert screw.force == pytest.approx(direction * (friction + 100 * 0.01), rel=1e-6)
 
 
 def test_one_direction_repeats_whatever_the_backlash(axis):
@@ -48,7 +48,7 @@ def test_one_direction_repeats_whatever_the_backlash(axis):
 
 def test_free_mode_of_motor_and_slide(axis):
     """261 Hz: sqrt(k/m + k/m_r)/(2 pi) with the damping d; power off after a start."""
-    screw = axis("ScrewAxis", screw_damping=1e3, **FRICTIONLESS, enabled=True)
+    screw = axis("ScrewAxis", screw_damping=1e3, motor_friction=0.0, **FRICTIONLESS, enabled=True)
     screw.set(reference_position=1e-3)
     screw.step(2e-3)
     screw.set(enabled=False)
@@ -70,6 +70,7 @@ def test_mode_with_the_motor_locked(axis):
         "ScrewAxis",
         rotor_inertia=1.8e-4 * 1.2e6 / ROTOR,
         screw_damping=1e3,
+        motor_friction=0.0,
         **{**FRICTIONLESS, "slide.velocity_start": 0.01},
     )
     times, positions = [], []
@@ -97,7 +98,7 @@ def test_friction_at_feed_and_rapid_is_coulomb_and_viscous(axis, speed):
     screw = axis("ScrewAxis", enabled=True)
     screw.set(reference_velocity=speed, reference_end=100.0)
     screw.step(3.0)
-    assert screw.force == pytest.approx(120 + 800 * speed, rel=1e-6)
+    assert screw.force == pytest.approx(120 + (800 + 100) * speed, rel=1e-6)
 
 
 def test_brake_opens_60_ms_after_the_power_stage_and_closes_20_ms_after(axis):

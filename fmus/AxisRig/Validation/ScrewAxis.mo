@@ -19,6 +19,7 @@ model ScrewAxis "Two-mass axis with backlash: contact, saturation, release, stic
   parameter Units.Force weight = 60 "Weight that no counterbalance carries, pulls towards negative";
   parameter Units.Stiffness screw_stiffness = 120e6 "Screw, nut and bearing, at the slide";
   parameter Units.Damping screw_damping = 6e3 "Damping of the screw, at the slide";
+  parameter Units.Damping motor_friction = 100 "Viscous friction of the motor, at the slide";
   parameter Units.Length backlash = 10e-6 "Free travel of the nut; 0: preloaded nut";
   Drives.ScrewAxis axis(
     position_start = position_start,
@@ -39,6 +40,7 @@ model ScrewAxis "Two-mass axis with backlash: contact, saturation, release, stic
     weight = weight,
     screw_stiffness = screw_stiffness,
     screw_damping = screw_damping,
+    motor_friction = motor_friction,
     backlash = backlash);
   output Units.Position position "Slide";
   output Units.Velocity velocity "Slide";
