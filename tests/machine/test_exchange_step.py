@@ -76,6 +76,33 @@ def test_longest_step_does_not_change_a_bit(
     assert all(other == left[0] for other in left)
 
 
+def test_an_elastic_axis_with_backlash_is_latched_alike_at_any_step(run_nc: Run) -> None:
+    """A screw that rings at 160 Hz, one SYNC in 10 ms; truth is the load, the latch the motor."""
+    left = []
+    for step_us in (100, 1000, 10_000):
+        rig = f"""
+        [cycle]
+        period_us = 10_000
+        exchange_us = {step_us}
+        [plant.z]
+        fmu = "AxisRig.Drives.ScrewAxis"
+        start = {{ backlash_um = 5, position_start_mm = 120.0 }}
+        [plant.probe]
+        start = {{ surface_mm = 117.0 }}
+        """
+        out = run_nc("N10 G100 Z100 F1200", rig, "set:Z.getriebe[0].window=200")
+        assert out.alarms == []
+        left.append(_left(out))
+        (contact,) = out.machine.plant.probes["probe"].contacts
+        assert contact.position_mm["z"] == pytest.approx(117.0, abs=1e-7)
+        # The motor leads by half the backlash and by what friction bends the screw, F/k
+        friction_n = 120 + 800 * 0.020
+        leads_mm = 5e-3 / 2 + friction_n / 120e6 * 1e3
+        latched_mm = out.machine.channel.records[0].latched_mm["Z"]
+        assert latched_mm == pytest.approx(117.0 - leads_mm, abs=10 / 2**20)
+    assert left == [left[0]] * 3
+
+
 # Depths: in speeding up (to 5 mm), in steady motion, and in braking (from 15 mm on)
 @pytest.mark.parametrize(
     ("depth_mm", "feed_forward"), [(0.1, 0.0), (7.0, 0.0), (0.01, 1.0), (3.0, 1.0), (15.5, 1.0)]
