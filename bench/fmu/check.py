@@ -13,6 +13,8 @@ from bench.fmu.findings import Finding, Level, as_rows, fail, has_failed, ok
 from bench.fmu.stages import Outcome, run_stage
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 
+CALLS_MAX = 10  # so many calls of the longest allowed time may one trial take
+
 
 @dataclass(frozen=True)
 class Checked:
@@ -75,7 +77,9 @@ def _tried(path: Path, call_limit_s: float) -> list[Finding]:
 
 
 def _run(path: Path, names: Sequence[str], call_limit_s: float) -> dict[str, Outcome]:
-    results = run_apart(run_stage, [[name, path] for name in names], call_limit_s=call_limit_s)
+    tasks = [[name, path] for name in names]
+    timeout_s = CALLS_MAX * call_limit_s
+    results = run_apart(run_stage, tasks, call_limit_s=call_limit_s, timeout_s=timeout_s)
     return {
         name: Outcome([fail(name, result.reason, "keep it out, or run it with --isolate")])
         if isinstance(result, Died)

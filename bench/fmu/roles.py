@@ -1,6 +1,8 @@
 """What an FMU could be in a rig: by the names of its variables, or with a map."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+
+from fmpy.model_description import ModelVariable
 
 from bench.fmu.findings import Finding, ok, warn
 from kernel.cosim.fmu import FmuSlave
@@ -8,7 +10,8 @@ from kernel.cosim.roles import KINDS, Role, Source, bind, coordinates_of, map_ro
 from kernel.errors import UserError
 
 _SHOWN_MAX = 3
-_NO_UNIT = " (no unit)"
+# What the map must say beside the name of a variable, the plainest first
+_MARKS = ("", " (lead_mm)", " (threshold)", " (unit)")
 
 
 def role_findings(slave: FmuSlave) -> Iterator[Finding]:
@@ -39,29 +42,37 @@ def _with_map(slave: FmuSlave, kind: str, coordinates: Sequence[str]) -> list[Fi
     if not all(offers.values()):
         return []
     text = "; ".join(f"{name} = {_some(found)}" for name, found in offers.items())
-    return [ok("roles", f"kind {kind} with a map (docs/rigs.md): {text}"), *_unit_hint(offers)]
-
-
-def _unit_hint(offers: Mapping[str, Sequence[str]]) -> list[Finding]:
-    if not any(text.endswith(_NO_UNIT) for found in offers.values() for text in found):
-        return []
-    return [warn("roles", "some of these have no unit", "say it in the map")]
+    return [ok("roles", f"kind {kind} with a map (docs/rigs.md): {text}")]
 
 
 def _candidates(slave: FmuSlave, name: str, role: Role) -> list[str]:
-    """Return the inputs or outputs whose type and unit fit a role."""
-    found = []
+    """Return the variables that fit a role, with what the map must say about each."""
+    found: dict[str, list[str]] = {}
     for variable in slave.description.modelVariables:
-        if variable.causality not in ("input", "output"):
+        if variable.causality != role.causality:
             continue
-        for unit, mark in ((None, ""), (role.unit or None, _NO_UNIT)):
+        for mark, source in _attempts(variable, role):
             try:
-                bind(slave, name, role, Source(variable.name, unit))
+                bind(slave, name, role, source)
             except UserError:
                 continue
-            found.append(f"{variable.name}{mark}")
+            found.setdefault(mark, []).append(f"{variable.name}{mark}")
             break
-    return found
+    return next((found[mark] for mark in _MARKS if mark in found), [])
+
+
+def _attempts(variable: ModelVariable, role: Role) -> list[tuple[str, Source]]:
+    """Ways to say in a map that a variable plays a role, the plainest first."""
+    is_level = variable.type == "Boolean"
+    if role.type == "flag":
+        return [("" if is_level else " (threshold)", Source(variable.name))]
+    if is_level:
+        return []
+    return [
+        ("", Source(variable.name)),
+        (" (lead_mm)", Source(variable.name, lead_m=1.0)),
+        (" (unit)", Source(variable.name, role.unit or None)),
+    ]
 
 
 def _some(names: Sequence[str]) -> str:

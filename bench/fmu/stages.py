@@ -293,7 +293,11 @@ REST: dict[str, Stage] = {
 
 
 def run_stage(area: str, path: Path) -> Outcome:
-    """Run one stage; what the FMU does wrong is a finding."""
+    """Run one stage: what the FMU does wrong is a finding; what it prints is kept off the result.
+
+    Its standard output becomes standard error.
+    """
+    os.dup2(2, 1)
     stage = (FIRST | REST)[area]
     try:
         return stage(path)

@@ -1,7 +1,7 @@
 """`axisrig fmu check`: what is found about FMUs that are good, flawed, deadly or none."""
 
 import json
-import os
+import platform
 import shutil
 import sys
 import zipfile
@@ -87,7 +87,7 @@ FLAWS = [
     ("FORGETS_BYTES", "state as bytes", "unpacked, the run differs: "),
     pytest.param(
         *("FLUSH", "call sequence", "switches denormal numbers"),
-        marks=pytest.mark.skipif(os.uname().machine != "x86_64", reason="SSE control word"),
+        marks=pytest.mark.skipif(platform.machine() != "x86_64", reason="SSE control word"),
     ),
 ]
 
