@@ -156,11 +156,12 @@ def nc(
     assignments: SetOption = None,
 ) -> None:
     """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
-    from bench.run.single import run_program, run_program_apart
+    from bench.run.apart import do_apart
+    from bench.run.single import run_program
 
     inputs = (program, rig, assignments or [], _blf(bus_log), partial(print, flush=True))
     if is_isolated:
-        alarms = run_program_apart(*inputs, call_limit_s=call_limit_s)
+        alarms = do_apart(run_program, *inputs, file=program, call_limit_s=call_limit_s)
     else:
         alarms = run_program(*inputs)
     for alarm in alarms:
@@ -172,12 +173,18 @@ def nc(
 @_rejecting
 def check(
     files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = 60.0,
 ) -> None:
     """Check plans and rigs without running them; show the bus arithmetic of a rig."""
+    from bench.run.apart import do_apart
     from bench.run.campaign import check_file
 
     for file in files:
-        print(check_file(file))
+        if is_isolated:
+            print(do_apart(check_file, file, file=file, call_limit_s=call_limit_s))
+        else:
+            print(check_file(file))
 
 
 @app.command()

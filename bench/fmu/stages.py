@@ -281,6 +281,7 @@ def roles(path: Path) -> Outcome:
 
 
 Stage = Callable[[Path], Outcome]
+# Each only after the one before: what does not load cannot run
 FIRST: dict[str, Stage] = {"library": load, "call sequence": sequence}
 REST: dict[str, Stage] = {
     "steps": steps,

@@ -18,6 +18,7 @@ from pebble import ProcessExpired, ProcessFuture, ProcessPool
 
 from kernel.cosim import journal
 from kernel.cosim.archive import session_folder, share_session_folder
+from kernel.errors import UserError
 
 T = TypeVar("T")
 
@@ -100,6 +101,19 @@ def run_apart(
         raise
     finally:
         pool.join()
+
+
+def do_apart(
+    function: Callable[..., T], *arguments: Any, file: Path, call_limit_s: float = CALL_LIMIT_S
+) -> T:
+    """Return `function(*arguments)` from a process of its own.
+
+    Raises what it raises, and UserError with `file` when the process gives no result.
+    """
+    (result,) = run_apart(function, [arguments], call_limit_s=call_limit_s)
+    if isinstance(result, Died):
+        raise UserError(result.reason, file=file)
+    return result
 
 
 def _result(

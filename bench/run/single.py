@@ -9,7 +9,6 @@ from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.plants import plant_log
 from bench.rig.settings import as_written, read_settings
-from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.parser import read_program
@@ -48,25 +47,3 @@ def run_program(
         machine.close()
     notes = [Ended(text, False) for text in plant_log(machine.plant)]
     return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
-
-
-def run_program_apart(
-    program: Path,
-    rig: Path,
-    assignments: Sequence[str],
-    bus_log: Path | None,
-    put_out: Callable[[str], None],
-    *,
-    call_limit_s: float = CALL_LIMIT_S,
-) -> list[Ended]:
-    """Do `run_program` in a process of its own. put_out: one that can be handed to a process.
-
-    Raises UserError also for an FMU that ends the process, or that does not come back within
-    `call_limit_s` of wall time.
-    """
-    tasks = [[program, rig, assignments, bus_log, put_out]]
-    for result in run_apart(run_program, tasks, call_limit_s=call_limit_s):
-        if isinstance(result, Died):
-            raise UserError(result.reason, file=program)
-        return result
-    raise AssertionError("one task gives one result")

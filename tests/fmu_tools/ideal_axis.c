@@ -14,7 +14,7 @@
 enum { NOWHERE, LOAD, INSTANTIATE, INITIALIZE, SET, GET, STEP, TERMINATE, FREE };
 enum { SEGFAULT, ABORT, EXIT, HANG, KILL };
 enum { NONE, GLOBAL, ADDRESS, COUNTS, FORGETS, FORGETS_BYTES, NAN_OUTPUT, CHDIR, FLUSH, REFUSES,
-       STICKS };
+       STICKS, PRINTS };
 
 #ifndef CRASH_IN
 #define CRASH_IN NOWHERE
@@ -166,6 +166,7 @@ EXPORT fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step,
   Axis *a = c;
   here(STEP, time);
   UNUSED(final);
+  if (FLAW == PRINTS && write(1, "a step\n", 7) != 7) return fmi3Fatal;
   if (FLAW == CHDIR && chdir("/")) return fmi3Fatal;
   if (FLAW == REFUSES && step < 5e-4) return fmi3Error;
   a->time = *last = time + step;

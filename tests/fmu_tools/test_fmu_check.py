@@ -3,6 +3,7 @@
 import json
 import platform
 import shutil
+import subprocess
 import sys
 import zipfile
 from collections.abc import Callable, Mapping
@@ -14,6 +15,8 @@ Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
 Build = Callable[..., Path]
 Rows = Mapping[str, list[Mapping[str, str]]]
+
+ROOT = Path(__file__).parents[2]
 
 pytestmark = pytest.mark.skipif(
     sys.platform == "win32", reason="the FMUs of this test end by POSIX signals"
@@ -329,6 +332,19 @@ def test_the_table_names_area_level_and_remedy(axisrig: Call, ideal_axis: Build)
     assert code == 1
     assert "stuck.fmu: FAIL" in out
     assert "leave canGetAndSetFMUState out" in " ".join(out.split())
+
+
+def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> None:
+    fmu = ideal_axis(FLAW="PRINTS")
+    ended = subprocess.run(
+        [sys.executable, "-m", "bench.cli", "fmu", "check", str(fmu), "--json"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert json.loads(ended.stdout)["fmus"][0]["verdict"] == "warn"
+    assert "a step" in ended.stderr
 
 
 def test_several_files_are_checked_one_after_the_other(axisrig: Call, ideal_axis: Build) -> None:

@@ -198,6 +198,15 @@ def test_nc_shows_messages_and_alarms_of_the_process_apart(place: Path, ideal_ax
     assert "ID " in ended.stderr
 
 
+def test_check_of_a_rig_may_be_isolated_too(place: Path, axisrig: Call, ideal_axis: Build) -> None:
+    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    bad = _rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
+    assert axisrig("check", good, "--isolate") == axisrig("check", good)
+    code, out, err = axisrig("check", bad, "--isolate")
+    assert (code, out) == (2, "")
+    assert err.startswith("error: bad.toml: FMU bad.fmu (plant z) crashed in fmi3ExitInit")
+
+
 def test_nothing_of_a_crash_stays_on_the_disk(place: Path, ideal_axis: Build) -> None:
     rig = _rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
     scratch = place / "scratch"
