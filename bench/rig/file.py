@@ -24,7 +24,7 @@ from pydantic import (
 from kernel.errors import UserError
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-StartValue = bool | int | float
+StartValue = bool | int | float | str
 
 
 def _whole_um(value_mm: float) -> float:
@@ -295,7 +295,7 @@ _WORDS = {
     "model_type": "must be a table",
     "dict_type": "must be a table",
     "string_pattern_mismatch": "must be a letter, then letters, digits and _",
-    "bool_type": "must be a number or true or false",
+    "bool_type": "must be a number, true or false, or a text",
     "string_type": "must be a text",
     "int_type": "must be a whole number",
     "float_type": "must be a number",

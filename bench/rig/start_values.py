@@ -24,7 +24,8 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
     """
     for key, value in table.start.items():
         try:
-            _set(roles, parse_assignment(f"plant:{instance}.{key}={str(value).lower()}"))
+            text = value if isinstance(value, str) else str(value).lower()
+            _set(roles, parse_assignment(f"plant:{instance}.{key}={text}"))
         except UserError as error:
             raise rig_error(
                 settings.files,
@@ -56,8 +57,13 @@ def _set(roles: Roles, item: Assignment) -> None:
             allowed=nearest(plain.name, settable) or settable,
         )
     variable = slave.variable(plain.name)
-    is_flag = str(variable.type) == "Boolean"
-    value = _flag(roles, plain) if is_flag else _number(roles, plain, variable)
+    value: float | bool | str = plain.value
+    if variable.type == "Boolean":
+        value = _flag(roles, plain)
+    elif variable.type == "Enumeration" and not plain.value.lstrip("-").isdecimal():
+        value = _word(roles, plain, variable)
+    elif variable.type != "String":
+        value = _number(roles, plain, variable)
     try:
         slave.set_start(plain.name, value)
     except PlantError as error:
@@ -73,6 +79,19 @@ def _flag(roles: Roles, item: Assignment) -> bool:
             allowed="true, false",
         )
     return _FLAGS[item.value.lower()]
+
+
+def _word(roles: Roles, item: Assignment, variable: ModelVariable) -> int:
+    """Return the number of an item of an enumeration."""
+    declared = variable.declaredType
+    words = {i.name: int(i.value) for i in declared.items} if declared is not None else {}
+    if item.value not in words:
+        raise UserError(
+            f"{item.name} of {roles.slave.name} has no such item",
+            value=item.value,
+            allowed=nearest(item.value, words) or words or "whole numbers",
+        )
+    return words[item.value]
 
 
 def _number(roles: Roles, item: Assignment, variable: ModelVariable) -> float:

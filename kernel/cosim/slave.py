@@ -261,8 +261,14 @@ class FmuSlave(ABC):
         """Return the names of all variables of one causality, in the order of the description."""
         return [v.name for v in self.description.modelVariables if v.causality == causality]
 
-    def set_start(self, name: str, value: float | bool) -> None:
+    def set_start(self, name: str, value: float | bool | str) -> None:
         """Set a parameter or a start value before initialisation, in the FMU's unit."""
+        if isinstance(value, str):
+            try:
+                self._fmu.setString([self.variable(name).valueReference], [value])
+            except Exception as error:  # fmpy turns a bad status into a plain Exception
+                raise PlantError(self.name, self.time_ns, self._explain(str(error))) from error
+            return
         exchange = Exchange(self, [name])
         exchange.values[0] = value
         exchange.write()

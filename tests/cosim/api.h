@@ -15,6 +15,7 @@ typedef struct {
     int32_t behaviour;
     double time, last;
     bool ended, early_allowed;
+    char text[64];
     const char *name;
     void *environment;
     void *logger;
@@ -111,6 +112,11 @@ API int fmi2SetInteger(Instance *c, const uint32_t *r, size_t n, const int32_t *
     for (size_t i = 0; i < n; i++) c->behaviour = v[i];
     return OK;
 }
+API int fmi2SetString(Instance *c, const uint32_t *r, size_t n, const char *const *v) {
+    (void)r;
+    for (size_t i = 0; i < n; i++) strncpy(c->text, v[i], sizeof c->text - 1);
+    return OK;
+}
 API int fmi2GetBoolean(Instance *c, const uint32_t *r, size_t n, int *v) {
     (void)r;
     for (size_t i = 0; i < n; i++) v[i] = level(c);
@@ -173,6 +179,16 @@ API int fmi3GetInt32(Instance *c, const uint32_t *r, size_t n, int32_t *v, size_
 API int fmi3SetInt32(Instance *c, const uint32_t *r, size_t n, const int32_t *v, size_t m) {
     (void)r, (void)m;
     for (size_t i = 0; i < n; i++) c->behaviour = v[i];
+    return OK;
+}
+API int fmi3SetInt64(Instance *c, const uint32_t *r, size_t n, const int64_t *v, size_t m) {
+    (void)r, (void)m;
+    for (size_t i = 0; i < n; i++) c->behaviour = (int32_t)v[i];
+    return OK;
+}
+API int fmi3SetString(Instance *c, const uint32_t *r, size_t n, const char *const *v, size_t m) {
+    (void)r, (void)m;
+    for (size_t i = 0; i < n; i++) strncpy(c->text, v[i], sizeof c->text - 1);
     return OK;
 }
 API int fmi3GetBoolean(Instance *c, const uint32_t *r, size_t n, bool *v, size_t m) {

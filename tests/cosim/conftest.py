@@ -17,7 +17,7 @@ BEHAVIOURS = (
     "plain", "discards long steps", "discards half way", "discards all", "tells no progress",
     "ends", "fails", "warns", "returns early", "returns at once", "crashes", "not a number",
 )  # fmt: skip
-BEHAVIOUR, LEVEL, TIME = 100, 101, 102
+BEHAVIOUR, LEVEL, TIME, TEXT, MOOD = 100, 101, 102, 103, 104
 UNITS = (
     '<UnitDefinitions><Unit name="mm"><BaseUnit m="1" factor="0.001"/>'
     '<DisplayUnit name="km" factor="1e-6"/></Unit>'
@@ -27,6 +27,7 @@ UNITS = (
     '<Unit name="turns/min"><BaseUnit rad="1" s="-1" factor="0.10471975511965977"/></Unit>'
     '<Unit name="parsec"/></UnitDefinitions>'
 )
+ITEMS = "".join(f'<Item name="{n}" value="{v}"/>' for n, v in (("calm", 0), ("nervous", 3)))
 Row = tuple[str, str, str | None, str | None]
 # name, causality, start, unit; in the order of the value references of the C source
 REALS: dict[str, list[Row]] = {
@@ -90,22 +91,32 @@ def _description(version: int, model: str, identifier: str, told: dict[str, str 
     variables = [_variable(version, number, row) for number, row in enumerate(rows)]
     outputs = [number for number, row in enumerate(rows) if row[1] == "output"]
     if version == 2:
+        types = f'<SimpleType name="Mood"><Enumeration>{ITEMS}</Enumeration></SimpleType>'
         variables += [
             f'<ScalarVariable name="behaviour" valueReference="{BEHAVIOUR}" causality="parameter"'
             ' variability="fixed"><Integer start="0"/></ScalarVariable>',
             f'<ScalarVariable name="level" valueReference="{LEVEL}" causality="output"'
             ' variability="discrete"><Boolean/></ScalarVariable>',
+            f'<ScalarVariable name="text" valueReference="{TEXT}" causality="parameter"'
+            ' variability="fixed"><String start=""/></ScalarVariable>',
+            f'<ScalarVariable name="mood" valueReference="{MOOD}" causality="parameter"'
+            ' variability="fixed"><Enumeration declaredType="Mood" start="0"/></ScalarVariable>',
         ]
         indices = [*(number + 1 for number in outputs), len(rows) + 2]
         unknowns = "".join(f'<Unknown index="{index}"/>' for index in indices)
         structure = f"<Outputs>{unknowns}</Outputs><InitialUnknowns>{unknowns}</InitialUnknowns>"
     else:
+        types = f'<EnumerationType name="Mood">{ITEMS}</EnumerationType>'
         variables += [
             f'<Int32 name="behaviour" valueReference="{BEHAVIOUR}" causality="parameter"'
             ' variability="fixed" start="0"/>',
             f'<Boolean name="level" valueReference="{LEVEL}" causality="output"/>',
             f'<Float64 name="time" valueReference="{TIME}" causality="independent"'
             ' variability="continuous"/>',
+            f'<String name="text" valueReference="{TEXT}" causality="parameter"'
+            ' variability="fixed"><Start value=""/></String>',
+            f'<Enumeration name="mood" valueReference="{MOOD}" causality="parameter"'
+            ' variability="fixed" declaredType="Mood" start="0"/>',
         ]
         structure = "".join(
             f'<{kind} valueReference="{reference}"/>'
@@ -115,7 +126,7 @@ def _description(version: int, model: str, identifier: str, told: dict[str, str 
     return (
         f'<?xml version="1.0"?><fmiModelDescription fmiVersion="{version}.0" modelName="{model}"'
         f' {token}="{model}"><CoSimulation modelIdentifier="{identifier}" {flags}/>{UNITS}'
-        f"{experiment}<ModelVariables>{''.join(variables)}</ModelVariables>"
+        f"<TypeDefinitions>{types}</TypeDefinitions>{experiment}<ModelVariables>{''.join(variables)}</ModelVariables>"
         f"<ModelStructure>{structure}</ModelStructure></fmiModelDescription>"
     )
 

@@ -291,6 +291,20 @@ def test_position_that_is_no_number_is_told_with_its_variable(
     assert re.search(rf"plant table at t = 200\.\d+ ms: table.s \(position\) is {value}", err)
 
 
+def test_texts_and_items_of_enumerations_are_start_values_too(
+    place: Place, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The nervous table warns of its text, which the log of the run then holds."""
+    more = ('"control.gain" = 40', '"control.gain" = 40, mood = "nervous", text = "Hot Oil"')
+    folder = place(more)
+    _, _, err = call(capsys, "nc", folder / "part.nc", "--rig", folder / "rig.toml")
+    assert re.search(r"plant table at 0\.0+ ms: Hot Oil", err)
+    wrong = ('"control.gain" = 40', '"control.gain" = 40, mood = "nervus"')
+    code, _, err = call(capsys, "check", place(wrong) / "rig.toml")
+    assert code == 2
+    assert "has no such item; found 'nervus'; allowed: nervous" in err
+
+
 def test_unit_that_nobody_defines_takes_a_bare_number_only(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:
