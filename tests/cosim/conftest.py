@@ -178,3 +178,79 @@ def odd(odd_folder: Path, version: int) -> Iterator[Callable[..., FmuSlave]]:
     yield load
     for slave in slaves:
         slave.close()
+
+
+# ---- a rig with two of them
+
+LISTS = SOURCES.parents[1] / "testplans" / "rigs" / "lists"
+RIG = f"""\
+title = "table and switch of another tool"
+
+[channel]
+list = "{LISTS}/channel.lst"
+
+[segment.can1]
+
+[drive.servo]
+
+[axis.Z]
+list = "{LISTS}/axis-z-fine.lst"
+segment = "can1"
+node = 3
+drive = "servo"
+plant = "table"
+probe_1 = "switch"
+
+[plant.table]
+fmu = "table.fmu"
+start = {{ "table.s_start_mm" = 103, "control.gain" = 40 }}
+
+[plant.table.map]
+demand = "control.s_set"
+position = "table.s"
+
+[plant.switch]
+fmu = "switch.fmu"
+wire = {{ z = "table" }}
+start = {{ trip_mm = -100 }}
+
+[plant.switch.map]
+z_position = {{ variable = "tip.depth", unit = "mm", sign = -1 }}
+signal = {{ variable = "contact_v", threshold = 12 }}
+"""
+PROGRAM = """\
+N10 G90 G1 Z102 F3000
+N20 G100 Z98 F500
+N30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]
+N40 M30
+"""
+
+
+Place = Callable[..., Path]
+
+
+@pytest.fixture
+def place(tmp_path: Path, fmu: Callable[..., Path], version: int) -> Place:
+    """A folder with FMUs, rig and program; changes: (old text, new text) of the rig.
+
+    saves: whether states can be saved. table, switch: more that the FMUs promise.
+    """
+
+    def make(
+        *changes: tuple[str, str],
+        saves: bool = True,
+        **promises: dict[str, str | bool],
+    ) -> Path:
+        flag = "canGetAndSetFMUstate" if version == 2 else "canGetAndSetFMUState"
+        for model in ("table", "switch"):
+            built = fmu(model, **{flag: saves, **promises.get(model, {})})
+            (tmp_path / built.name).write_bytes(built.read_bytes())
+        text = RIG
+        for old, new in changes:
+            assert text.count(old) == 1, old
+            text = text.replace(old, new)
+        (tmp_path / "rig.toml").write_text(text, encoding="utf-8")
+        (tmp_path / "part.nc").write_text(PROGRAM, encoding="utf-8")
+        return tmp_path
+
+    return make
