@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cache
+from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -32,8 +33,12 @@ STEPS_US = (100, 200, 500, 1000, 2000, 5000, 10_000)
 SPEED, ACCELERATION = -0.02, 1.0  # of the demand: m/s, m/s2
 END_NS = 30 * SYNC_NS
 INTERNAL_STEP_S = 10e-6
-MASS, MOTOR_MASS, STIFFNESS, DAMPING = 120.0, 71.0, 1.2127e8, 2e3
-KV, GAIN, INTEGRAL_TIME, CURRENT_RATE = 40.0, 7.2e4, 8e-3, 5000.0
+# Defaults of ScrewAxis: 159 Hz with the motor held; the slope of the demand is added in full
+MASS, MOTOR_MASS = 120.0, 1.8e-4 * (2 * pi / 0.01) ** 2
+STIFFNESS, DAMPING, MOTOR_FRICTION = 120e6, 6e3, 100.0
+KV, INTEGRAL_TIME, CURRENT_RATE = 40.0, 8e-3, 2 * pi * 800
+GAIN = 2 * pi * 60 * (MASS + MOTOR_MASS)
+WITHOUT_FRICTION = {f"friction.{name}": 0.0 for name in ("coulomb", "breakaway", "viscous")}
 BEND_S, BENT_ACCELERATION = 0.0234567, 1.0
 
 
@@ -62,7 +67,7 @@ def elastic(time_s: float, state: Any, start: float, rate: float, begin_s: float
         v,
         screw / MASS,
         w,
-        (force - screw) / MOTOR_MASS,
+        (force - screw - MOTOR_FRICTION * w) / MOTOR_MASS,
         CURRENT_RATE * (GAIN * error + integral - force),
         GAIN * error / INTEGRAL_TIME,
     ]
@@ -112,11 +117,12 @@ CASES = {
     ),
     # In the ringing after the demand began to move, and after it went straight on
     "160 Hz mode": Case(
-        "EdgeProof.Elastic",
+        "AxisRig.Drives.ScrewAxis",
         elastic,
         elastic_pieces,
         (0.0,) * 6,
         (-2e-5, -5.3e-5, -1.01e-4, -2.2e-4, -3.4e-4, -5.1e-4),
+        {"kv": KV, "feed_forward": 1.0, **WITHOUT_FRICTION},
     ),
 }
 
@@ -166,6 +172,8 @@ def state_at(case: Case, time_s: float) -> Any:
 @cache
 def axis_fmu(model: str, folder: Path) -> Path:
     """Build the FMU of a case."""
+    if model.startswith("AxisRig."):
+        return ensure_built(model)
     return build(model, folder / f"{model}.fmu", HERE / "EdgeProof", INTERNAL_STEP_S)
 
 
@@ -176,7 +184,10 @@ def plant_of(
     """A plant of one axis and a probe above a surface at `place`."""
     plant = Plant(exchange_ns=step_us * 1000, hold_ns=hold_ns)
     try:
-        plant.add_axis(load_fmu(axis_fmu(case.model, folder), "axis"))
+        axis = load_fmu(axis_fmu(case.model, folder), "axis")
+        for variable, value in case.start.items():
+            axis.set_start(variable, value)
+        plant.add_axis(axis)
         probe = load_fmu(ensure_built("AxisRig.Sensors.TouchProbe"), "probe")
         probe.set_start("surface", place)
         plant.add_probe(probe, {"z": "axis"})
