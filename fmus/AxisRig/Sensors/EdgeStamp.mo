@@ -28,11 +28,12 @@ equation
   when u then
     count = pre(count) + 1;
     random = mod(multiplier*pre(random), modulus);
-    stamp = if hold_first and pre(full) then pre(stamp)
+    stamp = if pre(full) then pre(stamp)
       else floor((time + error + spread*(2*pre(random)/modulus - 1))*second_ns + 0.5);
   end when;
+  // full says it all: the compiler fixes a parameter that decides an if together with pre().
   when u then
-    full = true;
+    full = hold_first;
   elsewhen rearm then
     full = false;
   end when;
