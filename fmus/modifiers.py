@@ -3,9 +3,12 @@
 Source: behaviour of rumoca 0.10.2. Of `redeclare model M = C(k = 5)` and of
 `replaceable model M = C constrainedby B(k = 6)` the values in brackets have no effect. Those of
 `replaceable C c constrainedby B(k = 6)` act on what `c` is redeclared to, but not on C itself.
+`redeclare` has no effect inside the modifier of a modifier, nor in `extends B(redeclare D c)` where
+B inherits `c`.
 """
 
 import re
+from collections.abc import Iterator, Mapping
 
 from fmus.classes import KEYWORD, used_classes
 from fmus.ir import Ir
@@ -15,6 +18,9 @@ _REDECLARED = re.compile(
 )
 _CONSTRAINED = re.compile(r"\breplaceable\b([^;]*?)\bconstrainedby\s+[\w.]+\s*\(([^;]*)")
 _MODIFIED = re.compile(r"(\w+)\s*=")
+_REDECLARE = re.compile(
+    rf"\bredeclare\s+(?:(?:final|replaceable)\s+)*(?:{KEYWORD}\s+(\w+)\s*=|[\w.]+\s+(\w+))"
+)
 
 
 def refuse_dropped_modifiers(ir: Ir) -> None:
@@ -23,25 +29,45 @@ def refuse_dropped_modifiers(ir: Ir) -> None:
     Raises BuildError with the place of the modifier.
     """
     files = {number: text for number, (_, text) in ir.files.items()}
-    for body in used_classes(files, ir.model):
-        place = _dropped(body.text)
-        if place is not None:
+    bodies = list(used_classes(files, ir.model))
+    texts: dict[str, str] = {}
+    for body in bodies:
+        name = re.match(r"\w*", body.text)[0]  # type: ignore[index]
+        texts[name] = texts.get(name, "") + body.text
+    for body in bodies:
+        for place, message in _dropped(body.text, texts):
             start = len(files[body.number][: body.offset + place].encode())
-            message = (
-                "the compiler drops the modifier of a class in redeclare and constrainedby;"
-                " modify the component instead"
-            )
             raise ir.error({"source": body.number, "start": start}, message)
 
 
-def _dropped(text: str) -> int | None:
-    """Where a modifier stands that has no effect."""
+def _dropped(text: str, classes: Mapping[str, str]) -> Iterator[tuple[int, str]]:
+    """Where a modifier stands that has no effect, and what to say; classes: text by name."""
+    of_class = (
+        "the compiler drops the modifier of a class in redeclare and constrainedby;"
+        " modify the component instead"
+    )
     found = _REDECLARED.search(text)
     if found:
-        return found.start()
+        yield found.start(), of_class
     for constrained in _CONSTRAINED.finditer(text):
         own, wanted = constrained.groups()
         is_class = re.match(rf"\s*{KEYWORD}\b", own) is not None
         if is_class or not set(_MODIFIED.findall(wanted)) <= set(_MODIFIED.findall(own)):
-            return constrained.start()
-    return None
+            yield constrained.start(), of_class
+    for redeclare in _REDECLARE.finditer(text):
+        before = text[text.rfind(";", 0, redeclare.start()) + 1 : redeclare.start()]
+        if before.count("(") - before.count(")") > 1:
+            yield (
+                redeclare.start(),
+                "the compiler drops redeclare inside the modifier of a modifier;"
+                " redeclare in a class of its own",
+            )
+        base = re.search(r"\bextends\s+(?:\w+\.)*(\w+)\s*\(", before)
+        name = redeclare.group(1) or redeclare.group(2)
+        declared = rf"\breplaceable\b[^;(]*\b{name}\b"
+        if base and not re.search(declared, classes.get(base.group(1), "")):
+            yield (
+                redeclare.start(),
+                f"the compiler drops redeclare of {name}, which {base.group(1)} inherits;"
+                " extend the class that declares it",
+            )

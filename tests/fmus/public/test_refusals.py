@@ -26,6 +26,8 @@ REFUSED = [
     ("Refused.IntegerArray", "lost the equation of k", "IntegerArray", "Integer k[2]"),
     ("Refused.RedeclaredModifier", "drops the modifier", "RedeclaredModifier", "redeclare"),
     ("Refused.ConstrainingModifier", "drops the modifier", "ConstrainingModifier", "constrained"),
+    ("Refused.NestedRedeclare", "inside the modifier", "NestedRedeclare", "redeclare"),
+    ("Refused.InheritedRedeclare", "Heir inherits", "InheritedRedeclare", "redeclare"),
     ("Refused.ClockedSynchronous", "clock", "ClockedSynchronous", ""),
     ("Logic.Algorithmic", "sequential read", "Algorithmic", "n"),
     ("Logic.LaterWins", "sequential read", "LaterWins", "n"),

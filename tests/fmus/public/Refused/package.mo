@@ -95,6 +95,33 @@ package Refused "Constructs that no FMU of this exporter can hold"
     output Real y = inner_part.y;
   end ConstrainingModifier;
 
+  model Other
+    parameter Real k = 7;
+    output Real y = k*time*time;
+  end Other;
+
+  model Socket
+    replaceable Part inner_part;
+  end Socket;
+
+  model Holder
+    Socket whole;
+  end Holder;
+
+  model Heir
+    extends Socket;
+  end Heir;
+
+  model NestedRedeclare "The compiler leaves whole.inner_part a Part"
+    Holder holder(whole(redeclare Other inner_part));
+    output Real y = holder.whole.inner_part.y;
+  end NestedRedeclare;
+
+  model InheritedRedeclare "The compiler leaves inner_part a Part"
+    extends Heir(redeclare Other inner_part);
+    output Real y = inner_part.y;
+  end InheritedRedeclare;
+
   model BooleanArray "The compiler drops the equation of the array"
     Boolean b[2];
     output Integer n;
