@@ -27,6 +27,7 @@ UNARY: Mapping[str, str] = {
     "Floor": "floor({0})",
     "Ceil": "ceil({0})",
     "Trunc": "trunc({0})",
+    "Whole": "whole({0})",
 }
 BINARY: Mapping[str, str] = {
     "Add": "({0} + {1})",

@@ -21,6 +21,7 @@ from fmus.ir import Ir
 from fmus.modifiers import refuse_dropped_modifiers
 from fmus.programs import plain_programs, read_program
 from fmus.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
+from fmus.wholes import with_exact_wholes
 
 Assignment = Row
 
@@ -76,7 +77,12 @@ def read_system(ir: Ir) -> System:
     refuse_dropped_modifiers(ir)
     system = _Reader(ir).read()
     _check(ir, system)
-    return system
+    return replace(
+        system,
+        runtime=with_exact_wholes(ir, system.runtime),
+        updates=with_exact_wholes(ir, system.updates),
+        whens=with_exact_wholes(ir, system.whens),
+    )
 
 
 class _Reader:

@@ -80,6 +80,9 @@ static inline double smaller(double a, double b) { return b < a ? b : a; }
 static inline double larger(double a, double b) { return b > a ? b : a; }
 static inline double sign(double a) { return a > 0.0 ? 1.0 : a < 0.0 ? -1.0 : 0.0; }
 
+/* A whole number as it is, unless it is so large that a double rounds it. */
+static inline double whole(double a) { return fabs(a) <= 9007199254740992.0 ? a : NAN; }
+
 /* mod(a, b) of Modelica without rounding: the result has the sign of b. */
 static inline double modulo(double a, double b)
 {

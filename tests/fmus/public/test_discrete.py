@@ -220,12 +220,6 @@ CASES = [
         0.010703,
         generator(lambda s: (1664 * s + 1013) % 65536, 1, 0.005, 0.01),
     ),
-    (
-        "Language.WideRandom",
-        5,
-        0.010703,
-        generator(lambda s: (1103515245 * s + 12345) % 2147483647, 1, 0.01, 0.01),
-    ),
     ("Language.Enumeration", 4, 0.0701, enumeration),
     ("Language.RecursiveFunction", 1, 0.0701, lambda t: {"f": np.where(t < 0.5, 6, 720)}),
 ]

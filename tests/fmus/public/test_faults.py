@@ -20,6 +20,7 @@ FAULTS = [
     ("Control.Chattering", {}, 1.0886, "Control/package.mo"),
     ("Faults.NoSolution", {}, 1.0, "y"),
     ("Faults.IndexOutOfRange", {}, 0.3, "y is not a finite number"),
+    ("Faults.RoundedProduct", {}, 0.02, "seed is not a finite number"),
     ("Faults.IntegerOverflow", {}, 0.2, "n"),
 ]
 

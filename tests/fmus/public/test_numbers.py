@@ -1,5 +1,6 @@
 """Accuracy and sameness: instants of events, order, communication steps, copies of one instance."""
 
+import itertools
 import math
 
 import numpy as np
@@ -45,8 +46,8 @@ def test_any_step_size_is_taken(built, load, size_s):
     assert plant.x == pytest.approx(math.exp(-50 * size_s), abs=1e-12)
 
 
-def test_fourth_order_on_a_nonlinear_oscillator(built, load, solve):
-    """Half the internal step, a sixteenth of the error."""
+def test_at_least_fourth_order_on_a_nonlinear_oscillator(built, load, solve):
+    """Half the internal step, at most a sixteenth of the error, down to what is allowed for it."""
     expected = solve.smooth(
         lambda _, s: [s[1], (1 - s[0] ** 2) * s[1] - s[0]], [2, 0], np.linspace(0, 5, 51)
     )[0, -1]
@@ -55,8 +56,9 @@ def test_fourth_order_on_a_nonlinear_oscillator(built, load, solve):
         plant = load(built("Classics.VanDerPol", step_s))
         plant.step(5.0)
         errors.append(abs(plant.x - expected))
-    assert errors[0] / errors[1] == pytest.approx(16, rel=0.2)
-    assert errors[1] / errors[2] == pytest.approx(16, rel=0.2)
+    for coarse, fine in itertools.pairwise(errors):
+        assert fine <= max(coarse / 13, 1e-8)
+    assert errors[-1] < 1e-8
 
 
 def test_events_cost_no_order(built, load):

@@ -106,6 +106,16 @@ package Faults "Models that must fail at run time, told with time and name"
     y = table[i];
   end IndexOutOfRange;
 
+  model RoundedProduct "Product beyond 2^53 inside mod: the rest would be wrong"
+    output Integer seed(start = 1, fixed = true);
+    discrete Real next(start = 0.01, fixed = true);
+  equation
+    when time >= pre(next) then
+      seed = mod(1103515245*pre(seed) + 12345, 2147483647);
+      next = pre(next) + 0.01;
+    end when;
+  end RoundedProduct;
+
   model IntegerOverflow
     output Integer n(start = 1, fixed = true);
     discrete Real next(start = 0.01, fixed = true);

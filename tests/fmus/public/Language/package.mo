@@ -360,16 +360,6 @@ package Language "Constructs of the language"
     end when;
   end SampledRandom;
 
-  model WideRandom "Products beyond 2^31: exact or refused, never rounded"
-    output Integer seed(start = 1, fixed = true);
-    discrete Real next(start = 0.01, fixed = true);
-  equation
-    when time >= pre(next) then
-      seed = mod(1103515245*pre(seed) + 12345, 2147483647);
-      next = pre(next) + 0.01;
-    end when;
-  end WideRandom;
-
   model TableByIf
     output Real y;
     Real u;
