@@ -435,11 +435,12 @@ class FmuSlave(ABC):
         if not self.pointer:
             return
         if not self._is_fatal:  # after fatal no function may be called any more
-            for state in self._states:
-                self._free(self.pointer, ctypes.addressof(state.handle))
-            with suppress(Exception):  # nothing is lost any more
+            with suppress(Exception):  # a function that is missing or fails: nothing is lost now
+                for state in self._states:
+                    self._free(self.pointer, ctypes.addressof(state.handle))
                 if self._can_terminate:
                     self._fmu.terminate()
-            getattr(self._fmu, f"{self.PREFIX}FreeInstance")(self._fmu.component)
+            with suppress(Exception):
+                getattr(self._fmu, f"{self.PREFIX}FreeInstance")(self._fmu.component)
         self.pointer = 0
         _ALONE.pop(self._alone, None)
