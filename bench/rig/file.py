@@ -150,7 +150,9 @@ def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
     merged = dict(below)
     for key, value in above.items():
         old = merged.get(key)
-        if isinstance(value, dict) and isinstance(old, dict):
+        # An entry of a map is one value: the sign of one variable is not that of another
+        is_whole = isinstance(value, dict) and "variable" in value
+        if isinstance(value, dict) and isinstance(old, dict) and not is_whole:
             value = _merge(old, value)  # noqa: PLW2901
         merged[key] = value
     return merged

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.file import read_rig, rig_error
+from bench.rig.file import MapTable, read_rig, rig_error
 from kernel.errors import UserError
 
 Write = Callable[..., Path]
@@ -87,6 +87,18 @@ def test_a_base_is_changed_key_by_key(rig_file: Write, tmp_path: Path) -> None:
         "can1": 1_000_000,
         "can2": 500_000,
     }
+
+
+def test_variable_of_a_role_is_replaced_with_all_that_belongs_to_it(
+    rig_file: Callable[..., Path], tmp_path: Path
+) -> None:
+    entry = 'map = { position = { variable = "a", sign = -1, unit = "mm" } }\n'
+    rig_file(("[plant.probe]\n", entry + "[plant.probe]\n"))
+    above = tmp_path / "above.toml"
+    above.write_text(
+        'base = "rig.toml"\n[plant.z.map]\nposition = { variable = "b" }\n', encoding="utf-8"
+    )
+    assert read_rig(above)[0].plant["z"].map == {"position": MapTable(variable="b")}
 
 
 def test_bases_stack_and_the_nearest_file_wins(rig_file: Write, tmp_path: Path) -> None:
