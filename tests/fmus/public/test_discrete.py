@@ -160,11 +160,6 @@ def generator(step, start, first, period):
     return values
 
 
-def algorithmic(t):
-    n = (t > 0.25) * 1.0 + 9 * (t > 0.75)
-    return {"n": n, "m": np.where(n > 5, 2 * n, -n)}
-
-
 def enumeration(t):
     return {"mode": 1 + (t > 1) * 1.0 + (t > 2), "x": np.interp(t, [0, 1, 2, 9], [0, 0, 1, 22])}
 
@@ -199,8 +194,6 @@ CASES = [
     ),
     ("Logic.InitialEvent", 1, 0.0701, lambda t: {"n": 1.0 + (t > 0.5), "t": 0.5 * (t > 0.5)}),
     ("Logic.Sequence", 20, 0.0701, lambda t: {"limit": 2.0 ** np.ceil(np.log2(np.maximum(t, 1)))}),
-    ("Logic.Algorithmic", 1, 0.0701, algorithmic),
-    ("Logic.LaterWins", 1, 0.0701, lambda t: {"n": 10.0 * (t > 0.25) + 5 * (t > 0.75)}),
     ("Logic.TouchOnly", 1, 0.0701, lambda t: {"n": 0 * t}),
     ("Process.Thermostat", 200, 0.503, thermostat),
     ("Process.Hysteresis", 30, 0.0503, hysteresis),
@@ -221,7 +214,6 @@ CASES = [
         generator(lambda s: (1664 * s + 1013) % 65536, 1, 0.005, 0.01),
     ),
     ("Language.Enumeration", 4, 0.0701, enumeration),
-    ("Language.RecursiveFunction", 1, 0.0701, lambda t: {"f": np.where(t < 0.5, 6, 720)}),
 ]
 
 

@@ -16,11 +16,6 @@ def looked_up(t):
     return {"t": np.interp(t, [0, 1, 2, 4], [0, 10, 15, 5])}
 
 
-def classified(t):
-    u = np.sin(3 * t)
-    return {"k": np.where(u < -0.5, -1, np.where(u < 0.5, 0, 1))}
-
-
 def if_equations(t):
     x = 1 - np.exp(-t)
     return {"x": x, "y": np.where(t < 1, x, np.where(t < 2, 2 * x, -x))}
@@ -165,7 +160,6 @@ CASES = [
     ("Language.Functions", 4, 0.0401, 1e-12, polynomial),
     ("Language.WhileFunction", 4, 0.0401, 1e-12, lambda t: {"root": np.sqrt(1 + t)}),
     ("Language.TableFunction", 3.9, 0.0401, 1e-12, looked_up),
-    ("Language.IntegerFunction", 4, 0.0401, 1e-12, classified),
     ("Language.IfEquations", 3, 0.0401, 1e-10, if_equations),
     ("Language.Records", 5, 0.05, 1e-10, records),
     ("Language.InnerOuter", 5, 0.05, 1e-11, inner_outer),
@@ -185,7 +179,6 @@ CASES = [
         1e-9,
         lambda t: {"T": 0 * t + (500 / 5.67e-8 + 280**4) ** 0.25},
     ),
-    ("Language.InitialAlgorithm", 3, 0.1, 1e-11, lambda t: {"x": 55 * np.exp(-t)}),
     ("Language.Rounding", 7, 0.0703, 2e-9, rounding),
     ("Language.AbsSign", 5, 0.0503, 1e-9, abs_integral),
     ("Language.TableByIf", 7, 0.05, 1e-12, table),
@@ -212,13 +205,6 @@ CASES = [
         0.05,
         1e-11,
         lambda t: {"x": (1 + t) / math.sqrt(1.25), "y": (1 + t) / math.sqrt(5)},
-    ),
-    (
-        "Control.DelayedSine",
-        5,
-        0.0501,
-        1e-9,
-        lambda t: {"y": np.where(t < 0.3, 0, np.sin(t - 0.3))},
     ),
     ("Control.PIDSampled", 5, 0.0303, 1e-10, sampled_pi),
 ]

@@ -33,6 +33,7 @@ REFUSED = [
     ("Logic.LaterWins", "sequential read", "LaterWins", "n"),
     ("Language.RecursiveFunction", "recursive", "RecursiveFunction", ""),
     ("Language.InitialAlgorithm", "initial algorithm", "InitialAlgorithm", ""),
+    ("Language.IntegerFunction", "without an event", "IntegerFunction", "k = classify("),
     ("Control.DelayedSine", "delay", "DelayedSine", "y = delay(u, 0.3)"),
 ]
 
