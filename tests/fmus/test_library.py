@@ -61,6 +61,28 @@ def test_model_with_equations_names_its_source(file: Path):
             assert word in text, word
 
 
+@pytest.mark.parametrize("model", MODELS)
+def test_every_declared_parameter_can_be_set(model, cache):
+    """A compiler may fix a parameter that decides an if; such a model must be written otherwise."""
+    settable = {
+        v.name
+        for v in read_model_description(str(ensure_built(model, cache))).modelVariables
+        if v.causality == "parameter"
+    }
+
+    def declared(name: str) -> set[str]:
+        text = LIBRARY.parent.joinpath(*name.split(".")).with_suffix(".mo").read_text("utf-8")
+        return set(re.findall(r"^  parameter [\w.]+ (\w+)", text, re.M))
+
+    assert declared(model) <= settable
+    if any(name.startswith("workpiece.") for name in settable):
+        workpiece = LIBRARY / "Workpieces" / "Workpiece.mo"
+        parts = re.findall(r"^  ([A-Z]\w+) (\w+)[(;]", workpiece.read_text("utf-8"), re.M)
+        for kind, part in parts:
+            found = declared(f"AxisRig.Workpieces.{kind}")
+            assert {f"workpiece.{part}.{name}" for name in found} <= settable
+
+
 def test_readme_names_every_input_output_and_parameter(cache):
     words = set(re.findall(r"`(\w+)`", (LIBRARY.parent / "README.md").read_text(encoding="utf-8")))
     for model in MODELS:
