@@ -60,10 +60,9 @@ class Trajectory:
 class LocatingProbe(PlantProbe):
     """A probe whose FMU gets the trajectory of a step and tells number and instant of its edges."""
 
-    edge_uncertainty_ns = 1.0
-
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
         super().__init__(roles, sources)
+        self.edge_uncertainty_ns = float(ENCLOSED_NS)
         self._trajectory = Trajectory(roles, sources)
         kinds = 3 if roles.has_group("contact") else 2
         self._counts = roles.exchange(COUNTS[:kinds])

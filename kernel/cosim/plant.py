@@ -24,7 +24,8 @@ DEFAULT_FINE_NS = 50 * US
 PARTS = 16
 """Into how many parts a step with an edge is divided: 3 us of the default 50."""
 DIVISIONS = 2
-"""How often it is divided; the second time only for several edges of one direction."""
+"""How often it is divided; the second time only for several edges of one direction, or where a
+velocity is a numeric derivative."""
 SHORTEST_DIVIDED_NS = 1 * US
 
 
@@ -48,7 +49,7 @@ class Plant:
         self.fine_ns = min(fine_ns, exchange_ns)
         self._hold_ns, self._look_back_ns = hold_ns, look_back_ns
         self._follows_always = exchange_ns <= fine_ns
-        self._can_repeat = False
+        self._can_repeat = self._derives_velocity = False
         self.now_ns: TimeNs = 0
         self.notes: dict[str, list[str]] = {}
         self.remarks: dict[str, list[str]] = {}
@@ -114,7 +115,8 @@ class Plant:
             self.exchange_ns = min(self.exchange_ns, FOLLOW_NS)
         self.fine_ns = self._whole_steps_ns(self.fine_ns)
         self._can_repeat = all(axis.slave.can.can_save_state for axis in self.axes.values())
-        if not all(axis.tells_velocity for axis in self.axes.values()):
+        self._derives_velocity = not all(axis.tells_velocity for axis in self.axes.values())
+        if self._derives_velocity:
             self._follows_always = True  # a numeric derivative is no base to reckon ahead from
 
     def _whole_steps_ns(self, fine_ns: TimeNs) -> TimeNs:
@@ -182,14 +184,15 @@ class Plant:
             for plant in plants:
                 plant.save()
         edges = self._move(end_ns, near)
-        if can_divide and edges > (0 if divisions == DIVISIONS else 1):
+        is_enough = divisions < DIVISIONS and edges <= 1 and not self._derives_velocity
+        if can_divide and edges and not is_enough:
             for plant in plants:
                 plant.restore()
             for index in range(1, PARTS + 1):
                 self._follow(begin_ns + span_ns * index // PARTS, near, divisions - 1)
             return
         for probe in near:
-            probe.accept()
+            probe.accept(span_ns)
         self._measure(end_ns)
         self.now_ns = end_ns
 

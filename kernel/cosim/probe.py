@@ -198,10 +198,13 @@ class PlantProbe(ABC):
         assert self._saved is not None
         self.slave.restore_state(self._saved)
 
-    def accept(self) -> None:
-        """Take the edges of the last step."""
+    def accept(self, step_ns: TimeNs) -> None:
+        """Take the edges of the last step, which was of this length."""
         known = len(self.signal.edges)
         self._take_edges()
         if len(self.signal.edges) > known:
             self._hold_until_ns = self.signal.edges[-1][0] + self.hold_ns
+            if not all(axis.tells_velocity for axis in self.sources):
+                # Only the ends of the step are known, not how the axes go between them
+                self.edge_uncertainty_ns = max(self.edge_uncertainty_ns, float(step_ns))
         self._look()

@@ -17,6 +17,8 @@ from bench.rig.machine import Machine
 from bench.rig.settings import as_written, read_settings
 from kernel.nc.parser import read_program
 
+# The table tells no velocity, so an edge is known to 1/256 of a fine step of 50 us
+PART_NS = pytest.approx(50e3 / 256, abs=1)
 GAIN_PER_S, TICK_S = 40.0, 62.5e-6
 FEED_MM_S = 500 / 60
 INPUT_DELAY_S = 4e-6
@@ -49,7 +51,7 @@ def test_edge_is_enclosed_where_the_state_can_be_saved(place: Place) -> None:
     """The switch closes at 100 mm; the drive latches 4 us later, at 500 mm/min."""
     machine = run(place())
     probe = machine.plant.probes["switch"]
-    assert probe.edge_uncertainty_ns == 1.0
+    assert probe.edge_uncertainty_ns == PART_NS
     expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
     # one increment, one nanosecond, and the demand that is held for 62.5 us: v/8 of it at most
     held_mm = FEED_MM_S * GAIN_PER_S * TICK_S * TICK_S / 8
@@ -110,7 +112,7 @@ def test_edge_on_a_table_with_a_grid_is_enclosed_as_well(place: Place) -> None:
     """Measured is the place of the edge, whatever the steps of the table are."""
     fixed = {"canHandleVariableCommunicationStepSize": False, "stepSize": "0.001"}
     machine = run(place(table=fixed))
-    assert machine.plant.probes["switch"].edge_uncertainty_ns == 1.0
+    assert machine.plant.probes["switch"].edge_uncertainty_ns == PART_NS
     expected_mm = 100.0 - FEED_MM_S * INPUT_DELAY_S
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=2 * INCREMENT_MM)
 
