@@ -23,10 +23,14 @@ _COLUMNS = ("variable", "causality", "variability", "type", "unit", "start", "mi
 
 @dataclass(frozen=True)
 class Shown:
-    """An FMU that was read: its archive, what it says, and its libraries."""
+    """An FMU that was read: its archive, what it says and promises, and its libraries.
+
+    can: None without an interface for co-simulation.
+    """
 
     archive: Archive
     description: ModelDescription
+    can: Capabilities | None
     binaries: list[Binary]
 
 
@@ -35,6 +39,7 @@ def read_fmu(path: Path) -> Shown:
     folder = unpack(path)
     try:
         description = fmpy.read_model_description(str(folder), validate=False)
+        can = Capabilities.of(description) if description.coSimulation is not None else None
     except Exception as error:  # fmpy tells what it cannot read by any Exception
         text = str(error).partition("\n")[0] or type(error).__name__
         raise UserError(
@@ -44,7 +49,7 @@ def read_fmu(path: Path) -> Shown:
         ) from error
     identifiers = {str(told.modelIdentifier) for told in _interfaces(description).values()}
     binaries = [found for name in sorted(identifiers) for found in find_binaries(folder, name)]
-    return Shown(inspect(path), description, binaries)
+    return Shown(inspect(path), description, can, binaries)
 
 
 def _interfaces(description: ModelDescription) -> dict[str, Any]:
@@ -96,8 +101,8 @@ def _head(shown: Shown) -> Iterator[tuple[str, str]]:
     yield from (("platform", _platform(binary)) for binary in shown.binaries)
     if not shown.binaries:
         yield "platform", "none: sources only" if description.buildConfigurations else "none"
-    if description.coSimulation is not None:
-        yield from (("can", text) for text in _capabilities(description))
+    if shown.can is not None:
+        yield from (("can", text) for text in _capabilities(shown.can))
     yield from _experiment(description)
 
 
@@ -113,8 +118,7 @@ def _platform(binary: Binary) -> str:
     return text
 
 
-def _capabilities(description: ModelDescription) -> Iterator[str]:
-    can = Capabilities.of(description)
+def _capabilities(can: Capabilities) -> Iterator[str]:
     said = (
         (can.can_vary_step, "take steps of any length"),
         (can.can_save_state, "save and restore its state"),

@@ -165,6 +165,15 @@ def test_a_description_that_is_none(axisrig: Call, ideal_axis: Build, text: str)
     assert err.count("\n") == 1
 
 
+def test_a_promise_that_is_no_number(axisrig: Call, ideal_axis: Build) -> None:
+    fmu = ideal_axis(
+        change=lambda t: t.replace("<CoSimulation", '<CoSimulation fixedInternalStepSize="1 2"')
+    )
+    code, out, err = axisrig("fmu", "show", fmu)
+    assert (code, out) == (2, "")
+    assert "the model description is rejected: could not convert" in err
+
+
 def test_list_names_every_model_with_its_step_and_whether_it_is_built(axisrig: Call) -> None:
     axisrig("fmu", "build", "AxisRig.Drives.ServoAxis")
     code, out, _ = axisrig("fmu", "list")
