@@ -9,9 +9,10 @@ B inherits `c`.
 
 import re
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 from fmus.classes import KEYWORD, used_classes
-from fmus.ir import Ir
+from fmus.ir import Ir, Source
 
 _REDECLARED = re.compile(
     rf"\bredeclare\s+(?:(?:final|replaceable)\s+)*{KEYWORD}\s+\w+\s*=\s*[\w.]+\s*\("
@@ -71,3 +72,48 @@ def _dropped(text: str, classes: Mapping[str, str]) -> Iterator[tuple[int, str]]
                 f"the compiler drops redeclare of {name}, which {base.group(1)} inherits;"
                 " extend the class that declares it",
             )
+
+
+def shared_numbers(ir: Ir) -> Iterator[tuple[int, int, Source | None]]:
+    """Parameters that must follow another one: their slot in p, that of the other, the place.
+
+    Of `A a(k = 5)` with `B b(k = k)` in A the compiler binds a.b.k to the number, not to a.k. Both
+    then stand with the same piece of text, which is not the declaration of either.
+    """
+    groups: dict[tuple[int, int], dict[str, Mapping[str, Any]]] = {}
+    for variable in ir.dae["variables"]:
+        span = _number_from_outside(ir, variable)
+        if span is not None:
+            groups.setdefault((span["source"], span["start"]), {})[variable["name"]] = span
+    slots = ir.solve["layout"]["bindings"]
+    for group in groups.values():
+        for name, span in group.items():
+            inside, _, last = name.rpartition(".")
+            outer = [
+                other
+                for other in group
+                if other.rpartition(".")[2] == last
+                and inside.startswith(f"{other.rpartition('.')[0]}.".removeprefix("."))
+                and other.count(".") < name.count(".")
+            ]
+            if outer:
+                nearest = max(outer, key=len)
+                yield slots[name]["P"]["index"], slots[nearest]["P"]["index"], ir.place(span)
+
+
+def _number_from_outside(ir: Ir, variable: Mapping[str, Any]) -> Mapping[str, int] | None:
+    """The span of a parameter's number when a modifier gives it, None for its own declaration."""
+    binding = variable["attributes"]["binding"]
+    known = ir.solve["layout"]["bindings"].get(variable["name"], {})
+    scalar = variable["role"] == "parameter" and variable["scalar_count"] == 1
+    if not scalar or binding is None or "P" not in known:
+        return None
+    expression = ir.dae["expressions"][binding]
+    span: Mapping[str, int] | None = expression["provenance"].get("span")
+    own = variable["declaration"].get("span")
+    if expression["variability"] != "constant" or span is None or span["source"] not in ir.files:
+        return None
+    if own is not None and own["source"] == span["source"] and own["start"] <= span["start"]:
+        text = ir.files[span["source"]][1].encode()[own["start"] : span["start"]]
+        return span if b";" in text else None
+    return span

@@ -18,7 +18,7 @@ from fmus.events import AT_ZERO, Memories, Relation, Row, is_synthetic
 from fmus.expressions import ONE, Expr, UnsupportedError, apply, choice, parameter, variable
 from fmus.functions import Functions
 from fmus.ir import Ir
-from fmus.modifiers import refuse_dropped_modifiers
+from fmus.modifiers import refuse_dropped_modifiers, shared_numbers
 from fmus.programs import plain_programs, read_program
 from fmus.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
 from fmus.wholes import with_exact_wholes
@@ -256,6 +256,10 @@ class _Reader:
             Equation(apply("Sub", leaf, row.value), leaf, row.place)
             for row in self._targeted(initial["update_plan"], initial["update_targets"])
             for leaf in [Expr(row.vector, index=row.index)]
+        ]
+        equations += [
+            Equation(apply("Sub", parameter(slot), parameter(other)), parameter(slot), place)
+            for slot, other, place in shared_numbers(self._ir)
         ]
         residuals = self._initial_residuals()
         for block in initial["projection_plan"]["blocks"]:

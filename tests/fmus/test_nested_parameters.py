@@ -24,11 +24,16 @@ LIBRARY = """package Small
   model Box
     Spring spring(stiffness=30);
   end Box;
+  model Frame
+    parameter Real stiffness(unit="N/m") = 50 "Of the spring in it";
+    Spring spring(stiffness=stiffness);
+  end Frame;
   model Plant
     parameter Real length(unit="m") = 0.1 "Of the left spring";
     output Real force(unit="N") "Sum";
     Spring left(length=length);
     Box box;
+    Frame frame(stiffness=60);
   equation
     force = left.force + box.spring.force;
   end Plant;
@@ -56,6 +61,8 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("left.share", "local", "constant", "0.25"),
         ("box.spring.stiffness", "parameter", "fixed", "30.0"),
         ("box.spring.length", "parameter", "fixed", "0.5"),
+        ("frame.stiffness", "parameter", "fixed", "60.0"),
+        ("frame.spring.stiffness", "calculatedParameter", "fixed", None),
     ],
 )
 def test_plain_numbers_can_be_set_and_bound_ones_are_calculated(
@@ -75,6 +82,12 @@ def test_set_values_reach_the_equations_and_what_is_bound_follows(load, plant):
     assert fmu.get("left.length") == 0.2
     assert fmu.get("left.energy") == pytest.approx(40.0 * 0.2**2 / 2, rel=1e-15)
     assert fmu.force == pytest.approx((40.0 * 0.2 + 30.0 * 2.0) * 0.25, rel=1e-15)
+
+
+def test_a_parameter_of_the_same_name_follows_although_the_compiler_writes_the_number(load, plant):
+    fmu = load(plant, **{"frame.stiffness": 70.0})
+    assert fmu.get("frame.spring.stiffness") == 70.0
+    assert fmu.get("frame.spring.force") == pytest.approx(70.0 * 0.5 * 0.25, rel=1e-15)
 
 
 @pytest.mark.parametrize("name", ["left.length", "left.share"])

@@ -167,7 +167,7 @@ def parts(file: Path, classes: dict[str, Path]) -> set[str]:
     return found & set(classes)
 
 
-@pytest.mark.parametrize("package", ["Drives", "Mechanics", "Workpieces"])
+@pytest.mark.parametrize("package", ["Drives", "Mechanics", "Sensors", "Workpieces"])
 def test_every_component_is_part_of_a_validation(package):
     classes = {
         f"{path.parent.name}.{path.stem}": path
