@@ -73,13 +73,15 @@ esac
         list(library.build_models(None))
 
 
-def test_list_shows_every_model_with_its_step_and_title():
-    lines = library.listing().splitlines()
+def test_list_shows_every_model_with_its_step_and_title_and_where_fmus_lie(own_cache):
+    *lines, empty, place = library.listing().splitlines()
+    assert (empty, place) == ("", f"built FMUs lie in {own_cache}")
     assert len(lines) == len(CATALOGUE)
     for line, row in zip(lines, CATALOGUE.values(), strict=True):
-        assert line.startswith(row.name)
-        assert f"{row.step_s * 1e6:g} us" in line
-        assert line.endswith(row.title)
+        name, rest = line.split(maxsplit=1)
+        step, unit, built, title = rest.split(maxsplit=3)
+        assert (name, title) == (row.name, row.title)
+        assert (float(step) * 1e-6, unit, built) == (pytest.approx(row.step_s), "us", "-")
 
 
 def test_command_takes_version_platform_and_compiler(axisrig):
