@@ -1,5 +1,5 @@
 within AxisRig;
 package Drives "Drive controllers and the axes they move"
   annotation(
-    Documentation(info="<html><p>The cascade of a servo drive and the complete axis.</p></html>"));
+    Documentation(info="<html><p>The parts of a drive, its cascade and complete axes.</p></html>"));
 end Drives;

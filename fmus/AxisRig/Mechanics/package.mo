@@ -2,6 +2,6 @@ within AxisRig;
 package Mechanics "Moving parts"
   annotation(
     Documentation(info="<html>
-<p>Slide, guideway friction and fixed stop, joined by flanges.</p>
+<p>Masses, friction, stops, brake, elastic joints and beam, joined by flanges.</p>
 </html>"));
 end Mechanics;
