@@ -76,7 +76,7 @@ class _Reader:
         operator = op.get("operator", kind)
         if kind in _INNER and operator in _INNER[kind]:
             parts = [self._registers[op[name]] for name in _OPERANDS if name in op]
-            return [power(*parts) if operator == "Pow" else Expr(operator, parts)]
+            return [_joined(operator, parts)]
         words = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind).lower()  # LoadP: _op_load_p
         method = getattr(self, f"_op_{words}", None)
         if method is None or op.get("lanes", 1) != 1:
@@ -237,6 +237,17 @@ class _Reader:
 
     def _op_pure_call(self, op: Op) -> Sequence[Expr]:
         return self._call(op["owner"], self._registers, op["input_starts"])
+
+
+def _joined(operator: str, parts: Sequence[Expr]) -> Expr:
+    """A scalar operation; what the compiler spells out as a - floor(a/b)*b is mod(a, b) again."""
+    if operator == "Pow":
+        return power(*parts)
+    if operator == "Sub" and parts[1].kind == "Mul" and not parts[0].moves:
+        whole, b = parts[1].args
+        if whole is Expr("Floor", [Expr("Div", [parts[0], b])]):
+            return Expr("Mod", [parts[0], b])
+    return Expr(operator, parts)
 
 
 def _dot(left: Sequence[Expr], right: Sequence[Expr]) -> Expr:

@@ -29,8 +29,7 @@ typedef struct {
 } VariableInfo;
 
 /* What a relation keeps in its memory: whether its function is below zero, and what that means at
- * exactly zero; or the whole number below, above or towards zero of its function, or its sign. A
- * KINK has no memory: the right-hand side has another form on the other side, without an event.
+ * exactly zero; or the whole number below, above or towards zero of its function, or its sign.
  */
 typedef enum {
     ZERO_IS_FALSE,
@@ -40,7 +39,6 @@ typedef enum {
     WHOLE_ABOVE,
     WHOLE_INSIDE,
     SIGN,
-    KINK,
 } RelationKind;
 
 typedef struct {
@@ -74,6 +72,7 @@ typedef struct {
     int warnings;                         /* more than N_WARNINGS are only counted */
     char warning[N_WARNINGS][WARNING_SIZE];
     char text[TEXT_SIZE];                 /* of what has ended the simulation */
+    int reinits;                          /* events at which a state has jumped */
 } Notes;
 
 static inline double smaller(double a, double b) { return b < a ? b : a; }

@@ -1,10 +1,11 @@
-/* Integration with a fixed step, events located inside it.
+/* Integration with internal steps, events located inside them.
  *
  * Between events every relation rests at its remembered value, so that the right-hand side is
  * smooth. After each internal step the functions of the relations are looked at: one that
  * contradicts its memory lies past an event. The earliest such instant is enclosed to
  * TIME_TOLERANCE, the state is taken just past it, and the discrete equations are iterated until
- * nothing changes. Where a right-hand side has a kink without being an event, the step ends too.
+ * nothing changes. Where the error estimate is too large, as at a kink or in a fast transition, an
+ * internal step is cut.
  */
 #include <float.h>
 #include <stdarg.h>
@@ -15,6 +16,11 @@
 #define MAX_SEARCH 200       /* evaluations to enclose one event */
 #define MAX_ITERATIONS 100   /* of the discrete equations at one instant */
 #define MAX_EVENTS 10000     /* in one communication step */
+#define PILE_UP 0.02         /* of an internal step: events at which a state jumps, no further apart, */
+#define MAX_PILE 5           /* so many in a row, are a limit that the model cannot pass */
+#define RELATIVE 1e-9        /* error of a state in one step, in terms of it */
+#define ABSOLUTE 1e-12       /* the same near zero, in the unit of the state */
+#define SMALLEST_PART 0.0001 /* of an internal step; shorter ones are taken as they are */
 
 /* Everything that an instance remembers between two calls. */
 typedef struct {
@@ -76,7 +82,7 @@ static double relation_value(int k, double z, double memory)
 /* The value that the function of relation k passes on its way from its memory to z. */
 static double boundary(int k, double z, const double *p)
 {
-    const double memory = RELATIONS[k].kind == KINK ? 0.0 : p[RELATIONS[k].memory];
+    const double memory = p[RELATIONS[k].memory];
     switch (RELATIONS[k].kind) {
     case WHOLE_BELOW:
         return z < memory ? memory : memory + 1.0;
@@ -90,54 +96,91 @@ static double boundary(int k, double z, const double *p)
     }
 }
 
-/* A kink is passed when the function changes its sign; all others contradict their memory. */
-static bool passed(int k, double z0, double z, const double *p)
+static bool passed(int k, double z, const double *p)
 {
-    if (RELATIONS[k].kind == KINK) {
-        return z0 * z < 0.0;
-    }
     const double memory = p[RELATIONS[k].memory];
     return relation_value(k, z, memory) != memory;
 }
 
-/* The first relation that is passed between z0 and z, or -1. resting: kinks that do not count. */
-static int first_passed(const double *z0, const double *z, const double *p, const bool *resting)
+/* The first relation that contradicts its memory, or -1. */
+static int first_passed(const double *z, const double *p)
 {
     for (int k = 0; k < N_RELATIONS; k++) {
-        if (!(RELATIONS[k].kind == KINK && resting[k]) && passed(k, z0[k], z[k], p)) {
+        if (passed(k, z[k], p)) {
             return k;
         }
     }
     return -1;
 }
 
-/* A step of the classical fourth-order Runge-Kutta method; states are sums with compensation (W.
- * Kahan, Further remarks on reducing truncation errors, 1965). Returns 1 + number of a block
- * without a solution, or 0.
+/* A trial: states, their derivatives and the functions of the relations after a step of h. error:
+ * of the states in terms of what is allowed.
  */
-static int runge_kutta(const Core *c, double h, double *x1, double *rest)
+typedef struct {
+    double h, error;
+    double x[N_X + 1], rest[N_X + 1], slope[N_X + 1], z[N_RELATIONS + 1];
+} Trial;
+
+/* A step of the method of Dormand and Prince, order 5 with an estimate of order 4 (J. Dormand, P.
+ * Prince, A family of embedded Runge-Kutta formulae, 1980); states are sums with compensation (W.
+ * Kahan, Further remarks on reducing truncation errors, 1965). k1: the derivatives at the begin.
+ * Returns 1 + number of a block without a solution, or 0.
+ */
+static int runge_kutta(const Core *c, const double *k1, double h, Trial *trial)
 {
-    const double *const x = c->y;
-    double k1[N_X + 1], k2[N_X + 1], k3[N_X + 1], k4[N_X + 1], at[N_X + 1];
-    int bad = model_derivatives(c->t, x, c->y, c->p, k1);
+    const double *const x = c->y, *const p = c->p;
+    const double t = c->t;
+    double k2[N_X + 1], k3[N_X + 1], k4[N_X + 1], k5[N_X + 1], k6[N_X + 1], at[N_X + 1];
+    int bad = 0;
     for (int i = 0; i < N_X; i++) {
-        at[i] = x[i] + 0.5 * h * k1[i];
+        at[i] = x[i] + h * (1.0 / 5.0 * k1[i]);
     }
-    bad = bad ? bad : model_derivatives(c->t + 0.5 * h, at, c->y, c->p, k2);
+    bad = model_derivatives(t + h / 5.0, at, c->y, p, k2);
     for (int i = 0; i < N_X && !bad; i++) {
-        at[i] = x[i] + 0.5 * h * k2[i];
+        at[i] = x[i] + h * (3.0 / 40.0 * k1[i] + 9.0 / 40.0 * k2[i]);
     }
-    bad = bad ? bad : model_derivatives(c->t + 0.5 * h, at, c->y, c->p, k3);
+    bad = bad ? bad : model_derivatives(t + 3.0 / 10.0 * h, at, c->y, p, k3);
     for (int i = 0; i < N_X && !bad; i++) {
-        at[i] = x[i] + h * k3[i];
+        at[i] = x[i] + h * (44.0 / 45.0 * k1[i] - 56.0 / 15.0 * k2[i] + 32.0 / 9.0 * k3[i]);
     }
-    bad = bad ? bad : model_derivatives(c->t + h, at, c->y, c->p, k4);
+    bad = bad ? bad : model_derivatives(t + 4.0 / 5.0 * h, at, c->y, p, k4);
     for (int i = 0; i < N_X && !bad; i++) {
-        const double change = h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]) + c->rest[i];
-        x1[i] = x[i] + change;
-        rest[i] = change - (x1[i] - x[i]);
+        at[i] = x[i] + h * (19372.0 / 6561.0 * k1[i] - 25360.0 / 2187.0 * k2[i]
+                            + 64448.0 / 6561.0 * k3[i] - 212.0 / 729.0 * k4[i]);
+    }
+    bad = bad ? bad : model_derivatives(t + 8.0 / 9.0 * h, at, c->y, p, k5);
+    for (int i = 0; i < N_X && !bad; i++) {
+        at[i] = x[i] + h * (9017.0 / 3168.0 * k1[i] - 355.0 / 33.0 * k2[i]
+                            + 46732.0 / 5247.0 * k3[i] + 49.0 / 176.0 * k4[i]
+                            - 5103.0 / 18656.0 * k5[i]);
+    }
+    bad = bad ? bad : model_derivatives(t + h, at, c->y, p, k6);
+    for (int i = 0; i < N_X && !bad; i++) {
+        const double change = h * (35.0 / 384.0 * k1[i] + 500.0 / 1113.0 * k3[i]
+                                   + 125.0 / 192.0 * k4[i] - 2187.0 / 6784.0 * k5[i]
+                                   + 11.0 / 84.0 * k6[i]) + c->rest[i];
+        trial->x[i] = x[i] + change;
+        trial->rest[i] = change - (trial->x[i] - x[i]);
+    }
+    double *const k7 = trial->slope;
+    bad = bad ? bad : model_derivatives(t + h, trial->x, c->y, p, k7);
+    trial->error = 0.0;
+    for (int i = 0; i < N_X && !bad; i++) {
+        const double error = h * (71.0 / 57600.0 * k1[i] - 71.0 / 16695.0 * k3[i]
+                                  + 71.0 / 1920.0 * k4[i] - 17253.0 / 339200.0 * k5[i]
+                                  + 22.0 / 525.0 * k6[i] - 1.0 / 40.0 * k7[i]);
+        const double allowed = ABSOLUTE + RELATIVE * fabs(trial->x[i]);
+        const double share = fabs(error) / allowed;
+        trial->error = share <= trial->error ? trial->error : share; /* also where it is no number */
     }
     return bad;
+}
+
+/* The step that would just keep the error allowed, from one whose error is known. */
+static double fitting(double h, double error)
+{
+    const double factor = isfinite(error) ? 0.9 * pow(larger(error, 1e-5), -0.2) : 0.1;
+    return h * larger(0.1, smaller(factor, 5.0));
 }
 
 /* The first value that is not a finite number, or -1. */
@@ -151,13 +194,12 @@ static int not_finite(const double *values, int count)
     return -1;
 }
 
-static SolverReport check_finite(const Core *c, const double *y, int count, double t, Notes *notes)
+static SolverReport check_finite(const double *y, int count, double t, Notes *notes)
 {
     const int bad = not_finite(y, count);
     if (bad >= 0) {
         return failed(notes, "%s is not a finite number at t = %.12g s", Y_NAMES[bad], t);
     }
-    (void)c;
     return FINE;
 }
 
@@ -185,10 +227,8 @@ static int refresh_relations(Core *c)
     double z[N_RELATIONS + 1];
     const int bad = model_relations(c->t, c->y, c->y, c->p, z);
     for (int k = 0; k < N_RELATIONS && !bad; k++) {
-        if (RELATIONS[k].kind != KINK) {
-            double *memory = &c->p[RELATIONS[k].memory];
-            *memory = relation_value(k, z[k], *memory);
-        }
+        double *memory = &c->p[RELATIONS[k].memory];
+        *memory = relation_value(k, z[k], *memory);
     }
     return bad;
 }
@@ -272,30 +312,51 @@ static SolverReport settle(Core *c, bool at_start, Notes *notes)
         }
         Core before;
         memcpy(&before, c, sizeof before);
-        if (model_reinit(c->t, c->y, c->p)) {
+        if (model_reinit(c->t, c->y, c->p) && memcmp(before.y, c->y, sizeof before.y) != 0) {
             memset(c->rest, 0, sizeof c->rest);
+            notes->reinits++;
         }
         remember(c);
         set_initial_flag(c, false);
         if (memcmp(&before, c, sizeof before) == 0) {
-            r = check_finite(c, c->y, N_Y, c->t, notes);
+            r = check_finite(c->y, N_Y, c->t, notes);
             return r.result == SOLVER_OK ? check_discrete(c, notes) : r;
         }
     }
     return failed(notes, "discrete equations do not come to rest at t = %.12g s", c->t);
 }
 
-/* A trial: the states and the functions of the relations after a part of the step. */
-typedef struct {
-    double h;
-    double x[N_X + 1], rest[N_X + 1], z[N_RELATIONS + 1];
-} Trial;
-
-static int try_step(const Core *c, double h, Trial *trial)
+static int try_step(const Core *c, const double *slope, double h, Trial *trial)
 {
     trial->h = h;
-    const int bad = runge_kutta(c, h, trial->x, trial->rest);
+    const int bad = runge_kutta(c, slope, h, trial);
     return bad ? bad : model_relations(c->t + h, trial->x, c->y, c->p, trial->z);
+}
+
+static int count_passed(const double *z, const double *p)
+{
+    int count = 0;
+    for (int k = 0; k < N_RELATIONS; k++) {
+        count += passed(k, z[k], p) ? 1 : 0;
+    }
+    return count;
+}
+
+/* Relations that only rounding keeps apart are one event: move the trial past those that follow
+ * within the tolerance.
+ */
+static int include_others(const Core *c, const double *slope, double tolerance, double whole,
+                          Trial *far)
+{
+    Trial later;
+    if (far->h + tolerance >= whole) {
+        return 0;
+    }
+    const int bad = try_step(c, slope, far->h + tolerance, &later);
+    if (!bad && count_passed(later.z, c->p) > count_passed(far->z, c->p)) {
+        *far = later;
+    }
+    return bad;
 }
 
 /* Shorten the trial to just past the earliest relation that it passes; z0: functions at 0.
@@ -303,16 +364,16 @@ static int try_step(const Core *c, double h, Trial *trial)
  * The estimate is the secant of each such function; every third one is the middle, so that the
  * enclosure shrinks in any case.
  */
-static int locate(const Core *c, const double *z0, const bool *resting, Trial *far)
+static int locate(const Core *c, const double *slope, const double *z0, Trial *far)
 {
     const double tolerance = larger(TIME_TOLERANCE, 4.0 * DBL_EPSILON * fabs(c->t));
+    const double whole = far->h;
     double low = 0.0, z_low[N_RELATIONS + 1];
     memcpy(z_low, z0, sizeof z_low);
     for (int n = 0; n < MAX_SEARCH && far->h - low > tolerance; n++) {
         double guess = far->h;
         for (int k = 0; k < N_RELATIONS; k++) {
-            const bool counts = !(RELATIONS[k].kind == KINK && resting[k]);
-            if (counts && passed(k, z0[k], far->z[k], c->p) && z_low[k] != far->z[k]) {
+            if (passed(k, far->z[k], c->p) && z_low[k] != far->z[k]) {
                 const double from = z_low[k] - boundary(k, far->z[k], c->p);
                 guess = smaller(guess, low + (far->h - low) * from / (z_low[k] - far->z[k]));
             }
@@ -322,18 +383,18 @@ static int locate(const Core *c, const double *z0, const bool *resting, Trial *f
         }
         guess = larger(low + 0.5 * tolerance, smaller(guess, far->h - 0.5 * tolerance));
         Trial near;
-        const int bad = try_step(c, guess, &near);
+        const int bad = try_step(c, slope, guess, &near);
         if (bad) {
             return bad;
         }
-        if (first_passed(z0, near.z, c->p, resting) < 0) {
+        if (first_passed(near.z, c->p) < 0) {
             low = guess;
             memcpy(z_low, near.z, sizeof z_low);
         } else {
             *far = near;
         }
     }
-    return 0;
+    return N_RELATIONS > 1 ? include_others(c, slope, tolerance, whole, far) : 0;
 }
 
 /* A time that only rounding keeps from a whole nanosecond is that nanosecond. So a span gives the
@@ -396,6 +457,26 @@ static SolverReport no_interval(int clock, Notes *notes)
                   CLOCKS[clock].place);
 }
 
+/* A relation that only rounding keeps apart from the tick of a clock belongs to it: where one passes
+ * within the tolerance, the states are those of that moment.
+ */
+static int look_ahead(const Core *c, double t, Trial *trial, int *relation)
+{
+    double x[N_X + 1], z[N_RELATIONS + 1];
+    for (int i = 0; i < N_X; i++) {
+        x[i] = trial->x[i] + TIME_TOLERANCE * trial->slope[i];
+    }
+    const int bad = model_relations(t, x, c->y, c->p, z);
+    if (!bad) {
+        *relation = first_passed(z, c->p);
+    }
+    if (!bad && *relation >= 0) {
+        memcpy(trial->x, x, N_X * sizeof *x);
+        memcpy(trial->z, z, sizeof z);
+    }
+    return bad;
+}
+
 /* Find the initial values; clocks that tick at the beginning tick now. */
 static SolverReport start(Core *c, Notes *notes)
 {
@@ -419,21 +500,34 @@ static SolverReport start(Core *c, Notes *notes)
  */
 static SolverReport advance(Core *c, double t_end, Notes *notes)
 {
-    double z0[N_RELATIONS + 1];
-    bool resting[N_RELATIONS + 1] = {false};
+    double z0[N_RELATIONS + 1], slope[N_X + 1];
     const double t_begin = c->t;
-    double t_grid = t_begin, points = 0.0, t_clock = INFINITY;
-    int events = 0, clock = 0, relation = -1;
+    double t_grid = t_begin, points = 0.0, t_clock = INFINITY, h_next = INFINITY;
+    int events = 0, clock = 0, relation = -1, piled = 0;
+    double t_jump = -INFINITY;
     int ticked = tick(c, &t_clock, &clock);
+    bool jumped = false;
+    bool fresh = true; /* slope and z0 are not those of c */
     for (;;) {
-        const bool event = relation >= 0 && RELATIONS[relation].kind != KINK;
         if (ticked < 0) {
             return no_interval(clock, notes);
         }
-        if (ticked > 0 || event) {
+        if (ticked > 0 || relation >= 0) {
+            const int jumps = notes->reinits;
             const SolverReport settled = settle(c, false, notes);
             if (settled.result != SOLVER_OK) {
                 return settled;
+            }
+            fresh = true;
+            if (relation >= 0 && notes->reinits > jumps) {
+                piled = c->t - t_jump < PILE_UP * INTERNAL_STEP ? piled + 1 : 0;
+                t_jump = c->t;
+                jumped = true;
+                h_next = SMALLEST_PART * INTERNAL_STEP; /* it may come back at once */
+                if (piled >= MAX_PILE) {
+                    return failed(notes, "%s: events with reinit() follow each other without end "
+                                  "at t = %.12g s", RELATIONS[relation].place, c->t);
+                }
             }
         } else if (LARGEST_BLOCK > 0) { /* where the next search begins */
             const int bad = model_algebraics(c->t, c->y, c->p);
@@ -441,51 +535,68 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
                 return no_solution(c, bad, notes);
             }
         }
-        if (event && ++events > MAX_EVENTS) {
+        if (relation >= 0 && ++events > MAX_EVENTS) {
             return failed(notes, "more than %d events in one step at t = %.12g s, relation at %s",
                           MAX_EVENTS, c->t, RELATIONS[relation].place);
         }
         if (c->t >= t_end) {
             break;
         }
-        int bad = model_relations(c->t, c->y, c->y, c->p, z0);
+        int bad = 0;
+        if (fresh) {
+            bad = model_relations(c->t, c->y, c->y, c->p, z0);
+            bad = bad ? bad : model_derivatives(c->t, c->y, c->y, c->p, slope);
+            fresh = false;
+        }
         while (t_grid <= c->t) {
             t_grid = whole_ns(t_begin + ++points * INTERNAL_STEP);
-            memset(resting, 0, sizeof resting);
+            h_next = jumped ? h_next : INFINITY;
         }
+        jumped = false;
         double t_next = t_end - t_grid < INTERNAL_STEP * 1e-6 ? t_end : t_grid;
         t_next = reached(t_clock, t_next) ? smaller(t_clock, t_end) : t_next;
+        if (h_next < 0.9 * (t_next - c->t)) {
+            t_next = c->t + h_next;
+        }
         Trial trial;
-        bad = bad ? bad : try_step(c, t_next - c->t, &trial); /* the sum of both is exact */
+        bad = bad ? bad : try_step(c, slope, t_next - c->t, &trial); /* the sum of both is exact */
         if (bad) {
             return no_solution(c, bad, notes);
         }
-        const SolverReport finite = check_finite(c, trial.x, N_X, t_next, notes);
+        h_next = fitting(trial.h, trial.error);
+        if (!(trial.error <= 1.0) && trial.h > SMALLEST_PART * INTERNAL_STEP) {
+            relation = -1;
+            ticked = 0;
+            continue; /* with a shorter one */
+        }
+        const SolverReport finite = check_finite(trial.x, N_X, t_next, notes);
         if (finite.result != SOLVER_OK) {
             return finite;
         }
-        relation = first_passed(z0, trial.z, c->p, resting);
+        relation = first_passed(trial.z, c->p);
         if (relation >= 0) {
             const double whole = trial.h;
-            bad = locate(c, z0, resting, &trial);
+            bad = locate(c, slope, z0, &trial);
             if (bad) {
                 return no_solution(c, bad, notes);
             }
-            relation = first_passed(z0, trial.z, c->p, resting);
+            relation = first_passed(trial.z, c->p);
             t_next = trial.h < whole ? c->t + trial.h : t_next;
+            h_next = INFINITY; /* the equations may be others now */
         }
-        for (int k = 0; k < N_RELATIONS && relation >= 0; k++) {
-            if (passed(k, z0[k], trial.z[k], c->p)) {
-                /* A kink ends a step once between two points of the grid; an event goes first. */
-                resting[k] = RELATIONS[k].kind == KINK;
-                relation = resting[k] ? relation : k;
+        if (relation < 0 && N_RELATIONS > 0 && reached(t_clock, t_next)) {
+            bad = look_ahead(c, t_next, &trial, &relation);
+            if (bad) {
+                return no_solution(c, bad, notes);
             }
         }
         memcpy(c->y, trial.x, N_X * sizeof(double));
         memcpy(c->rest, trial.rest, N_X * sizeof(double));
+        memcpy(slope, trial.slope, N_X * sizeof(double));
+        memcpy(z0, trial.z, sizeof z0);
         c->t = t_next;
         ticked = reached(t_clock, t_next) ? tick(c, &t_clock, &clock) : 0;
     }
     const int bad = model_algebraics(c->t, c->y, c->p);
-    return bad ? no_solution(c, bad, notes) : check_finite(c, c->y, N_Y, c->t, notes);
+    return bad ? no_solution(c, bad, notes) : check_finite(c->y, N_Y, c->t, notes);
 }

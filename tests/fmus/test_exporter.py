@@ -160,16 +160,25 @@ def test_state_events_are_located(tmp_path, load):
     assert plant.t_up == pytest.approx(2 * math.pi + math.pi / 6, abs=1e-9)
 
 
-def test_fourth_order_of_the_integration(tmp_path, load):
-    """Halving the internal step divides the error of an oscillator by 16."""
-    root = library(tmp_path, "der(x) = v; der(v) = -10000*x; y = x; n = 0;", "Real v(start=0);")
+def test_fifth_order_of_the_integration(tmp_path, load):
+    """Halving the internal step divides the error of an oscillator by 32."""
+    root = library(tmp_path, "der(x) = v; der(v) = -100*x; y = x; n = 0;", "Real v(start=0);")
     errors = []
-    for step in (5e-4, 2.5e-4):
+    for step in (4e-3, 2e-3):
         path = building.build("Small.Plant", tmp_path / f"{step}.fmu", root, step_s=step)
         plant = load(path)
-        plant.step(0.1)
-        errors.append(abs(plant.y - math.cos(10.0)))
-    assert errors[0] / errors[1] == pytest.approx(16, rel=0.1)
+        plant.step(2.0)
+        errors.append(abs(plant.y - math.cos(20.0)))
+    assert errors[0] / errors[1] == pytest.approx(32, rel=0.1)
+
+
+def test_fast_transition_is_resolved_however_long_the_internal_step(tmp_path, load):
+    """x' = -tanh(x/1e-5) from 1: x falls with slope 1 and stops within 1e-5; sinh decays."""
+    root = library(tmp_path, "der(x) = -tanh(x/1e-5); y = x; n = 0;")
+    plant = load(building.build("Small.Plant", tmp_path / "x.fmu", root, step_s=2e-3))
+    plant.step(1.0 + 2e-5)
+    # sinh(x/w) = sinh(1/w) exp(-t/w), w = 1e-5; sinh(1/w) = exp(1/w)/2
+    assert plant.y == pytest.approx(1e-5 * math.asinh(0.5 * math.exp(-2.0)), abs=1e-12)
 
 
 def test_divergence_names_variable_and_time(tmp_path, load):
