@@ -563,7 +563,8 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
         if (bad) {
             return no_solution(c, bad, notes);
         }
-        h_next = fitting(trial.h, trial.error);
+        const bool whole_step = trial.error <= 1.0 && t_next >= t_grid;
+        h_next = whole_step ? INFINITY : fitting(trial.h, trial.error);
         if (!(trial.error <= 1.0) && trial.h > SMALLEST_PART * INTERNAL_STEP) {
             relation = -1;
             ticked = 0;
