@@ -555,6 +555,9 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
         jumped = false;
         double t_next = t_end - t_grid < INTERNAL_STEP * 1e-6 ? t_end : t_grid;
         t_next = reached(t_clock, t_next) ? smaller(t_clock, t_end) : t_next;
+        const double shortest =
+            larger(SMALLEST_PART * INTERNAL_STEP, 4.0 * DBL_EPSILON * fabs(c->t));
+        h_next = larger(h_next, shortest);
         if (h_next < 0.9 * (t_next - c->t)) {
             t_next = c->t + h_next;
         }
@@ -565,7 +568,7 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
         }
         const bool whole_step = trial.error <= 1.0 && t_next >= t_grid;
         h_next = whole_step ? INFINITY : fitting(trial.h, trial.error);
-        if (!(trial.error <= 1.0) && trial.h > SMALLEST_PART * INTERNAL_STEP) {
+        if (!(trial.error <= 1.0) && trial.h > 1.5 * shortest) {
             relation = -1;
             ticked = 0;
             continue; /* with a shorter one */
