@@ -14,23 +14,6 @@ import fmus.build as building
 from fmus import BuildError
 
 FOLDER = Path(__file__).parent
-# What the exporter does not do so far. `refused`: such a model must be refused with its place, or
-# be right. `wrong`: left out until it is right.
-_LINES = (FOLDER / "open.txt").read_text(encoding="utf-8").splitlines()
-OPEN = {
-    word: {line.split()[1] for line in _LINES if line.startswith(word)}
-    for word in ("refused", "wrong")
-}
-
-
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Leave out the models that are wrong so far."""
-    models = [
-        getattr(item, "callspec", SimpleNamespace(params={})).params.get("model") for item in items
-    ]
-    items[:] = [
-        item for item, model in zip(items, models, strict=True) if model not in OPEN["wrong"]
-    ]
 
 
 @pytest.fixture(scope="session")
@@ -49,10 +32,6 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
                 done[key] = error
         result = done[key]
         if isinstance(result, BuildError):
-            if model in OPEN["refused"]:
-                assert result.file == f"{library.name}/package.mo"
-                assert result.line is not None
-                pytest.skip(f"refused: {result}")
             raise result
         return result
 
