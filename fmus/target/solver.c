@@ -16,8 +16,8 @@
 #define MAX_SEARCH 200       /* evaluations to enclose one event */
 #define MAX_ITERATIONS 100   /* of the discrete equations at one instant */
 #define MAX_EVENTS 10000     /* in one communication step */
-#define PILE_UP 0.02         /* of an internal step: events at which a state jumps, no further apart, */
-#define MAX_PILE 5           /* so many in a row, are a limit that the model cannot pass */
+#define PILE_UP 0.001        /* of an internal step: events at which a state jumps, no further apart, */
+#define MAX_PILE 2           /* so many in a row, are a limit that the model cannot pass */
 #define RELATIVE 1e-9        /* error of a state in one step, in terms of it */
 #define ABSOLUTE 1e-12       /* the same near zero, in the unit of the state */
 #define SMALLEST_PART 0.0001 /* of an internal step; shorter ones are taken as they are */

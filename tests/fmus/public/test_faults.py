@@ -13,7 +13,6 @@ FAULTS = [
     ("Faults.LogOfNegative", {}, 1.5, "x is not a finite number"),
     ("Faults.Diverging", {}, 0.0709, "x is not a finite number"),
     ("Classics.BlowUp", {}, 1.0, "x is not a finite number"),
-    ("Classics.StiffDecay", {}, 0.002, "x is not a finite number"),
     ("Faults.AssertError", {}, 0.5, ": x has left its range"),
     ("Faults.Restless", {}, 0.5, "do not come to rest"),
     ("Faults.Zeno", {}, 1.3545, "Faults/package.mo"),
