@@ -20,7 +20,10 @@ from numpy.typing import NDArray
 
 HERE = Path(__file__).parent
 # Each holds the references of one part of the library.
-MODULES = ("mechanics", "drives", "axes", "sampled", "sensors", "workpieces")
+MODULES = (
+    *("mechanics", "drives", "axes", "sampled"),
+    *("edges", "probe", "distance", "terminal", "workpieces"),
+)
 
 Reference = Callable[[NDArray[np.float64]], Mapping[str, NDArray[np.float64]]]
 

@@ -1,0 +1,149 @@
+"""References of the touch probes: statics of the seat, roots of the distance."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from edges import Edges, Vector, bounced, count_of, delayed, last_edge, within
+from numpy.polynomial import Polynomial
+from paths import crossings, cubic
+from scipy.optimize import root
+from workpieces import inclined, sampled, waves
+
+
+def seat_pretravel(
+    normal: Vector, force: float, length: float, radius: float, first: float, bending: float,
+    axial: float,
+) -> float:  # fmt: skip
+    """Pre-travel at which the first of three pads is without load, from force and moments.
+
+    Loads N_i of the pads: sum N_i = F_p - F n_z, sum x_i N_i = -F L n_x, sum y_i N_i = -F L n_y,
+    with the contact force F n at the ball, L below the pads.
+    """
+    angles = first + np.array([0.0, 2 * np.pi / 3, 4 * np.pi / 3])
+    statics = np.array([np.ones(3), radius * np.cos(angles), radius * np.sin(angles)])
+    unloaded = np.linalg.solve(statics, [force, 0.0, 0.0])
+    per_force = np.linalg.solve(statics, [-normal[2], -length * normal[0], -length * normal[1]])
+    lifting = [
+        load / -change for load, change in zip(unloaded, per_force, strict=True) if change < 0
+    ]
+    compliance = (normal[0] ** 2 + normal[1] ** 2) / bending + normal[2] ** 2 / axial
+    return float(min(lifting) * compliance)
+
+
+def three_leg_seat(time_s: Vector) -> Mapping[str, Vector]:
+    """A normal that turns down from the axis."""
+    down, turn = 1.6 * time_s, 9 * time_s
+    normals = np.array([np.sin(down) * np.cos(turn), np.sin(down) * np.sin(turn), np.cos(down)]).T
+    return {
+        "pretravel": np.array(
+            [seat_pretravel(n, 2.5, 50e-3, 10e-3, 0.2, 0.2e6, 2e6) for n in normals]
+        )
+    }
+
+
+def touch_probe(time_s: Vector) -> Mapping[str, Vector]:
+    """A ball of 2 mm on an inclined plane; instants as roots of a polynomial."""
+    span = 0.4
+    x = cubic(0.01, 0.02, 0.012, -0.01, span)
+    y = cubic(-0.02, 0.0, -0.021, 0.0, span)
+    z = cubic(0.108, -0.05, 0.108, 0.05, span)
+    normal = np.array([np.sin(0.3) * np.cos(0.4), np.sin(0.3) * np.sin(0.4), np.cos(0.3)])
+    gap = normal[0] * x + normal[1] * y + normal[2] * z - (0.1 + 2e-3)
+    pretravel = 5e-6 + seat_pretravel(normal, 2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+
+    def roots(p: Polynomial) -> list[float]:
+        found = [complex(r) for r in p.roots()]
+        return sorted(r.real for r in found if abs(r.imag) < 1e-9 and 0 < r.real < span)
+
+    (touch, _), (on, off) = roots(gap), roots(gap + pretravel)
+    edges: Edges = [(on + 3e-3, True), (off + 3e-3, False)]
+    under_way = within([(on, on + 3e-3), (off, off + 3e-3)], time_s)
+    near = np.minimum(np.abs(gap(time_s)), np.abs(gap(time_s) + pretravel))
+    return {
+        "gap": gap(time_s),
+        "clearance": np.where(under_way > 0, 0.0, near),
+        "contact_time": last_edge([(touch, True)], True, time_s),
+        "contact_z": np.where(time_s >= touch, z(touch), 0.0),
+        "rising_time": last_edge(edges, True, time_s),
+        "falling_time": last_edge(edges, False, time_s),
+    }
+
+
+def workpiece_probe(time_s: Vector) -> Mapping[str, Vector]:
+    """A ball of 3 mm on a wavy inclined plane: distance from the foot of the normal."""
+    span, radius = 0.4, 3e-3
+    x = cubic(0.01, 0.02, 0.018, 0.02, span)
+    y = cubic(-0.02, 0.01, -0.016, 0.01, span)
+    z = cubic(6.5e-3, -0.05, 7.5e-3, 0.05, span)
+    parts = [inclined(0.2, 1e-3, 0.3), waves([0.3e-3], [0.05], [0.4], 0.1)]
+
+    def surface(u: Vector, v: Vector) -> Vector:
+        return np.asarray(parts[0](u, v) + parts[1](u, v))
+
+    def nearest(t: float) -> tuple[float, Vector]:
+        """Distance of the centre from the surface, signed, and the normal at the foot.
+
+        Where the distance is smallest, the way from the foot to the centre is along the normal.
+        """
+        center = np.array([x(t), y(t), z(t)])
+
+        def across(p: Vector) -> list[float]:
+            h, slope_x, slope_y = (float(a[0]) for a in sampled(surface, p[:1], p[1:]))
+            up = center[2] - h
+            return [center[0] - p[0] + up * slope_x, center[1] - p[1] + up * slope_y]
+
+        foot = root(across, center[:2], tol=1e-15).x
+        h, slope_x, slope_y = (float(a[0]) for a in sampled(surface, foot[:1], foot[1:]))
+        normal = np.array([-slope_x, -slope_y, 1.0]) / np.hypot(1.0, np.hypot(slope_x, slope_y))
+        return float(normal @ (center - np.array([*foot, h]))), normal
+
+    def pretravel(normal: Vector) -> float:
+        return 5e-6 + seat_pretravel(normal, 2.5, 50e-3, 10e-3, 0.1, 0.2e6, 2e6)
+
+    def switching(t: float) -> float:
+        distance, normal = nearest(t)
+        return distance - radius + pretravel(normal)
+
+    grid = np.linspace(0, span, 81)
+    touch = crossings(lambda t: nearest(t)[0] - radius, grid)
+    on, off = crossings(switching, grid)
+    late, under_way = delayed([(on, True), (off, False)], 10e-3, 2e-3, 5)
+    contact, bouncing = bounced(late, 2, 1, 1.2e-3)
+    ready, off_at = 0.0319, 0.37
+    distances, normals = zip(*(nearest(t) for t in time_s), strict=True)
+    height, _, _ = sampled(surface, x(time_s), y(time_s))
+    steepest = np.tan(0.2) + 2 * np.pi * 0.3e-3 / 0.05
+    free = np.maximum(0.0, (z(time_s) - height) / np.hypot(1.0, steepest) - radius)
+    held_back = within([(0.0, ready), *under_way, *bouncing, (touch[0], touch[1])], time_s)
+    return {
+        "gap": np.array(distances) - radius,
+        "contact_time": last_edge([(touch[0], True)], True, time_s),
+        "contact_x": np.where(time_s >= touch[0], x(touch[0]), 0.0),
+        "total_pretravel": np.array([pretravel(n) for n in normals]),
+        "rising_time": last_edge(contact, True, time_s),
+        "falling_time": last_edge(contact, False, time_s),
+        "rising_count": count_of(contact, True, time_s),
+        "ready": within([(ready, off_at)], time_s),
+        "clearance": np.where(held_back > 0, 0.0, free),
+    }
+
+
+def probe_at_walls(time_s: Vector) -> Mapping[str, Vector]:
+    """Distance from a quadrant and from a cylinder inside, by cases."""
+    radius, top = 3e-3, 4e-3
+    x = cubic(14.3e-3, 0.0, 9e-3, -0.02, 1.0)(time_s)
+    z = cubic(0.0, 0.02, 8e-3, 0.0, 1.0)(time_s)
+    wall = x * np.cos(0.3) - 11e-3
+    above = z - top
+    corner = np.hypot(wall, above)
+    outside = np.where((wall > 0) & (above > 0), corner, np.maximum(wall, above)) - radius
+    u = cubic(1e-3, 0.0, 5e-3, 0.0, 1.0)(time_s) - 1e-3
+    v = cubic(2e-3, 0.0, 6e-3, 0.0, 1.0)(time_s) - 2e-3
+    inside = 8e-3 - np.hypot(u, v) - radius
+    free = np.maximum(0.0, np.maximum(wall, above) - radius)
+    return {
+        "outside_gap": outside,
+        "outside_clearance": np.where(outside > 0, free, np.abs(outside)),
+        "inside_gap": inside,
+        "inside_count": (inside <= 0).astype(float),
+    }
