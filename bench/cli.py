@@ -195,13 +195,20 @@ def replay(
     bus_log: Annotated[
         Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
     ] = None,
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = 60.0,
 ) -> None:
     """Run one case of a results folder again and say whether every frame came again."""
     from bench.plan.verdict import exit_code
+    from bench.run.apart import do_apart
     from bench.run.campaign import show_verdicts
     from bench.run.replay import replay as run_again
 
-    again = run_again(folder, run_id, _blf(bus_log))
+    what = (folder, run_id, _blf(bus_log))
+    if is_isolated:
+        again = do_apart(run_again, *what, file=folder, call_limit_s=call_limit_s)
+    else:
+        again = run_again(*what)
     show_verdicts([again.result])
     print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
     raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)

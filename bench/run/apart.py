@@ -4,6 +4,7 @@ A crash (or an FMU that ends the process) costs one result, a call that never co
 What the process was in the middle of is read from its journal (kernel/cosim/journal.py).
 """
 
+import faulthandler
 import signal
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
@@ -55,6 +56,8 @@ class _Task:
 
 def _apart(folder: Path, note: Path, function: Callable[..., T], *arguments: Any) -> T:
     """Run in the child."""
+    # How it dies is told from outside, with the name of the FMU; a stack of Python tells nothing
+    faulthandler.disable()
     share_session_folder(folder)
     journal.begin(note)
     return function(*arguments)

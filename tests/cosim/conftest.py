@@ -21,6 +21,8 @@ BEHAVIOUR, LEVEL, TIME, TEXT, MOOD = 100, 101, 102, 103, 104
 UNITS = (
     '<UnitDefinitions><Unit name="mm"><BaseUnit m="1" factor="0.001"/>'
     '<DisplayUnit name="km" factor="1e-6"/></Unit>'
+    '<Unit name="m"><BaseUnit m="1"/></Unit><Unit name="s"><BaseUnit s="1"/></Unit>'
+    '<Unit name="m/s"><BaseUnit m="1" s="-1"/></Unit>'
     '<Unit name="mm/s"><BaseUnit m="1" s="-1" factor="0.001"/></Unit>'
     '<Unit name="degC"><BaseUnit K="1" offset="273.15"/></Unit>'
     '<Unit name="rad"><BaseUnit rad="1"/></Unit><Unit name="1/s"><BaseUnit s="-1"/></Unit>'
@@ -52,6 +54,25 @@ REALS: dict[str, list[Row]] = {
         ("tip.depth", "input", "-1000", None),
         ("contact_v", "output", None, None),
         ("trip", "parameter", "-100", "mm"),
+    ],
+    "gate": [
+        ("step_time", "input", "0", "s"),
+        ("step_size", "input", "1", "s"),
+        ("z_start", "input", "0", "m"),
+        ("z_rate_start", "input", "0", "m/s"),
+        ("z_end", "input", "0", "m"),
+        ("z_rate_end", "input", "0", "m/s"),
+        ("trip", "parameter", "0", "m"),
+        ("beam", "parameter", "1", "m"),
+    ],
+    "rod": [
+        ("reference_position", "input", "0", "m"),
+        ("reference_velocity", "input", "0", "m/s"),
+        ("reference_time", "input", "0", "s"),
+        ("reference_end", "input", "0", "s"),
+        ("position", "output", None, "m"),
+        ("velocity", "output", None, "m/s"),
+        ("position_start", "parameter", "0", "m"),
     ],
 }
 

@@ -1,6 +1,6 @@
 /* A feed table as another tool would export it: a position loop and a spindle, in mm and revolutions.
 
-   behaviour 3: it warns, with its text. behaviour 1 and 2: after 0.2 s the position is no number, or infinite.
+   behaviour 4: after 0.2 s it crashes. 3: it warns, with its text. behaviour 1 and 2: after 0.2 s the position is no number, or infinite.
    s' = gain (s_set - s); the motor turns once per 10 mm. Exact for an s_set that is constant in a
    step. */
 
@@ -32,6 +32,7 @@ static int step(Instance *table, double begin, double size, bool *early) {
         say(table, WARNING, table->text);
         return WARNING;
     }
+    if (table->behaviour == 4 && table->time > 0.2) abort();
     if (table->behaviour && table->behaviour < 3 && table->time > 0.2) r[S] = table->behaviour == 1 ? NAN : INFINITY;
     outputs(table);
     return OK;

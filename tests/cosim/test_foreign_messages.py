@@ -86,6 +86,20 @@ def test_position_that_is_no_number_is_told_with_its_variable(
     assert re.search(rf"plant table at t = 200\.\d+ ms: table.s \(position\) is {value}", err)
 
 
+def test_crash_in_a_process_apart_is_told_with_call_and_time(
+    place: Place, capsys: pytest.CaptureFixture[str], version: int
+) -> None:
+    folder = place(('"control.gain" = 40', '"control.gain" = 40, behaviour = 4'))
+    words = ("nc", folder / "part.nc", "--rig", folder / "rig.toml", "--isolate")
+    code, out, err = call(capsys, *words)
+    assert (code, out) == (2, "")
+    told = rf"FMU table.fmu \(plant table\) crashed in fmi{version}DoStep at t = (\S+) ms: SIGABRT"
+    found = re.search(told, err)
+    assert found is not None, err
+    # the step that leads beyond 0.2 s begins less than a drive tick before
+    assert 200.0 - 0.0625 < float(found[1]) <= 200.0
+
+
 def test_texts_and_items_of_enumerations_are_start_values_too(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:
