@@ -4,6 +4,7 @@ import hashlib
 from dataclasses import dataclass
 
 from fmus.description import TOKEN_MARK, describe, identifier_of
+from fmus.folded import folded_slots, with_notes
 from fmus.ir import TARGET, Ir
 from fmus.source import write_source
 from fmus.system import read_system
@@ -44,10 +45,12 @@ def generate(ir: Ir, step_s: float, fmi: str = "3.0") -> Generated:
     Raises BuildError for any construct that the runtime does not hold.
     """
     system = read_system(ir)
+    folded = folded_slots(ir, system)
     variables = read_variables(ir, system)
     if fmi == "2.0":
         variables = scalars(variables)
-    source = write_source(ir, system, variables, step_s, SLAVES[fmi][0])
+    variables = with_notes(variables, folded)
+    source = write_source(ir, system, variables, folded, step_s, SLAVES[fmi][0])
     description = describe(ir, system, variables, step_s, fmi)
     digest = hashlib.sha256()
     digest.update(source.encode())

@@ -80,11 +80,15 @@ def shared_numbers(ir: Ir) -> Iterator[tuple[int, int, Source | None]]:
     Of `A a(k = 5)` with `B b(k = k)` in A the compiler binds a.b.k to the number, not to a.k. Both
     then stand with the same piece of text, which is not the declaration of either.
     """
-    groups: dict[tuple[int, int], dict[str, Mapping[str, Any]]] = {}
+    groups: dict[tuple[object, ...], dict[str, Mapping[str, Any]]] = {}
+    elements = {}
     for variable in ir.dae["variables"]:
         span = _number_from_outside(ir, variable)
         if span is not None:
-            groups.setdefault((span["source"], span["start"]), {})[variable["name"]] = span
+            shape = tuple(variable["value_type"]["dimensions"])
+            group = groups.setdefault((span["source"], span["start"], shape), {})
+            group[variable["name"]] = span
+            elements[variable["name"]] = variable["scalar_names"]
     slots = ir.solve["layout"]["bindings"]
     for group in groups.values():
         for name, span in group.items():
@@ -98,15 +102,16 @@ def shared_numbers(ir: Ir) -> Iterator[tuple[int, int, Source | None]]:
             ]
             if outer:
                 nearest = max(outer, key=len)
-                yield slots[name]["P"]["index"], slots[nearest]["P"]["index"], ir.place(span)
+                for own, other in zip(elements[name], elements[nearest], strict=True):
+                    yield slots[own]["P"]["index"], slots[other]["P"]["index"], ir.place(span)
 
 
 def _number_from_outside(ir: Ir, variable: Mapping[str, Any]) -> Mapping[str, int] | None:
     """The span of a parameter's number when a modifier gives it, None for its own declaration."""
     binding = variable["attributes"]["binding"]
-    known = ir.solve["layout"]["bindings"].get(variable["name"], {})
-    scalar = variable["role"] == "parameter" and variable["scalar_count"] == 1
-    if not scalar or binding is None or "P" not in known:
+    slots = ir.solve["layout"]["bindings"]
+    rests = all("P" in slots.get(name, {}) for name in variable["scalar_names"])
+    if variable["role"] != "parameter" or binding is None or not rests:
         return None
     expression = ir.dae["expressions"][binding]
     span: Mapping[str, int] | None = expression["provenance"].get("span")

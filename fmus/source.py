@@ -1,7 +1,7 @@
 """Writes the C source of one model."""
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 
 from fmus.actions import Action
 from fmus.description import templates
@@ -16,11 +16,17 @@ INDENT = "    "
 
 
 def write_source(
-    ir: Ir, system: System, variables: Sequence[Variable], step_s: float, slave: str
+    ir: Ir,
+    system: System,
+    variables: Sequence[Variable],
+    folded: Collection[int],
+    step_s: float,
+    slave: str,
 ) -> str:
     """The C source of a model; `slave` is the file of the runtime that it includes.
 
-    step_s: internal step of the integration, s.
+    folded: slots of p whose start values the equations hold. step_s: internal step of the
+    integration, s.
     """
     start_y, start_p = start_vectors(ir, system)
     for state, twin in system.twins:
@@ -39,6 +45,7 @@ def write_source(
             start_p=[c_number(value) for value in [*start_p, 0.0]],
             y_names=ir.solve["solve_layout"]["solver_maps"]["names"],
             variables=[_row(variable, slave) for variable in variables],
+            folded=sorted(folded),
         )
     )
 

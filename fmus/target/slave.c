@@ -251,14 +251,29 @@ static Status settable(const Instance *me, const VariableInfo *variable)
     }
 }
 
+/* Whether the equations hold the start value of a slot of p instead of reading it. */
+static bool is_folded(int slot)
+{
+    int k = 0;
+    while (FOLDED[k] >= 0 && FOLDED[k] != slot) {
+        k++;
+    }
+    return FOLDED[k] == slot;
+}
+
 static Status set_element(Instance *me, const VariableInfo *variable, size_t element, double value)
 {
     if (!isfinite(value) || value < variable->min || value > variable->max) {
         return fail(me, "%s = %.12g is outside %.12g .. %.12g (t = %.12g s)", variable->name, value,
                     variable->min, variable->max, me->now.core.t);
     }
+    const int slot = variable->index + (int)element;
+    if (variable->vector == IN_P && value != START_P[slot] && is_folded(slot)) {
+        return fail(me, "%s = %.12g has no effect in this FMU: the compiler has used its value %.12g",
+                    variable->name, value, START_P[slot]);
+    }
     Core *const core = &me->now.core;
-    (variable->vector == IN_Y ? core->y : core->p)[variable->index + element] = value;
+    (variable->vector == IN_Y ? core->y : core->p)[slot] = value;
     me->now.inputs_changed = true;
     return STATUS_OK;
 }
