@@ -41,7 +41,7 @@ typedef struct {
 static const char *const CATEGORIES[] = {"logStatusWarning", "logStatusDiscard", "logStatusError"};
 enum { N_CATEGORIES = sizeof CATEGORIES / sizeof CATEGORIES[0] };
 
-static const char SERIAL_MARK[] = "axisrig state 2 " INSTANTIATION_TOKEN;
+static const char SERIAL_MARK[] = "axisrig state 3 " INSTANTIATION_TOKEN;
 enum { SERIAL_SIZE = sizeof SERIAL_MARK + sizeof(Saved) };
 
 /* Hand a text to the importer's logger. */

@@ -16,11 +16,20 @@
 #define MAX_SEARCH 200       /* evaluations to enclose one event */
 #define MAX_ITERATIONS 100   /* of the discrete equations at one instant */
 #define MAX_EVENTS 10000     /* in one communication step */
-#define PILE_UP 0.001        /* of an internal step: events at which a state jumps, no further apart, */
-#define MAX_PILE 2           /* so many in a row, are a limit that the model cannot pass */
 #define RELATIVE 1e-9        /* error of a state in one step, in terms of it */
 #define ABSOLUTE 1e-12       /* the same near zero, in the unit of the state */
 #define SMALLEST_PART 0.0001 /* of an internal step; shorter ones are taken as they are */
+
+/* The last event at which a state has jumped. Numbers of any kind are held as double, so that a
+ * Core has no gaps and can be compared as a whole.
+ */
+typedef struct {
+    double t;
+    double relation; /* 1 + the number of the relation that was passed; 0: none */
+    double memory;   /* of that relation since then */
+    double z;        /* its function there */
+    double row;      /* events of the same relation before it, each within an internal step */
+} Jump;
 
 /* Everything that an instance remembers between two calls. */
 typedef struct {
@@ -29,6 +38,7 @@ typedef struct {
     double p[N_P + 1];
     double ticks[N_CLOCKS + 1]; /* instants of each clock that have passed */
     double rest[N_X + 1];       /* of each state: what rounding has left out of it */
+    Jump jump;
 } Core;
 
 /* text: what the model said, or what went wrong with time, names and place. */
@@ -493,6 +503,30 @@ static SolverReport start(Core *c, Notes *notes)
     return ticked > 0 ? settle(c, false, notes) : settled;
 }
 
+/* Note that a state has jumped as relation k was passed; z: the functions there. */
+static void note_jump(Core *c, int k, const double *z)
+{
+    const bool again = c->jump.relation == k + 1.0 && c->t - c->jump.t < INTERNAL_STEP;
+    const Jump jump = {c->t, k + 1.0, c->p[RELATIONS[k].memory], z[k],
+                       again ? c->jump.row + 1.0 : 0.0};
+    c->jump = jump;
+}
+
+/* Whether a step without an event leads on beyond the relation of jumps in a row: the next return
+ * was too short to be seen, as when bounces pile up, and all later values would be wrong. A model
+ * that comes to rest by itself stays where it is.
+ */
+static bool falls_through(const Core *c, const double *z)
+{
+    const Jump *const jump = &c->jump;
+    if (jump->row < 1.0 || c->t - jump->t >= INTERNAL_STEP) {
+        return false;
+    }
+    const int k = (int)jump->relation - 1;
+    return RELATIONS[k].kind <= ZERO_KEEPS && c->p[RELATIONS[k].memory] == jump->memory
+        && fabs(z[k]) > fabs(jump->z) && !passed(k, z[k], c->p);
+}
+
 /* Advance to t_end. On failure the core rests where the last internal step began.
  *
  * Internal steps end on a grid from the beginning, also after an event between two of its points,
@@ -503,10 +537,9 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
     double z0[N_RELATIONS + 1], slope[N_X + 1];
     const double t_begin = c->t;
     double t_grid = t_begin, points = 0.0, t_clock = INFINITY, h_next = INFINITY;
-    int events = 0, clock = 0, relation = -1, piled = 0;
-    double t_jump = -INFINITY;
+    int events = 0, clock = 0, relation = -1;
     int ticked = tick(c, &t_clock, &clock);
-    bool jumped = false;
+    bool jumped = c->jump.relation > 0.0 && c->jump.t == c->t;
     bool fresh = true; /* slope and z0 are not those of c */
     for (;;) {
         if (ticked < 0) {
@@ -520,14 +553,8 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
             }
             fresh = true;
             if (relation >= 0 && notes->reinits > jumps) {
-                piled = c->t - t_jump < PILE_UP * INTERNAL_STEP ? piled + 1 : 0;
-                t_jump = c->t;
+                note_jump(c, relation, z0);
                 jumped = true;
-                h_next = SMALLEST_PART * INTERNAL_STEP; /* it may come back at once */
-                if (piled >= MAX_PILE) {
-                    return failed(notes, "%s: events with reinit() follow each other without end "
-                                  "at t = %.12g s", RELATIONS[relation].place, c->t);
-                }
             }
         } else if (LARGEST_BLOCK > 0) { /* where the next search begins */
             const int bad = model_algebraics(c->t, c->y, c->p);
@@ -550,8 +577,9 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
         }
         while (t_grid <= c->t) {
             t_grid = whole_ns(t_begin + ++points * INTERNAL_STEP);
-            h_next = jumped ? h_next : INFINITY;
+            h_next = INFINITY;
         }
+        h_next = jumped ? SMALLEST_PART * INTERNAL_STEP : h_next; /* it may come back at once */
         jumped = false;
         double t_next = t_end - t_grid < INTERNAL_STEP * 1e-6 ? t_end : t_grid;
         t_next = reached(t_clock, t_next) ? smaller(t_clock, t_end) : t_next;
@@ -593,6 +621,11 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
             if (bad) {
                 return no_solution(c, bad, notes);
             }
+        }
+        if (relation < 0 && falls_through(c, trial.z)) {
+            return failed(notes, "%s: events with reinit() follow each other without end at "
+                          "t = %.12g s, %d of them in this step",
+                          RELATIONS[(int)c->jump.relation - 1].place, c->t, events);
         }
         memcpy(c->y, trial.x, N_X * sizeof(double));
         memcpy(c->rest, trial.rest, N_X * sizeof(double));

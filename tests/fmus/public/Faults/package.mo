@@ -57,12 +57,13 @@ package Faults "Models that must fail at run time, told with time and name"
   end Terminating;
 
   model Zeno "Ball whose bounces pile up"
+    parameter Real e = 0.5;
     output Real h(start = 1, fixed = true), v(start = 0, fixed = true);
   equation
     der(h) = v;
     der(v) = -9.81;
     when h <= 0 then
-      reinit(v, -0.5*pre(v));
+      reinit(v, -e*pre(v));
     end when;
   end Zeno;
 
