@@ -120,15 +120,22 @@ def test_axis_that_cannot_be_switched_off_stays_where_it_was(plant: Make) -> Non
 
 
 def test_early_return_at_the_edge_is_exact_without_a_saved_state(plant: Make) -> None:
-    """A probe that gets the trajectory and ends its step where its level changes."""
+    """A probe that gets the trajectory and ends its step where its level changes.
+
+    Edge at 15 617 250.5 ns, between two whole nanoseconds, so that no rounding decides on which
+    side of it a step ends: the first end behind it is 15 617 251 ns.
+    """
+    surface_m, speed_m_s = -0.00031234501, -0.02
+    edge_ns = surface_m / speed_m_s * 1e9
+    edge_at_ns = math.ceil(edge_ns)
+    assert (edge_at_ns, edge_at_ns - edge_ns) == (15_617_251, pytest.approx(0.5, abs=1e-6))
     made = plant(
         BENT,
-        probe_start={"surface": -0.000312345},
+        probe_start={"surface": surface_m},
         without=("clearance", "rising_count"),
         can_save=False,
     )
-    # The level changes at 15 617 250 ns; a step that ends there is on either side by rounding.
-    slave, edge_at_ns = made.probes["probe"].slave, 15_617_251
+    slave = made.probes["probe"].slave
     step_towards = slave.step_towards
     slave.step_towards = lambda end_ns: step_towards(
         edge_at_ns if slave.time_ns < edge_at_ns < end_ns else end_ns

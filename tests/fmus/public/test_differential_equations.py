@@ -144,6 +144,21 @@ def gears(t, solve):
     return {"w1": (1 - np.cos(t)) / 2}
 
 
+def stiff_decay(t, _):
+    """x' = -f (x - cos t), y' = x - y: forced parts, and what dies out with f and with 1.
+
+    The fast mode forgets within microseconds, so that x is off by the error of one step.
+    """
+    f = 1e6
+    a, b, c = f**2 / (1 + f**2), f / (1 + f**2), 1 / (1 + f**2)
+    p, q, d = (a - b) / 2, (a + b) / 2, c / (1 - f)
+    fast, slow = np.exp(-f * t), np.exp(-t)
+    return {
+        "x": a * np.cos(t) + b * np.sin(t) + c * fast,
+        "y": p * np.cos(t) + q * np.sin(t) + d * fast - (p + d) * slow,
+    }
+
+
 # model, last instant, interval, tolerance, reference
 CASES = [
     ("Classics.Dahlquist", 20, 0.5, 1e-12, lambda t, _: {"x": np.exp(-t)}),
@@ -154,6 +169,8 @@ CASES = [
     ("Classics.Brusselator", 15, 0.1, 1e-9, brusselator),
     ("Classics.Robertson", 40, 0.5, 1e-9, robertson),
     ("Classics.Resonance", 30, 0.3, 1e-10, lambda t, _: {"x": t * np.sin(t) / 2}),
+    # What a state may be off by in one step
+    ("Classics.StiffDecay", 1, 0.05, 1e-9, stiff_decay),
     ("Mechanics.Pendulum", 5, 0.05, 1e-9, pendulum),
     ("Mechanics.CartesianPendulum", 0.5, 0.05, 1e-8, cartesian_pendulum),
     ("Mechanics.QuarterCar", 3, 0.03, 1e-10, quarter_car),
