@@ -19,7 +19,12 @@ SCHEMA_VERSION = 71
 TARGET = Path(__file__).parent / "target"
 
 # The compiler prints mappings nearly as JSON: strings are escaped as in Rust, some words differ.
-_TOKEN = re.compile(r'"(?:[^"\\]|\\.)*"|[A-Za-z]+')
+# Stretches that are JSON as they stand come first and as long as possible: there are millions of
+# tokens, and few to change.
+_TOKEN = re.compile(
+    r'(?P<json>(?:"[^"\\]*+"|[^"A-Za-z]++|\b(?:true|false)\b|(?<=\d)e(?=[-+\d]))++)'
+    r'|"(?:[^"\\]|\\.)*"|[A-Za-z]+'
+)
 _WORDS = {"none": "null", "undefined": "null", "inf": "Infinity", "nan": "NaN", "NaN": "NaN"}
 
 
@@ -113,6 +118,8 @@ def compile_model(model: str, library: Path) -> Ir:
 
 def _as_json(match: re.Match[str]) -> str:
     token = match.group(0)
+    if match.lastgroup == "json":
+        return token
     if token.startswith('"'):
         return re.sub(r"\\u\{([0-9a-f]+)\}", lambda m: f"\\u{int(m.group(1), 16):04x}", token)
     return _WORDS.get(token, token)

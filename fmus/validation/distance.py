@@ -174,11 +174,14 @@ def distance_sensor(time_s: Vector) -> Mapping[str, Vector]:
     touching = within([(touch, left)], time_s)
     true = gap(time_s)
     slope = 1.5 / 20
+    free = np.maximum(0.0, np.abs(true) - slope * radius) / np.hypot(1.0, slope)
+    x = feed * time_s
+    wall = np.maximum(hole - np.hypot(x - 50e-3, 0.5e-3), x * np.cos(0.1) - 70e-3)
     return {
         "distance": np.where(touching > 0, 0.0, np.clip(noisy, 0.0, full)),
         "distance_true": true,
         "valid": (raw(time_s) < full).astype(float),
         "touching": touching,
         "touch_time": last_edge([(touch, True)], True, time_s),
-        "clearance": np.maximum(0.0, np.abs(true) - slope * radius) / np.hypot(1.0, slope),
+        "clearance": np.where(true > 0, free, np.minimum(free, np.abs(wall - radius))),
     }

@@ -68,6 +68,32 @@ def fixed_stop(time_s: Vector) -> Mapping[str, Vector]:
     return {"position": rows[:, 0], "velocity": rows[:, 1], "force": np.array(forces)}
 
 
+def fixed_stop_torn_off(time_s: Vector) -> Mapping[str, Vector]:
+    """A stop with exponent 1, met in negative direction; a load presses, tears off, throws back.
+
+    In terms of the depth p: m dp2/dt2 = L - k p (1 + a v) while p > 0 and 1 + a v > 0.
+    Source: Hunt, Crossley (1975).
+    """
+    mass, stop, k, a = 100.0, -2e-3, 500e6, 20.0
+
+    def force(x: list[float], mode: Mode) -> float:
+        return k * x[0] * (1.0 + a * x[1]) if mode[0] and mode[1] else 0.0
+
+    def rhs(t: float, x: list[float], mode: Mode) -> tuple[float, float]:
+        load = -20e3 if mode[2] and not mode[3] else 20e3
+        return x[1], (load - force(x, mode)) / mass
+
+    guards: list[Guard] = [
+        lambda t, x, m: x[0],
+        lambda t, x, m: 1.0 + a * x[1],
+        lambda t, x, m: t - 0.01003,
+        lambda t, x, m: t - 0.01053,
+    ]
+    rows = integrate(rhs, [30e-6, -0.1], time_s, guards, rtol=1e-12, atol=1e-16, max_step_s=2e-5)
+    forces = [force(x, (x[0] > 0.0, 1.0 + a * x[1] > 0.0)) for x in rows.tolist()]
+    return {"position": stop - rows[:, 0], "velocity": -rows[:, 1], "force": np.array(forces)}
+
+
 def linear_stop(time_s: Vector) -> Mapping[str, Vector]:
     """Free motion, part of a damped oscillation until k p + d v = 0, free motion: closed form.
 
@@ -116,20 +142,37 @@ def guideway_friction(time_s: Vector) -> Mapping[str, Vector]:
 
 
 def lu_gre_friction(time_s: Vector) -> Mapping[str, Vector]:
-    """A mass with bristles: m dv/dt = F - F_f, F steps at 0.3 s."""
+    """A mass with bristles: m dv/dt = F - F_f, F steps at 0.0464 s and 0.3 s.
+
+    Bristles that would follow faster than in 20 us (1/r) follow in 20 us: with
+    s0 |v| > r g(v), their force f obeys df/dt = r (g(v) sign(v) - f).
+    """
     mass = 190.0
 
-    def friction(x: list[float]) -> tuple[float, float]:
+    def friction(x: list[float], fast: bool) -> tuple[float, float]:
         _, v, z = x
-        rate, force = lugre(v, z, stribeck(v, 120.0, 160.0, 5e-3), 20e6, 4e3)
+        sliding = stribeck(v, 120.0, 160.0, 5e-3)
+        rate, force = lugre(v, z, sliding, 20e6, 4e3)
+        if fast:
+            rate = 5e4 * (math.copysign(sliding, v) / 20e6 - z)
+            force = 20e6 * z + 4e3 * rate
         return rate, force + 800.0 * v
 
     def rhs(t: float, x: list[float], mode: Mode) -> tuple[float, float, float]:
-        rate, force = friction(x)
-        return x[1], ((-220.0 if mode[0] else 100.0) - force) / mass, rate
+        rate, force = friction(x, mode[0])
+        load = -220.0 if mode[2] else 100.0 if mode[1] else -1500.0
+        return x[1], (load - force) / mass, rate
 
-    rows = integrate(rhs, [0.0, 0.05, 0.0], time_s, guards=[lambda t, x, m: t - 0.3], rtol=1e-12)
-    forces = np.array([friction(x)[1] for x in rows.tolist()])
+    def hurry(x: list[float]) -> float:
+        return 20e6 * abs(x[1]) - 5e4 * stribeck(x[1], 120.0, 160.0, 5e-3)
+
+    guards: list[Guard] = [
+        lambda t, x, m: hurry(x),
+        lambda t, x, m: t - 0.0464,
+        lambda t, x, m: t - 0.3,
+    ]
+    rows = integrate(rhs, [0.0, 0.5, 0.0], time_s, guards, rtol=1e-12)
+    forces = np.array([friction(x, hurry(x) > 0.0)[1] for x in rows.tolist()])
     return {"position": rows[:, 0], "velocity": rows[:, 1], "friction_force": forces}
 
 

@@ -135,19 +135,23 @@ def side_of(radius: float, axis: float, azimuth: float) -> Height:
 
 PLANE = level(0.0123)
 THICKNESS = level(0.26e-3)
-INCLINED = inclined(0.5, 3e-3, 0.4)
-RAMP = ramp_between(2e-3, -0.0201, 0.0305, -0.3)
-STEP = obstacle(2.8e-3, -0.0201, 6.03e-3, 0.0307, 0.3)
-SINE = waves([0.2e-3], [0.03], [0.5], 0.7)
-WAVINESS = waves(
-    [0.1e-3, 0.3e-3, 0.5e-3, 0.8e-3], [0.017, 0.031, 0.053, 0.11], [0.3, 1, 2, 3], -0.5
-)
 CYLINDER = bar(0.0302, 4e-3, 0.9, 0.2)
 SINE_STEEPEST = 0.2e-3 / (0.03 / (2 * np.pi))
 WAVINESS_STEEPEST = 2 * np.pi * (0.1 / 17 + 0.3 / 31 + 0.5 / 53 + 0.8 / 110)
 RAMP_STEEPEST = 2.0 / 30.5
 STEP_STEEPEST = 2.8 * 1.5 / 6.03
 CYLINDER_STEEPEST = float(np.tan(np.arcsin(0.9)))
+
+
+def rise_and_fall(up: float) -> list[Height]:
+    """Ramp, obstacle, sine and waves; up is 1 or -1."""
+    heights = [0.1e-3, up * 0.3e-3, 0.5e-3, up * 0.8e-3]
+    return [
+        ramp_between(up * 2e-3, -0.0201, 0.0305, -0.3),
+        obstacle(up * 2.8e-3, -0.0201, 6.03e-3, 0.0307, 0.3),
+        waves([up * 0.2e-3], [0.03], [0.5], 0.7),
+        waves(heights, [0.017, 0.031, 0.053, 0.11], [0.3, 1, 2, 3], -0.5),
+    ]
 
 
 def plane(time_s: Vector) -> Mapping[str, Vector]:
@@ -161,28 +165,28 @@ def thickness_offset(time_s: Vector) -> Mapping[str, Vector]:
 
 
 def inclined_plane(time_s: Vector) -> Mapping[str, Vector]:
-    """An inclined plane; its steepest direction is its azimuth."""
-    return surface(INCLINED, float(np.tan(0.5)), time_s)
+    """A plane that falls; its steepest direction is its azimuth."""
+    return surface(inclined(-0.5, 3e-3, 0.4), float(np.tan(0.5)), time_s)
 
 
 def ramp(time_s: Vector) -> Mapping[str, Vector]:
-    """A ramp."""
-    return surface(RAMP, RAMP_STEEPEST, time_s)
+    """A ramp downwards."""
+    return surface(rise_and_fall(-1)[0], RAMP_STEEPEST, time_s)
 
 
 def step(time_s: Vector) -> Mapping[str, Vector]:
     """An obstacle; a cubic flank is steepest in its middle, 1.5 times its mean slope."""
-    return surface(STEP, STEP_STEEPEST, time_s)
+    return surface(rise_and_fall(1)[1], STEP_STEEPEST, time_s)
 
 
 def sine(time_s: Vector) -> Mapping[str, Vector]:
     """A sine."""
-    return surface(SINE, SINE_STEEPEST, time_s)
+    return surface(rise_and_fall(-1)[2], SINE_STEEPEST, time_s)
 
 
 def waviness(time_s: Vector) -> Mapping[str, Vector]:
     """Four waves; the bound adds their largest slopes."""
-    return surface(WAVINESS, WAVINESS_STEEPEST, time_s)
+    return surface(rise_and_fall(-1)[3], WAVINESS_STEEPEST, time_s)
 
 
 def cylinder(time_s: Vector) -> Mapping[str, Vector]:
@@ -203,7 +207,9 @@ def hole(time_s: Vector) -> Mapping[str, Vector]:
 
 def workpiece(time_s: Vector) -> Mapping[str, Vector]:
     """All of them; the border is the nearest of the three, seen from outside the material."""
-    parts = [PLANE, THICKNESS, inclined(0.1, 3e-3, 0.4), RAMP, STEP, SINE, WAVINESS, CYLINDER]
+    below, above = rise_and_fall(-1), rise_and_fall(1)
+    parts = [PLANE, THICKNESS, inclined(0.1, 3e-3, 0.4), CYLINDER]
+    parts += [above[0], below[1], above[2], above[3]]
     steepest = np.tan(0.1) + RAMP_STEEPEST + STEP_STEEPEST + SINE_STEEPEST
     steepest += WAVINESS_STEEPEST + CYLINDER_STEEPEST
     found = surface(

@@ -113,3 +113,28 @@ def test_noise_repeats_with_its_seed_and_grows_with_the_square(resting):
     far = noise(resting(z=2e-3, **at), 200)
     for a, b in zip(near, far, strict=False):
         assert b == pytest.approx(4 * a, abs=1e-15)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        {"workpiece.inclined.angle": -0.4, "workpiece.sine.amplitude": 1e-3},
+        {"workpiece.ramp.rise": -0.03, "workpiece.inclined.angle": 0.4},
+        {"workpiece.edge.position": 2e-3},
+        {"workpiece.hole.radius": 6e-3},
+        {"workpiece.cylinder.radius": 0.02},
+    ],
+    ids="+".join,
+)
+def test_no_touch_begins_or_ends_within_the_clearance(load, start):
+    """Moved by just less than the clearance in any direction, above the top or below it."""
+    fmu = load("AxisRig.Sensors.DistanceSensor", electrode_radius=1e-3)
+    above, below = ((-3e-3, 4e-3), (0.0, 2e-3), (3e-3, 1e-3)), ((6e-3, -2e-3), (0.0, -1e-3))
+    for x, z in (*above, *below, (2e-3, -3e-3)):
+        at = {"electrode_radius": 1e-3, "x_start": x, "x_end": x, "z_start": z, "z_end": z, **start}
+        fmu.restart(**at)
+        free, touching = 0.999 * fmu.clearance, fmu.touching
+        for k in range(24):
+            u, w = x + free * math.cos(k * math.pi / 12), z + free * math.sin(k * math.pi / 12)
+            fmu.restart(**{**at, "x_start": u, "x_end": u, "z_start": w, "z_end": w})
+            assert fmu.touching == touching

@@ -23,7 +23,7 @@ equation
     else -integral/discharge;
   annotation(
     Documentation(info="<html>
-<p>Equation: F = sat(K e + I), dI/dt = K e/T_n + (sat(F) - F)/T_a.</p>
+<p>Equation: u = K e + I, F = sat(u), dI/dt = K e/T_n + (F - u)/T_a.</p>
 <p>Anti-windup by back-calculation: at the limit the integral part moves to where the demand just
 leaves the limit when e changes its sign (for T_a = T_n). The right-hand side stays continuous, so
 that no sliding motion along the limit can arise. A larger T_a gives a later release.</p>

@@ -30,6 +30,7 @@ protected
   constant Real near(unit = "1") = 0.408248290463863 "sqrt(1/6)";
   constant Real far(unit = "1") = 0.7071067811865476 "sqrt(1/2)";
   Units.Position nearest "Smallest gap";
+  Units.Length upright "Distance to the height at which a touch begins or ends";
   Units.Length to_axis "From the axis of the hole, not 0";
   Units.Length hole_radius "Radius of the hole, not 0";
   Real lost_hole(unit = "1") "Share of the disc above the hole";
@@ -89,8 +90,11 @@ equation
   end when;
   distance = if touching then 0
     else max(0, min(range, filter.y + noise*(filter.y/noise_distance)^2*noise_source.y));
-  clearance = max(0, abs(distance_true) - workpiece.steepest*electrode_radius)
+  upright = max(0, abs(distance_true) - workpiece.steepest*electrode_radius)
     /sqrt(1 + workpiece.steepest^2);
+  // Below the top a touch begins and ends at the wall too, where the disc is wholly beyond it.
+  clearance = noEvent(if distance_true > 0 then upright
+    else min(upright, abs(workpiece.beyond - electrode_radius)));
   annotation(
     Documentation(info="<html>
 <p>Equations: the gaps at seven points of the electrode give a distance (CapacitiveElectrode), which
@@ -102,8 +106,9 @@ straight wall cuts off a circle, or the lens that two circles have in common. Wh
 the output runs to full scale and valid is false, at once, before the filter. When a point of the
 electrode is on the surface, the electrode is short-circuited: the output is 0 at once, and touching is
 true.</p>
-<p>clearance: with the largest slope L the electrode cannot touch within
-(d - L r)/sqrt(1 + L^2). Changes of valid are not in it.</p>
+<p>clearance: with the largest slope L no touch begins or ends within (|d| - L r)/sqrt(1 + L^2); below
+the top (d negative) neither within the way to where the disc is just beyond the material, |e - r| with
+the distance e of Workpiece. Changes of valid are not in it.</p>
 <p>Assumptions: electrode level in x, y; tip and electrode are one. Limits: see CapacitiveElectrode;
 touching looks at the seven points; beside an edge the surface is continued, so that leaving the
 material sideways below its top still touches until the whole disc is beyond; edge and hole shall not

@@ -1,6 +1,6 @@
 within AxisRig.Validation;
 model InclinedPlane "Height and slopes along a straight path"
-  Workpieces.InclinedPlane surface(azimuth = 0.4, angle = 0.5, origin = 3e-3);
+  Workpieces.InclinedPlane surface(azimuth = 0.4, angle = -0.5, origin = 3e-3);
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";
@@ -15,6 +15,6 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>An inclined plane. Compared: height and both slopes, and the bound of the slope.</p>
+<p>A plane that falls. Compared: height and both slopes, and the bound of the slope.</p>
 </html>"));
 end InclinedPlane;

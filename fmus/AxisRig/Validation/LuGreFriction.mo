@@ -1,6 +1,6 @@
 within AxisRig.Validation;
 model LuGreFriction "A mass slides, sticks and breaks away again"
-  Mechanics.Slide slide(mass = 190, velocity_start = 0.05);
+  Mechanics.Slide slide(mass = 190, velocity_start = 0.5);
   Mechanics.LuGreFriction friction(
     coulomb = 120,
     breakaway = 160,
@@ -13,7 +13,7 @@ model LuGreFriction "A mass slides, sticks and breaks away again"
   output Units.Velocity velocity "Velocity of the mass";
   output Units.Force friction_force "Force against the motion";
 equation
-  load.force = if time < 0.3 then 100 else -220;
+  load.force = if time < 0.0464 then -1500 elseif time < 0.3 then 100 else -220;
   connect(load.flange, slide.flange);
   connect(friction.flange, slide.flange);
   position = slide.position;
@@ -22,6 +22,6 @@ equation
   annotation(
     experiment(StopTime=0.5, Interval=0.0025),
     Documentation(info="<html>
-<p>Rests under a load below the breakaway force, held by the bristles, then is pushed over it.</p>
+<p>Is braked from a speed at which the bristles follow at their fastest, rests under a load below the breakaway force, held by the bristles, then is pushed over it.</p>
 </html>"));
 end LuGreFriction;

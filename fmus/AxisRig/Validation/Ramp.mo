@@ -1,6 +1,6 @@
 within AxisRig.Validation;
 model Ramp "Height and slopes along a straight path"
-  Workpieces.Ramp surface(azimuth = -0.3, rise = 2e-3, start = -0.0201, length = 0.0305);
+  Workpieces.Ramp surface(azimuth = -0.3, rise = -2e-3, start = -0.0201, length = 0.0305);
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";
@@ -15,7 +15,7 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>A ramp, crossed from end to end. Compared: height and both slopes, and the bound of the
+<p>A ramp downwards, crossed from end to end. Compared: height and both slopes, and the bound of the
 slope.</p>
 </html>"));
 end Ramp;

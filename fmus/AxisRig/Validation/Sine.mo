@@ -1,6 +1,6 @@
 within AxisRig.Validation;
 model Sine "Height and slopes along a straight path"
-  Workpieces.Sine surface(azimuth = 0.7, amplitude = 0.2e-3, wavelength = 0.03, phase = 0.5);
+  Workpieces.Sine surface(azimuth = 0.7, amplitude = -0.2e-3, wavelength = 0.03, phase = 0.5);
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

@@ -5,7 +5,7 @@ model Workpiece "All surfaces and borders at once along a straight path"
     thickness(deviation = 0.26e-3),
     inclined(azimuth = 0.4, angle = 0.1, origin = 3e-3),
     ramp(azimuth = -0.3, rise = 2e-3, start = -0.0201, length = 0.0305),
-    step(azimuth = 0.3, rise = 2.8e-3, start = -0.0201, flank = 6.03e-3, width = 0.0307),
+    step(azimuth = 0.3, rise = -2.8e-3, start = -0.0201, flank = 6.03e-3, width = 0.0307),
     sine(azimuth = 0.7, amplitude = 0.2e-3, wavelength = 0.03, phase = 0.5),
     waviness(azimuth = -0.5, amplitude = {0.1e-3, 0.3e-3, 0.5e-3, 0.8e-3},
       wavelength = {0.017, 0.031, 0.053, 0.11}, phase = {0.3, 1, 2, 3}),
