@@ -89,18 +89,18 @@ class Fmu:
 
 @pytest.fixture(scope="session")
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A cache of FMUs for this session."""
+    """A folder for FMUs of this session; those of the library come from the user's cache."""
     return tmp_path_factory.mktemp("fmus")
 
 
 @pytest.fixture(scope="session")
-def load(cache: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Fmu]]:
+def load(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[..., Fmu]]:
     """Loads a model by full name, or a built file, with start values."""
     folders: dict[Path, Path] = {}
     instances: list[Fmu] = []
 
     def loader(model: str | Path, **start: float) -> Fmu:
-        path = model if isinstance(model, Path) else ensure_built(model, cache)
+        path = model if isinstance(model, Path) else ensure_built(model)
         if path not in folders:
             folders[path] = tmp_path_factory.mktemp("unpacked")
             fmpy.extract(str(path), str(folders[path]))

@@ -28,13 +28,13 @@ def run(axis, count=80):
 
 @pytest.mark.parametrize("fmi", FMI_VERSIONS)
 @pytest.mark.parametrize("model", MODELS)
-def test_validator_finds_no_problem(cache, model, fmi):
-    assert validate_fmu(str(ensure_built(model, cache, fmi))) == []
+def test_validator_finds_no_problem(model, fmi):
+    assert validate_fmu(str(ensure_built(model, fmi=fmi))) == []
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_every_real_variable_has_a_unit_and_every_one_a_meaning(cache, model):
-    description = fmpy.read_model_description(str(ensure_built(model, cache)))
+def test_every_real_variable_has_a_unit_and_every_one_a_meaning(model):
+    description = fmpy.read_model_description(str(ensure_built(model)))
     for variable in description.modelVariables:
         if variable.type == "Float64":
             assert variable.unit, variable.name

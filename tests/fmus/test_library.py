@@ -62,11 +62,11 @@ def test_model_with_equations_names_its_source(file: Path):
 
 
 @pytest.mark.parametrize("model", MODELS)
-def test_every_declared_parameter_can_be_set(model, cache):
+def test_every_declared_parameter_can_be_set(model):
     """A compiler may fix a parameter that decides an if; such a model must be written otherwise."""
     settable = {
         v.name
-        for v in read_model_description(str(ensure_built(model, cache))).modelVariables
+        for v in read_model_description(str(ensure_built(model))).modelVariables
         if v.causality == "parameter"
     }
 
@@ -83,10 +83,10 @@ def test_every_declared_parameter_can_be_set(model, cache):
             assert {f"workpiece.{part}.{name}" for name in found} <= settable
 
 
-def test_readme_names_every_input_output_and_parameter(cache):
+def test_readme_names_every_input_output_and_parameter():
     words = set(re.findall(r"`(\w+)`", (LIBRARY.parent / "README.md").read_text(encoding="utf-8")))
     for model in MODELS:
-        description = read_model_description(str(ensure_built(model, cache)))
+        description = read_model_description(str(ensure_built(model)))
         shown = {v.name for v in description.modelVariables if v.causality != "local"}
         shown -= {"time", *(n for n in shown if n[:2] in ("y_", "z_") or "." in n)}
         assert shown <= words

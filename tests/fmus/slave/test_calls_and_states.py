@@ -37,8 +37,8 @@ ASSERT_LINE = 11
 
 
 @pytest.fixture(scope="module")
-def servo_fmu(fmi, cache, unpack):
-    return unpack(ensure_built(SERVO, cache, fmi=fmi))
+def servo_fmu(fmi, unpack):
+    return unpack(ensure_built(SERVO, fmi=fmi))
 
 
 @pytest.fixture(scope="module")
@@ -223,10 +223,9 @@ def test_failure_at_the_start_is_told(small):
     assert "x has passed its limit (t = 0 s)" in plant.refusal(plant.slave.exitInitializationMode)
 
 
-def test_both_versions_move_bit_by_bit_alike(cache, slaves, unpack):
+def test_both_versions_move_bit_by_bit_alike(slaves, unpack):
     two, three = (
-        slaves(*unpack(ensure_built(SERVO, cache, fmi=version))).start(**MOVE)
-        for version in FMI_VERSIONS
+        slaves(*unpack(ensure_built(SERVO, fmi=version))).start(**MOVE) for version in FMI_VERSIONS
     )
     assert two.run(150) == three.run(150)
 

@@ -22,8 +22,8 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="reads ELF files and 
 
 
 @pytest.fixture(scope="module")
-def servo_fmu(fmi, cache, unpack):
-    return unpack(ensure_built(SERVO, cache, fmi=fmi))
+def servo_fmu(fmi, unpack):
+    return unpack(ensure_built(SERVO, fmi=fmi))
 
 
 def life_cycle(fmu: Path, folder: Path, fmi: str, build: Path) -> list[str]:
@@ -55,15 +55,18 @@ def test_lives_leave_no_memory_behind_and_touch_none_that_is_not_theirs(servo_fm
 
 @linux
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.skipif(shutil.which("size") is None, reason="binutils are not installed")
-def test_no_memory_is_shared_between_instances(model, fmi, cache, unpack, tmp_path):
+def test_sources_compile_without_a_warning_and_share_no_memory(model, fmi, unpack, tmp_path):
     """The object file has no data that can be written: neither .data nor .bss, nor of threads."""
-    _, folder = unpack(ensure_built(model, cache, fmi=fmi))
+    _, folder = unpack(ensure_built(model, fmi=fmi))
     sources = folder / "sources"
     (source,) = sources.glob("*AxisRig*.c")
     flags = [flag for flag in FLAGS if flag != "-shared"]
-    command = [*find_compiler().command, *flags, "-c", source.name, "-o", str(tmp_path / "a.o")]
-    subprocess.run(command, cwd=sources, check=True)
+    command = [*find_compiler().command, *flags, "-Werror", "-c", source.name]
+    command += ["-o", str(tmp_path / "a.o")]
+    done = subprocess.run(command, cwd=sources, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    if shutil.which("size") is None:
+        pytest.skip("binutils are not installed")
     listed = subprocess.run(
         ["size", "-A", str(tmp_path / "a.o")], capture_output=True, text=True, check=True
     )
