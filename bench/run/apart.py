@@ -58,6 +58,8 @@ def _apart(folder: Path, note: Path, function: Callable[..., T], *arguments: Any
     """Run in the child."""
     # How it dies is told from outside, with the name of the FMU; a stack of Python tells nothing
     faulthandler.disable()
+    # The command line's handler would wait for a call that never comes back
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
     share_session_folder(folder)
     journal.begin(note)
     return function(*arguments)

@@ -8,7 +8,7 @@ from bench import library
 from fmus import CATALOGUE, MODELS
 from kernel.errors import UserError
 
-SOME = MODELS[:2]
+SOME = MODELS[-2:]  # those that build fastest
 
 
 @pytest.fixture
