@@ -44,11 +44,14 @@ IsolateOption = Annotated[
     typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),
 ]
 CallTimeoutOption = Annotated[
-    float,
+    float | None,
     typer.Option(
-        "--call-timeout", min=1.0, help="Wall time of one call into an FMU, s; in processes apart."
+        "--call-timeout",
+        min=1.0,
+        help="Wall time of one call into an FMU, s; 60 when not said. Uses processes apart.",
     ),
 ]
+CALL_LIMIT_S = 60.0
 EXIT_REJECTED = 2
 EXIT_INTERRUPTED = 4
 EXIT_BROKEN_PIPE = 141
@@ -97,7 +100,7 @@ def run(
         typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes."),
     ] = None,
     is_isolated: IsolateOption = False,
-    call_limit_s: CallTimeoutOption = 60.0,
+    call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report."""
@@ -114,8 +117,8 @@ def run(
         command=["axisrig", *sys.argv[1:]],
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         stopwatch=time.perf_counter,
-        is_isolated=is_isolated,
-        call_limit_s=call_limit_s,
+        is_isolated=is_isolated or call_limit_s is not None,
+        call_limit_s=call_limit_s or CALL_LIMIT_S,
     )
     report_path = build_report(campaign.folder)
     if campaign.results:
@@ -152,7 +155,7 @@ def nc(
         Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
     ] = None,
     is_isolated: IsolateOption = False,
-    call_limit_s: CallTimeoutOption = 60.0,
+    call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
 ) -> None:
     """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
@@ -160,8 +163,10 @@ def nc(
     from bench.run.single import run_program
 
     inputs = (program, rig, assignments or [], _blf(bus_log), partial(print, flush=True))
-    if is_isolated:
-        alarms = do_apart(run_program, *inputs, file=program, call_limit_s=call_limit_s)
+    if is_isolated or call_limit_s:
+        alarms = do_apart(
+            run_program, *inputs, file=program, call_limit_s=call_limit_s or CALL_LIMIT_S
+        )
     else:
         alarms = run_program(*inputs)
     for alarm in alarms:
@@ -174,15 +179,15 @@ def nc(
 def check(
     files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
     is_isolated: IsolateOption = False,
-    call_limit_s: CallTimeoutOption = 60.0,
+    call_limit_s: CallTimeoutOption = None,
 ) -> None:
     """Check plans and rigs without running them; show the bus arithmetic of a rig."""
     from bench.run.apart import do_apart
     from bench.run.campaign import check_file
 
     for file in files:
-        if is_isolated:
-            print(do_apart(check_file, file, file=file, call_limit_s=call_limit_s))
+        if is_isolated or call_limit_s:
+            print(do_apart(check_file, file, file=file, call_limit_s=call_limit_s or CALL_LIMIT_S))
         else:
             print(check_file(file))
 
@@ -196,7 +201,7 @@ def replay(
         Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
     ] = None,
     is_isolated: IsolateOption = False,
-    call_limit_s: CallTimeoutOption = 60.0,
+    call_limit_s: CallTimeoutOption = None,
 ) -> None:
     """Run one case of a results folder again and say whether every frame came again."""
     from bench.plan.verdict import exit_code
@@ -205,8 +210,8 @@ def replay(
     from bench.run.replay import replay as run_again
 
     what = (folder, run_id, _blf(bus_log))
-    if is_isolated:
-        again = do_apart(run_again, *what, file=folder, call_limit_s=call_limit_s)
+    if is_isolated or call_limit_s:
+        again = do_apart(run_again, *what, file=folder, call_limit_s=call_limit_s or CALL_LIMIT_S)
     else:
         again = run_again(*what)
     show_verdicts([again.result])
@@ -284,7 +289,7 @@ def list_models() -> None:
 @_rejecting
 def check_fmus(
     files: Annotated[list[str], typer.Argument(metavar="FMU...", help="Files or models.")],
-    call_limit_s: CallTimeoutOption = 60.0,
+    call_limit_s: CallTimeoutOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
 ) -> None:
     """Try FMUs out in processes apart: are they safe, sound, repeatable, and what could they be?
@@ -297,7 +302,7 @@ def check_fmus(
     from bench.fmu.findings import show_findings
     from bench.fmu.place import find_fmu
 
-    checked = [check_fmu(find_fmu(text), call_limit_s) for text in files]
+    checked = [check_fmu(find_fmu(text), call_limit_s or CALL_LIMIT_S) for text in files]
     if as_json:
         print(json.dumps({"fmus": [fmu.as_data() for fmu in checked]}, indent=2))
     else:
@@ -326,7 +331,10 @@ def build(
     fmi: Annotated[str, typer.Option("--fmi", help="Version: 3.0 or 2.0.")] = "3.0",
     platform: Annotated[
         list[str] | None,
-        typer.Option("--platform", help="x86_64-linux, x86_64-windows, ... or all; this one."),
+        typer.Option(
+            "--platform",
+            help="x86_64-linux, x86_64-windows, ... or all; several allowed. Default: this one.",
+        ),
     ] = None,
     compiler: Annotated[
         str | None, typer.Option("--compiler", help="cc, zig or omc (OpenModelica).")

@@ -19,6 +19,13 @@ from fmus import (
 )
 from kernel.errors import UserError, nearest
 
+_FEW = 6  # so many words are all told, of more the nearest
+
+
+def named(text: str) -> list[str]:
+    """Return the models that a text means: by the full name, or by the last part of it."""
+    return [name for name in MODELS if text in (name, name.rsplit(".", maxsplit=1)[-1])]
+
 
 def build_models(
     model: str | None,
@@ -28,11 +35,11 @@ def build_models(
 ) -> Iterator[str]:
     """Build one model or all that the cache lacks, several at once; yield a line for each.
 
-    fmi: "3.0" or "2.0". platforms: words of FMI 3.0 or `all`, by default this one. compiler: cc,
-    zig or omc.
+    model: full name, or its last part. fmi: "3.0" or "2.0". platforms: words of FMI 3.0 or
+    `all`, by default this one. compiler: cc, zig or omc.
     Raises UserError for an unknown word and when a build fails.
     """
-    names = [model] if model else list(MODELS)
+    names = list(MODELS) if model is None else named(model) or [model]
     for value, allowed, what in (
         *((name, MODELS, "the library has no such model") for name in names),
         (fmi, FMI_VERSIONS, "no such FMI version"),
@@ -40,7 +47,8 @@ def build_models(
         (compiler or "cc", (*COMPILERS, "omc"), "no such compiler"),
     ):
         if value not in allowed:
-            raise UserError(what, value=value, allowed=nearest(value, allowed) or allowed)
+            near = nearest(value, allowed) if len(allowed) > _FEW else []
+            raise UserError(what, value=value, allowed=near or allowed)
     if "all" in platforms:
         platforms = [p.name for p in PLATFORMS.values() if p.in_all]
     yield from _built(names, fmi, platforms, compiler)

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from bench.library import named
 from fmus import MODELS, BuildError, ensure_built
 from kernel.errors import UserError, nearest
 
@@ -14,7 +15,7 @@ def find_fmu(text: str) -> Path:
     path = Path(text)
     if path.suffix == ".fmu" or path.exists():
         return path
-    matching = [name for name in MODELS if text in (name, name.rsplit(".", maxsplit=1)[-1])]
+    matching = named(text)
     if len(matching) != 1:
         raise UserError(
             "neither an FMU file nor a model of the library",

@@ -18,7 +18,10 @@ from kernel.cosim.units import unit_name
 from kernel.errors import UserError, printable
 
 _KINDS = ("structuralParameter", "parameter", "calculatedParameter", "input", "output")
-_COLUMNS = ("variable", "causality", "variability", "type", "unit", "start", "min", "max")
+_COLUMNS = ("variable", "causality", "type", "unit", "start")
+_MORE_COLUMNS = ("variability", "min", "max", "description")
+_WIDE = 120  # a window of so many signs holds all columns
+_UNLIMITED = 100_000
 
 
 @dataclass(frozen=True)
@@ -64,12 +67,17 @@ def _interfaces(description: ModelDescription) -> dict[str, Any]:
 def show_fmu(shown: Shown, *, is_all: bool) -> None:
     """Print everything about an FMU on standard output. is_all: local variables too."""
     console = Console(highlight=False, markup=False)
+    if not console.is_terminal:  # a file or a pipe has no width: a broken name cannot be searched
+        console.width = _UNLIMITED
+    is_wide = console.width >= _WIDE
     for label, text in _head(shown):
         console.print(f"{label:<14}{printable(text)}", soft_wrap=True)
     variables = list(shown.description.modelVariables)
     listed = [v for v in variables if is_all or v.causality in _KINDS]
     console.print()
-    console.print(_variables(listed))
+    console.print(_variables(listed, (*_COLUMNS, *_MORE_COLUMNS) if is_wide else _COLUMNS))
+    if not is_wide:
+        console.print(f"a window of {_WIDE} columns, or a file, shows {', '.join(_MORE_COLUMNS)}")
     hidden = len(variables) - len(listed)
     if hidden:
         console.print(f"{hidden} local variables are not shown; --all shows them")
@@ -147,24 +155,25 @@ def _experiment(description: ModelDescription) -> Iterator[tuple[str, str]]:
             yield "experiment", text
 
 
-def _variables(variables: Sequence[ModelVariable]) -> RichTable:
+def _variables(variables: Sequence[ModelVariable], columns: Sequence[str]) -> RichTable:
     table = RichTable(box=box.SIMPLE_HEAD, pad_edge=False)
-    for column in (*_COLUMNS, "description"):
+    for column in columns:
         table.add_column(column, overflow="fold", no_wrap=column == "causality")
     for variable in variables:
         shape = "".join(f"[{size}]" for size in variable.shape or ())
-        cells = (
-            variable.name,
-            variable.causality,
-            variable.variability,
-            f"{variable.type}{shape}",
-            unit_name(variable),
-            variable.start,
-            variable.min,
-            variable.max,
-            variable.description,
-        )
-        table.add_row(*("" if cell is None else printable(str(cell)) for cell in cells))
+        cells = {
+            "variable": variable.name,
+            "causality": variable.causality,
+            "variability": variable.variability,
+            "type": f"{variable.type}{shape}",
+            "unit": unit_name(variable),
+            "start": variable.start,
+            "min": variable.min,
+            "max": variable.max,
+            "description": variable.description,
+        }
+        told = (cells[column] for column in columns)
+        table.add_row(*("" if cell is None else printable(str(cell)) for cell in told))
     return table
 
 

@@ -145,7 +145,8 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
             (*place, "fmu"),
             f"{Path(table.fmu).name}: its variables and the map tell neither an axis nor a sensor",
             value=instance,
-            hint="say kind and map in the rig; docs/rigs.md names the roles of both",
+            hint="say kind and map in the rig: with kind it is told which roles are missing or "
+            "misspelt; docs/rigs.md names the roles of each",
         )
 
     def located(error: UserError, role: str) -> UserError:
@@ -213,7 +214,8 @@ def _check_wire(
                 (*keys, coordinate),
                 f"{instance} has no input {coordinate}",
                 value=coordinate,
-                allowed=coordinates,
+                allowed=coordinates or None,
+                hint=f"an own FMU says in its map what reads it: {coordinate}_position = ...",
             )
 
 

@@ -34,6 +34,11 @@ def test_all_models_are_built_in_their_order_and_then_taken_from_the_cache(own_c
     assert {path.name: path.stat().st_mtime_ns for path in own_cache.glob("*.fmu")} == stamps
 
 
+@pytest.mark.usefixtures("two_models", "own_cache")
+def test_a_model_may_be_called_by_its_last_name_as_everywhere():
+    assert list(library.build_models("ServoAxis")) == list(library.build_models(SOME[0]))
+
+
 @pytest.mark.usefixtures("two_models")
 def test_versions_lie_side_by_side(own_cache):
     three = list(library.build_models(SOME[0]))
@@ -48,7 +53,7 @@ def test_versions_lie_side_by_side(own_cache):
         (("AxisRig.Drives.ServoAxs",), "AxisRig.Drives.ServoAxis"),
         ((None, "2"), "2.0"),
         ((None, "3.0", ["x86_64-linus"]), "x86_64-linux"),
-        ((None, "3.0", (), "gcc"), "cc"),
+        ((None, "3.0", (), "gcc"), "cc, zig, omc"),
     ],
 )
 def test_unknown_words_are_refused_with_the_nearest(arguments, text):

@@ -131,15 +131,18 @@ def test_several_processes_name_the_fmu_too(place: Path, axisrig: Call, ideal_ax
     )
 
 
-@pytest.mark.parametrize("crash_in", ["STEP", "INITIALIZE"])
+@pytest.mark.parametrize(
+    ("crash_in", "options"), [("STEP", ["--isolate"]), ("STEP", []), ("INITIALIZE", [])]
+)
 def test_a_call_that_does_not_come_back_is_ended(
-    place: Path, axisrig: Call, ideal_axis: Build, crash_in: str
+    place: Path, axisrig: Call, ideal_axis: Build, crash_in: str, options: list[str]
 ) -> None:
+    """A limit of a call wants a process apart, so that it is taken without being asked for."""
     at_s = 0.005 if crash_in == "STEP" else 0
     bad = ideal_axis("bad.fmu", CRASH_IN=crash_in, CRASH_HOW="HANG", CRASH_AT_S=at_s)
     good = _rig(place, "good.toml", ideal_axis("good.fmu"))
     plan = _plan(place, _rig(place, "bad.toml", bad), good)
-    code, out, _ = axisrig("run", plan, "--isolate", "--call-timeout", "1", "-o", "results")
+    code, out, _ = axisrig("run", plan, *options, "--call-timeout", "1", "-o", "results")
     assert code == 4
     assert list(pd.read_csv(place / "results" / "cases.csv")["verdict"]) == ["error", "pass"]
     assert f"a call did not come back within 1 s: it was in {CRASHES[crash_in]} at t = " in out
