@@ -112,7 +112,14 @@ def lost_at_edge(beyond: float, radius: float) -> float:
 def tabulated(f: Callable[[float], float], low: float, high: float) -> Callable[[Vector], Vector]:
     """f within low..high as a polynomial through Chebyshev nodes, constant outside."""
     table = Chebyshev.interpolate(np.vectorize(f), 400, [low, high])
-    return lambda u: table(np.clip(u, low, high))
+
+    def values(u: Vector) -> Vector:
+        found = np.where(u < low, table(low), table(high))
+        inside = (u > low) & (u < high)
+        found[inside] = table(u[inside])
+        return found
+
+    return values
 
 
 def followed(u: Vector, tick: float, bandwidth: float, damping: float) -> Vector:

@@ -15,7 +15,7 @@ equation
 <p>Assumption: the sign function is replaced by tanh, which keeps the force smooth. Limits: at rest
 under load the slide creeps with v = v_0 F/F_s instead of sticking, and there is no pre-sliding;
 the values are chosen, not measured. v_0 times the effective mass over F_s is a time constant
-(0.12 ms) that the internal step must resolve; LuGreFriction holds its position and is smoother when
+(0.12 ms) which shortens the internal step; LuGreFriction holds its position and is smoother when
 the motion reverses.</p>
 <p>Source: Armstrong-Helouvry, Dupont, Canudas de Wit, A survey of models, analysis tools and
 compensation methods for the control of machines with friction, Automatica 30 (1994).</p>

@@ -34,7 +34,7 @@ equation
 g(v) = F_c + (F_s - F_c) exp(-(v/v_s)^2); the state is the force s0 z.</p>
 <p>Steady sliding gives g(v) sign(v) + k_v v. Below F_s it is a spring of stiffness s0: it holds its
 position, and the slide yields by F/s0 (8 um at 160 N) before it slides.</p>
-<p>Assumption: one mean bristle. Two changes keep it solvable with a fixed step: within 1e-11 m/s, |v|
+<p>Assumption: one mean bristle. Two changes keep it solvable in steps of some 10 us: within 1e-11 m/s, |v|
 is a polynomial with the same value and slope at both ends, so that rest is no sequence of events;
 and where the bristles would follow faster than in 20 us (default: above 0.3 m/s) they follow in
 20 us, with the same steady force. Without friction (both forces zero) nothing but the viscous part
