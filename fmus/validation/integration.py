@@ -8,7 +8,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import DOP853, solve_ivp
+from scipy.integrate import DOP853
+from scipy.optimize import brentq
 
 Vector = NDArray[np.float64]
 Mode = tuple[bool, ...]
@@ -17,6 +18,7 @@ RightHandSide = Callable[[float, list[float], Mode], Sequence[float]]
 Guard = Callable[[float, list[float], Mode], float]
 
 MAX_STRETCHES = 100_000
+EPS = float(np.finfo(float).eps)
 
 
 def integrate(
@@ -40,31 +42,67 @@ def integrate(
     t, end = float(time_s[0]), float(time_s[-1])
     mode = settled(guards, t, x.tolist(), (False,) * len(guards), set())
     for _ in range(MAX_STRETCHES):
-        found = solve_ivp(
-            lambda t, x, mode: rhs(t, x.tolist(), mode),
-            (t, end),
+        solver = DOP853(
+            lambda t, x, mode=mode: rhs(t, x.tolist(), mode),
+            t,
             x,
-            method="DOP853",
+            end,
             rtol=rtol,
             atol=atol,
             max_step=max_step_s,
-            dense_output=True,
-            args=(mode,),
-            events=[_event(guard, memory) for guard, memory in zip(guards, mode, strict=True)],
         )
-        if found.status < 0:
-            raise RuntimeError(f"no solution past {found.t[-1]} s: {found.message}")
-        last = float(found.t[-1])
-        inside = (time_s > t) & (time_s <= last)
-        if inside.any():
-            rows[inside] = found.sol(time_s[inside]).T
-        t, x = last, found.y[:, -1]
-        if found.status == 0:
+        t, x, crossed = _stretch(solver, mode, guards, time_s, rows)
+        if t >= end:
             return rows
-        crossed = {k for k, instants in enumerate(found.t_events) if len(instants)}
-        flipped = tuple(old ^ (k in crossed) for k, old in enumerate(mode))
-        mode = settled(guards, t, x.tolist(), flipped, crossed)
+        flipped = tuple(old ^ (k == crossed) for k, old in enumerate(mode))
+        mode = settled(guards, t, x.tolist(), flipped, {crossed})
     raise RuntimeError(f"events without end at {t} s")
+
+
+def _stretch(
+    solver: DOP853, mode: Mode, guards: Sequence[Guard], time_s: Vector, rows: Vector
+) -> tuple[float, Vector, int]:
+    """Integrate until a guard contradicts its memory or to the end, and fill the rows.
+
+    Gives instant and state there, and which guard; -1 at the end. The polynomial within a step is
+    made only where an instant or an event lies in it.
+    Raises RuntimeError when the integration fails.
+    """
+    t, state = solver.t, solver.y.tolist()
+    before = [guard(t, state, mode) for guard in guards]
+    while solver.status == "running":
+        message = solver.step()
+        if solver.status == "failed":
+            raise RuntimeError(f"no solution past {solver.t} s: {message}")
+        t_old, t, state = t, solver.t, solver.y.tolist()
+        after = [guard(t, state, mode) for guard in guards]
+        # Only the change that contradicts the memory counts.
+        changed = [
+            k
+            for k, old in enumerate(mode)
+            if (before[k] >= 0 >= after[k] if old else before[k] <= 0 <= after[k])
+        ]
+        instants = np.flatnonzero((time_s > t_old) & (time_s <= t))
+        if changed or len(instants):
+            path = solver.dense_output()
+            roots = [
+                brentq(
+                    lambda t, k=k, path=path: guards[k](t, path(t).tolist(), mode),
+                    t_old,
+                    t,
+                    xtol=4 * EPS,
+                    rtol=4 * EPS,
+                )
+                for k in changed
+            ]
+            last = min(roots, default=t)
+            inside = instants[time_s[instants] <= last]
+            if len(inside):
+                rows[inside] = path(time_s[inside]).T
+            if roots:
+                return last, path(last), changed[roots.index(last)]
+        before = after
+    return t, solver.y, -1
 
 
 def advance(
@@ -114,14 +152,3 @@ def settled(
             return mode
         mode = found
     raise RuntimeError(f"no mode fits at {t} s")
-
-
-def _event(guard: Guard, memory: bool) -> Callable[..., float]:
-    """A guard as an event of solve_ivp: only the change that contradicts its memory counts."""
-
-    def event(t: float, x: Vector, mode: Mode) -> float:
-        return guard(t, x.tolist(), mode)
-
-    event.terminal = True  # type: ignore[attr-defined]
-    event.direction = -1.0 if memory else 1.0  # type: ignore[attr-defined]
-    return event
