@@ -14,12 +14,12 @@ import numpy as np
 import pytest
 from fmpy import fmi3
 
-from fmus.build import LIBRARY, build, read_models
+from fmus.build import CATALOGUE, LIBRARY, build, cache_key, place_in_cache
 
 VALIDATION = LIBRARY.parent / "validation"
 STEP_S = 50e-6  # internal step of the validation models of parts
 # The validation of a model that is an FMU itself has its internal step.
-STEPS_S = {name.rpartition(".")[2]: row.step_s for name, row in read_models().items()}
+STEPS_S = {name.rpartition(".")[2]: row.step_s for name, row in CATALOGUE.items()}
 # A reference made anew on another machine may differ by this share of the tolerance.
 REPRODUCED = 1e-3
 # The matrices of the references are small: threads would only wait for each other.
@@ -91,19 +91,22 @@ class Beside:
                 yield instant, name, abs(value - wanted) / tolerance
 
 
+def built(model: str) -> Path:
+    """The FMU from the user's cache; its name holds a hash of all that it is made from."""
+    name, step_s = f"AxisRig.Validation.{model}", STEPS_S.get(model, STEP_S)
+    key = cache_key(name, step_s=step_s)
+    path = place_in_cache(next(iter(CATALOGUE))).with_name(f"Validation.{model}-{key[:24]}.fmu")
+    return path if path.is_file() else build(name, path, step_s=step_s)
+
+
 @pytest.fixture(scope="session")
-def validation(cache, load) -> Callable[[str], Beside]:
+def validation(load) -> Callable[[str], Beside]:
     """One instance of each validation model, kept for the session."""
     loaded: dict[str, Beside] = {}
 
     def get(model: str) -> Beside:
         if model not in loaded:
-            path = build(
-                f"AxisRig.Validation.{model}",
-                cache / f"{model}.fmu",
-                step_s=STEPS_S.get(model, STEP_S),
-            )
-            loaded[model] = Beside(load(path), model)
+            loaded[model] = Beside(load(built(model)), model)
         else:
             loaded[model].fmu.restart()
         return loaded[model]
