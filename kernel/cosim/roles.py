@@ -21,8 +21,12 @@ from kernel.cosim.units import Unit, known_units, unit_of
 from kernel.errors import UserError, nearest
 
 FLAG_THRESHOLD = 0.5
-_INPUTS = ("input",)
-_READABLE = ("output", "local", "calculatedParameter", "parameter", "input")
+# What a variable may be by the FMU, for a causality of roles.csv
+_MAY_BE = {
+    "input": ("input",),
+    "output": ("output", "local"),  # never an input: the bench would read back what it wrote
+    "any": ("output", "local", "calculatedParameter", "parameter", "input"),
+}
 
 
 class Values(Protocol):
@@ -123,8 +127,7 @@ KINDS = tuple(dict.fromkeys(role.kind for role in role_table()))
 def bind(slave: FmuSlave, name: str, role: Role, source: Source) -> Bound:
     """Bind a role to a variable. Raises UserError when the variable or its unit does not fit."""
     variable = slave.variable(source.variable)
-    allowed = _INPUTS if role.causality == "input" else _READABLE
-    if variable.causality not in allowed:
+    if variable.causality not in _MAY_BE[role.causality]:
         raise UserError(
             f"{name} needs an {role.causality}; {variable.name} has the causality "
             f"{variable.causality}",
@@ -356,17 +359,32 @@ def map_roles(
             continue
         try:
             bound[name] = bind(slave, name, role, source)
+            _refuse_second_writer(bound, roles, name)
         except UserError as error:
             raise located(error, name) from error
     return Roles(slave, kind, bound, coordinates)
+
+
+def _refuse_second_writer(bound: Mapping[str, Bound], roles: Mapping[str, Role], name: str) -> None:
+    """Raise UserError when two roles would write one input: the later one would win unnoticed."""
+    if roles[name].causality != "input":
+        return
+    variable = bound[name].variable
+    writers = [r for r, b in bound.items() if b.variable == variable and r != name]
+    for other in writers:
+        if roles[other].causality == "input":
+            raise UserError(
+                f"{other} and {name} would write the same input",
+                value=variable,
+                hint="map each role to an input of its own, or one of them to false",
+            )
 
 
 def _fits(slave: FmuSlave, name: str, role: Role) -> bool:
     """Tell whether a variable that has a role's name may stand for it."""
     if not slave.has(name):
         return False
-    wanted = _INPUTS if role.causality == "input" else _READABLE
-    return slave.variable(name).causality in wanted
+    return slave.variable(name).causality in _MAY_BE[role.causality]
 
 
 def guess_kind(slave: FmuSlave, sources: Mapping[str, Source | None]) -> str | None:

@@ -173,6 +173,17 @@ def test_inputs_cannot_be_played_by_outputs(table: FmuSlave) -> None:
         map_roles(table, "axis", {**AXIS, "demand": Source("table.s")})
 
 
+def test_the_truth_is_never_read_from_an_input(table: FmuSlave) -> None:
+    with pytest.raises(UserError, match=r"position needs an output; control.s_set has"):
+        map_roles(table, "axis", {**AXIS, "position": Source("control.s_set")})
+
+
+def test_an_input_has_one_writer(table: FmuSlave) -> None:
+    enabled = Source("control.s_set", threshold=0.5)
+    with pytest.raises(UserError, match="demand and enabled would write the same input"):
+        map_roles(table, "axis", {**AXIS, "enabled": enabled})
+
+
 def test_kind_follows_from_the_roles(table: FmuSlave, switch: FmuSlave) -> None:
     assert guess_kind(table, AXIS) == "axis"
     assert guess_kind(table, {"position": Source("table.s")}) == "axis"
