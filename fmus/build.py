@@ -30,9 +30,9 @@ from fmus.compiler import (
     universal_library,
 )
 from fmus.errors import BuildError
-from fmus.generate import SLAVES, Generated, generate, runtime_files
-from fmus.ir import TARGET, compile_model
 from fmus.openmodelica import build_with_omc, omc_identity
+from fmus.reading.ir import TARGET, compile_model
+from fmus.writing.generate import SLAVES, Generated, generate, runtime_files
 
 LIBRARY = Path(__file__).parent / "AxisRig"
 MODELS_FILE = Path(__file__).parent / "models.csv"
@@ -276,8 +276,9 @@ def cache_key(
     }
     files = [
         *library.rglob("*.mo"),
-        *exporter.glob("*.py"),
+        *(f for f in exporter.rglob("*.py") if "validation" not in f.parts),
         *exporter.glob("*.csv"),
+        exporter / "writing" / "units.csv",
         *(path for path in TARGET.iterdir() if path.is_file()),
     ]
     for file in files:

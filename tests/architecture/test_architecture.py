@@ -26,6 +26,8 @@ ORDER: tuple[tuple[str, ...], ...] = (
     ("reports",),
     ("bench.cli",),
 )
+# The rooms of the exporter, the same way
+FMUS_ORDER = ("fmus.errors", "fmus.reading", "fmus.equations", "fmus.writing")
 MAY_IMPORT_FMUS = ("bench", "bench.cli")
 RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
@@ -119,6 +121,23 @@ def test_imports_point_to_the_left() -> None:
 def test_every_module_has_a_place_in_the_order() -> None:
     inside = [name for name in MODULES if name != "kernel" and name.partition(".")[0] != "fmus"]
     assert [name for name in inside if _place(name) is None] == []
+
+
+def _room(module: str) -> int:
+    """Number of a room of the exporter; what stands in front of all rooms comes last."""
+    names = [name for name in FMUS_ORDER if f"{module}.".startswith(f"{name}.")]
+    return FMUS_ORDER.index(names[0]) if names else len(FMUS_ORDER)
+
+
+def test_rooms_of_the_exporter_import_what_stands_before_them() -> None:
+    errors = [
+        f"{module}:{line} imports {name}"
+        for module in MODULES
+        if module.startswith("fmus.") and ".validation" not in module
+        for line, name in _imports(module)
+        if name.startswith("fmus.") and _room(name) > _room(module)
+    ]
+    assert errors == []
 
 
 @pytest.mark.parametrize(

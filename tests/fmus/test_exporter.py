@@ -79,7 +79,7 @@ def test_start_value_that_would_not_follow_its_parameter_is_refused(tmp_path):
 
 
 def test_other_schema_of_the_compiler_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("fmus.ir.SCHEMA_VERSION", 70)
+    monkeypatch.setattr("fmus.reading.ir.SCHEMA_VERSION", 70)
     with pytest.raises(BuildError, match="schema 71, not 70"):
         small(tmp_path, "y = time; n = 0; x = 0;")
 

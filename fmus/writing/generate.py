@@ -3,12 +3,12 @@
 import hashlib
 from dataclasses import dataclass
 
-from fmus.description import TOKEN_MARK, describe, identifier_of
-from fmus.folded import folded_slots, with_notes
-from fmus.ir import TARGET, Ir
-from fmus.source import write_source
-from fmus.system import read_system
-from fmus.variables import read_variables, scalars
+from fmus.equations.system import read_system
+from fmus.reading.ir import TARGET, Ir
+from fmus.writing.description import TOKEN_MARK, describe, identifier_of
+from fmus.writing.folded import folded_slots, with_notes
+from fmus.writing.source import write_source
+from fmus.writing.variables import read_variables, scalars
 
 RUNTIME = ("runtime.h", "equations.c", "solver.c", "slave.c")
 SLAVES = {

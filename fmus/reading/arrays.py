@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from fmus.expressions import ONE, ZERO, Expr, UnsupportedError, apply, const
+from fmus.reading.expressions import ONE, ZERO, Expr, UnsupportedError, apply, const
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,8 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from fmus.ir import Ir
-from fmus.programs import plain_programs
+from fmus.reading.ir import Ir
+from fmus.reading.programs import plain_programs
 
 _TOKENS = re.compile(
     rb'"(?:[^"\\]|\\.)*"|//[^\n]*|/\*.*?\*/|\b(?:end\s+)?for\b|[;()\[\]{}]', re.DOTALL

@@ -4,8 +4,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from fmus.expressions import Expr, UnsupportedError, apply, const
-from fmus.ir import Ir, Source
+from fmus.reading.expressions import Expr, UnsupportedError, apply, const
+from fmus.reading.ir import Ir, Source
 
 # How far a start value may lie from what the equations give, in the unit of the variable.
 START_TOLERANCE = 1e-6

@@ -8,10 +8,10 @@ solved by elimination when it is linear, else by Newton's method with derivative
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from fmus.algebra import NoDerivativeError, NotAffineError, affine, derivative, solve_for
-from fmus.expressions import ZERO, Expr, negated, quotient
-from fmus.ir import Ir, Source
-from fmus.support import at
+from fmus.equations.algebra import NoDerivativeError, NotAffineError, affine, derivative, solve_for
+from fmus.reading.expressions import ZERO, Expr, negated, quotient
+from fmus.reading.ir import Ir, Source
+from fmus.reading.support import at
 
 
 @dataclass(frozen=True)

@@ -4,10 +4,10 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from fmus.classes import used_classes
 from fmus.errors import BuildError
-from fmus.expressions import Expr
-from fmus.ir import Ir, Source
+from fmus.reading.classes import used_classes
+from fmus.reading.expressions import Expr
+from fmus.reading.ir import Ir, Source
 
 
 def refuse_unsupported(ir: Ir) -> None:

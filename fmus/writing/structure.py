@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from fmus.expressions import Expr
-from fmus.system import System
-from fmus.variables import Variable
+from fmus.equations.system import System
+from fmus.reading.expressions import Expr
+from fmus.writing.variables import Variable
 
 Slot = tuple[str, int]
 TIME: Slot = ("time", 0)

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from fmus.events import Row
-from fmus.expressions import Expr
-from fmus.ir import Ir
+from fmus.equations.events import Row
+from fmus.reading.expressions import Expr
+from fmus.reading.ir import Ir
 
 # What makes large numbers of small ones, and what hands on the values of its arguments. Other
 # operators of a whole number take reals (floor) or give truth values (comparisons).

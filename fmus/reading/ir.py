@@ -12,11 +12,11 @@ from typing import Any
 
 import rumoca
 
-from fmus.classes import used_classes
 from fmus.errors import BuildError
+from fmus.reading.classes import used_classes
 
 SCHEMA_VERSION = 71
-TARGET = Path(__file__).parent / "target"
+TARGET = Path(__file__).parent.parent / "target"
 
 # The compiler prints mappings nearly as JSON: strings are escaped as in Rust, some words differ.
 # Stretches that are JSON as they stand come first and as long as possible: there are millions of

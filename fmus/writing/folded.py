@@ -9,10 +9,10 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from fmus.expressions import Expr
-from fmus.ir import Ir
-from fmus.system import System
-from fmus.variables import Variable
+from fmus.equations.system import System
+from fmus.reading.expressions import Expr
+from fmus.reading.ir import Ir
+from fmus.writing.variables import Variable
 
 NOTE = "(no effect in this FMU: the compiler has used its value)"
 

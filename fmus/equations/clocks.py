@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from fmus.expressions import Expr, apply, const, parameter
-from fmus.ir import Ir, Source
+from fmus.reading.expressions import Expr, apply, const, parameter
+from fmus.reading.ir import Ir, Source
 
 # A grid of whole numbers up to this one is exact in a double.
 _EXACT = 2**53

@@ -7,11 +7,11 @@ from typing import Any
 import jinja2
 from markupsafe import Markup
 
-from fmus.ir import TARGET, Ir
-from fmus.structure import output_dependencies
-from fmus.system import System
-from fmus.units import BASE, Unit, read_unit
-from fmus.variables import Variable
+from fmus.equations.system import System
+from fmus.reading.ir import TARGET, Ir
+from fmus.writing.structure import output_dependencies
+from fmus.writing.units import BASE, Unit, read_unit
+from fmus.writing.variables import Variable
 
 TOKEN_MARK = "@TOKEN@"  # stands for the instantiation token until the texts are complete
 FMI2_TYPES: Mapping[str, str] = {

@@ -3,14 +3,14 @@
 import re
 from collections.abc import Callable, Collection, Iterable, Sequence
 
-from fmus.actions import Action
-from fmus.description import templates
-from fmus.equations import Block
-from fmus.expressions import Expr, c_number
-from fmus.ir import Ir
-from fmus.system import Assignment, System
-from fmus.variables import Variable, start_vectors
-from fmus.writer import Writer
+from fmus.equations.actions import Action
+from fmus.equations.sorting import Block
+from fmus.equations.system import Assignment, System
+from fmus.reading.expressions import Expr, c_number
+from fmus.reading.ir import Ir
+from fmus.writing.description import templates
+from fmus.writing.variables import Variable, start_vectors
+from fmus.writing.writer import Writer
 
 INDENT = "    "
 

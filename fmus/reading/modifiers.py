@@ -11,8 +11,8 @@ import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from fmus.classes import KEYWORD, used_classes
-from fmus.ir import Ir, Source
+from fmus.reading.classes import KEYWORD, used_classes
+from fmus.reading.ir import Ir, Source
 
 _REDECLARED = re.compile(
     rf"\bredeclare\s+(?:(?:final|replaceable)\s+)*{KEYWORD}\s+\w+\s*=\s*[\w.]+\s*\("

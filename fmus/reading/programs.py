@@ -10,7 +10,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from fmus.expressions import (
+from fmus.reading.expressions import (
     BINARY,
     COMPARE,
     ONE,

@@ -4,9 +4,9 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from fmus.expressions import COMPARE, ZERO, Expr, apply, in_order, parameter
-from fmus.ir import Ir, Source
-from fmus.support import at
+from fmus.reading.expressions import COMPARE, ZERO, Expr, apply, in_order, parameter
+from fmus.reading.ir import Ir, Source
+from fmus.reading.support import at
 
 # How a relation reads its function at exactly zero, as runtime.h has it.
 AT_ZERO: Mapping[str, str] = {

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 
-from fmus.expressions import (
+from fmus.reading.expressions import (
     ONE,
     ZERO,
     Expr,

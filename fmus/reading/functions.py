@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from fmus.arrays import ARRAYS, Value, elementwise, indexed, matrix_product, whole
-from fmus.calls import read_owners
-from fmus.expressions import ONE, UNARY, ZERO, Expr, UnsupportedError, apply, const
-from fmus.ir import Ir
+from fmus.reading.arrays import ARRAYS, Value, elementwise, indexed, matrix_product, whole
+from fmus.reading.calls import read_owners
+from fmus.reading.expressions import ONE, UNARY, ZERO, Expr, UnsupportedError, apply, const
+from fmus.reading.ir import Ir
 
 MAX_NODES = 200_000  # of one call, with everything that it calls
 

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fmus.ir import Ir
-from fmus.system import System
-from fmus.units import UnitError, read_unit
+from fmus.equations.system import System
+from fmus.reading.ir import Ir
+from fmus.writing.units import UnitError, read_unit
 
 FMI_TYPE = {
     "real": "Float64",

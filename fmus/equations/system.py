@@ -11,17 +11,17 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from fmus.actions import Action, actions_of, kind_of, read_message, start_check
-from fmus.clocks import Schedule, read_clocks
-from fmus.equations import Block, Equation, Solver
-from fmus.events import AT_ZERO, Memories, Relation, Row, is_synthetic
-from fmus.expressions import ONE, Expr, UnsupportedError, apply, choice, parameter, variable
-from fmus.functions import Functions
-from fmus.ir import Ir
-from fmus.modifiers import refuse_dropped_modifiers, shared_numbers
-from fmus.programs import plain_programs, read_program
-from fmus.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
-from fmus.wholes import with_exact_wholes
+from fmus.equations.actions import Action, actions_of, kind_of, read_message, start_check
+from fmus.equations.clocks import Schedule, read_clocks
+from fmus.equations.events import AT_ZERO, Memories, Relation, Row, is_synthetic
+from fmus.equations.sorting import Block, Equation, Solver
+from fmus.equations.wholes import with_exact_wholes
+from fmus.reading.expressions import ONE, Expr, UnsupportedError, apply, choice, parameter, variable
+from fmus.reading.functions import Functions
+from fmus.reading.ir import Ir
+from fmus.reading.modifiers import refuse_dropped_modifiers, shared_numbers
+from fmus.reading.programs import plain_programs, read_program
+from fmus.reading.support import at, refuse_undetermined, refuse_unknown_slots, refuse_unsupported
 
 Assignment = Row
 

@@ -1,0 +1,1 @@
+"""What an FMU is made of: C source, variables, units, model description."""
