@@ -17,7 +17,7 @@ demo: $(STAMP)
 	@$(BIN)/axisrig demo -j $(JOBS)
 
 test: $(STAMP) lint
-	@$(BIN)/python -m pytest -q -n $(JOBS) tests testplans
+	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile tests testplans
 
 lint: $(STAMP)
 	@$(BIN)/ruff check .
