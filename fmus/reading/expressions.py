@@ -179,11 +179,6 @@ ONE = const(1.0)
 TIME = Expr("time")
 
 
-def number_of(node: Expr) -> float | None:
-    """The value of a constant, None for anything else."""
-    return node.value if node.kind == "const" else None
-
-
 def negated(e: Expr) -> Expr:
     """-e, in its shortest form."""
     if e is ZERO:

@@ -18,7 +18,6 @@ Reject = Callable[..., str]
 FEED = ("--set", "plc:V.E.FEED=3000")
 
 
-# Row of a table -> the defect that it shows; a row leaves this list when it is mended.
 def _table(names: str, rows: Iterable[Any], *, named: bool = False) -> pytest.MarkDecorator:
     """Make the cases of a table whose rows begin with their name; named: the test takes it too."""
     return pytest.mark.parametrize(
