@@ -1,7 +1,7 @@
 """The process image of a drive: every object value that changes while it runs.
 
 Kept in plain attributes so that a cycle writes no object dictionary; SDO and PDOs read and write
-them by the names in the column `value` of `objects.csv`.
+them by the names in the column `value` of the object tables.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from bench.drive.objects import variables
 
 @dataclass(slots=True)
 class ProcessImage:
-    """Object values as they stand on the bus (integers in the units of `objects.csv`)."""
+    """Object values as they stand on the bus (integers in the units of the object tables)."""
 
     error_register: int = 0
     sync_cob_id: int = 0

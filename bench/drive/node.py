@@ -13,15 +13,15 @@ from canopen.objectdictionary import ODVariable
 from canopen.sdo.exceptions import SdoAbortedError
 
 from bench.bus.canopen_sim import SimLocalNode
-from bench.drive import pdo
+from bench.drive.application.servo import Servo
+from bench.drive.application.touch_probe import is_supported
+from bench.drive.communication import pdo
+from bench.drive.communication.exchange import PdoExchange
 from bench.drive.eds import object_dictionary
-from bench.drive.exchange import PdoExchange
 from bench.drive.image import ProcessImage
 from bench.drive.objects import variables
 from bench.drive.ports import AxisPort, SignalPort
 from bench.drive.profile import DriveProfile
-from bench.drive.servo import Servo
-from bench.drive.touch_probe import is_supported
 from kernel.clock import Clock, Phase
 from kernel.drives.ds402 import State
 

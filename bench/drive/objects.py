@@ -1,4 +1,6 @@
-"""The object dictionary of the drive as a table: reads and checks `objects.csv`."""
+"""The object dictionary of the drive as two tables: `objects_communication.csv` (CiA 301) and
+`objects_profile.csv` (CiA 402).
+"""
 
 import csv
 from collections.abc import Mapping
@@ -27,11 +29,12 @@ DATA_TYPES: Final[Mapping[str, DataType]] = {
     "STRING": DataType(0x09, 0, ""),
 }
 RECORD = "record"
+TABLES: Final = ("objects_communication.csv", "objects_profile.csv")
 
 
 @dataclass(frozen=True)
 class ObjectRow:
-    """A row of `objects.csv`.
+    """A row of the two tables.
 
     sub: None for a plain variable and for the head of a record (type "record").
     access: const, ro or rw. pdo: "rx" = may stand in an RPDO, "tx" = in a TPDO, "" = neither.
@@ -67,25 +70,30 @@ class ObjectRow:
 
 @cache
 def object_rows() -> tuple[ObjectRow, ...]:
-    """Read `objects.csv` in its order."""
-    text = resources.files(__package__).joinpath("objects.csv").read_text(encoding="utf-8")
+    """Read both tables in their order."""
+    folder = resources.files(__package__)
     return tuple(
-        ObjectRow(
-            index=int(row["index"], 16),
-            sub=int(row["sub"]) if row["sub"] else None,
-            name=row["name"],
-            type=row["type"],
-            access=row["access"],
-            pdo=row["pdo"],
-            low=int(row["low"], 0) if row["low"] else None,
-            high=int(row["high"], 0) if row["high"] else None,
-            default=row["default"],
-            unit=row["unit"],
-            value=row["value"],
-            meaning=row["meaning"],
-            effect=row["effect"],
-        )
-        for row in csv.DictReader(text.splitlines())
+        _row(row)
+        for name in TABLES
+        for row in csv.DictReader(folder.joinpath(name).read_text(encoding="utf-8").splitlines())
+    )
+
+
+def _row(row: dict[str, str]) -> ObjectRow:
+    return ObjectRow(
+        index=int(row["index"], 16),
+        sub=int(row["sub"]) if row["sub"] else None,
+        name=row["name"],
+        type=row["type"],
+        access=row["access"],
+        pdo=row["pdo"],
+        low=int(row["low"], 0) if row["low"] else None,
+        high=int(row["high"], 0) if row["high"] else None,
+        default=row["default"],
+        unit=row["unit"],
+        value=row["value"],
+        meaning=row["meaning"],
+        effect=row["effect"],
     )
 
 

@@ -8,8 +8,8 @@ from collections.abc import Callable, Sequence
 from hypothesis import given
 from hypothesis import strategies as st
 
+from bench.drive.application.touch_probe import InputCircuit, TouchProbe, is_supported
 from bench.drive.profile import DriveProfile
-from bench.drive.touch_probe import InputCircuit, TouchProbe, is_supported
 
 POS_1, NEG_1, POS_2, NEG_2 = 0x0011, 0x0021, 0x1100, 0x2100
 IDEAL = DriveProfile(input_delay_ns=0)

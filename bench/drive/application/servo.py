@@ -6,11 +6,11 @@ method gets the present simulated time.
 
 from collections.abc import Callable
 
-from bench.drive.emergency import PROFILE_ERROR, Emergency
+from bench.drive.application.touch_probe import TouchProbe
+from bench.drive.communication.emergency import PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
 from bench.drive.profile import DriveProfile, Scaling
-from bench.drive.touch_probe import TouchProbe
 from kernel.clock import MS, US, S, TimeNs
 from kernel.drives.ds402 import STATES, State, Status, automatic, input_bit, transition
 

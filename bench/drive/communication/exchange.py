@@ -5,9 +5,8 @@ from functools import partial
 
 import canopen
 
-from bench.drive.emergency import COMMUNICATION_ERROR, Emergency
-from bench.drive.image import ProcessImage
-from bench.drive.pdo import (
+from bench.drive.communication.emergency import COMMUNICATION_ERROR, Emergency
+from bench.drive.communication.pdo import (
     COUNT,
     RPDO_COMMUNICATION,
     RPDO_MAPPING,
@@ -17,6 +16,7 @@ from bench.drive.pdo import (
     read_rpdo,
     read_tpdo,
 )
+from bench.drive.image import ProcessImage
 from kernel.clock import Clock, Phase
 
 PDO_LENGTH_ERROR = 0x8210  # emergency code of CiA 301: message shorter than the mapping
