@@ -25,7 +25,6 @@ from bench.drive.profile import DriveProfile
 from kernel.clock import Clock, Phase
 from kernel.drives.ds402 import State
 
-CSP = 8
 TOO_HIGH, TOO_LOW, INVALID_VALUE = 0x06090031, 0x06090032, 0x06090030
 NMT_START, NMT_STOP, NMT_PRE_OPERATIONAL = 1, 2, 128
 NMT_RESET_NODE, NMT_RESET_COMMUNICATION = 129, 130
@@ -186,7 +185,7 @@ class DriveNode:
         if pdo.is_parameter(index):
             pdo.check_write(index, subindex, value, self._read_parameter)
         elif (
-            (index == 0x6060 and value != CSP)
+            value not in variables()[index, subindex].allowed
             or (index == 0x60B8 and not is_supported(value))
             or (index == 0x1005 and not 0 < value <= ID_MAX)
         ):

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
-from typing import Final
+from typing import Final, Self
 
 
 @dataclass(frozen=True)
@@ -33,14 +33,44 @@ TABLES: Final = ("objects_communication.csv", "objects_profile.csv")
 
 
 @dataclass(frozen=True)
+class Allowed:
+    """What the column `allowed` says of a value that is written, beside its limits.
+
+    values: the only values, None = any. mask: the only bits that may be set, None = any.
+    """
+
+    values: frozenset[int] | None = None
+    mask: int | None = None
+
+    @classmethod
+    def parse(cls, text: str) -> Self:
+        """Read "" (all), "1|2|5" (these values) or "mask 0x3F3F" (these bits).
+
+        Raises ValueError for anything else.
+        """
+        if not text:
+            return cls()
+        head, _, bits = text.partition(" ")
+        if head == "mask":
+            return cls(mask=int(bits, 0))
+        return cls(values=frozenset(int(value, 0) for value in text.split("|")))
+
+    def __contains__(self, value: int) -> bool:
+        if self.values is not None:
+            return value in self.values
+        return self.mask is None or not value & ~self.mask
+
+
+@dataclass(frozen=True)
 class ObjectRow:
     """A row of the two tables.
 
     sub: None for a plain variable and for the head of a record (type "record").
     access: const, ro or rw. pdo: "rx" = may stand in an RPDO, "tx" = in a TPDO, "" = neither.
-    low, high: limits of a write, None = those of the type. default: as the EDS says it; names in
-    braces are values of the drive profile. value: field of the process image that holds it, ""
-    for a value that stands in the dictionary only. effect: when a write acts.
+    low, high: limits of a write, None = those of the type. allowed: what is allowed within them.
+    default: as the EDS says it; names in braces are values of the drive profile.
+    value: field of the process image that holds it, "" for a value that stands in the dictionary
+    only. effect: when a write acts.
     """
 
     index: int
@@ -51,6 +81,7 @@ class ObjectRow:
     pdo: str
     low: int | None
     high: int | None
+    allowed: Allowed
     default: str
     unit: str
     value: str
@@ -89,6 +120,7 @@ def _row(row: dict[str, str]) -> ObjectRow:
         pdo=row["pdo"],
         low=int(row["low"], 0) if row["low"] else None,
         high=int(row["high"], 0) if row["high"] else None,
+        allowed=Allowed.parse(row["allowed"]),
         default=row["default"],
         unit=row["unit"],
         value=row["value"],

@@ -12,7 +12,7 @@ from canopen.objectdictionary import ODVariable
 
 from bench.drive.eds import eds_text, object_dictionary
 from bench.drive.image import ProcessImage
-from bench.drive.objects import RECORD, object_rows, variables
+from bench.drive.objects import RECORD, Allowed, object_rows, variables
 from bench.drive.profile import DriveProfile
 
 ROWS = object_rows()
@@ -47,6 +47,25 @@ def test_what_a_pdo_may_carry_stands_in_the_image() -> None:
 def test_every_writable_object_says_when_it_acts() -> None:
     for row in variables().values():
         assert bool(row.effect) == (row.access == "rw"), row
+
+
+def test_allowed_values() -> None:
+    """Empty = all, a list of values, or the bits that may be set."""
+    assert {7, -7} <= {v for v in range(-9, 9) if v in Allowed.parse("")}
+    assert [v for v in range(-2, 8) if v in Allowed.parse("-1|2|0x6")] == [-1, 2, 6]
+    bits = Allowed.parse("mask 0x3F3F")
+    assert all(v in bits for v in (0, 1, 0x2020, 0x3F3F))
+    assert not any(v in bits for v in (0x40, 0x8001, 0xFFFF, 0x1_0000))
+    for wrong in ("maske 0x3F", "1,2", "mask"):
+        with pytest.raises(ValueError, match="invalid literal"):
+            Allowed.parse(wrong)
+
+
+def test_only_writable_numbers_are_narrowed_and_their_default_is_allowed() -> None:
+    for row in variables().values():
+        if row.allowed != Allowed():
+            assert row.access == "rw", row
+            assert int(row.default, 0) in row.allowed, row
 
 
 def test_canopen_reads_back_what_the_table_says() -> None:
