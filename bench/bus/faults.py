@@ -6,11 +6,12 @@ decides.
 """
 
 import random
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from bench.bus.frame import EXTENDED_ID_MAX, STANDARD_ID_MAX, Frame
+from kernel.clock import TimeNs
 from kernel.errors import UserError
 
 if TYPE_CHECKING:
@@ -19,10 +20,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Drop:
-    """The frame passes over the wire and is logged, but no receiver gets it.
+    """The frame passes over the wire and is logged, but receivers do not get it.
 
-    The sender takes it for sent.
+    at: names of the ports that miss it, None = nobody gets it. The sender takes it for sent.
     """
+
+    at: frozenset[str] | None = None
 
 
 @dataclass(frozen=True)
@@ -41,7 +44,36 @@ class ErrorAtBit:
             raise ValueError(f"bit {self.bit}: the first bit of a frame is 1")
 
 
-FaultAction = Drop | ErrorAtBit
+@dataclass(frozen=True)
+class Alter:
+    """The frame goes out with other data and a check sum that fits it.
+
+    What a defect between application and controller does: no check of the bus can see it.
+    """
+
+    data: bytes
+
+
+@dataclass(frozen=True)
+class Delay:
+    """The request is taken out of the transmit queue and put back in front `time_ns` later."""
+
+    time_ns: TimeNs
+
+
+@dataclass(frozen=True)
+class Duplicate:
+    """The frame is sent, and once more: requested again `after_ns` after its end."""
+
+    after_ns: TimeNs = 0
+
+
+@dataclass(frozen=True)
+class Swap:
+    """The frame is held back until the next frame of the same port has been sent."""
+
+
+FaultAction = Drop | ErrorAtBit | Alter | Delay | Duplicate | Swap
 FaultHook = Callable[[Frame, "SimBus", int], FaultAction | None]
 
 
@@ -68,25 +100,6 @@ class DropById:
         if not 0.0 <= self.share <= 1.0:
             raise UserError("no probability", value=self.share, allowed="0 .. 1")
         self._random = random.Random(self.seed)
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, object]) -> "DropById":
-        """Build from names and values as a table holds them; numbers may be text ("0x281").
-
-        Raises UserError for an unknown name or a value that is no number.
-        """
-        known = {item.name for item in fields(cls) if item.init}
-        if unknown := sorted(set(data) - known):
-            raise UserError("unknown setting of a drop", value=unknown[0], allowed=sorted(known))
-        if "cob_id" not in data:
-            raise UserError("a drop needs an identifier", allowed=sorted(known))
-        try:
-            share = float(str(data.get("share", 1.0)))
-            count = None if data.get("count") is None else int(str(data["count"]), 0)
-            numbers = {name: int(str(data.get(name, 0)), 0) for name in ("cob_id", "skip", "seed")}
-        except ValueError as error:
-            raise UserError("a setting of a drop is no number", value=dict(data)) from error
-        return cls(share=share, count=count, **numbers)
 
     def __call__(self, frame: Frame, port: "SimBus", attempt: int) -> FaultAction | None:
         """Decide about one attempt."""

@@ -11,13 +11,24 @@ Choices where real buses vary:
 - A sender does not receive its own frames (unless its port asks for it).
 """
 
+from collections.abc import Container
+from functools import partial
 from itertools import count
 from typing import Self
 
 import can
 
 from bench.bus import registry
-from bench.bus.faults import Drop, ErrorAtBit, FaultAction, FaultHook
+from bench.bus.faults import (
+    Alter,
+    Delay,
+    Drop,
+    Duplicate,
+    ErrorAtBit,
+    FaultAction,
+    FaultHook,
+    Swap,
+)
 from bench.bus.frame import DATA_BYTES_MAX, IFS_BITS, Frame, frame_bits, worst_case_bits
 from bench.bus.load import LoadFigures, LoadMeter
 from bench.bus.record import FrameObserver
@@ -53,8 +64,10 @@ class Segment:
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
         # What is on the wire: sender, request, start of frame, length up to and without the
-        # intermission, whether receivers get it.
-        self._wire: tuple[SimBus, Request, TimeNs, int, bool] | None = None
+        # intermission, what is wrong with it.
+        self._wire: tuple[SimBus, Request, TimeNs, int, FaultAction | None] | None = None
+        # Requests that wait for the next frame of their port
+        self._held: dict[SimBus, Request] = {}
         registry.register(self)
 
     # --- building --------------------------------------------------------------------------------
@@ -71,10 +84,6 @@ class Segment:
     def add_fault(self, hook: FaultHook) -> None:
         """Ask `hook` about every attempt to send, after the hooks added before."""
         self._faults += (hook,)
-
-    def remove_fault(self, hook: FaultHook) -> None:
-        """Ask `hook` no more; without effect when it was not added."""
-        self._faults = tuple(known for known in self._faults if known is not hook)
 
     def tap(self, listener: can.Listener) -> None:
         """Give `listener` a copy of every frame at its end, dropped and error frames included.
@@ -144,20 +153,29 @@ class Segment:
             self._idle = True
             return
         request = winner.take()
-        frame, attempt = request[4], request[3]
-        bits = frame_bits(frame) - IFS_BITS
         action: FaultAction | None = None
         for hook in self._faults:
-            action = hook(frame, winner, attempt)
+            action = hook(request[4], winner, request[3])
             if action is not None:
                 break
+        if isinstance(action, Delay | Swap):
+            self._set_aside(winner, request, action)
+            self._arbitrate()
+            return
+        if isinstance(action, Alter):
+            request = (*request[:4], request[4]._replace(data=action.data))
+        self._begin(winner, request, action)
+
+    def _begin(self, winner: SimBus, request: Request, action: FaultAction | None) -> None:
+        """Put a frame on the wire."""
+        bits = frame_bits(request[4]) - IFS_BITS
         end = self._end_of_frame
         if isinstance(action, ErrorAtBit):
             bits = min(action.bit, bits) + ERROR_FRAME_BITS
             end = self._end_of_error
         scheduler = self.scheduler
         start_ns = scheduler.now_ns
-        self._wire = (winner, request, start_ns, bits, not isinstance(action, Drop))
+        self._wire = (winner, request, start_ns, bits, action)
         duration_ns = self._duration_ns
         scheduler.call_at(start_ns + duration_ns[bits], Phase.DELIVERY, end)
         free_ns = start_ns + duration_ns[bits + IFS_BITS]
@@ -165,18 +183,46 @@ class Segment:
 
     def _end_of_frame(self) -> None:
         """Deliver the frame on the wire."""
-        sender, request, start_ns, _, delivered = self._leave_wire()
+        sender, request, start_ns, _, action = self._leave_wire()
         frame = request[4]
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
         now_ns = self.scheduler.now_ns
         self._record(frame, now_ns, is_error=False)
-        if not delivered:
-            return
+        missed: Container[str] = ()
+        if action is not None:
+            if isinstance(action, Duplicate):
+                self._send_later(sender, request, action.after_ns)
+            elif isinstance(action, Drop):
+                missed = action.at or [port.port_name for port in self.ports]
         for port in self.ports:
+            if missed and port.port_name in missed:
+                continue
             if port is not sender:
                 port.deliver(frame, now_ns, False)
             elif port.receive_own_messages:
                 port.deliver(frame, now_ns, True)
+        if self._held and sender in self._held:
+            self._send_later(sender, self._held.pop(sender), 0)
+
+    def _set_aside(self, port: SimBus, request: Request, action: Delay | Swap) -> None:
+        """Let a request wait for its time, or for the next frame of its port."""
+        if isinstance(action, Delay):
+            self._send_later(port, request, action.time_ns)
+        elif port in self._held:  # one frame waits at most
+            self._send_later(port, request, 0)
+        else:
+            self._held[port] = request
+
+    def _send_later(self, port: SimBus, request: Request, after_ns: TimeNs) -> None:
+        """Let a request compete `after_ns` from now, as a further attempt of it."""
+        key, sequence, requested_ns, attempt, frame = request
+        again = (key, sequence, requested_ns, attempt + 1, frame)
+        time_ns = self.scheduler.now_ns + after_ns
+        self.scheduler.call_at(time_ns, Phase.APPLICATION, partial(self._return, port, again))
+
+    def _return(self, port: SimBus, request: Request) -> None:
+        port.put_back(request)
+        self.wake()
 
     def _end_of_error(self) -> None:
         """End an error frame; the destroyed frame competes again."""
@@ -187,7 +233,7 @@ class Segment:
         sender.put_back((key, sequence, requested_ns, attempt + 1, frame))
         self._record(destroyed, self.scheduler.now_ns, is_error=True)
 
-    def _leave_wire(self) -> tuple[SimBus, Request, TimeNs, int, bool]:
+    def _leave_wire(self) -> tuple[SimBus, Request, TimeNs, int, FaultAction | None]:
         """Take what was on the wire and book the time that it took."""
         assert self._wire is not None  # an end is planned only together with a start
         wire, self._wire = self._wire, None

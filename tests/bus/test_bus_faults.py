@@ -5,8 +5,17 @@ from collections.abc import Callable
 
 import pytest
 
-from bench.bus.faults import Drop, DropById, ErrorAtBit
-from bench.bus.frame import Frame
+from bench.bus.faults import (
+    Alter,
+    Delay,
+    Drop,
+    DropById,
+    Duplicate,
+    ErrorAtBit,
+    FaultAction,
+    Swap,
+)
+from bench.bus.frame import Frame, frame_bits
 from bench.bus.segment import Segment
 from bench.bus.simbus import SimBus
 from kernel.clock import MS, Phase
@@ -81,14 +90,83 @@ def test_bit_of_an_error_counts_from_one() -> None:
         ErrorAtBit(0)
 
 
-def test_drop_by_id_is_seeded_and_takes_its_settings_from_data(
-    scheduler: Scheduler, segment: Segment
-) -> None:
-    """The i-th frame of the identifier meets the i-th number of random.Random(seed)."""
-    hook = DropById.from_data(
-        {"cob_id": "0x281", "share": "0.5", "skip": 3, "count": "4", "seed": 9}
+def first_time(can_id: int, action: FaultAction) -> Callable[..., FaultAction | None]:
+    """A hook that does `action` to the first attempt of every frame with this identifier."""
+    return lambda frame, port, attempt: (
+        action if (frame.arbitration_id, attempt) == (can_id, 0) else None
     )
-    segment.add_fault(hook)
+
+
+def test_a_frame_can_be_lost_for_one_receiver_only(scheduler: Scheduler, segment: Segment) -> None:
+    sender, deaf, other = (segment.port(name) for name in ("sender", "deaf", "other"))
+    segment.add_fault(first_time(0x080, Drop(frozenset({"deaf"}))))
+    sender.send_raw(0x080, b"")
+    scheduler.run_until(MS)
+    assert deaf.recv(0) is None
+    assert other.recv(0) is not None
+
+
+def test_altered_data_travels_with_a_check_sum_that_fits(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """No error frame: the length on the wire is that of the altered data, stuff bits and all."""
+    seen = watch(segment)
+    segment.add_fault(first_time(0x181, Alter(b"\x55\x02")))
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    sender.send_raw(0x181, b"\x01\x02")
+    scheduler.run_until(MS)
+    received = receiver.recv(0)
+    assert received is not None
+    assert bytes(received.data) == b"\x55\x02"
+    assert [kind for *_, kind in seen] == ["data"]
+    bits = frame_bits(Frame(0x181, b"\x55\x02", False, False, 2))
+    assert seen[0][0] == (bits - 3) * 1000
+
+
+def test_a_delayed_frame_leaves_the_bus_to_others(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """Put back after 300 us; the next of its queue goes meanwhile, and it comes only once."""
+    seen = watch(segment)
+    segment.add_fault(first_time(0x181, Delay(300_000)))
+    sender = segment.port("sender")
+    segment.port("receiver")
+    sender.send_raw(0x181, b"")
+    sender.send_raw(0x281, b"")
+    scheduler.run_until(MS)
+    assert [can_id for _, can_id, _ in seen] == [0x281, 0x181]
+    bits = frame_bits(Frame(0x181, b"", False, False, 0))
+    assert seen[1][0] == 300_000 + (bits - 3) * 1000
+
+
+def test_a_duplicate_follows_its_original(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    seen = watch(segment)
+    segment.add_fault(first_time(0x080, Duplicate(after_ns=100_000)))
+    sender = segment.port("sender")
+    segment.port("receiver")
+    sender.send_raw(0x080, b"")
+    scheduler.run_until(MS)
+    assert seen == [(48_000, 0x080, "data"), (48_000 + 100_000 + 48_000, 0x080, "data")]
+
+
+def test_swapped_frames_change_places(scheduler: Scheduler, segment: Segment, watch: Watch) -> None:
+    """The first waits for the second of its port; frames of other ports do not release it."""
+    seen = watch(segment)
+    segment.add_fault(first_time(0x181, Swap()))
+    drive, other = segment.port("drive"), segment.port("other")
+    drive.send_raw(0x181, b"")
+    other.send_raw(0x182, b"")
+    scheduler.run_until(MS)
+    drive.send_raw(0x281, b"")
+    scheduler.run_until(2 * MS)
+    assert [can_id for _, can_id, _ in seen] == [0x182, 0x281, 0x181]
+
+
+def test_drop_by_id_is_seeded(scheduler: Scheduler, segment: Segment) -> None:
+    """The i-th frame of the identifier meets the i-th number of random.Random(seed)."""
+    segment.add_fault(DropById(0x281, share=0.5, skip=3, count=4, seed=9))
     sender, receiver = segment.port("sender"), segment.port("receiver")
     for value in range(40):
         sender.send_raw(0x281, bytes([value]))
@@ -101,9 +179,6 @@ def test_drop_by_id_is_seeded_and_takes_its_settings_from_data(
         got[msg.arbitration_id].append(msg.data[0])
     assert got[0x181] == list(range(40))
     assert got[0x281] == [index for index in range(40) if index not in hit]
-    segment.remove_fault(hook)
-    sender.send_raw(0x281, b"")
-    assert receiver.recv(1.0) is not None
 
 
 def test_drop_of_an_extended_identifier_spares_the_standard_one(
@@ -119,16 +194,8 @@ def test_drop_of_an_extended_identifier_spares_the_standard_one(
     assert received.arbitration_id == 0x567
 
 
-@pytest.mark.parametrize(
-    "data",
-    [
-        {},
-        {"cob_id": "TPDO1"},
-        {"cob_id": 0x20000000},
-        {"cob_id": 1, "share": 1.5},
-        {"cob_id": 1, "chance": 1},
-    ],
-)
-def test_drop_settings_are_checked(data: dict[str, object]) -> None:
-    with pytest.raises(UserError):
-        DropById.from_data(data)
+def test_a_probability_or_identifier_that_cannot_be_is_refused() -> None:
+    with pytest.raises(UserError, match="probability"):
+        DropById(1, share=1.5)
+    with pytest.raises(UserError, match="identifier"):
+        DropById(0x20000000)
