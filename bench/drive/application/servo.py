@@ -7,7 +7,7 @@ method gets the present simulated time.
 from collections.abc import Callable
 
 from bench.drive.application.touch_probe import TouchProbe
-from bench.drive.communication.emergency import PROFILE_ERROR, Emergency
+from bench.drive.communication.emergency import COMMUNICATION_ERROR, PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
 from bench.drive.profile import DriveProfile, Scaling
@@ -15,6 +15,7 @@ from kernel.clock import MS, US, S, TimeNs
 from kernel.drives.ds402 import STATES, State, Status, automatic, input_bit, transition
 
 FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
+CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
 NOT_MONITORED = 0xFFFF_FFFF
 _INPUT_SHIFT = input_bit(1).bit_length() - 1
 _STATUSWORD = {
@@ -54,6 +55,7 @@ class Servo:
         self._controlword = 0
         self._follows = False
         self._exceeded_ns: TimeNs | None = None
+        self._fault_code = 0
         self._following_error = 0  # bit 13 of the statusword
 
     def reset(self, now_ns: TimeNs) -> None:
@@ -96,7 +98,7 @@ class Servo:
             self._release(now_ns, motor_m)
         self._sample(motor_m, demand_m)
         if self._follows:
-            self._monitor(now_ns, motor_m)
+            self._monitor(now_ns)
 
     def react(self, now_ns: TimeNs) -> None:
         """Act on object values that were written between two SYNCs.
@@ -115,13 +117,36 @@ class Servo:
         motor_m = self.axis.motor_position_m()
         self._sample(motor_m, self.axis.demand_position_m() if self._follows else motor_m)
 
+    def connection_lost(self, now_ns: TimeNs) -> None:
+        """Act on a lost connection to the master as 6007 says.
+
+        Source: CiA 402-2, object 6007: 0 nothing, 1 fault, 2 disable voltage, 3 quick stop.
+        """
+        self.fault(CONNECTION_LOST, COMMUNICATION_ERROR, now_ns)
+
+    def fault(self, code: int, register_bit: int, now_ns: TimeNs) -> None:
+        """Take a fault: emergency message, then the fault reaction (transition 13).
+
+        code: emergency code. register_bit: its bit of the error register 1001. A fault that stands
+        already is not taken again.
+        """
+        if self.state in (State.FAULT_REACTION_ACTIVE, State.FAULT):
+            return
+        self.begin(now_ns)
+        motor_m = self.axis.motor_position_m()
+        self.state = State.FAULT_REACTION_ACTIVE
+        self._fault_code = code
+        self._release(now_ns, motor_m)
+        self._sample(motor_m, motor_m)
+        self.emergency.report(code, register_bit)
+
     def _control(self) -> None:
         controlword = self.image.controlword
         self.state, number = transition(self.state, controlword, self._controlword)
         self._controlword = controlword
         if number == 15:  # fault reset
             self._following_error = 0
-            self.emergency.clear(FOLLOWING_ERROR)
+            self.emergency.clear(self._fault_code)
 
     def _follow(self, now_ns: TimeNs, motor_m: float) -> float:
         """Command the axis from its present demand to the target; return the present demand.
@@ -155,7 +180,7 @@ class Servo:
         image.probe_status = probe.status
         image.digital_inputs = probe.inputs << _INPUT_SHIFT
 
-    def _monitor(self, now_ns: TimeNs, motor_m: float) -> None:
+    def _monitor(self, now_ns: TimeNs) -> None:
         """Fault when |60F4| has been above 6065 for the time 6066, at the tick of a SYNC."""
         image = self.image
         window = image.following_window
@@ -165,8 +190,5 @@ class Servo:
         if self._exceeded_ns is None:
             self._exceeded_ns = now_ns
         if now_ns - self._exceeded_ns >= image.following_timeout_ms * MS:
-            self.state = State.FAULT_REACTION_ACTIVE  # transition 13
             self._following_error = Status.FOLLOWING_ERROR.value
-            self._release(now_ns, motor_m)
-            self._sample(motor_m, motor_m)
-            self.emergency.report(FOLLOWING_ERROR, PROFILE_ERROR)
+            self.fault(FOLLOWING_ERROR, PROFILE_ERROR, now_ns)
