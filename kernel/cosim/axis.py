@@ -3,11 +3,12 @@
 from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
+from enum import IntEnum
 from math import isfinite
 
 from kernel.clock import TimeNs
 from kernel.cosim.fmu import FmuSlave, FmuState, PlantError
-from kernel.cosim.roles import Roles
+from kernel.cosim.roles import Roles, Values
 
 AXIS_INPUTS = ("reference_position", "reference_velocity", "reference_time", "reference_end")
 AXIS_OUTPUTS = (
@@ -21,6 +22,14 @@ SAMPLE_NS = 62_500
 SLOPE_NS = 250_000
 # Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it
 HISTORY_STEPS = 4096
+
+
+class ControlKind(IntEnum):
+    """What a drive controls; the numbers are those of the input `control` of an axis FMU."""
+
+    POSITION = 0
+    VELOCITY = 1
+    FORCE = 2
 
 
 def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float]) -> float:
@@ -52,6 +61,55 @@ class _Ramp:
 
     def step(self, slave: FmuSlave, end_ns: TimeNs) -> None:
         slave.step_to(end_ns)
+
+
+class _Control:
+    """Further inputs of a drive: kind of control, slope of the velocity, force, force limits.
+
+    Written only when they change, so that an axis in position control pays nothing for them.
+    """
+
+    def __init__(self, roles: Roles) -> None:
+        def known(group: str, *names: str) -> Values | None:
+            return roles.exchange(names) if roles.has_group(group) else None
+
+        has_control = roles.has_group("control") and roles.has_group("ramp")
+        self._kind = known("control", "control") if has_control else None
+        self._slope = known("control", "reference_acceleration")
+        self._force = known("control", "reference_force")
+        self._limits = known("force_limits", "force_limit_negative", "force_limit_positive")
+        self._limit = known("force_limit", "force_limit") if self._limits is None else None
+        self.kind = ControlKind.POSITION
+        self.kinds = frozenset(ControlKind if has_control else {ControlKind.POSITION})
+
+    def choose(self, kind: ControlKind) -> None:
+        if kind is not self.kind:
+            assert self._kind is not None
+            self._kind.values[0] = kind.value
+            self._kind.write()
+            self.kind = kind
+
+    def give_slope(self, acceleration: float) -> None:
+        assert self._slope is not None
+        self._slope.values[0] = acceleration
+        self._slope.write()
+
+    def give_force(self, force: float) -> None:
+        assert self._force is not None
+        self._force.values[0] = force
+        self._force.write()
+
+    @property
+    def limits_force(self) -> bool:
+        return self._limits is not None or self._limit is not None
+
+    def limit(self, negative: float, positive: float) -> None:
+        if self._limits is not None:
+            self._limits.values[0], self._limits.values[1] = negative, positive
+            self._limits.write()
+        elif self._limit is not None:  # one limit for both directions: the tighter one
+            self._limit.values[0] = min(negative, positive)
+            self._limit.write()
 
 
 class _SampledDemand:
@@ -90,11 +148,14 @@ class PlantAxis:
     roles: what its FMU takes and gives. advance_to: brings the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time, `tick` load position and velocity at both ends of the
     last step. The last 4096 steps are kept, so that the position at a latch can be looked up.
+    second_encoder: tells what the second encoder of the drive sees, None = there is none.
     """
 
     def __init__(self, roles: Roles, advance_to: Callable[[TimeNs], None]) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
         self._demand = _Ramp(roles) if roles.has_group("ramp") else _SampledDemand(roles)
+        self._control = _Control(roles)
+        self._force = roles.exchange(["force"]) if roles.has("force") else None
         self._enabled = roles.exchange(["enabled"]) if roles.has("enabled") else None
         self._is_enabled: bool | None = None
         self._known = [name for name in AXIS_OUTPUTS if roles.has(name)]
@@ -102,6 +163,7 @@ class PlantAxis:
         self.motion: list[float] = [0.0] * len(AXIS_OUTPUTS)
         self.tick = (0.0, 0.0, 0.0, 0.0)
         self.kv_per_s = 0.0
+        self.second_encoder: Callable[[], float] | None = None
         self._commanded = (0, 0.0, 0.0, 0)
         self._times: deque[TimeNs] = deque(maxlen=HISTORY_STEPS)
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
@@ -231,17 +293,71 @@ class PlantAxis:
         end_ns: TimeNs,
         enabled: bool,
     ) -> None:
-        """Give the demand from `time_ns` on: a ramp from `position_m` that ends at `end_ns`."""
+        """Control the position: a ramp from `position_m` at `time_ns` that ends at `end_ns`.
+
+        enabled: False = power off, whatever was commanded before.
+        """
         if not enabled and self._enabled is None:
             # Nothing switches this axis off: its demand stays where it was when that was asked for
             if not self._is_enabled:
                 return
             position_m, velocity_m_s = self.motion[2], 0.0
+        self._control.choose(ControlKind.POSITION)
         self._command(time_ns, position_m, velocity_m_s, end_ns)
+        self._enable(enabled)
+
+    def _enable(self, enabled: bool) -> None:
         if self._enabled is not None and enabled != self._is_enabled:
             self._enabled.values[0] = enabled
             self._enabled.write()
         self._is_enabled = enabled
+
+    @property
+    def kinds(self) -> frozenset[ControlKind]:
+        """Kinds of control that the FMU offers; position always."""
+        return self._control.kinds
+
+    def command_velocity(
+        self, time_ns: TimeNs, velocity_m_s: float, acceleration_m_s2: float, end_ns: TimeNs
+    ) -> None:
+        """Control the velocity, power on: it changes evenly until `end_ns`, then rests.
+
+        Only where `kinds` has it.
+        """
+        self._control.choose(ControlKind.VELOCITY)
+        self._control.give_slope(acceleration_m_s2)
+        self._command(time_ns, self.motion[2], velocity_m_s, end_ns)
+        self._enable(True)
+
+    def command_force(self, time_ns: TimeNs, force_n: float) -> None:
+        """Control the motor force, power on; only where `kinds` has it."""
+        self._control.choose(ControlKind.FORCE)
+        self._control.give_force(force_n)
+        self._enable(True)
+
+    @property
+    def limits_force(self) -> bool:
+        """Whether `limit_force` acts on this FMU."""
+        return self._control.limits_force
+
+    def limit_force(self, negative_n: float, positive_n: float) -> None:
+        """Limit the motor force, whatever the kind of control; amounts, 0 or more.
+
+        They count from now on and beside the FMU's own limit. An FMU with one input for both
+        directions gets the smaller amount; one without is not limited.
+        """
+        self._control.limit(negative_n, positive_n)
+
+    def force_n(self) -> float | None:
+        """Return the motor force at the last step of the FMU; None: it does not tell it."""
+        if self._force is None:
+            return None
+        self._force.read()
+        return float(self._force.values[0])
+
+    def second_encoder_m(self) -> float | None:
+        """Return what the second encoder sees now; None: there is none."""
+        return None if self.second_encoder is None else self.second_encoder()
 
     def position_m(self) -> float:
         """Return the load position now: the truth, which no drive ever sees."""
@@ -256,7 +372,12 @@ class PlantAxis:
         return self.motion[3]
 
     def demand_position_m(self) -> float:
-        """Return the demand that the position controller of the drive follows now."""
+        """Return the demand that the position controller of the drive follows now.
+
+        The actual position while it follows none (control of velocity or force).
+        """
+        if self._control.kind is not ControlKind.POSITION:
+            return self.motion[2]
         return self.motion[4]
 
     def motor_position_m_at(self, time_ns: TimeNs) -> float:

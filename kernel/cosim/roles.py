@@ -21,12 +21,16 @@ from kernel.cosim.units import Unit, known_units, unit_of
 from kernel.errors import UserError, nearest
 
 FLAG_THRESHOLD = 0.5
+_TORQUE = known_units()["N.m"].exponents
 # What a variable may be by the FMU, for a causality of roles.csv
 _MAY_BE = {
     "input": ("input",),
     "output": ("output", "local"),  # never an input: the bench would read back what it wrote
     "any": ("output", "local", "calculatedParameter", "parameter", "input"),
 }
+
+# Groups whose names an FMU may use for something else; it need not take part in them
+_MAY_BE_ANOTHER = ("control", "force_limits", "force_limit", "force")
 
 
 class Values(Protocol):
@@ -67,7 +71,7 @@ class Source:
 
     unit: None = as the FMU says. sign: -1 turns the direction round, or inverts a level.
     threshold: a number above it is the level true. lead_m: travel per revolution, for a rotation
-    that stands for a travel.
+    that stands for a travel (and a torque for a force along it).
     """
 
     variable: str
@@ -159,7 +163,10 @@ def _conversion(
             hint=f'say it: {name} = {{ variable = "{variable.name}", unit = "{role.unit}" }}',
         )
     scale = float(source.sign)
-    if source.lead_m is not None:
+    if source.lead_m is not None and unit.exponents == _TORQUE == _as_torque(needed.exponents):
+        unit = Unit(unit.name, needed.exponents, unit.factor)
+        scale *= 2 * math.pi / source.lead_m
+    elif source.lead_m is not None:
         unit = _as_travel(unit, variable)
         scale *= source.lead_m / (2 * math.pi)
     if unit.exponents != needed.exponents:
@@ -171,6 +178,11 @@ def _conversion(
             hint="a rotation needs lead_mm, the travel per revolution" if is_rotation else None,
         )
     return scale * unit.factor, scale * unit.offset
+
+
+def _as_torque(exponents: tuple[int, ...]) -> tuple[int, ...]:
+    kg, m, *rest = exponents
+    return (kg, m + 1, *rest)
 
 
 def _as_travel_exponents(unit: Unit) -> tuple[int, ...]:
@@ -353,6 +365,7 @@ def map_roles(
     roles = roles_of(kind, coordinates)
     refuse_unknown(kind, sources, coordinates, located)
     bound: dict[str, Bound] = {}
+    namesakes: list[str] = []
     for name, role in roles.items():
         source = sources.get(name, Source(name))
         if source is None or (name not in sources and not _fits(slave, name, role)):
@@ -361,8 +374,15 @@ def map_roles(
             bound[name] = bind(slave, name, role, source)
             _refuse_second_writer(bound, roles, name)
         except UserError as error:
-            raise located(error, name) from error
-    return Roles(slave, kind, bound, coordinates)
+            if name in sources or role.group not in _MAY_BE_ANOTHER:
+                raise located(error, name) from error
+            namesakes.append(f"{name} of the FMU is not taken: {error.message}")
+    both = ("force_limit_negative", "force_limit_positive")
+    if "force_limit" not in sources and all(name in bound for name in both):
+        bound.pop("force_limit", None)  # an input that only `start` sets
+    found = Roles(slave, kind, bound, coordinates)
+    found.notes += namesakes
+    return found
 
 
 def _refuse_second_writer(bound: Mapping[str, Bound], roles: Mapping[str, Role], name: str) -> None:

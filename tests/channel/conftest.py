@@ -17,6 +17,7 @@ from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
+from bench.drive.ports import ControlKind
 from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, S
@@ -62,6 +63,9 @@ class Piece:
 class FirstOrderAxis:
     """The axis. droop_m: how far it stays away from where it should be."""
 
+    kinds = frozenset({ControlKind.POSITION})
+    limits_force = False
+
     def __init__(self, world: "World", start_m: float, kv: float, droop_m: float = 0.0) -> None:
         self._world, self.kv, self.droop_m = world, kv, droop_m
         self.pieces = [Piece(0, start_m, start_m, 0.0, 0, False)]
@@ -89,6 +93,15 @@ class FirstOrderAxis:
 
     def motor_velocity_m_s(self) -> float:
         return 0.0
+
+    def limit_force(self, negative_n: float, positive_n: float) -> None:
+        pass
+
+    def force_n(self) -> float | None:
+        return None
+
+    def second_encoder_m(self) -> float | None:
+        return None
 
     def demand_position_m(self) -> float:
         return self.demand_at(self._world.now_ns)

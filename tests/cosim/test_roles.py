@@ -151,7 +151,9 @@ def test_missing_roles_are_noted_with_what_happens_without(table: FmuSlave) -> N
     assert set(lacking) == {
         "no reference_position, reference_velocity, reference_time, reference_end",
         *(f"no {r}" for r in ("enabled", "velocity", "motor_position", "motor_velocity")),
-        *(f"no {r}" for r in ("demand_position", "kv")),
+        *(f"no {r}" for r in ("demand_position", "kv", "force")),
+        "no control, reference_acceleration, reference_force",
+        "no force_limit_negative, force_limit_positive",
     }
     assert lacking["no velocity"] == "numeric derivative of position"
 

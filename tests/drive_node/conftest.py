@@ -11,6 +11,7 @@ from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
+from bench.drive.ports import ControlKind
 from bench.drive.profile import DriveProfile
 from kernel.clock import MS, US
 from kernel.cosim.scheduler import Scheduler
@@ -20,20 +21,40 @@ NODE = 3
 
 @dataclass
 class Command:
+    """What the axis was told last: a ramp of position or velocity, or a force."""
+
     time_ns: int
-    position_m: float
-    velocity_m_s: float
-    end_ns: int
-    enabled: bool
+    position_m: float = 0.0
+    velocity_m_s: float = 0.0
+    end_ns: int = 0
+    enabled: bool = True
+    kind: ControlKind = ControlKind.POSITION
+    acceleration_m_s2: float = 0.0
+    force_n: float = 0.0
 
 
 class FakeAxis:
-    """An axis that follows its demand exactly, or moves as `motion(time_s)` says whatever comes."""
+    """An axis that follows its demand exactly, or moves as `motion(time_s)` says whatever comes.
 
-    def __init__(self, start_m: float = 0.0, motion: Callable[[float], float] | None = None):
+    A force within the limits moves its mass without friction. encoder_2_m: offset of a second
+    encoder, None = there is none. limits: every pair that `limit_force` was given.
+    """
+
+    kinds = frozenset(ControlKind)
+    limits_force = True
+    mass_kg = 100.0
+
+    def __init__(
+        self,
+        start_m: float = 0.0,
+        motion: Callable[[float], float] | None = None,
+        encoder_2_m: float | None = None,
+    ):
         self.now_ns = 0
         self.motion = motion
-        self.commands = [Command(0, start_m, 0.0, 0, False)]
+        self.encoder_2_m = encoder_2_m
+        self.commands = [Command(0, start_m, enabled=False)]
+        self.limits: list[tuple[float, float]] = []
 
     def advance_to(self, time_ns: int) -> None:
         assert time_ns >= self.now_ns
@@ -45,17 +66,64 @@ class FakeAxis:
         assert time_ns == self.now_ns
         self.commands.append(Command(time_ns, position_m, velocity_m_s, end_ns, enabled))
 
-    def demand_position_m(self) -> float:
+    def command_velocity(
+        self, time_ns: int, velocity_m_s: float, acceleration_m_s2: float, end_ns: int
+    ) -> None:
+        assert time_ns == self.now_ns
+        command = Command(time_ns, self.demand_position_m(), velocity_m_s, end_ns)
+        command.kind, command.acceleration_m_s2 = ControlKind.VELOCITY, acceleration_m_s2
+        self.commands.append(command)
+
+    def command_force(self, time_ns: int, force_n: float) -> None:
+        assert time_ns == self.now_ns
+        here_m, velocity_m_s = self.demand_position_m(), self.demand_velocity_m_s()
+        command = Command(time_ns, here_m, velocity_m_s, kind=ControlKind.FORCE, force_n=force_n)
+        self.commands.append(command)
+
+    def limit_force(self, negative_n: float, positive_n: float) -> None:
+        self.limits.append((negative_n, positive_n))
+
+    def force_n(self) -> float:
+        negative_n, positive_n = self.limits[-1] if self.limits else (1e9, 1e9)
+        return max(-negative_n, min(self.commands[-1].force_n, positive_n))
+
+    def second_encoder_m(self) -> float | None:
+        return None if self.encoder_2_m is None else self.motor_position_m() + self.encoder_2_m
+
+    def _spans_s(self) -> tuple[float, float]:
+        """How long the last command has been moving, and how long it has rested since."""
         last = self.commands[-1]
-        return last.position_m + last.velocity_m_s * 1e-9 * (
-            min(self.now_ns, last.end_ns) - last.time_ns
+        moving_ns = min(self.now_ns, last.end_ns) - last.time_ns
+        return moving_ns * 1e-9, (self.now_ns - last.time_ns - moving_ns) * 1e-9
+
+    def demand_position_m(self) -> float:
+        last, (moving_s, resting_s) = self.commands[-1], self._spans_s()
+        if last.kind is ControlKind.POSITION:
+            return last.position_m + last.velocity_m_s * moving_s
+        if last.kind is ControlKind.VELOCITY:
+            way_m = (last.velocity_m_s + last.acceleration_m_s2 / 2 * moving_s) * moving_s
+            return last.position_m + way_m + self.demand_velocity_m_s() * resting_s
+        passed_s = (self.now_ns - last.time_ns) * 1e-9
+        return last.position_m + passed_s * (
+            last.velocity_m_s + self.force_n() / self.mass_kg / 2 * passed_s
         )
+
+    def demand_velocity_m_s(self) -> float:
+        last, (moving_s, resting_s) = self.commands[-1], self._spans_s()
+        if last.kind is ControlKind.POSITION:
+            return last.velocity_m_s if resting_s == 0.0 else 0.0
+        if last.kind is ControlKind.VELOCITY:
+            return last.velocity_m_s + last.acceleration_m_s2 * moving_s
+        passed_s = (self.now_ns - last.time_ns) * 1e-9
+        return last.velocity_m_s + self.force_n() / self.mass_kg * passed_s
 
     def motor_position_m(self) -> float:
         return self.motor_position_m_at(self.now_ns)
 
     def motor_velocity_m_s(self) -> float:
-        return 0.0125
+        if self.commands[-1].kind is ControlKind.POSITION:
+            return 0.0125
+        return self.demand_velocity_m_s()
 
     def motor_position_m_at(self, time_ns: int) -> float:
         assert time_ns <= self.now_ns

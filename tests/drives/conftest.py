@@ -9,6 +9,7 @@ from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
+from bench.drive.ports import ControlKind
 from bench.drive.profile import DriveProfile
 from kernel.clock import MS, US
 from kernel.cosim.scheduler import Scheduler
@@ -24,6 +25,9 @@ INCREMENTS_PER_MM = 2**20 / 10
 
 class TrailingAxis:
     """An axis that is always `behind_m` below its demand and stands when it has none."""
+
+    kinds = frozenset({ControlKind.POSITION})
+    limits_force = False
 
     def __init__(self, start_m: float = 0.0, behind_m: float = 0.0) -> None:
         self.now_ns, self.behind_m = 0, behind_m
@@ -57,6 +61,15 @@ class TrailingAxis:
 
     def motor_velocity_m_s(self) -> float:
         return 0.0
+
+    def limit_force(self, negative_n: float, positive_n: float) -> None:
+        pass
+
+    def force_n(self) -> float | None:
+        return None
+
+    def second_encoder_m(self) -> float | None:
+        return None
 
     def motor_position_m_at(self, time_ns: int) -> float:
         return self.demand_at(time_ns) - (0.0 if self.demand is None else self.behind_m)
