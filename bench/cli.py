@@ -241,6 +241,19 @@ def metrics() -> None:
 
 @app.command()
 @_rejecting
+def drives(
+    profile: Annotated[
+        str | None, typer.Argument(help="Name of a profile: all its keys, not the list.")
+    ] = None,
+) -> None:
+    """List the drive profiles that a rig may name, or the keys of one."""
+    from bench.drive.profiles import profile_listing
+
+    print(profile_listing(profile))
+
+
+@app.command()
+@_rejecting
 def perf(
     plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
         "testplans/latch_accuracy.csv"

@@ -11,18 +11,20 @@ from functools import cache
 from canopen.objectdictionary import ObjectDictionary
 from canopen.objectdictionary.eds import import_eds
 
-from bench.drive.objects import RECORD, ObjectRow, object_rows
+from bench.drive.objects import DATA_TYPES, RECORD, DataType, ObjectRow, object_rows
 from bench.drive.profile import DriveProfile
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _BIT_RATES_KBIT_S = (10, 20, 50, 125, 250, 500, 800, 1000)
 _OBJECT_TYPE = {False: "0x7", True: "0x9"}
+_MAPPINGS = (*range(0x1600, 0x1800), *range(0x1A00, 0x1C00))
+TRIGGER_SOURCE = 0x60D0
 _ACCESS = {("rw", "rx"): "rww"}  # CiA 306: rw object that an RPDO may write
 
 
 def eds_text(profile: DriveProfile, file_name: str = "axisrig-drive.eds") -> str:
     """Return the EDS of a drive with this profile; the same text on every call."""
-    rows = object_rows()
+    rows = [row for row in object_rows() if profile.has_object(*row.key)]
     indices = list(dict.fromkeys(row.index for row in rows))
     mandatory = [index for index in indices if index in _MANDATORY]
     optional = [index for index in indices if index not in _MANDATORY]
@@ -114,16 +116,34 @@ def _object(row: ObjectRow, sub_count: int, profile: DriveProfile) -> list[str]:
     if row.type == RECORD:
         return _section(title, [*entries, ("SubNumber", sub_count)])
     entries += [
-        ("DataType", f"0x{row.data_type.code:04X}"),
+        ("DataType", f"0x{_data_type(row, profile).code:04X}"),
         ("AccessType", _ACCESS.get((row.access, row.pdo), row.access)),
     ]
     if row.low is not None:
         entries.append(("LowLimit", row.low))
     if row.high is not None:
         entries.append(("HighLimit", row.high))
-    default = row.default.format(
-        encoder_increments=profile.encoder_increments,
-        units_per_revolution=profile.units_per_revolution,
-    )
+    default = _default(row, profile)
     entries += [("DefaultValue", default), ("PDOMapping", int(bool(row.pdo)))]
     return _section(title, entries)
+
+
+def _data_type(row: ObjectRow, profile: DriveProfile) -> DataType:
+    is_source = row.index == TRIGGER_SOURCE and row.sub
+    return DATA_TYPES[profile.source_type] if is_source else row.data_type
+
+
+def _default(row: ObjectRow, profile: DriveProfile) -> str:
+    """Return the default value; a PDO that would carry a missing object carries nothing."""
+    if row.index in _MAPPINGS and not all(
+        profile.has_object(int(other.default, 0) >> 16, int(other.default, 0) >> 8 & 0xFF)
+        for other in object_rows()
+        if other.index == row.index and other.sub
+    ):
+        return "0"
+    return row.default.format(
+        encoder_increments=profile.encoder_increments,
+        units_per_revolution=profile.units_per_revolution,
+        source_1=profile.source_1,
+        source_2=profile.source_2,
+    )

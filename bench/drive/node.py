@@ -183,6 +183,12 @@ class DriveNode:
         if od.max is not None and value > od.max:
             raise SdoAbortedError(TOO_HIGH)
         if pdo.is_parameter(index):
+            if (
+                index & 0x200
+                and subindex
+                and not self.profile.has_object(value >> 16, value >> 8 & 0xFF)
+            ):
+                raise SdoAbortedError(pdo.NO_OBJECT)
             pdo.check_write(index, subindex, value, self._read_parameter)
         elif (
             value not in variables()[index, subindex].allowed

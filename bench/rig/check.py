@@ -61,6 +61,7 @@ def check_rig(settings: Settings) -> None:
     _check_references(settings)
     _check_nodes(settings)
     _check_names(settings)
+    _check_drives(settings)
     cycle = settings.rig.cycle
     if cycle.cycle_offset_us >= cycle.period_us:
         raise rig_error(
@@ -105,6 +106,20 @@ def _check_references(settings: Settings) -> None:
                     value=value,
                     allowed=known,
                 )
+
+
+def _check_drives(settings: Settings) -> None:
+    for name, drive in settings.rig.drive.items():
+        try:
+            drive.make()
+        except UserError as error:
+            raise rig_error(
+                settings.files,
+                ("drive", name),
+                error.message,
+                value=error.value,
+                allowed=error.allowed,
+            ) from error
 
 
 def _check_nodes(settings: Settings) -> None:

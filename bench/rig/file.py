@@ -19,8 +19,19 @@ from pydantic import (
     Field,
     Tag,
     ValidationError,
+    create_model,
+    model_validator,
 )
 
+from bench.drive.profile import DriveProfile
+from bench.drive.profiles import (
+    DEFAULT_PROFILE,
+    Habit,
+    habits,
+    make_profile,
+    profile_keys,
+    profile_names,
+)
 from kernel.errors import UserError
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
@@ -60,20 +71,43 @@ class SegmentTable(_Table):
     bitrate: Literal[125_000, 250_000, 500_000, 800_000, 1_000_000] = 1_000_000
 
 
-class DriveTable(_Table):
+def _habit_field(habit: Habit) -> Any:
+    kind: Any = {"whole": int, "number": float, "flag": bool, "text": str}.get(habit.type)
+    if kind is None:
+        kind = Literal[habit.words]
+    elif habit.low is not None:
+        kind = Annotated[kind, Field(ge=kind(habit.low), le=kind(habit.high))]
+    if habit.field.endswith("_um"):
+        kind = Annotated[kind, AfterValidator(_whole_um)]
+    return kind, habit.values[DEFAULT_PROFILE]
+
+
+_FIELDS: dict[str, Any] = {
+    "profile": (Literal[profile_names()], DEFAULT_PROFILE),
+    **{key: _habit_field(habit) for key, habit in habits().items()},
+}
+_HabitTable: Any = create_model("_HabitTable", __base__=_Table, **_FIELDS)
+
+
+class DriveTable(_HabitTable):  # type: ignore[misc]
     """`[drive.NAME]`: what kind of drive stands in front of an axis.
 
-    encoder_increments: per motor revolution. lead_mm: of the screw. input_delay_us: of the probe
-    inputs. input_filter_us: time for which the level must be stable. latch: how the position at
-    the edge is found; sample_us: grid of `sampled`.
+    profile: name of a set of habits; every key of `bench/drive/profiles.csv` that the rig does not
+    give has the profile's value.
     """
 
-    encoder_increments: Annotated[int, Field(ge=1, le=2**26)] = 1_048_576
-    lead_mm: Annotated[float, Field(ge=0.001, le=1000), AfterValidator(_whole_um)] = 10.0
-    input_delay_us: Annotated[float, Field(ge=0, le=1e6)] = 4.0
-    input_filter_us: Annotated[float, Field(ge=0, le=1e6)] = 0.0
-    latch: Literal["interpolated", "sampled"] = "interpolated"
-    sample_us: Annotated[float, Field(ge=0.001, le=20_000)] = 62.5
+    @model_validator(mode="before")
+    @classmethod
+    def _with_profile(cls, values: Any) -> Any:
+        if isinstance(values, dict):
+            name = values.get("profile", DEFAULT_PROFILE)
+            if isinstance(name, str) and name in profile_names():
+                return {**profile_keys(name), **values}
+        return values
+
+    def make(self) -> DriveProfile:
+        """Make the drive node's profile. Raises UserError for a value that cannot be."""
+        return make_profile({key: getattr(self, key) for key in habits()})
 
 
 class AxisTable(_Table):

@@ -15,9 +15,7 @@ from bench.bus.record import BlfLog, FrameHash
 from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
-from bench.drive.profile import DriveProfile
 from bench.rig.check import check_rig, segment_schedules
-from bench.rig.file import DriveTable
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
@@ -37,18 +35,6 @@ FAULT_SEED_STRIDE = 1000
 
 class SimulatedTimeoutError(Exception):
     """A program did not end within the simulated time that a run may take."""
-
-
-def drive_profile(table: DriveTable) -> DriveProfile:
-    """Make the drive node's profile of a rig's drive table."""
-    return DriveProfile(
-        encoder_increments=table.encoder_increments,
-        lead_um=round(table.lead_mm * 1000),
-        input_delay_ns=round(table.input_delay_us * US),
-        input_filter_ns=round(table.input_filter_us * US),
-        latch_mode=table.latch,
-        grid_ns=round(table.sample_us * US),
-    )
 
 
 class Machine:
@@ -139,13 +125,13 @@ class Machine:
                     signals[axis.probe_1] if axis.probe_1 else None,
                     signals[axis.probe_2] if axis.probe_2 else None,
                 ),
-                drive_profile(self.settings.rig.drive[axis.drive]),
+                self.settings.rig.drive[axis.drive].make(),
             )
         return nodes
 
     def _build_link(self, name: str) -> AxisLink:
         axis, parameters = self.settings.rig.axis[name], self.settings.axis[name]
-        profile = drive_profile(self.settings.rig.drive[axis.drive])
+        profile = self.settings.rig.drive[axis.drive].make()
         return AxisLink(
             LinkSettings(
                 axis=name,
@@ -217,7 +203,7 @@ class Machine:
 
     def _commission(self) -> None:
         for name, axis in self.settings.rig.axis.items():
-            profile = drive_profile(self.settings.rig.drive[axis.drive])
+            profile = self.settings.rig.drive[axis.drive].make()
             remote = SimRemoteNode(axis.node, object_dictionary(axis.node, profile))
             self.networks[axis.segment].add_node(remote)
             commission(remote, self.links[name].telegrams, self.timing.period_ns // US, name)

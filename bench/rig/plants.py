@@ -189,15 +189,13 @@ def _source(entry: str | Literal[False] | MapTable) -> Source | None:
 
 def _empty_plant(settings: Settings) -> Plant:
     """Make a plant whose steps serve every drive: fine where one of them looks up a latch."""
-    cycle, drives = settings.rig.cycle, settings.rig.drive.values()
-    delays_us = [drive.input_delay_us + drive.input_filter_us for drive in drives]
-    grids_us = [drive.sample_us if drive.latch == "sampled" else 0.0 for drive in drives]
-    looks_us = [grid - delay for grid, delay in zip(grids_us, delays_us, strict=True)]
+    cycle = settings.rig.cycle
+    looks_ns = [drive.make().latch_window_ns for drive in settings.rig.drive.values()]
     return Plant(
         cycle.exchange_us * US,
         cycle.fine_us * US,
-        hold_ns=round(max(delays_us, default=0.0) * US),
-        look_back_ns=round(max([0.0, *looks_us]) * US),
+        hold_ns=max([0, *(after_ns for _, after_ns in looks_ns)]),
+        look_back_ns=max([0, *(before_ns for before_ns, _ in looks_ns)]),
     )
 
 

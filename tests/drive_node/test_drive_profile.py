@@ -63,7 +63,7 @@ def test_sampled_latch_takes_the_sample_before() -> None:
         ({"position_factor": Fraction(1, 3)}, "whole position units"),
         ({"input_delay_ns": -1}, "0 or more"),
         ({"input_filter_ns": -1}, "0 or more"),
-        ({"latch_mode": "exact"}, "interpolated, sampled"),
+        ({"latch_mode": "exact"}, "interpolated, linear, sampled"),
     ],
 )
 def test_refused(values: dict[str, Any], allowed: str) -> None:

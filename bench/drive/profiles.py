@@ -1,0 +1,125 @@
+"""Named sets of drive habits: `profiles.csv`, one row for each key of a rig's `[drive.D]`.
+
+The names that end in `-like` are models made from public documents (docs/touch-probe.md), not the
+products of these vendors. An empty cell means: as `generic`.
+"""
+
+import csv
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+from bench.drive.profile import DriveProfile
+from kernel.errors import UserError
+
+DEFAULT_PROFILE = "generic"
+_KEY_COLUMNS = ("key", "field", "type", "low", "high", "unit", "meaning")
+_WORDS = {"yes": True, "no": False}
+Value = bool | int | float | str
+
+
+@dataclass(frozen=True)
+class Habit:
+    """A row of `profiles.csv`.
+
+    key: of the rig. field: of `DriveProfile`. type: whole, number, flag, text, or words that
+    are allowed (`a|b`). low, high: limits of a number. values: what each profile says.
+    """
+
+    key: str
+    field: str
+    type: str
+    low: float | None
+    high: float | None
+    unit: str
+    meaning: str
+    values: Mapping[str, Value]
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What a word may be; empty for the other types."""
+        return tuple(self.type.split("|")) if "|" in self.type else ()
+
+    def in_profile(self, value: Value) -> Value:
+        """Return a value of the rig in the unit of the profile: us become ns, mm become um."""
+        if self.field.endswith(("_ns", "_um")):
+            return round(float(value) * 1000)
+        return value
+
+
+@cache
+def habits() -> Mapping[str, Habit]:
+    """Read the table; by key, in its order."""
+    text = resources.files(__package__).joinpath("profiles.csv").read_text(encoding="utf-8")
+    return {row["key"]: _habit(row) for row in csv.DictReader(text.splitlines())}
+
+
+def _habit(row: dict[str, str]) -> Habit:
+    names = [name for name in row if name not in _KEY_COLUMNS]
+    return Habit(
+        row["key"],
+        row["field"],
+        row["type"],
+        float(row["low"]) if row["low"] else None,
+        float(row["high"]) if row["high"] else None,
+        row["unit"],
+        row["meaning"],
+        {name: _value(row["type"], row[name] or row[DEFAULT_PROFILE]) for name in names},
+    )
+
+
+def _value(kind: str, text: str) -> Value:
+    if kind == "whole":
+        return int(text)
+    if kind == "number":
+        return float(text)
+    return _WORDS[text] if kind == "flag" else text
+
+
+@cache
+def profile_names() -> tuple[str, ...]:
+    """Return the names of all profiles in the order of the table."""
+    return tuple(next(iter(habits().values())).values)
+
+
+def profile_keys(name: str) -> dict[str, Value]:
+    """Return what a profile says for every key of a rig; KeyError for an unknown name."""
+    return {key: habit.values[name] for key, habit in habits().items()}
+
+
+def make_profile(values: Mapping[str, Value]) -> DriveProfile:
+    """Make the profile of a drive from values by the keys of a rig.
+
+    Raises UserError for a value that cannot be.
+    """
+    known = habits()
+    return DriveProfile(
+        **{known[key].field: known[key].in_profile(value) for key, value in values.items()}  # type: ignore[arg-type]
+    )
+
+
+def named_profile(name: str) -> DriveProfile:
+    """Return the drive profile of this name; KeyError when there is none."""
+    return make_profile(profile_keys(name))
+
+
+def profile_listing(name: str | None) -> str:
+    """Show every profile with what is not as in `generic`, or every key of one with its meaning.
+
+    Raises UserError for an unknown name.
+    """
+    if name is None:
+        usual = profile_keys(DEFAULT_PROFILE)
+        lines = []
+        for other in profile_names():
+            own = {k: v for k, v in profile_keys(other).items() if v != usual[k]}
+            lines.append(f"{other:<20}{', '.join(f'{k} = {v}' for k, v in own.items())}".rstrip())
+        return "\n".join(lines)
+    if name not in profile_names():
+        raise UserError("no such drive profile", value=name, allowed=profile_names())
+    return "\n".join(
+        f"{key:<28}{value!s:<16}{habits()[key].meaning}"
+        + (f" ({habits()[key].unit})" if habits()[key].unit else "")
+        for key, value in profile_keys(name).items()
+    )

@@ -1,0 +1,100 @@
+"""Named drive profiles: every key means the same in the table, in a rig and in the drive."""
+
+import dataclasses
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.drive.eds import eds_text, object_dictionary
+from bench.drive.objects import variables
+from bench.drive.profile import DriveProfile
+from bench.drive.profiles import habits, named_profile, profile_keys, profile_listing, profile_names
+from bench.rig.file import read_rig
+from kernel.errors import UserError
+
+Write = Callable[..., Path]
+
+
+def test_generic_is_the_drive_without_a_profile() -> None:
+    assert named_profile("generic") == DriveProfile()
+
+
+def test_every_field_of_the_drive_has_a_key_and_the_other_way_round() -> None:
+    known = {field.name for field in dataclasses.fields(DriveProfile)} - {"position_factor"}
+    assert {habit.field for habit in habits().values()} == known
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_every_value_lies_within_its_own_limits(name: str) -> None:
+    for key, value in profile_keys(name).items():
+        habit = habits()[key]
+        if habit.words:
+            assert value in habit.words
+        elif habit.low is not None and habit.high is not None:
+            assert isinstance(value, int | float)
+            assert habit.low <= value <= habit.high
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_every_profile_is_a_drive_with_an_eds_that_can_be_read(name: str) -> None:
+    profile = named_profile(name)
+    dictionary = object_dictionary(3, profile)
+    for index, sub in variables():
+        has = index in dictionary and (not sub or sub in dictionary[index].subindices)
+        assert has == profile.has_object(index, sub)
+    assert eds_text(profile) == eds_text(named_profile(name))
+
+
+def test_a_rig_names_a_profile_and_changes_single_keys(rig_file: Write) -> None:
+    path = rig_file(
+        ("lead_mm = 10.0", 'profile = "lenze-i700-like"\nlead_mm = 5.0\ndead_time_us = 100')
+    )
+    profile = read_rig(path)[0].drive["servo"].make()
+    assert profile == dataclasses.replace(
+        named_profile("lenze-i700-like"), lead_um=5_000, dead_time_ns=100_000
+    )
+    assert (profile.latch_mode, profile.grid_ns) == ("linear", 250_000)
+
+
+def test_a_base_keeps_its_keys_when_the_profile_changes(rig_file: Write, tmp_path: Path) -> None:
+    rig_file(("lead_mm = 10.0", "lead_mm = 5.0\ninput_delay_us = 7.0"))
+    above = tmp_path / "above.toml"
+    above.write_text('base = "rig.toml"\n[drive.servo]\nprofile = "epos4-like"\n')
+    profile = read_rig(above)[0].drive["servo"].make()
+    assert (profile.lead_um, profile.input_delay_ns) == (5_000, 7_000)
+    assert not profile.has_object(0x60D1)
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ('profile = "lenze"', "lenze-i700-like"),
+        ('rearm = "never"', "zero_first"),
+        ("status_delay_cycles = 3", "2"),
+        ('toggle_bits = "yes"', "toggle_bits"),
+    ],
+)
+def test_a_wrong_habit_is_told_with_what_is_allowed(rig_file: Write, line: str, told: str) -> None:
+    with pytest.raises(UserError) as caught:
+        read_rig(rig_file(("lead_mm = 10.0", line)))
+    assert told in str(caught.value)
+    assert caught.value.line is not None
+
+
+@pytest.mark.parametrize(
+    "values", [{"lacks": "60D1,60D2"}, {"lacks": "0x60D1"}, {"trigger_sources": "one"}]
+)
+def test_a_list_that_cannot_be_read_is_refused(values: dict[str, str]) -> None:
+    with pytest.raises(UserError, match="such as"):
+        DriveProfile(**values)  # type: ignore[arg-type]
+
+
+def test_the_listing_names_every_profile_and_what_is_special_in_it() -> None:
+    lines = profile_listing(None).splitlines()
+    assert [line.split()[0] for line in lines] == list(profile_names())
+    assert lines[0] == "generic"
+    assert "counters_cleared_on_disarm = True" in lines[profile_names().index("epos4-like")]
+    assert [line.split()[0] for line in profile_listing("generic").splitlines()] == list(habits())
+    with pytest.raises(UserError, match="no such drive profile"):
+        profile_listing("epos5")
