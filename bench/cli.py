@@ -254,6 +254,15 @@ def drives(
 
 @app.command()
 @_rejecting
+def faults() -> None:
+    """List what a fault column may bring about."""
+    from bench.rig.faults import faults_table
+
+    print(faults_table())
+
+
+@app.command()
+@_rejecting
 def perf(
     plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
         "testplans/latch_accuracy.csv"

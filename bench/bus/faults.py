@@ -115,3 +115,53 @@ class DropById:
             return None
         self._dropped += 1
         return Drop()
+
+
+class Window:
+    """Whether a fault acts now; `begin` and `end` are called by whoever knows the moment."""
+
+    def __init__(self, is_open: bool = True) -> None:
+        self.is_open = is_open
+
+    def begin(self) -> None:
+        """Let the fault act from now on."""
+        self.is_open = True
+
+    def end(self) -> None:
+        """Let it act no more."""
+        self.is_open = False
+
+
+@dataclass
+class FrameFault:
+    """Fault hook for the frames of one standard identifier.
+
+    act: makes the action for a frame that is hit. window: while it is open. share, skip, count:
+    as in `DropById`, counted while the window is open. is_each_attempt: also asked about the
+    repetitions of a frame. random: of this fault alone.
+    """
+
+    cob_id: int
+    act: Callable[[Frame, random.Random], FaultAction]
+    window: Window
+    random: random.Random
+    share: float = 1.0
+    skip: int = 0
+    count: int | None = None
+    is_each_attempt: bool = False
+
+    def __call__(self, frame: Frame, port: "SimBus", attempt: int) -> FaultAction | None:
+        """Decide about one attempt."""
+        if frame.arbitration_id != self.cob_id or frame.is_extended_id or not self.window.is_open:
+            return None
+        if (attempt and not self.is_each_attempt) or self.count == 0:
+            return None
+        is_hit = self.random.random() < self.share
+        if self.skip:
+            self.skip -= 1
+            return None
+        if not is_hit:
+            return None
+        if self.count is not None:
+            self.count -= 1
+        return self.act(frame, self.random)

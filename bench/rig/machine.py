@@ -10,12 +10,12 @@ from pathlib import Path
 
 from bench.bus.arithmetic import CycleArithmetic
 from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.faults import DropById
 from bench.bus.record import BlfLog, FrameHash
 from bench.bus.segment import Segment
 from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
 from bench.rig.check import check_rig, segment_schedules
+from bench.rig.injection import inject
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
@@ -30,7 +30,6 @@ from kernel.nc.interpreter import Interpreter
 from kernel.nc.syntax import Program
 
 SIMULATED_LIMIT_NS = 600_000 * MS
-FAULT_SEED_STRIDE = 1000
 
 
 class SimulatedTimeoutError(Exception):
@@ -81,8 +80,8 @@ class Machine:
             for network in self.networks.values():
                 network.connect()
             self.links = {name: self._build_link(name) for name in settings.rig.axis}
-            self._build_faults(seed)
             self.channel = self._build_channel()
+            inject(self, seed)
             axes = [(name, self.plant.axes[a.plant]) for name, a in settings.rig.axis.items()]
             self.recorder = Recorder(self.plant, axes, self.plant.probes)
             self.channel.observers.append(self.recorder)
@@ -143,14 +142,6 @@ class Machine:
             ),
             self.networks[axis.segment],
         )
-
-    def _build_faults(self, seed: int) -> None:
-        for number, dropped in enumerate(self.settings.dropped):
-            axis_name, pdo = dropped.split(".")
-            axis = self.settings.rig.axis[axis_name]
-            cob_id = self.links[axis_name].telegrams[pdo].cob_id(axis.node)
-            hook = DropById(cob_id, seed=seed + FAULT_SEED_STRIDE * number)
-            self.segments[axis.segment].add_fault(hook)
 
     def _build_channel(self) -> Channel:
         return Channel(

@@ -11,11 +11,10 @@ from pathlib import Path
 from pydantic import ValidationError
 
 from bench.plan.assignment import Assignment
+from bench.rig.faults import Fault, read_faults
 from bench.rig.file import RigFile, SegmentTable, rig_error
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
-
-FAULT_KINDS = ("drop",)
 
 Located = Callable[[UserError, Assignment], UserError]
 """Turns an error of an assignment into one that names the place it was written at."""
@@ -36,7 +35,7 @@ class Settings:
     """A rig with the assignments of one run applied.
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
-    external: V.E variables by the name behind the prefix. dropped: suppressed PDOs (`Z.TPDO2`).
+    external: V.E variables by the name behind the prefix. faults: what goes wrong.
     """
 
     rig: RigFile
@@ -46,7 +45,7 @@ class Settings:
     segment: dict[str, SegmentTable]
     start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
     external: dict[str, float] = field(default_factory=dict)
-    dropped: list[str] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
 
     def apply(self, assignment: Assignment, located: Located) -> None:
         """Apply one assignment. Raises UserError, with its place, for one that does not fit."""
@@ -103,15 +102,7 @@ class Settings:
         self.external[item.name.removeprefix("V.E.")] = item.si()
 
     def _fault(self, item: Assignment, _located: Located) -> None:
-        if item.name not in FAULT_KINDS:
-            raise UserError("unknown kind of fault", value=item.name, allowed=FAULT_KINDS)
-        pdos = [
-            f"{axis}.{pdo}" for axis in self.axis for pdo in ("TPDO1", "TPDO2", "TPDO3", "RPDO1")
-        ]
-        for name in item.value.split():
-            if name not in pdos:
-                raise UserError("no such telegram", value=name, allowed=pdos)
-            self.dropped.append(name)
+        self.faults += read_faults(item.name, item.value, self.rig)
 
 
 def read_settings(

@@ -65,7 +65,7 @@ def test_plc_gives_external_variables(rig_file: Write, settings_of: Read) -> Non
 
 def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) -> None:
     settings = settings_of(rig_file(), "fault:drop=Z.TPDO2 Z.RPDO1")
-    assert settings.dropped == ["Z.TPDO2", "Z.RPDO1"]
+    assert [fault.target for fault in settings.faults] == ["Z.TPDO2", "Z.RPDO1"]
 
 
 # What they refuse
@@ -90,8 +90,8 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("bus:can1.interface=socketcan", "socketcan", "axisrig"),
         ("plc:FEED=3", "FEED", "V.E.<NAME>"),
         ("plc:V.E.FEED=fast", "fast", "not a number"),
-        ("fault:delay=Z.TPDO1", "delay", "drop"),
-        ("fault:drop=Z.TPDO4", "Z.TPDO4", "Z.TPDO1, Z.TPDO2, Z.TPDO3, Z.RPDO1"),
+        ("fault:dealy=Z.TPDO1", "dealy", "delay"),
+        ("fault:drop=Z.TPDO5", "Z.TPDO5", "Z.TPDO1, Z.TPDO2, Z.TPDO3, Z.TPDO4, Z.RPDO1"),
         ("fault:drop=Z.TPDO1 X.TPDO1", "X.TPDO1", "Z.TPDO1"),
     ],
 )

@@ -1,0 +1,199 @@
+"""Faults brought into a machine: hooks of its segments, nodes that do not belong, drives that fail.
+
+Every fault draws from a random sequence of its own, made of the seed of the run, its kind, target
+and place among its like; so a further fault changes nothing about the others.
+"""
+
+import random
+from collections import Counter
+from collections.abc import Callable
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from bench.bus.faults import (
+    Alter,
+    Delay,
+    Drop,
+    Duplicate,
+    ErrorAtBit,
+    FaultAction,
+    FrameFault,
+    Swap,
+    Window,
+)
+from bench.bus.frame import IFS_BITS, Frame, frame_bits
+from bench.bus.intruders import Babbler, SecondSender
+from bench.rig.faults import Fault
+from bench.rig.moments import Moments
+from kernel.clock import Phase
+from kernel.drives.mapping import COB_ID_BASE
+
+if TYPE_CHECKING:
+    from bench.bus.segment import Segment
+    from bench.rig.machine import Machine
+
+_COMMANDS = {"reset": 129, "reset_communication": 130, "stop": 2, "pre_operational": 128}
+_AXIS_IDS = {"SDO": 0x580, "EMCY": 0x080, "HEARTBEAT": 0x700, **COB_ID_BASE}
+_BUS_IDS = {"SYNC": 0x080, "NMT": 0x000}
+_TELEGRAM_OF_KIND = {
+    "sync_loss": "SYNC", "sync_jitter": "SYNC", "slow_sdo": "SDO", "heartbeat_loss": "HEARTBEAT",
+}  # fmt: skip
+
+Make = Callable[[dict[str, Any], Frame, random.Random], FaultAction]
+
+
+def _alter(values: dict[str, Any], frame: Frame, numbers: random.Random) -> FaultAction:
+    """Turn bits of one byte; a frame without data is lost instead."""
+    if not frame.data:
+        return Drop()
+    data = bytearray(frame.data)
+    place = numbers.randrange(len(data)) if values["byte"] is None else values["byte"] - 1
+    bits = 1 << numbers.randrange(8) if values["xor"] is None else values["xor"]
+    data[min(place, len(data) - 1)] ^= bits
+    return Alter(bytes(data))
+
+
+def _destroy(values: dict[str, Any], frame: Frame, numbers: random.Random) -> FaultAction:
+    bits = frame_bits(frame) - IFS_BITS
+    return ErrorAtBit(values["bit"] or numbers.randint(1, bits))
+
+
+def _wait(values: dict[str, Any], _frame: Frame, numbers: random.Random) -> FaultAction:
+    return Delay(values.get("by", 0) + numbers.randint(0, values["jitter"]))
+
+
+def _miss(values: dict[str, Any], _frame: Frame, _numbers: random.Random) -> FaultAction:
+    """Lose a frame for one drive, whose port has the name of its axis, or for all."""
+    return Drop(frozenset({values["receiver"]}) if values["receiver"] else None)
+
+
+_FRAME_ACTIONS: dict[str, Make] = {
+    "drop": lambda _values, _frame, _numbers: Drop(),
+    "duplicate": lambda values, _frame, _numbers: Duplicate(values["after"]),
+    "delay": _wait,
+    "corrupt": _destroy,
+    "alter": _alter,
+    "swap": lambda _values, _frame, _numbers: Swap(),
+    "sync_loss": _miss,
+    "sync_jitter": _wait,
+    "slow_sdo": _wait,
+    "heartbeat_loss": lambda _values, _frame, _numbers: Drop(),
+}
+
+
+def inject(machine: "Machine", seed: int) -> None:
+    """Bring the faults of a machine's settings into it; everything else of it is built."""
+    moments = Moments(machine)
+    seen: Counter[tuple[str, str]] = Counter()
+    for fault in machine.settings.faults:
+        key = (fault.kind, fault.target)
+        numbers = random.Random(f"{seed} {fault.kind} {fault.target} {seen[key]}")
+        seen[key] += 1
+        _Injection(machine, moments, fault, numbers).build()
+
+
+class _Injection:
+    """One fault on its way into the machine."""
+
+    def __init__(
+        self, machine: "Machine", moments: Moments, fault: Fault, numbers: random.Random
+    ) -> None:
+        self._machine, self._moments, self._fault, self._random = machine, moments, fault, numbers
+        self._values = dict(fault.values)
+        axes = machine.settings.rig.axis
+        name = fault.segment or axes[fault.axis].segment
+        self._segment: Segment = machine.segments[name]
+        self._axes = [fault.axis] if fault.axis else [a for a in axes if axes[a].segment == name]
+
+    def build(self) -> None:
+        kind = self._fault.kind
+        if kind in _FRAME_ACTIONS:
+            self._frame_fault()
+        elif kind == "babble":
+            data = bytes(self._values["bytes"])
+            Babbler(self._segment, self._values["id"], data, self._values["period"], self._window())
+        elif kind == "second_sender":
+            self._second_sender()
+        else:
+            self._reset()
+
+    # When
+
+    def _at(self, begin: Callable[[], None], end: Callable[[], None], for_ns: int | None) -> None:
+        """Let something begin at the moment of the fault, or now, and end after its time."""
+        clock = self._machine.scheduler
+
+        def start() -> None:
+            begin()
+            if for_ns is not None:
+                clock.call_at(clock.now_ns + for_ns, Phase.APPLICATION, end)
+
+        if self._values["at"] is None:
+            clock.call_at(clock.now_ns, Phase.APPLICATION, start)
+        else:
+            self._moments.when(self._values["at"], self._values["nth"], self._axes, start)
+
+    def _window(self) -> Window:
+        window = Window(is_open=False)
+        if self._values["at"] is None:
+            window.begin()  # before the first event, not with it
+        self._at(window.begin, window.end, self._values["for"])
+        return window
+
+    # What
+
+    def _cob_id(self) -> int:
+        telegram = self._fault.telegram or _TELEGRAM_OF_KIND[self._fault.kind]
+        if telegram in _BUS_IDS:
+            return _BUS_IDS[telegram]
+        return _AXIS_IDS[telegram] + self._machine.settings.rig.axis[self._fault.axis].node
+
+    def _frame_fault(self) -> None:
+        fault, values = self._fault, self._values
+        if fault.kind == "sync_loss":
+            values["receiver"] = fault.axis
+        self._segment.add_fault(
+            FrameFault(
+                self._cob_id(),
+                partial(_FRAME_ACTIONS[fault.kind], values),
+                self._window(),
+                self._random,
+                share=values["p"],
+                skip=values["skip"],
+                count=values["count"],
+                is_each_attempt=fault.kind == "corrupt",
+            )
+        )
+
+    def _second_sender(self) -> None:
+        values = self._values
+        wanted = values["data"]
+
+        def content(last: bytes, numbers: random.Random) -> bytes:
+            if isinstance(wanted, bytes):
+                return wanted
+            return last if wanted == "last" else numbers.randbytes(len(last))
+
+        SecondSender(
+            self._segment,
+            self._cob_id(),
+            content,
+            values["after"],
+            self._window(),
+            self._random,
+            share=values["p"],
+            skip=values["skip"],
+            count=values["count"],
+        )
+
+    def _reset(self) -> None:
+        port = self._segment.port("foreign master")
+        port.attach_data(lambda _id, _data, _time: None)
+        node = self._machine.settings.rig.axis[self._fault.axis].node
+        data = bytes([_COMMANDS[self._values["command"]], node])
+        clock = self._machine.scheduler
+        send = partial(port.send_raw, 0x000, data)
+        if self._values["at"] is None:
+            clock.call_at(clock.now_ns, Phase.APPLICATION, send)
+        else:
+            self._moments.when(self._values["at"], self._values["nth"], self._axes, send)
