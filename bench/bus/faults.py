@@ -8,14 +8,11 @@ decides.
 import random
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
+from bench.bus.controller import Controller
 from bench.bus.frame import EXTENDED_ID_MAX, STANDARD_ID_MAX, Frame
 from kernel.clock import TimeNs
 from kernel.errors import UserError
-
-if TYPE_CHECKING:
-    from bench.bus.simbus import SimBus
 
 
 @dataclass(frozen=True)
@@ -32,12 +29,13 @@ class Drop:
 class ErrorAtBit:
     """The frame is destroyed: `bit` bits of it are sent (1 = SOF, stuff bits count), then the flag.
 
-    Every node sees the error at the same bit, so the error frame is one active flag of 6 bits and
-    the delimiter of 8. The sender tries again by itself after the intermission. A `bit` beyond
-    the end of frame destroys the last bit. Source: Bosch CAN 2.0 part A, 3.1.3 and 6.1.
+    seen_by: names of the ports that see it, None = every node at the same bit. What follows, error
+    frame, counters and retransmission, is told in `bench.bus.segment`. A `bit` beyond the end of
+    frame destroys the last bit. Source: Bosch CAN 2.0 part A, 3.1.3 and 6.1.
     """
 
     bit: int
+    seen_by: frozenset[str] | None = None
 
     def __post_init__(self) -> None:
         if self.bit < 1:
@@ -74,7 +72,7 @@ class Swap:
 
 
 FaultAction = Drop | ErrorAtBit | Alter | Delay | Duplicate | Swap
-FaultHook = Callable[[Frame, "SimBus", int], FaultAction | None]
+FaultHook = Callable[[Frame, Controller, int], FaultAction | None]
 
 
 @dataclass
@@ -101,7 +99,7 @@ class DropById:
             raise UserError("no probability", value=self.share, allowed="0 .. 1")
         self._random = random.Random(self.seed)
 
-    def __call__(self, frame: Frame, port: "SimBus", attempt: int) -> FaultAction | None:
+    def __call__(self, frame: Frame, port: Controller, attempt: int) -> FaultAction | None:
         """Decide about one attempt."""
         same_format = frame.is_extended_id == (self.cob_id > STANDARD_ID_MAX)
         if frame.arbitration_id != self.cob_id or not same_format:

@@ -126,14 +126,19 @@ _NEXT8, _ADDED8 = _stuff_table(8)
 _ADDED7 = _stuff_table(7)[1]
 
 
-@lru_cache(maxsize=8192)
-def _header(can_id: int, extended: bool, remote: bool, dlc: int) -> tuple[int, int, int]:
-    """Return CRC, row of the stuff table and bits on the wire from SOF to the DLC."""
+def _header_bits(can_id: int, extended: bool, remote: bool, dlc: int) -> list[int]:
+    """Return the bits from SOF to the DLC, without stuff bits."""
     if extended:
         arbitration = [*_bits(can_id >> 18, 11), 1, 1, *_bits(can_id, 18), int(remote), 0, 0]
     else:
         arbitration = [*_bits(can_id, 11), int(remote), 0, 0]
-    wire = [0, *arbitration, *_bits(dlc, 4)]
+    return [0, *arbitration, *_bits(dlc, 4)]
+
+
+@lru_cache(maxsize=8192)
+def _header(can_id: int, extended: bool, remote: bool, dlc: int) -> tuple[int, int, int]:
+    """Return CRC, row of the stuff table and bits on the wire from SOF to the DLC."""
+    wire = _header_bits(can_id, extended, remote, dlc)
     crc = 0
     for bit in wire:
         crc = _crc_step(crc, bit)
@@ -156,3 +161,20 @@ def frame_bits(frame: Frame) -> int:
     index = row | crc >> 7
     stuffed = _ADDED8[index] + _ADDED7[_NEXT8[index] >> 1 | crc & 0x7F]
     return bits + (8 * len(data) + 15 + TAIL_BITS + IFS_BITS) + stuffed
+
+
+def wire_bits(frame: Frame) -> str:
+    """Return the levels from SOF to the end of the CRC with stuff bits; "0" is dominant."""
+    can_id, data, extended, remote, dlc = frame
+    bits = _header_bits(can_id, extended, remote, dlc)
+    for byte in data:
+        bits += _bits(byte, 8)
+    crc = 0
+    for bit in bits:
+        crc = _crc_step(crc, bit)
+    bits += _bits(crc, 15)
+    text, state = "0", _STATES.index((0, 1))
+    for bit in bits[1:]:
+        state, stuffed = _stuff_step(state, bit)
+        text += f"{bit}{1 - bit}" if stuffed else str(bit)
+    return text

@@ -1,14 +1,11 @@
 """The open segments by name, so that `can.Bus(interface="axisrig", channel=name)` finds them."""
 
-from typing import TYPE_CHECKING
+from bench.bus.controller import Wire
 
-if TYPE_CHECKING:
-    from bench.bus.segment import Segment
-
-_open_segments: dict[str, "Segment"] = {}
+_open_segments: dict[str, Wire] = {}
 
 
-def register(segment: "Segment") -> None:
+def register(segment: Wire) -> None:
     """Make `segment` known by its name.
 
     Raises ValueError while another open segment has that name.
@@ -18,13 +15,13 @@ def register(segment: "Segment") -> None:
     _open_segments[segment.name] = segment
 
 
-def unregister(segment: "Segment") -> None:
+def unregister(segment: Wire) -> None:
     """Forget `segment`; without effect when it is not known."""
     if _open_segments.get(segment.name) is segment:
         del _open_segments[segment.name]
 
 
-def find(name: str) -> "Segment | None":
+def find(name: str) -> Wire | None:
     """Return the open segment of that name."""
     return _open_segments.get(name)
 

@@ -1,24 +1,33 @@
-"""One CAN bus: arbitration, frame times to the bit, delivery, faults, records.
+"""One CAN bus: arbitration, frame times to the bit, delivery, errors, records.
 
 Time of a frame: it starts when it wins arbitration (bit 1 = SOF), is delivered at the end of its
 last end-of-frame bit, and the next frame may start 3 bits (intermission) later. What was
 requested by then, at the very instant included, competes by identifier, not by order of calls.
 Each port competes with the head of its transmit queue.
 
-Choices where real buses vary:
-- A frame without a receiver (a single port) counts as sent; there is no acknowledgement error.
-- Two ports that send the same identifier at once: the port that was opened first goes first.
-- A sender does not receive its own frames (unless its port asks for it).
+Errors (`ErrorAtBit`, collisions, no acknowledgement; docs/can.md has the counters):
+- Error frame: one flag of 6 bits when every node sees the error at the same bit, 12 bits of
+  superposed flags when some see it before the others (the longest that can be), delimiter 8 bits.
+- The sender tries again by itself. An error passive one leaves the bus to others for 8 bits more
+  than the intermission after each frame of its own.
+- An error that error passive receivers alone see costs them the frame and nobody else.
+- A frame that no other port acknowledges is destroyed behind its acknowledge slot.
+- Same identifier at once from two ports: `bench.bus.collision`.
+- The counters change at the end of the error frame. Overload frames do not occur.
+A sender does not receive its own frames (unless its port asks for it).
 """
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from functools import partial
 from itertools import count
-from typing import Self
+from typing import Any, NamedTuple, Self
 
 import can
 
 from bench.bus import registry
+from bench.bus.collision import collide
+from bench.bus.confinement import ErrorState
+from bench.bus.controller import Controller, QueueKind, Request
 from bench.bus.faults import (
     Alter,
     Delay,
@@ -29,34 +38,73 @@ from bench.bus.faults import (
     FaultHook,
     Swap,
 )
-from bench.bus.frame import DATA_BYTES_MAX, IFS_BITS, Frame, frame_bits, worst_case_bits
+from bench.bus.frame import (
+    DATA_BYTES_MAX,
+    IFS_BITS,
+    TAIL_BITS,
+    Frame,
+    frame_bits,
+    worst_case_bits,
+)
 from bench.bus.load import LoadFigures, LoadMeter
 from bench.bus.record import FrameObserver
-from bench.bus.simbus import QueueKind, Request, SimBus, message
+from bench.bus.simbus import SimBus, message
+from bench.bus.standing import Standing, further_attempt, passive
 from kernel.clock import Phase, S, TimeNs
-from kernel.cosim.scheduler import Scheduler
+from kernel.cosim.scheduler import Event, Scheduler
 
-ERROR_FRAME_BITS = 14
-"""Active error flag (6) and error delimiter (8)."""
+FLAG_BITS, SUPERPOSED_FLAG_BITS, DELIMITER_BITS = 6, 12, 8
+SUSPEND_BITS = 8
+"""How much longer than the intermission an error passive sender waits."""
 
-_BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + ERROR_FRAME_BITS
+_BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
+_AFTER_ACK_BITS = 8
+"""Acknowledge delimiter and end of frame."""
+
+
+class _Oddity(NamedTuple):
+    """What is unusual about a frame on the wire.
+
+    partners: further ports that send the same bits. missed: names of the ports that do not get it.
+    seen_by: names of those who see its error before the others, None = all at once.
+    is_unacknowledged: the error is the missing acknowledgement. is_cut: the sender lost its power.
+    """
+
+    action: FaultAction | None = None
+    partners: tuple[tuple[Controller, Request], ...] = ()
+    missed: Container[str] = ()
+    seen_by: frozenset[str] | None = None
+    is_unacknowledged: bool = False
+    is_cut: bool = False
 
 
 class Segment:
     """One CAN bus of `bitrate` bit/s in simulated time; a context manager that closes itself.
 
+    automatic_recovery: a controller that is bus-off begins its recovery by itself; otherwise when
+    its `recover` is called.
     Raises ValueError when an open segment has the same name.
     """
 
-    def __init__(self, name: str, bitrate: int, scheduler: Scheduler) -> None:
+    def __init__(
+        self, name: str, bitrate: int, scheduler: Scheduler, *, automatic_recovery: bool = True
+    ) -> None:
         if bitrate <= 0:
             raise ValueError(f"bit rate {bitrate} bit/s is not positive")
         self.name = name
         self.bitrate = bitrate
         self.scheduler = scheduler
         self.sequence = count()
-        self.ports: tuple[SimBus, ...] = ()
+        self.ports: tuple[Controller, ...] = ()
         self._idle = True
+        self._free_ns: TimeNs = 0
+        # The ports that take part; whether there are too few of them for an acknowledgement
+        self._live: tuple[Controller, ...] = ()
+        self._is_lone = True
+        self._suspended: tuple[Controller, ...] = ()
+        self._suspended_until_ns: TimeNs = 0
+        self._standing = Standing(bitrate, scheduler, automatic_recovery=automatic_recovery)
+        self._recovery = self._standing.recovery
         self._faults: tuple[FaultHook, ...] = ()
         self._taps: tuple[can.Listener, ...] = ()
         self._observers: tuple[FrameObserver, ...] = ()
@@ -64,10 +112,11 @@ class Segment:
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
         # What is on the wire: sender, request, start of frame, length up to and without the
-        # intermission, what is wrong with it.
-        self._wire: tuple[SimBus, Request, TimeNs, int, FaultAction | None] | None = None
+        # intermission, what is unusual about it.
+        self._wire: tuple[Controller, Request, TimeNs, int, _Oddity | None] | None = None
+        self._end: Event = []
         # Requests that wait for the next frame of their port
-        self._held: dict[SimBus, Request] = {}
+        self._held: dict[Controller, Request] = {}
         registry.register(self)
 
     # --- building --------------------------------------------------------------------------------
@@ -100,7 +149,8 @@ class Segment:
     def close(self) -> None:
         """Shut every port down and forget the name; without effect when closed."""
         for port in self.ports:
-            port.shutdown()
+            if isinstance(port, SimBus):
+                port.shutdown()
         registry.unregister(self)
 
     def __enter__(self) -> Self:
@@ -116,6 +166,11 @@ class Segment:
         """Simulated time in ns; during a delivery the end of that frame."""
         return self.scheduler.now_ns
 
+    @property
+    def state_changes(self) -> Sequence[tuple[TimeNs, str, ErrorState]]:
+        """Every change of an error state: (time, port name, new state)."""
+        return self._standing.changes
+
     def load(self) -> LoadFigures:
         """Return the load from 0 to now; the frame on the wire is not in it yet."""
         return self._meter.figures(self.now_ns)
@@ -126,32 +181,99 @@ class Segment:
 
     # --- for the ports ---------------------------------------------------------------------------
 
-    def connect(self, port: SimBus) -> None:
+    def connect(self, port: Controller) -> None:
         """Let `port` take part; its constructor calls this."""
         self.ports += (port,)
+        self.update_parts()
 
-    def disconnect(self, port: SimBus) -> None:
+    def disconnect(self, port: Controller) -> None:
         """Let `port` take part no more; its `shutdown` calls this."""
         self.ports = tuple(known for known in self.ports if known is not port)
+        self.update_parts()
+
+    def update_parts(self) -> None:
+        """Take note that a port has become silent or speaks again."""
+        self._live = tuple(port for port in self.ports if port.takes_part)
+        self._is_lone = len(self._live) < 2
+        if self._held:
+            self._held = {port: request for port, request in self._held.items() if port.takes_part}
 
     def wake(self) -> None:
         """Take note of a new request; a bus at rest arbitrates at the end of this instant."""
         if self._idle:
             self._idle = False
-            self.scheduler.call_at(self.scheduler.now_ns, Phase.ARBITRATION, self._arbitrate)
+            now_ns, free_ns = self.scheduler.now_ns, self._free_ns
+            time_ns = free_ns if free_ns > now_ns else now_ns
+            self.scheduler.call_at(time_ns, Phase.ARBITRATION, self._arbitrate)
 
-    # --- the wire --------------------------------------------------------------------------------
+    def recover(self, port: Controller) -> None:
+        """Let `port`, which is bus-off, count recessive bits; it calls this."""
+        now_ns = self.scheduler.now_ns
+        self._recovery.add(port, None if self._wire else max(now_ns, self._free_ns))
+
+    def cut(self, port: Controller) -> None:
+        """End what `port` is sending, for it has no power any more; it calls this.
+
+        The line stays recessive: six bits later the others see a stuff error. Once the check sum
+        is out, nothing is missing.
+        """
+        self._recovery.remove(port)
+        if self._wire is None or self._wire[0] is not port or self._end[3] != self._end_of_frame:
+            return
+        _, request, start_ns, bits, _ = self._wire
+        now_ns = self.scheduler.now_ns
+        sent = -(-(now_ns - start_ns) * self.bitrate // S)
+        if sent <= bits - TAIL_BITS:
+            self.scheduler.cancel(self._end)
+            sent += FLAG_BITS + FLAG_BITS + DELIMITER_BITS
+            self._plan_end(port, request, start_ns, sent, _Oddity(is_cut=True), self._end_of_error)
+
+    # --- arbitration -----------------------------------------------------------------------------
 
     def _arbitrate(self) -> None:
         """Start the frame with the lowest arbitration field, or rest."""
-        winner, lowest = None, 0
-        for port in self.ports:
-            pending = port.pending
-            if pending and (winner is None or pending[0][0] < lowest):
-                winner, lowest = port, pending[0][0]
-        if winner is None:
-            self._idle = True
-            return
+        suspended = self._suspended
+        if suspended and self.scheduler.now_ns >= self._suspended_until_ns:
+            suspended = self._suspended = ()
+        while True:
+            winner, lowest = None, 0
+            rivals: tuple[Controller, ...] = ()
+            for port in self._live:
+                pending = port.pending
+                if pending and port not in suspended:
+                    key = pending[0][0]
+                    if winner is None or key < lowest:
+                        winner, lowest, rivals = port, key, ()
+                    elif key == lowest:
+                        rivals += (port,)
+            if winner is None:
+                self._rest()
+                return
+            if not (rivals or self._faults or self._is_lone):
+                self._begin(winner, winner.take(), None)
+                return
+            if self._begin_oddly(winner, rivals):
+                return
+
+    def _rest(self) -> None:
+        """Wait for a request, or for the end of a suspended transmission."""
+        self._idle = True
+        if any(port.pending for port in self._suspended):
+            self.scheduler.call_at(self._suspended_until_ns, Phase.ARBITRATION, self.wake)
+
+    def _begin_oddly(self, winner: Controller, rivals: tuple[Controller, ...]) -> bool:
+        """Begin a frame that may meet with an oddity; return whether one began."""
+        if rivals:
+            collision = collide((winner, *rivals))
+            for port in collision.silenced:
+                self._standing.fail(port, port.take())
+                self._standing.tell((port,))
+            winner, *others = collision.senders
+            if collision.bit is not None:
+                partners = tuple((port, port.take()) for port in others)
+                self._destroy(winner, winner.take(), partners, collision.bit, collision.seen_by)
+                return True
+            rivals = tuple(others)
         request = winner.take()
         action: FaultAction | None = None
         for hook in self._faults:
@@ -160,51 +282,115 @@ class Segment:
                 break
         if isinstance(action, Delay | Swap):
             self._set_aside(winner, request, action)
-            self._arbitrate()
-            return
+            return False
+        partners = tuple((port, port.take()) for port in rivals)
+        missed: Container[str] = ()
         if isinstance(action, Alter):
             request = (*request[:4], request[4]._replace(data=action.data))
-        self._begin(winner, request, action)
+        elif isinstance(action, Drop):
+            missed = action.at or [port.port_name for port in self.ports]
+        elif isinstance(action, ErrorAtBit):
+            if self._hurts(action, (winner, *rivals)):
+                self._destroy(winner, request, partners, action.bit, action.seen_by)
+                return True
+            missed = action.seen_by or ()
+        if len(self._live) == 1 + len(partners):
+            bit = frame_bits(request[4]) - IFS_BITS - _AFTER_ACK_BITS
+            self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)
+            return True
+        odd = _Oddity(action, partners, missed) if action or partners else None
+        self._begin(winner, request, odd)
+        return True
 
-    def _begin(self, winner: SimBus, request: Request, action: FaultAction | None) -> None:
-        """Put a frame on the wire."""
+    def _hurts(self, error: ErrorAtBit, senders: tuple[Controller, ...]) -> bool:
+        """Whether an error is seen by anyone whose flag the others notice."""
+        names = error.seen_by
+        seers = [port for port in self._live if names is None or port.port_name in names]
+        return any(p in senders or p.error_state is ErrorState.ACTIVE for p in seers)
+
+    def _destroy(
+        self,
+        sender: Controller,
+        request: Request,
+        partners: tuple[tuple[Controller, Request], ...],
+        bit: int,
+        seen_by: frozenset[str] | None,
+        is_unacknowledged: bool = False,
+    ) -> None:
+        """Put a frame on the wire that ends with an error frame behind its bit `bit`."""
+        bits = min(bit, frame_bits(request[4]) - IFS_BITS)
+        if seen_by is not None and all(port.port_name in seen_by for port in self._live):
+            seen_by = None
+        bits += FLAG_BITS if seen_by is None else SUPERPOSED_FLAG_BITS
+        odd = _Oddity(partners=partners, seen_by=seen_by, is_unacknowledged=is_unacknowledged)
+        self._start(sender, request, bits + DELIMITER_BITS, odd, self._end_of_error)
+
+    # --- the wire --------------------------------------------------------------------------------
+
+    def _begin(self, sender: Controller, request: Request, odd: _Oddity | None) -> None:
+        """Put a whole frame on the wire."""
         bits = frame_bits(request[4]) - IFS_BITS
-        end = self._end_of_frame
-        if isinstance(action, ErrorAtBit):
-            bits = min(action.bit, bits) + ERROR_FRAME_BITS
-            end = self._end_of_error
-        scheduler = self.scheduler
-        start_ns = scheduler.now_ns
-        self._wire = (winner, request, start_ns, bits, action)
-        duration_ns = self._duration_ns
-        scheduler.call_at(start_ns + duration_ns[bits], Phase.DELIVERY, end)
-        free_ns = start_ns + duration_ns[bits + IFS_BITS]
-        scheduler.call_at(free_ns, Phase.ARBITRATION, self._arbitrate)
+        self._start(sender, request, bits, odd, self._end_of_frame)
+
+    def _start(
+        self, sender: Controller, request: Request, bits: int, odd: _Oddity | None, end: Any
+    ) -> None:
+        now_ns = self.scheduler.now_ns
+        self._suspended = ()
+        if self._recovery:
+            self._recovery.frame_begins(now_ns)
+        self._plan_end(sender, request, now_ns, bits, odd, end)
+
+    def _plan_end(
+        self,
+        sender: Controller,
+        request: Request,
+        start_ns: TimeNs,
+        bits: int,
+        odd: _Oddity | None,
+        end: Any,
+    ) -> None:
+        self._wire = (sender, request, start_ns, bits, odd)
+        end_ns = start_ns + self._duration_ns[bits]
+        self._end = self.scheduler.call_at(end_ns, Phase.DELIVERY, end)
 
     def _end_of_frame(self) -> None:
         """Deliver the frame on the wire."""
-        sender, request, start_ns, _, action = self._leave_wire()
+        sender, request, start_ns, _, odd = self._leave_wire()
         frame = request[4]
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
         now_ns = self.scheduler.now_ns
         self._record(frame, now_ns, is_error=False)
-        missed: Container[str] = ()
-        if action is not None:
-            if isinstance(action, Duplicate):
-                self._send_later(sender, request, action.after_ns)
-            elif isinstance(action, Drop):
-                missed = action.at or [port.port_name for port in self.ports]
-        for port in self.ports:
-            if missed and port.port_name in missed:
+        senders = (sender,) if odd is None else (sender, *(port for port, _ in odd.partners))
+        receivers = self._live
+        if self._standing.is_disturbed:
+            action = None if odd is None else odd.action
+            failed = (action.seen_by or ()) if isinstance(action, ErrorAtBit) else ()
+            missed = () if odd is None else odd.missed
+            self._standing.frame_passed(receivers, senders, missed, failed)
+            self._suspend(senders)
+        for port in receivers:
+            if odd is not None and port.port_name in odd.missed:
                 continue
-            if port is not sender:
+            if port not in senders:
                 port.deliver(frame, now_ns, False)
             elif port.receive_own_messages:
                 port.deliver(frame, now_ns, True)
+        if odd is not None and isinstance(odd.action, Duplicate):
+            self._send_later(sender, request, odd.action.after_ns)
         if self._held and sender in self._held:
             self._send_later(sender, self._held.pop(sender), 0)
+        self._go_on()
 
-    def _set_aside(self, port: SimBus, request: Request, action: Delay | Swap) -> None:
+    def _go_on(self) -> None:
+        """Arbitrate when the bus is free, if anyone wants to send by now."""
+        for port in self._live:
+            if port.pending:
+                self.scheduler.call_at(self._free_ns, Phase.ARBITRATION, self._arbitrate)
+                return
+        self._idle = True
+
+    def _set_aside(self, port: Controller, request: Request, action: Delay | Swap) -> None:
         """Let a request wait for its time, or for the next frame of its port."""
         if isinstance(action, Delay):
             self._send_later(port, request, action.time_ns)
@@ -213,33 +399,26 @@ class Segment:
         else:
             self._held[port] = request
 
-    def _send_later(self, port: SimBus, request: Request, after_ns: TimeNs) -> None:
+    def _send_later(self, port: Controller, request: Request, after_ns: TimeNs) -> None:
         """Let a request compete `after_ns` from now, as a further attempt of it."""
-        key, sequence, requested_ns, attempt, frame = request
-        again = (key, sequence, requested_ns, attempt + 1, frame)
         time_ns = self.scheduler.now_ns + after_ns
-        self.scheduler.call_at(time_ns, Phase.APPLICATION, partial(self._return, port, again))
+        again = partial(self._return, port, further_attempt(request))
+        self.scheduler.call_at(time_ns, Phase.APPLICATION, again)
 
-    def _return(self, port: SimBus, request: Request) -> None:
+    def _return(self, port: Controller, request: Request) -> None:
         port.put_back(request)
         self.wake()
 
-    def _end_of_error(self) -> None:
-        """End an error frame; the destroyed frame competes again."""
-        sender, request, *_ = self._leave_wire()
-        key, sequence, requested_ns, attempt, frame = request
-        self._meter.count_error()
-        destroyed = frame._replace(data=b"", dlc=0, is_remote_frame=False)
-        sender.put_back((key, sequence, requested_ns, attempt + 1, frame))
-        self._record(destroyed, self.scheduler.now_ns, is_error=True)
-
-    def _leave_wire(self) -> tuple[SimBus, Request, TimeNs, int, FaultAction | None]:
+    def _leave_wire(self) -> tuple[Controller, Request, TimeNs, int, _Oddity | None]:
         """Take what was on the wire and book the time that it took."""
         assert self._wire is not None  # an end is planned only together with a start
         wire, self._wire = self._wire, None
         _, _, start_ns, bits, _ = wire
         bits += IFS_BITS
-        self._meter.occupy(start_ns, start_ns + self._duration_ns[bits], bits)
+        free_ns = self._free_ns = start_ns + self._duration_ns[bits]
+        self._meter.occupy(start_ns, free_ns, bits)
+        if self._recovery:
+            self._recovery.frame_ended(free_ns)
         return wire
 
     def _record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
@@ -248,3 +427,22 @@ class Segment:
             observer(time_ns, self.name, frame, is_error)
         for listener in self._taps:
             listener.on_message_received(message(frame, time_ns, self.name, is_error=is_error))
+
+    def _end_of_error(self) -> None:
+        """End an error frame; the destroyed frame competes again."""
+        sender, request, _, _, odd = self._leave_wire()
+        assert odd is not None
+        self._meter.count_error()
+        destroyed = request[4]._replace(data=b"", dlc=0, is_remote_frame=False)
+        self._record(destroyed, self.scheduler.now_ns, is_error=True)
+        senders = () if odd.is_cut else ((sender, request), *odd.partners)
+        self._standing.frame_failed(
+            self._live, senders, odd.seen_by, is_unacknowledged=odd.is_unacknowledged
+        )
+        self._suspend([port for port, _ in senders])
+        self._go_on()
+
+    def _suspend(self, senders: Sequence[Controller]) -> None:
+        """Let those who have just sent and are error passive wait longer than the others."""
+        self._suspended = passive(senders)
+        self._suspended_until_ns = self._free_ns + self._duration_ns[SUSPEND_BITS]

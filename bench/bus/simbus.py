@@ -4,11 +4,10 @@ One `SimBus` is one CAN controller on a segment. Waiting advances simulated time
 runs in the one thread that made the bus; others are refused, a stray `can.Notifier` included.
 """
 
-import heapq
 from collections import deque
-from collections.abc import Callable, MutableSequence, Sequence
+from collections.abc import Callable, Sequence
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any
 
 import can
 from can.broadcastmanager import (
@@ -20,6 +19,8 @@ from can.broadcastmanager import (
 from can.typechecking import CanFilters
 
 from bench.bus import registry
+from bench.bus.confinement import ErrorState
+from bench.bus.controller import QUEUES, Controller, QueueKind, Wire
 from bench.bus.frame import (
     DATA_BYTES_MAX,
     EXTENDED_ID_MAX,
@@ -29,25 +30,16 @@ from bench.bus.frame import (
 )
 from kernel.clock import Phase, S, TimeNs, seconds_to_ns
 
-if TYPE_CHECKING:
-    from bench.bus.segment import Segment
-
-Request = tuple[int, int, TimeNs, int, Frame]
-"""A frame waiting to be sent: (arbitration key, sequence, time of the request, attempt, frame)."""
-
 MessageCallback = Callable[[can.Message], None]
 DataCallback = Callable[[int, bytes, float], None]
-QueueKind = Literal["fifo", "mailbox"]
-
-# How a controller keeps its pending frames: (container, push, pop, put back). The head stands at
-# index 0 in both. A FIFO is what most drivers give; mailboxes send the lowest identifier first.
-_QUEUES: dict[str, tuple[type, Any, Any, Any]] = {
-    "fifo": (deque, deque.append, deque.popleft, deque.appendleft),
-    "mailbox": (list, heapq.heappush, heapq.heappop, heapq.heappush),
+_BUS_STATES = {
+    ErrorState.ACTIVE: can.BusState.ACTIVE,
+    ErrorState.PASSIVE: can.BusState.PASSIVE,
+    ErrorState.BUS_OFF: can.BusState.ERROR,
 }
 
 
-class SimBus(can.BusABC):
+class SimBus(Controller, can.BusABC):
     """One CAN controller on a `Segment`.
 
     Received frames go to the callbacks of `attach` and `attach_data`; without any they queue for
@@ -56,7 +48,7 @@ class SimBus(can.BusABC):
 
     def __init__(
         self,
-        channel: "Segment | str",
+        channel: Wire | str,
         can_filters: CanFilters | None = None,
         *,
         port_name: str | None = None,
@@ -81,24 +73,20 @@ class SimBus(can.BusABC):
             raise can.CanInitializationError(
                 f"segment {segment.name!r} runs at {segment.bitrate} bit/s, not {bitrate}"
             )
-        if queue not in _QUEUES:
+        if queue not in QUEUES:
             raise can.CanInitializationError(
-                f"unknown transmit queue {queue!r}; allowed: {', '.join(_QUEUES)}"
+                f"unknown transmit queue {queue!r}; allowed: {', '.join(QUEUES)}"
             )
-        self.segment = segment
-        self.port_name = port_name or f"port{len(segment.ports) + 1}"
+        Controller.__init__(self, segment, port_name or f"port{len(segment.ports) + 1}", queue)
         self.channel_info = f"axisrig segment {segment.name}, {self.port_name}"
         self.receive_own_messages = receive_own_messages
         self._thread = get_ident()
         self._scheduler = segment.scheduler
-        self._queue_kind = queue
-        container, self._push, self._pop, self._put_back = _QUEUES[queue]
-        self._pending: MutableSequence[Request] = container()
         self._received: deque[can.Message] = deque()
         self._message_callbacks: tuple[MessageCallback, ...] = ()
         self._data_callbacks: tuple[DataCallback, ...] = ()
         segment.connect(self)
-        super().__init__(channel=segment.name, can_filters=can_filters)
+        can.BusABC.__init__(self, channel=segment.name, can_filters=can_filters)
 
     # --- sending -----------------------------------------------------------------------------
 
@@ -106,7 +94,8 @@ class SimBus(can.BusABC):
         """Request `msg`; it competes for the bus at this instant. The queue has no limit.
 
         Raises ValueError for what a classical CAN controller cannot send, RuntimeError in a
-        foreign thread, can.CanOperationError after `shutdown`.
+        foreign thread, can.CanOperationError after `shutdown`. While the controller is bus-off or
+        without power the request is lost and counted in `discarded`.
         """
         can_id, extended, remote = msg.arbitration_id, msg.is_extended_id, msg.is_remote_frame
         if msg.is_fd or msg.is_error_frame:
@@ -137,9 +126,11 @@ class SimBus(can.BusABC):
             raise RuntimeError("a simulated bus belongs to the thread that made it")
         if self._is_shutdown:
             raise can.CanOperationError(f"{self.channel_info} is shut down")
+        if not self.takes_part:
+            self.discarded += 1
+            return
         segment = self.segment
-        request = (key, next(segment.sequence), self._scheduler.now_ns, 0, frame)
-        self._push(self._pending, request)
+        self._push(self.pending, (key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
         segment.wake()
 
     def _send_periodic_internal(
@@ -154,7 +145,7 @@ class SimBus(can.BusABC):
 
     def flush_tx_buffer(self) -> None:
         """Discard the frames that have not won arbitration yet."""
-        self._pending.clear()
+        self.pending.clear()
 
     # --- receiving ---------------------------------------------------------------------------
 
@@ -209,28 +200,24 @@ class SimBus(can.BusABC):
     def shutdown(self) -> None:
         """Leave the segment: pending frames, cyclic tasks and callbacks are gone."""
         if not self._is_shutdown:
+            self.takes_part = False
             self.segment.disconnect(self)
-            self._pending.clear()
+            self.pending.clear()
             self._received.clear()
             self._message_callbacks = self._data_callbacks = ()
         super().shutdown()
 
-    # --- for the segment -----------------------------------------------------------------------
-
     @property
-    def pending(self) -> MutableSequence[Request]:
-        """Requests that have not won arbitration; the next one to compete is at index 0."""
-        return self._pending
+    def state(self) -> can.BusState:
+        """The error state as python-can has it; bus-off is ERROR. Set to ACTIVE it recovers."""
+        return _BUS_STATES[self.error_state]
 
-    def take(self) -> Request:
-        """Remove the request that competes next."""
-        request: Request = self._pop(self._pending)
-        return request
-
-    def put_back(self, request: Request) -> None:
-        """Let a request compete again after an error on the wire."""
-        if not self._is_shutdown:
-            self._put_back(self._pending, request)
+    @state.setter
+    def state(self, new_state: can.BusState) -> None:
+        """Recover from bus-off; raises NotImplementedError for another state than ACTIVE."""
+        if new_state is not can.BusState.ACTIVE:
+            raise NotImplementedError(f"a controller cannot be put into {new_state}")
+        self.recover()
 
 
 def message(

@@ -26,6 +26,7 @@ def play(segment: Segment, start_ns: int, seconds: int = 1) -> Seen:
         lambda frame, port, attempt: ErrorAtBit(30) if numbers.random() < 0.1 else None
     )
     port = segment.port("sender")
+    segment.port("listener")
     segment.scheduler.run_until(start_ns)
     for index in range(100):
         port.send_raw(numbers.randrange(0x800), numbers.randbytes(index % 9))
@@ -58,7 +59,8 @@ def test_one_hash_over_two_segments_tells_who_carried_what() -> None:
         with Segment("x", 1_000_000, scheduler) as x, Segment("y", 1_000_000, scheduler) as y:
             for segment, can_id in ((x, x_id), (y, y_id)):
                 segment.observe(frame_hash)
-                segment.port("only").send_raw(can_id, b"")
+                segment.port("listener")
+                segment.port("sender").send_raw(can_id, b"")
             scheduler.run_until(MS)
         assert frame_hash.frames == 2
         digests.add(frame_hash.hexdigest())
