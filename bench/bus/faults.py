@@ -148,7 +148,7 @@ class FrameFault:
     count: int | None = None
     is_each_attempt: bool = False
 
-    def __call__(self, frame: Frame, port: "SimBus", attempt: int) -> FaultAction | None:
+    def __call__(self, frame: Frame, port: Controller, attempt: int) -> FaultAction | None:
         """Decide about one attempt."""
         if frame.arbitration_id != self.cob_id or frame.is_extended_id or not self.window.is_open:
             return None
