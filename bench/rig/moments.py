@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from bench.bus.controller import Controller
 from bench.bus.frame import Frame
-from bench.bus.simbus import SimBus
 from bench.rig.faults import Moment
 from kernel.clock import Phase
 from kernel.drives.ds402 import enabled_bit, stored_bit
@@ -69,7 +69,7 @@ class Moments:
             return level
         return lambda: machine.channel.start_ns is not None and level()
 
-    def _look(self, _frame: Frame, _port: SimBus, _attempt: int) -> None:
+    def _look(self, _frame: Frame, _port: Controller, _attempt: int) -> None:
         for watch in self._watches:
             if watch.left:
                 now = watch.level()
