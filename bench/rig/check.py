@@ -7,9 +7,11 @@ from collections.abc import Mapping
 from bench.bus.arithmetic import CycleArithmetic, PlannedFrame, cycle_arithmetic
 from bench.rig.file import rig_error
 from bench.rig.settings import Settings
+from bench.rig.startup import drive_steps
 from kernel.clock import US
 from kernel.drives.ds402 import latch_object
 from kernel.drives.mapping import Telegram, telegrams
+from kernel.drives.startup_steps import BusSettings, Step
 from kernel.errors import UserError
 
 # The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
@@ -19,11 +21,10 @@ _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
 def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
     """Return the PDOs of one axis; the latch object follows from input and edge."""
     parameters = settings.axis[name]
-    return telegrams(
-        latch_object(
-            parameters.integer("kenngr.measure.input"), parameters.word("kenngr.measure.edge")
-        )
+    latch = latch_object(
+        parameters.integer("kenngr.measure.input"), parameters.word("kenngr.measure.edge")
     )
+    return telegrams(latch, settings.rig.drive[settings.rig.axis[name].drive].pdo_map)
 
 
 def segment_schedules(settings: Settings) -> dict[str, CycleArithmetic]:
@@ -53,6 +54,41 @@ def segment_schedules(settings: Settings) -> dict[str, CycleArithmetic]:
     return schedules
 
 
+def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
+    """Return the steps that start the drive of one axis.
+
+    Raises UserError for what the drive cannot do by its EDS.
+    """
+    rig = settings.rig
+    axis = rig.axis[name]
+    bus = BusSettings(
+        sync_period_us=rig.cycle.period_us,
+        sync_counter=rig.cycle.sync_counter,
+        heartbeat_ms=rig.cycle.heartbeat_ms,
+        master_node=rig.cycle.master_node,
+    )
+    keys = rig.drive[axis.drive]
+    return drive_steps(keys, bus, axis_telegrams(settings, name), axis.node, keys.make())
+
+
+def _check_start_up(settings: Settings) -> None:
+    """Check what the kernel tells the drives against what they have."""
+    for name, axis in settings.rig.axis.items():
+        try:
+            axis_steps(settings, name)
+        except UserError as error:
+            if error.file is not None:
+                raise
+            raise rig_error(
+                settings.files,
+                ("drive", axis.drive),
+                f"drive {axis.drive} of axis {name}: {error.message}",
+                value=error.value,
+                allowed=error.allowed,
+                hint=error.hint,
+            ) from error
+
+
 def check_rig(settings: Settings) -> None:
     """Check references, node ids, measuring source and bus time.
 
@@ -62,6 +98,7 @@ def check_rig(settings: Settings) -> None:
     _check_nodes(settings)
     _check_names(settings)
     _check_drives(settings)
+    _check_start_up(settings)
     cycle = settings.rig.cycle
     if cycle.cycle_offset_us >= cycle.period_us:
         raise rig_error(

@@ -13,8 +13,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
-    ConfigDict,
     Discriminator,
     Field,
     Tag,
@@ -32,9 +30,10 @@ from bench.drive.profiles import (
     profile_keys,
     profile_names,
 )
+from bench.rig.startup import StartUpKeys
+from bench.rig.tables import Name, Table
 from kernel.errors import UserError
 
-Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
 StartValue = bool | int | float | str
 
 
@@ -44,11 +43,13 @@ def _whole_um(value_mm: float) -> float:
     return value_mm
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+def _not_one(value: int) -> int:
+    if value == 1:
+        raise ValueError("a SYNC counter runs from 1 to 2 .. 240; 0 sends SYNC without one")
+    return value
 
 
-class CycleTable(_Table):
+class CycleTable(Table):
     """`[cycle]`: the time base of the machine, all in microseconds or cycles."""
 
     period_us: Annotated[int, Field(ge=250, le=20_000)] = 1000
@@ -56,15 +57,18 @@ class CycleTable(_Table):
     exchange_us: Annotated[int, Field(ge=10, le=20_000)] = 20_000
     fine_us: Annotated[int, Field(ge=10, le=20_000)] = 50
     buffer_cycles: Annotated[int, Field(ge=0, le=100)] = 0
+    sync_counter: Annotated[int, Field(ge=0, le=240), AfterValidator(_not_one)] = 0
+    heartbeat_ms: Annotated[int, Field(ge=0, le=65_535)] = 0
+    master_node: Annotated[int, Field(ge=1, le=127)] = 127
 
 
-class ChannelTable(_Table):
+class ChannelTable(Table):
     """`[channel]`: the channel parameter list in the manual's format."""
 
     list: str
 
 
-class SegmentTable(_Table):
+class SegmentTable(Table):
     """`[segment.NAME]`: one CAN bus."""
 
     interface: Literal["axisrig"] = "axisrig"
@@ -86,14 +90,14 @@ _FIELDS: dict[str, Any] = {
     "profile": (Literal[profile_names()], DEFAULT_PROFILE),
     **{key: _habit_field(habit) for key, habit in habits().items()},
 }
-_HabitTable: Any = create_model("_HabitTable", __base__=_Table, **_FIELDS)
+_HabitTable: Any = create_model("_HabitTable", __base__=StartUpKeys, **_FIELDS)
 
 
 class DriveTable(_HabitTable):  # type: ignore[misc]
     """`[drive.NAME]`: what kind of drive stands in front of an axis.
 
     profile: name of a set of habits; every key of `bench/drive/profiles.csv` that the rig does not
-    give has the profile's value.
+    give has the profile's value. How it is started: `StartUpKeys`.
     """
 
     @model_validator(mode="before")
@@ -110,7 +114,7 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
         return make_profile({key: getattr(self, key) for key in habits()})
 
 
-class AxisTable(_Table):
+class AxisTable(Table):
     """`[axis.NAME]`: one axis of the channel; the tables stand in the order of the axes."""
 
     list: str
@@ -122,7 +126,7 @@ class AxisTable(_Table):
     probe_2: Name | None = None
 
 
-class MapTable(_Table):
+class MapTable(Table):
     """`[plant.NAME.map]`: `role = { variable = "x", unit = "mm" }`.
 
     unit: where the FMU tells none. sign: -1 turns direction or level round. threshold: a number
@@ -154,7 +158,7 @@ MapEntry = Annotated[
 ]
 
 
-class PlantTable(_Table):
+class PlantTable(Table):
     """`[plant.NAME]`: an FMU, its start values (`surface_mm = 100`) and what it is wired to.
 
     fmu: name of a model of the library, or path of an .fmu beside the rig file. kind: what it is,
@@ -168,7 +172,7 @@ class PlantTable(_Table):
     map: dict[Name, MapEntry] = Field(default_factory=dict)
 
 
-class RigFile(_Table):
+class RigFile(Table):
     """A whole rig; see docs/rigs.md for every key."""
 
     title: str
@@ -242,6 +246,10 @@ def _anchor_paths(table: dict[str, Any], folder: Path) -> None:
     for entry in lists:
         if isinstance(entry, dict) and isinstance(entry.get("list"), str):
             entry["list"] = str((folder / entry["list"]).resolve())
+    for entry in _tables(table.get("drive")):
+        for key in ("eds", "pdo_map"):
+            if isinstance(entry, dict) and isinstance(entry.get(key), str):
+                entry[key] = str((folder / entry[key]).resolve())
     for entry in _tables(table.get("plant")):
         if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith(".fmu"):
             entry["fmu"] = str((folder / entry["fmu"]).resolve())

@@ -9,22 +9,22 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from bench.bus.arithmetic import CycleArithmetic
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from bench.bus.canopen_sim import SimNetwork
 from bench.bus.record import BlfLog, FrameHash
 from bench.bus.segment import Segment
-from bench.drive.eds import object_dictionary
 from bench.drive.node import DriveNode
-from bench.rig.check import check_rig, segment_schedules
+from bench.rig.check import axis_steps, check_rig, segment_schedules
 from bench.rig.injection import inject
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
+from bench.rig.startup import start_up_settings
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler
-from kernel.drives.commissioning import commission
 from kernel.drives.link import AxisLink, LinkSettings
-from kernel.errors import Alarm
+from kernel.drives.sdo import SdoClient
+from kernel.drives.startup import DriveAddress, StartUp
 from kernel.nc.canon import Message
 from kernel.nc.interpreter import Interpreter
 from kernel.nc.syntax import Program
@@ -139,6 +139,7 @@ class Machine:
                 probe_input=parameters.integer("kenngr.measure.input"),
                 edge=parameters.word("kenngr.measure.edge"),
                 lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+                pdo_map=self.settings.rig.drive[axis.drive].pdo_map,
             ),
             self.networks[axis.segment],
         )
@@ -168,17 +169,12 @@ class Machine:
         return segment_schedules(self.settings)
 
     def run(self) -> TimeNs:
-        """Commission the drives, run the program to its end, return the simulated time.
+        """Start the drives, run the program to its end, return the simulated time.
 
         Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
         SimulatedTimeoutError when the program does not end, UserError for what only running shows.
         """
-        try:
-            self._commission()
-        except Alarm as alarm:
-            self.channel.abort(alarm)
-            return self.scheduler.now_ns
-        self.channel.start()
+        self.channel.start_up([self._start_up(name) for name in self.settings.rig.axis])
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
         limit_ns = scheduler.now_ns + SIMULATED_LIMIT_NS
         while not channel.has_ended:
@@ -192,12 +188,20 @@ class Machine:
             scheduler.run_until(scheduler.now_ns + period_ns)
         return scheduler.now_ns
 
-    def _commission(self) -> None:
-        for name, axis in self.settings.rig.axis.items():
-            profile = self.settings.rig.drive[axis.drive].make()
-            remote = SimRemoteNode(axis.node, object_dictionary(axis.node, profile))
-            self.networks[axis.segment].add_node(remote)
-            commission(remote, self.links[name].telegrams, self.timing.period_ns // US, name)
+    def _start_up(self, name: str) -> StartUp:
+        axis = self.settings.rig.axis[name]
+        keys, network = self.settings.rig.drive[axis.drive], self.networks[axis.segment]
+        settings = start_up_settings(keys)
+        sdo = SdoClient(
+            network,
+            self.scheduler,
+            axis.node,
+            timeout_ns=settings.sdo_timeout_ns,
+            attempts=settings.sdo_attempts,
+        )
+        steps = axis_steps(self.settings, name)
+        address = DriveAddress(name, axis.node)
+        return StartUp(address, network, self.scheduler, sdo, steps, settings)
 
     def close(self) -> None:
         """Free plants, segments and the bus log."""

@@ -15,6 +15,7 @@ from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.clock import Clock, Phase, TimeNs
 from kernel.drives.ds402 import State
 from kernel.drives.link import AxisLink
+from kernel.drives.startup import StartUp
 from kernel.errors import Alarm
 from kernel.measuring.run import MeasuringRun, Order, RunRecord, RunState
 from kernel.motion.dynamics import Dynamics, Motion, path_dynamics
@@ -28,8 +29,11 @@ SETTLED_CYCLES = 10
 
 
 class ChannelState(Enum):
-    """POWERING until every drive is enabled, RUNNING, STOPPING after an alarm, ENDED."""
+    """STARTING over SDO, POWERING until every drive is enabled, RUNNING, STOPPING after an alarm,
+    ENDED.
+    """
 
+    STARTING = auto()
     POWERING = auto()
     RUNNING = auto()
     STOPPING = auto()
@@ -63,7 +67,8 @@ class Channel:
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
         self._lookahead: Lookahead | None = None
-        self.state = ChannelState.POWERING
+        self.state = ChannelState.STARTING
+        self._starting = 0
         self.alarms: list[Alarm] = []
         self.alarm_ns: list[TimeNs] = []
         self.records: list[RunRecord] = []
@@ -84,8 +89,29 @@ class Channel:
         """Take the command stream of an interpreter."""
         self._lookahead = Lookahead(commands, self._put_out)
 
+    def start_up(self, drives: Sequence[StartUp]) -> None:
+        """Start all drives at the same time, then the cyclic exchange.
+
+        Returns at once. When one of them does not start the program ends, with an alarm for each.
+        """
+        self._starting = len(drives)
+        for drive in drives:
+            drive.begin(self._on_started)
+
+    def _on_started(self, alarm: Alarm | None) -> None:
+        self._starting -= 1
+        if alarm is not None:
+            self._register(alarm)
+        if self._starting:
+            return
+        if self.alarms:
+            self.state = ChannelState.ENDED
+        else:
+            self.start()
+
     def start(self) -> None:
         """Begin the cyclic exchange at the next whole period."""
+        self.state = ChannelState.POWERING
         period = self.timing.period_ns
         self._next_sync_ns = -(-self._clock.now_ns // period) * period
         self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
@@ -348,8 +374,7 @@ class Channel:
             return
         if alarm.place is None and self._run is not None:
             alarm.place = self._run.record.block
-        self.alarms.append(alarm)
-        self.alarm_ns.append(self._clock.now_ns)
+        self._register(alarm)
         if not alarm.ends_program:
             return
         if self._run is not None:
@@ -360,8 +385,6 @@ class Channel:
             self.interpolator.brake(self._stop_dynamics.stop_deceleration)
         self.state = ChannelState.STOPPING
 
-    def abort(self, alarm: Alarm) -> None:
-        """End before the first cycle: a drive could not be commissioned."""
+    def _register(self, alarm: Alarm) -> None:
         self.alarms.append(alarm)
         self.alarm_ns.append(self._clock.now_ns)
-        self.state = ChannelState.ENDED

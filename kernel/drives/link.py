@@ -32,7 +32,8 @@ class LinkSettings:
     """What the kernel must know of a drive.
 
     increments_per_mm: scaling of 607A, 6064 and the latch objects. probe_input: 1 or 2
-    (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191.
+    (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. pdo_map:
+    path of a mapping table, None for the kernel's own.
     """
 
     axis: str
@@ -41,6 +42,7 @@ class LinkSettings:
     probe_input: int = 1
     edge: str = "POS"
     lag_delay_cycles: int = 0
+    pdo_map: str | None = None
 
 
 class AxisLink:
@@ -50,7 +52,7 @@ class AxisLink:
         self.settings, self.network = settings, network
         self.name = settings.axis
         self.latch_object = latch_object(settings.probe_input, settings.edge)
-        self.telegrams: dict[str, Telegram] = telegrams(self.latch_object)
+        self.telegrams: dict[str, Telegram] = telegrams(self.latch_object, settings.pdo_map)
         self._function = probe_function(settings.probe_input, settings.edge)
         self._enabled_bit = enabled_bit(settings.probe_input)
         self._stored_bit = stored_bit(settings.probe_input, settings.edge)

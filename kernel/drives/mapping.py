@@ -1,14 +1,19 @@
 """The cyclic telegram of a drive: which objects its PDOs carry, and their codecs.
 
-The table `pdo_map.csv` is what the kernel writes into the drive at start-up and what it packs
-and unpacks afterwards, so that both cannot differ.
+The table `pdo_map.csv` (or one of the same form that a rig names) is what the kernel writes into
+the drive at start-up and what it packs and unpacks afterwards, so that both cannot differ.
 """
 
 import csv
 import struct
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
+from pathlib import Path
+from typing import Any, Final
+
+from kernel.errors import UserError
 
 # Pre-defined connection set: CiA 301, COB-ID = base + node id
 COB_ID_BASE = {
@@ -16,13 +21,25 @@ COB_ID_BASE = {
     "TPDO3": 0x380, "RPDO3": 0x400, "TPDO4": 0x480, "RPDO4": 0x500,
 }  # fmt: skip
 _FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
-           (32, False): "I", (32, True): "i"}  # fmt: skip
+           (32, False): "I", (32, True): "i", (64, False): "Q", (64, True): "q"}  # fmt: skip
+BITS_MAX: Final = 64  # of a PDO
 LATCH = "latch"
+NO_FIELD = ""
+# What the link works with: field -> whether the kernel sends it. The first four must be mapped,
+# the rest is what measuring needs; an object without a field is for drive functions.
+FIELDS: Final[Mapping[str, bool]] = {
+    "controlword": True, "target": True, "statusword": False, "actual": False,
+    "probe_function": True, "probe_status": False, "latch": False, "inputs": False,
+}  # fmt: skip
+NEEDED: Final = ("controlword", "target", "statusword", "actual")
+COLUMNS: Final = (
+    "pdo", "transmission", "inhibit_100us", "index", "sub", "bits", "signed", "field",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class MappedObject:
-    """One object of a PDO: index, sub-index, length in bits, field name of the link."""
+    """One object of a PDO: index, sub-index, length in bits, field name of the link or ""."""
 
     index: int
     sub: int
@@ -36,6 +53,39 @@ class MappedObject:
         return self.index << 16 | self.sub << 8 | self.bits
 
 
+class BitCodec:
+    """The codec of a PDO with lengths that no `struct` has: the first object lies lowest.
+
+    Same calls as `struct.Struct`. Source: CiA 301 section 7.1, bit sequences are little endian.
+    """
+
+    def __init__(self, objects: tuple[MappedObject, ...]) -> None:
+        starts = [sum(o.bits for o in objects[:n]) for n in range(len(objects))]
+        self._fields = [(s, (1 << o.bits) - 1, o) for s, o in zip(starts, objects, strict=True)]
+        self.size = -(-sum(o.bits for o in objects) // 8)
+
+    def pack(self, *values: int) -> bytes:
+        """Make the payload; raises struct.error for a value that does not fit."""
+        whole = 0
+        for (start, mask, mapped), value in zip(self._fields, values, strict=True):
+            low = -(1 << mapped.bits - 1) if mapped.signed else 0
+            if not low <= value <= low + mask:
+                raise struct.error(f"{value} does not fit into {mapped.bits} bits")
+            whole |= (value & mask) << start
+        return whole.to_bytes(self.size, "little")
+
+    def unpack(self, data: bytes | bytearray) -> tuple[int, ...]:
+        """Take the payload apart; raises struct.error for another length."""
+        if len(data) != self.size:
+            raise struct.error(f"unpack requires a buffer of {self.size} bytes")
+        whole, values = int.from_bytes(data, "little"), []
+        for start, mask, mapped in self._fields:
+            value = whole >> start & mask
+            is_negative = mapped.signed and value >> mapped.bits - 1
+            values.append(value - mask - 1 if is_negative else value)
+        return tuple(values)
+
+
 @dataclass(frozen=True)
 class Telegram:
     """One PDO: name, transmission type, inhibit time (100 us) and what it carries."""
@@ -46,6 +96,11 @@ class Telegram:
     objects: tuple[MappedObject, ...]
 
     @property
+    def is_received(self) -> bool:
+        """Whether the drive receives it (RPDO)."""
+        return self.name.startswith("R")
+
+    @property
     def is_cyclic(self) -> bool:
         """Whether the PDO is sent or taken at every SYNC (CiA 301 transmission types 1 to 240)."""
         return 1 <= self.transmission <= 240
@@ -53,12 +108,20 @@ class Telegram:
     @property
     def length(self) -> int:
         """Payload in bytes."""
-        return sum(o.bits for o in self.objects) // 8
+        return -(-sum(o.bits for o in self.objects) // 8)
+
+    @cached_property
+    def codec(self) -> Any:
+        """The codec of the payload: little endian, no padding (CiA 301); a `struct.Struct`."""
+        formats = [_FORMAT.get((o.bits, o.signed)) for o in self.objects]
+        if None in formats:
+            return BitCodec(self.objects)
+        return struct.Struct("<" + "".join(str(f) for f in formats))
 
     @property
-    def codec(self) -> struct.Struct:
-        """The codec of the payload: little endian, no padding (CiA 301)."""
-        return struct.Struct("<" + "".join(_FORMAT[o.bits, o.signed] for o in self.objects))
+    def communication_index(self) -> int:
+        """Index of the communication parameter; the mapping lies 0x200 behind it."""
+        return (0x1400 if self.is_received else 0x1800) + int(self.name[-1]) - 1
 
     def cob_id(self, node_id: int) -> int:
         """Return the COB-ID of the pre-defined connection set."""
@@ -66,22 +129,27 @@ class Telegram:
 
 
 @cache
-def telegrams(latch_object: int) -> dict[str, Telegram]:
-    """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD)."""
-    text = resources.files(__package__).joinpath("pdo_map.csv").read_text(encoding="utf-8")
+def telegrams(latch_object: int, table: str | None = None) -> dict[str, Telegram]:
+    """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD).
+
+    table: path of a mapping table; without one the kernel's own.
+    Raises UserError, with file and line, for a table that is none.
+    """
     grouped: dict[str, list[dict[str, str]]] = {}
-    for row in csv.DictReader(text.splitlines()):
+    places: dict[str, int] = {}
+    for line, row in _rows(table):
         grouped.setdefault(row["pdo"], []).append(row)
-    return {
+        places[row["pdo"]] = line
+    found = {
         name: Telegram(
             name=name,
-            transmission=int(rows[0]["transmission"]),
-            inhibit_100us=int(rows[0]["inhibit_100us"]),
+            transmission=int(rows[0]["transmission"], 0),
+            inhibit_100us=int(rows[0]["inhibit_100us"], 0),
             objects=tuple(
                 MappedObject(
                     index=latch_object if row["index"] == LATCH else int(row["index"], 16),
-                    sub=int(row["sub"]),
-                    bits=int(row["bits"]),
+                    sub=int(row["sub"], 0),
+                    bits=int(row["bits"], 0),
                     signed=row["signed"] == "yes",
                     field=row["field"],
                 )
@@ -90,3 +158,93 @@ def telegrams(latch_object: int) -> dict[str, Telegram]:
         )
         for name, rows in grouped.items()
     }
+    _check_whole(found, places, table)
+    return found
+
+
+def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
+    if table is None:
+        text = resources.files(__package__).joinpath("pdo_map.csv").read_text(encoding="utf-8")
+    else:
+        try:
+            text = Path(table).read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise UserError("the mapping table cannot be read", file=table) from error
+    reader = csv.DictReader(text.splitlines())
+    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    if missing:
+        raise UserError(
+            "the mapping table lacks columns", file=table, line=1, value=" ".join(missing),
+            allowed=" ".join(COLUMNS),
+        )  # fmt: skip
+    rows = [
+        (reader.line_num, {name: (row[name] or "").strip() for name in COLUMNS}) for row in reader
+    ]
+    for line, row in rows:
+        _check_row(row, table, line)
+    return rows
+
+
+def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
+    """Raise UserError for a cell that cannot be."""
+
+    def wrong(column: str, allowed: str) -> UserError:
+        return UserError(
+            f"{column} of the mapping table cannot be that",
+            file=table, line=line, value=row[column], allowed=allowed,
+        )  # fmt: skip
+
+    if row["pdo"] not in COB_ID_BASE:
+        raise wrong("pdo", " ".join(COB_ID_BASE))
+    for column, low, high in (
+        ("transmission", 0, 255), ("inhibit_100us", 0, 65535), ("sub", 0, 255), ("bits", 1, 64),
+    ):  # fmt: skip
+        try:
+            fits = low <= int(row[column], 0) <= high
+        except ValueError:
+            fits = False
+        if not fits:
+            raise wrong(column, f"{low} .. {high}")
+    if row["index"] != LATCH:
+        try:
+            int(row["index"], 16)
+        except ValueError:
+            raise wrong("index", "an index such as 0x6064, or `latch`") from None
+    if row["signed"] not in ("yes", "no"):
+        raise wrong("signed", "yes or no")
+    if row["field"] not in (NO_FIELD, *FIELDS):
+        raise wrong("field", f"{' '.join(FIELDS)}, or nothing")
+    sends = FIELDS.get(row["field"])
+    if sends is not None and sends is not row["pdo"].startswith("R"):
+        raise wrong("pdo", f"{'an RPDO' if sends else 'a TPDO'} for {row['field']}")
+
+
+def _check_whole(
+    found: Mapping[str, Telegram], places: Mapping[str, int], table: str | None
+) -> None:
+    """Check length, fields and transmission of a whole table."""
+    fields: dict[str, Telegram] = {}
+    for telegram in found.values():
+        bits = sum(o.bits for o in telegram.objects)
+        if bits > BITS_MAX:
+            raise UserError(
+                f"{telegram.name} is longer than a PDO", file=table, line=places[telegram.name],
+                value=f"{bits} bits", allowed=f"{BITS_MAX} bits",
+            )  # fmt: skip
+        for mapped in telegram.objects:
+            if mapped.field in fields:
+                raise UserError(
+                    f"the field {mapped.field} stands twice in the mapping table",
+                    file=table, line=places[telegram.name],
+                )  # fmt: skip
+            if mapped.field:
+                fields[mapped.field] = telegram
+    for name in NEEDED:
+        if name not in fields:
+            raise UserError("the mapping table lacks a field", file=table, value=name)
+    for name, telegram in fields.items():
+        if name != "inputs" and telegram.transmission != 1:
+            raise UserError(
+                f"{telegram.name} carries {name} and must come with every SYNC",
+                file=table, line=places[telegram.name], value=telegram.transmission, allowed="1",
+            )  # fmt: skip

@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from fractions import Fraction
 from itertools import count
 from typing import Any
 
@@ -22,8 +23,10 @@ from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
-from kernel.drives.commissioning import commission
 from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.sdo import SdoClient
+from kernel.drives.startup import DriveAddress, StartUp
+from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.profile import Slope
 from kernel.nc import canon
@@ -263,11 +266,20 @@ class ChannelBench:
         )
 
     def prepare(self, commands: Iterable[canon.Command]) -> None:
-        """Commission the drives and start the cyclic exchange with a program."""
-        for name, link in zip(self.axes, self.links, strict=True):
-            commission(self.remotes[name], link.telegrams, 1000, name)
+        """Start the drives, then the cyclic exchange with a program."""
         self.channel.load(iter(commands))
-        self.channel.start()
+        self.channel.start_up([self._start_up(link) for link in self.links])
+
+    def _start_up(self, link: AxisLink) -> StartUp:
+        node_id, settings = link.settings.node_id, StartUpSettings()
+        scaling = Scaling(
+            self.profile.encoder_increments, Fraction(self.profile.units_per_revolution)
+        )
+        od = object_dictionary(node_id, self.profile)
+        steps = start_up_steps(settings, BusSettings(), link.telegrams, node_id, scaling, od)
+        sdo = SdoClient(self.network, self.scheduler, node_id)
+        address = DriveAddress(link.name, node_id)
+        return StartUp(address, self.network, self.scheduler, sdo, steps, settings)
 
     def run(self, commands: Iterable[canon.Command]) -> "ChannelBench":
         """Run a program to its end."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 
 import pytest
 
@@ -13,9 +14,13 @@ from bench.drive.ports import ControlKind
 from bench.drive.profile import DriveProfile
 from kernel.clock import MS, US
 from kernel.cosim.scheduler import Scheduler
-from kernel.drives.commissioning import commission
 from kernel.drives.ds402 import State
 from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.mapping import Telegram
+from kernel.drives.sdo import SdoClient
+from kernel.drives.startup import DriveAddress, StartUp
+from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
+from kernel.errors import Alarm
 
 NODE = 3
 OFFSET_NS = 600 * US
@@ -107,9 +112,46 @@ class LinkBench:
     lags_mm: list[tuple[float, float]] = field(default_factory=list)
 
     def commission(self) -> None:
+        """Start the drive; raises the alarm of a start-up that fails."""
         self.scheduler.run_until(2 * MS)
-        commission(self.remote, self.link.telegrams, 1000, "Z")
+        ended = self.start_up()
+        self.scheduler.run_while(lambda: not ended, None)
+        if ended[0] is not None:
+            raise ended[0]
         self.scheduler.run_until(self.next_period_ns)
+
+    def start_up(
+        self,
+        settings: StartUpSettings | None = None,
+        telegrams: dict[str, Telegram] | None = None,
+        bus: BusSettings | None = None,
+        scaling: Scaling | None = None,
+    ) -> list[Alarm | None]:
+        """Begin the start-up; the list holds its result when it is over."""
+        settings = settings or StartUpSettings()
+        profile = self.node.profile
+        scaling = scaling or Scaling(
+            profile.encoder_increments, Fraction(profile.units_per_revolution)
+        )
+        steps = start_up_steps(
+            settings,
+            bus or BusSettings(),
+            telegrams or self.link.telegrams,
+            NODE,
+            scaling,
+            self.remote.object_dictionary,
+        )
+        sdo = SdoClient(
+            self.network,
+            self.scheduler,
+            NODE,
+            timeout_ns=settings.sdo_timeout_ns,
+            attempts=settings.sdo_attempts,
+        )
+        ended: list[Alarm | None] = []
+        drive = DriveAddress("Z", NODE)
+        StartUp(drive, self.network, self.scheduler, sdo, steps, settings).begin(ended.append)
+        return ended
 
     @property
     def next_period_ns(self) -> int:

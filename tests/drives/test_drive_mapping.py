@@ -2,14 +2,11 @@
 
 import struct
 from collections.abc import Callable
-from dataclasses import replace
 from typing import Any
 
 import pytest
 
-from kernel.drives.commissioning import commission
-from kernel.drives.mapping import MappedObject, telegrams
-from kernel.errors import Alarm
+from kernel.drives.mapping import telegrams
 
 Make = Callable[..., Any]
 NODE = 3
@@ -138,35 +135,9 @@ def test_operational_comes_last_and_only_then_pdos_flow(link_bench: Make) -> Non
     bench.commission()
     ids = [can_id for _, can_id, _ in bench.heard]
     last_answer = max(n for n, can_id in enumerate(ids) if can_id == 0x580 + NODE)
-    (start,) = [n for n, can_id in enumerate(ids) if can_id == 0x000]
+    reset, start = [n for n, can_id in enumerate(ids) if can_id == 0x000]
+    assert bench.heard[reset][2] == bytes([130, NODE])  # reset communication
+    assert reset < ids.index(0x600 + NODE)
     assert last_answer < start
     assert bench.heard[start][2] == bytes([1, NODE])
     assert all(can_id not in (0x183, 0x283, 0x383) for can_id in ids[:start])
-
-
-# Alarm 900011
-
-
-def test_900011_when_the_node_is_silent(link_bench: Make) -> None:
-    bench = link_bench(silent=True)
-    with pytest.raises(Alarm) as caught:
-        bench.commission()
-    alarm = caught.value
-    assert alarm.id == 900011
-    assert (alarm.values["axis"], alarm.values["node"]) == ("Z", NODE)
-    assert "0x1006" in str(alarm.values["step"])
-    assert 0x000 not in [can_id for _, can_id, _ in bench.heard]  # never started
-
-
-def test_900011_when_the_drive_refuses_an_object(link_bench: Make) -> None:
-    """0x6502 is supported drive modes: known to the drive, never mappable into a PDO."""
-    bench = link_bench()
-    bench.scheduler.run_until(2_000_000)
-    unknown = MappedObject(0x6502, 0, 32, False, "nothing")
-    wrong = {**telegrams(0x60BA)}
-    wrong["TPDO2"] = replace(wrong["TPDO2"], objects=(unknown,))
-    with pytest.raises(Alarm) as caught:
-        commission(bench.remote, wrong, 1000, "Z")
-    assert caught.value.id == 900011
-    assert caught.value.values["step"] == "mapping of TPDO2"
-    assert "0x0604" in str(caught.value.values["answer"]).replace(" ", "")

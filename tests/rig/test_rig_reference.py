@@ -41,6 +41,8 @@ def _written(default: object) -> str:
         return "none"
     if isinstance(default, str):
         return f'"{default}"'
+    if isinstance(default, bool):
+        return str(default).lower()
     if isinstance(default, int) and default > 99_999:
         return f"{default:_}"
     return str(default)

@@ -1,0 +1,219 @@
+"""A drive is started by its declaration: what is written, in which order, and what stops it."""
+
+import struct
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import pytest
+
+from bench.drive.eds import object_dictionary
+from bench.drive.profile import DriveProfile
+from kernel.clock import MS
+from kernel.drives.mapping import MappedObject, telegrams
+from kernel.drives.startup_steps import (
+    BusSettings,
+    Scaling,
+    StartUpSettings,
+    Step,
+    Write,
+    start_up_steps,
+)
+from kernel.errors import Alarm, UserError
+
+Make = Callable[..., Any]
+NODE = 3
+SCALING = Scaling(1 << 20, Fraction(1 << 20))
+
+
+def _steps(
+    settings: StartUpSettings | None = None, bus: BusSettings | None = None
+) -> tuple[Step, ...]:
+    od = object_dictionary(NODE, DriveProfile())
+    maps = telegrams(0x60BA)
+    return start_up_steps(
+        settings or StartUpSettings(), bus or BusSettings(), maps, NODE, SCALING, od
+    )
+
+
+def _writes(steps: tuple[Step, ...]) -> list[tuple[int, int, int]]:
+    return [
+        (s.index, s.sub, int.from_bytes(s.data, "little")) for s in steps if isinstance(s, Write)
+    ]
+
+
+def _result(bench: Any, *args: Any, **options: Any) -> Alarm | None:
+    bench.scheduler.run_until(2 * MS)
+    ended = bench.start_up(*args, **options)
+    bench.scheduler.run_while(lambda: not ended, None)
+    bench.scheduler.run_until(bench.scheduler.now_ns + MS)  # what was sent last arrives
+    alarm: Alarm | None = ended[0]
+    return alarm
+
+
+# The list
+
+
+def test_the_order_is_boot_device_sync_mapping_mode_scaling_start() -> None:
+    kinds = [type(step).__name__ for step in _steps()]
+    names = [step.name for step in _steps()]
+    assert kinds[0] == "BootUp"
+    assert names[1].startswith("0x1000:0")
+    assert kinds[-2:] == ["CheckScaling", "Nmt"]
+    assert [index for index, _, _ in _writes(_steps())][:2] == [0x1005, 0x1006]
+    assert _writes(_steps())[-1] == (0x6060, 0, 8)
+
+
+def test_free_writes_come_in_their_order_before_the_start() -> None:
+    settings = StartUpSettings(
+        writes=[(0x6065, 0, 0xFFFFFFFF), (0x6066, 0, 7)],
+    )
+    assert _writes(_steps(settings))[-2:] == [(0x6065, 0, 0xFFFFFFFF), (0x6066, 0, 7)]
+
+
+def test_heartbeat_is_the_last_thing_written() -> None:
+    assert _writes(_steps(StartUpSettings(heartbeat_ms=100)))[-1] == (0x1017, 0, 100)
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        (StartUpSettings(writes=[(0x5FFF, 0, 1)]), "no such object"),
+        (StartUpSettings(writes=[(0x6065, 1, 1)]), "no such object"),
+        (StartUpSettings(writes=[(0x6041, 0, 1)]), "does not let the object be written"),
+        (StartUpSettings(writes=[(0x6066, 0, 70_000)]), "does not fit"),
+        (StartUpSettings(writes=[(0x1008, 0, 1)]), "does not let"),
+        (StartUpSettings(heartbeat_ms=100, guard_time_ms=100), "not by both"),
+        (StartUpSettings(consumer_ms=100), "kernel sends no heartbeat"),
+    ],
+)
+def test_what_the_drive_cannot_do_is_refused_before_anything_is_sent(
+    settings: StartUpSettings, message: str
+) -> None:
+    with pytest.raises(UserError, match=message):
+        _steps(settings)
+
+
+@pytest.mark.parametrize(
+    ("mapped", "message"),
+    [
+        (MappedObject(0x5FFF, 0, 32, False, ""), "the drive does not have"),
+        (MappedObject(0x6502, 0, 32, False, ""), "no PDO may carry"),
+        (MappedObject(0x607A, 0, 16, True, ""), "another type"),
+        (MappedObject(0x6064, 0, 32, False, ""), "another type"),
+    ],
+)
+def test_a_mapping_that_the_eds_does_not_allow_is_refused(
+    mapped: MappedObject, message: str
+) -> None:
+    maps = {**telegrams(0x60BA)}
+    maps["TPDO2"] = replace(maps["TPDO2"], objects=(mapped,))
+    od = object_dictionary(NODE, DriveProfile())
+    with pytest.raises(UserError, match=message):
+        start_up_steps(StartUpSettings(), BusSettings(), maps, NODE, SCALING, od)
+
+
+def test_a_status_object_cannot_be_sent_to_the_drive() -> None:
+    maps = {**telegrams(0x60BA)}
+    wrong = MappedObject(0x60B9, 0, 16, False, "")
+    maps["RPDO1"] = replace(maps["RPDO1"], objects=(wrong,))
+    od = object_dictionary(NODE, DriveProfile())
+    with pytest.raises(UserError, match="an RPDO cannot carry"):
+        start_up_steps(StartUpSettings(), BusSettings(), maps, NODE, SCALING, od)
+
+
+# The drive
+
+
+def test_start_up_returns_at_once_and_ends_by_events(link_bench: Make) -> None:
+    bench = link_bench()
+    begin_ns = bench.scheduler.now_ns
+    ended = bench.start_up()
+    assert bench.scheduler.now_ns == begin_ns
+    assert ended == []
+    bench.scheduler.run_until(begin_ns + 50 * MS)
+    assert ended == [None]
+
+
+def test_what_was_declared_stands_in_the_drive(link_bench: Make) -> None:
+    bench = link_bench()
+    settings = StartUpSettings(heartbeat_ms=50, writes=[(0x6065, 0, 5000), (0x6066, 0, 9)])
+    assert _result(bench, settings) is None
+    assert bench.remote.sdo[0x1017].raw == 50
+    assert (bench.remote.sdo[0x6065].raw, bench.remote.sdo[0x6066].raw) == (5000, 9)
+
+
+def test_900020_when_the_node_does_not_boot(link_bench: Make) -> None:
+    bench = link_bench(silent=True)
+    alarm = _result(bench, StartUpSettings(boot_timeout_ns=200 * MS, boot_attempts=4))
+    assert alarm is not None
+    assert alarm.id == 900020
+    assert alarm.values == {"axis": "Z", "node": NODE, "ms": 800, "attempts": 4}
+    resets = [d for _, can_id, d in bench.heard if can_id == 0]
+    assert resets == [bytes([130, NODE])] * 4  # and never started
+
+
+def test_900011_when_a_silent_node_is_not_waited_for(link_bench: Make) -> None:
+    bench = link_bench(silent=True)
+    alarm = _result(bench, StartUpSettings(boot="none"))
+    assert alarm is not None
+    assert alarm.id == 900011
+    assert alarm.values["answer"] == "no answer"
+    assert "0x1000" in str(alarm.values["step"])
+    assert 0x000 not in [can_id for _, can_id, _ in bench.heard]  # never started
+
+
+def test_900011_when_the_drive_refuses_a_value(link_bench: Make) -> None:
+    """6060 = 77 is no mode of any drive."""
+    bench = link_bench()
+    alarm = _result(bench, StartUpSettings(writes=[(0x6060, 0, 77)]))
+    assert alarm is not None
+    assert alarm.id == 900011
+    assert "0x6060:0" in str(alarm.values["step"])
+    assert str(alarm.values["answer"]).startswith("abort 0x0609003")
+
+
+def test_900021_when_another_device_answers(link_bench: Make) -> None:
+    bench = link_bench()
+    alarm = _result(bench, StartUpSettings(identity={2: 4711}))
+    assert alarm is not None
+    assert alarm.id == 900021
+    assert (alarm.values["found"], alarm.values["expected"]) == ("0x192", "0x1267")
+    assert "0x1018:2" in str(alarm.values["step"])
+
+
+def test_900021_when_the_node_is_no_drive(link_bench: Make) -> None:
+    bench = link_bench()
+    alarm = _result(bench, StartUpSettings(device_type=401))
+    assert alarm is not None
+    assert alarm.id == 900021
+
+
+@pytest.mark.parametrize(
+    ("scaling", "expected"),
+    [
+        (Scaling(1 << 17, Fraction(1 << 20)), "131072 increments and 1048576 position units"),
+        (Scaling(1 << 20, Fraction(10_000)), "1048576 increments and 10000 position units"),
+    ],
+)
+def test_900022_tells_both_scalings(link_bench: Make, scaling: Scaling, expected: str) -> None:
+    alarm = _result(link_bench(), scaling=scaling)
+    assert alarm is not None
+    assert alarm.id == 900022
+    assert expected in str(alarm.values["expected"])
+    assert "1048576 increments and 1048576 position units" in str(alarm.values["found"])
+
+
+def test_reset_node_and_waiting_for_power_on_boot_the_drive_too(link_bench: Make) -> None:
+    bench = link_bench()
+    assert _result(bench, StartUpSettings(boot="reset_node")) is None
+    assert [d[0] for _, can_id, d in bench.heard if can_id == 0] == [129, 1]
+
+
+def test_waiting_begins_with_the_drives_own_boot_up(link_bench: Make) -> None:
+    bench = link_bench()
+    ended = bench.start_up(StartUpSettings(boot="wait"))  # the node boots with the first event
+    bench.scheduler.run_until(50 * MS)
+    assert ended == [None]
+    assert [struct.unpack("BB", d) for _, i, d in bench.heard if i == 0] == [(1, NODE)]
