@@ -9,6 +9,7 @@ Waiting inside an event raises RuntimeError (`Scheduler.run_while`). Block trans
 not adapted; both would wait with the wall clock.
 """
 
+from collections.abc import Callable, Container
 from types import TracebackType
 from typing import Any, Self
 
@@ -199,6 +200,10 @@ class SimLocalNode(canopen.LocalNode):
 class SimNetwork(canopen.Network):
     """`canopen.Network` that is fed by its `SimBus` directly: no notifier, no thread."""
 
+    def __init__(self, bus: can.BusABC | None = None) -> None:
+        super().__init__(bus)
+        self._remote: dict[int, list[Callable[[], None]]] = {}
+
     def connect(self, *args: Any, **kwargs: Any) -> Self:
         """Connect to the bus given to the constructor, or open one as `can.Bus` does."""
         if self.bus is None and kwargs.get("interface") == "axisrig":
@@ -207,6 +212,7 @@ class SimNetwork(canopen.Network):
             super().connect(*args, **kwargs)
             return self
         self.bus.attach_data(self._on_data)
+        self.bus.attach_remote(self._on_remote)
         for node in self.nodes.values():
             if isinstance(node, SimRemoteNode):
                 node.wait_on(self.bus)
@@ -218,6 +224,26 @@ class SimNetwork(canopen.Network):
             self.notify(can_id, bytearray(data), timestamp_s)
         else:
             self.scanner.on_message_received(can_id)
+
+    def _on_remote(self, can_id: int) -> None:
+        for callback in tuple(self._remote.get(can_id, ())):
+            callback()
+
+    def subscribe_remote(self, can_id: int, callback: Callable[[], None]) -> None:
+        """Call `callback()` for every remote frame with this 11-bit identifier."""
+        self._remote.setdefault(can_id, []).append(callback)
+
+    def unsubscribe_remote(self, can_id: int, callback: Callable[[], None]) -> None:
+        """Call it no more; raises ValueError when it was not subscribed."""
+        self._remote[can_id].remove(callback)
+
+    def withdraw(self, can_ids: Container[int]) -> None:
+        """Take back what has been requested with these identifiers and has not begun to be sent.
+
+        Without effect on a bus that is not simulated: its controller is out of reach.
+        """
+        if isinstance(self.bus, SimBus):
+            self.bus.withdraw(can_ids)
 
     def send_message(
         self, can_id: int, data: bytes | bytearray | list[int] | None, remote: bool = False

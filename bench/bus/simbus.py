@@ -5,7 +5,7 @@ runs in the one thread that made the bus; others are refused, a stray `can.Notif
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from threading import get_ident
 from typing import Any
 
@@ -32,6 +32,7 @@ from kernel.clock import Phase, S, TimeNs, seconds_to_ns
 
 MessageCallback = Callable[[can.Message], None]
 DataCallback = Callable[[int, bytes, float], None]
+RemoteCallback = Callable[[int], None]
 _BUS_STATES = {
     ErrorState.ACTIVE: can.BusState.ACTIVE,
     ErrorState.PASSIVE: can.BusState.PASSIVE,
@@ -85,6 +86,7 @@ class SimBus(Controller, can.BusABC):
         self._received: deque[can.Message] = deque()
         self._message_callbacks: tuple[MessageCallback, ...] = ()
         self._data_callbacks: tuple[DataCallback, ...] = ()
+        self._remote_callbacks: tuple[RemoteCallback, ...] = ()
         segment.connect(self)
         can.BusABC.__init__(self, channel=segment.name, can_filters=can_filters)
 
@@ -147,6 +149,13 @@ class SimBus(Controller, can.BusABC):
         """Discard the frames that have not won arbitration yet."""
         self.pending.clear()
 
+    def withdraw(self, can_ids: Container[int]) -> None:
+        """Discard those with one of these identifiers that have not won arbitration yet."""
+        kept = [request for request in self.pending if request[4].arbitration_id not in can_ids]
+        self.pending.clear()
+        for request in kept:
+            self._push(self.pending, request)
+
     # --- receiving ---------------------------------------------------------------------------
 
     def attach(self, callback: MessageCallback) -> None:
@@ -159,9 +168,14 @@ class SimBus(Controller, can.BusABC):
     def attach_data(self, callback: DataCallback) -> None:
         """Call `callback(identifier, data, timestamp_s)` for data frames of other ports.
 
-        The fast way: no `can.Message`, the data is immutable.
+        The fast way: no `can.Message`, the data is immutable. Extended identifiers up to 0x7FF are
+        left out: they would pass for 11-bit ones.
         """
         self._data_callbacks += (callback,)
+
+    def attach_remote(self, callback: RemoteCallback) -> None:
+        """Call `callback(identifier)` for remote frames of other ports with 11-bit identifiers."""
+        self._remote_callbacks += (callback,)
 
     def recv(self, timeout: float | None = None) -> can.Message | None:
         """Take the next frame, advancing simulated time by up to `timeout` s to wait for it.
@@ -187,7 +201,15 @@ class SimBus(Controller, can.BusABC):
         """Hand a frame that has ended on the wire to this controller; the segment calls it."""
         if self._filters is not None and not self._matches_filters(frame):  # type: ignore[arg-type]
             return
-        if self._data_callbacks and not (own or frame.is_remote_frame):
+        if frame.is_remote_frame:
+            if not (own or frame.is_extended_id):
+                for on_remote in self._remote_callbacks:
+                    on_remote(frame.arbitration_id)
+        elif (
+            self._data_callbacks
+            and not own
+            and not (frame.is_extended_id and frame.arbitration_id <= STANDARD_ID_MAX)
+        ):
             timestamp_s = time_ns / S
             for on_data in self._data_callbacks:
                 on_data(frame.arbitration_id, frame.data, timestamp_s)
@@ -204,7 +226,7 @@ class SimBus(Controller, can.BusABC):
             self.segment.disconnect(self)
             self.pending.clear()
             self._received.clear()
-            self._message_callbacks = self._data_callbacks = ()
+            self._message_callbacks = self._data_callbacks = self._remote_callbacks = ()
         super().shutdown()
 
     @property

@@ -1,0 +1,62 @@
+"""Remote frames, identifiers that only look alike, and requests that are taken back."""
+
+from itertools import count
+
+import can
+import pytest
+
+from bench.bus.canopen_sim import SimNetwork
+from bench.bus.segment import Segment
+from kernel.clock import MS
+
+
+def test_remote_frames_reach_those_who_subscribed_to_them(segment: Segment) -> None:
+    """Data frames do not, nor do extended remote frames with the same number."""
+    heard: list[int] = []
+    network = SimNetwork(segment.port("drive")).connect()
+    asked = lambda: heard.append(segment.now_ns)  # noqa: E731
+    network.subscribe_remote(0x703, asked)
+    master = segment.port("master")
+    for remote, extended, can_id in (
+        (True, False, 0x703),
+        (False, False, 0x703),
+        (True, True, 0x703),
+        (True, False, 0x704),
+    ):
+        master.send(
+            can.Message(arbitration_id=can_id, is_remote_frame=remote, is_extended_id=extended)
+        )
+    segment.scheduler.run_until(2 * MS)
+    assert len(heard) == 1
+    network.unsubscribe_remote(0x703, asked)
+    master.send(can.Message(arbitration_id=0x703, is_remote_frame=True, is_extended_id=False))
+    segment.scheduler.run_until(3 * MS)
+    assert len(heard) == 1
+
+
+def test_extended_identifier_does_not_pass_for_a_short_one(segment: Segment) -> None:
+    """29-bit 0x80 is no SYNC; 29-bit 0x18FF0080 is what it is."""
+    heard: list[int] = []
+    segment.port("drive").attach_data(lambda can_id, _data, _time: heard.append(can_id))
+    master = segment.port("master")
+    for can_id, extended in ((0x80, True), (0x18FF0080, True), (0x80, False)):
+        master.send(can.Message(arbitration_id=can_id, is_extended_id=extended))
+    segment.scheduler.run_until(1 * MS)
+    assert heard == [0x18FF0080, 0x80]
+
+
+@pytest.mark.parametrize("queue", ["fifo", "mailbox"])
+def test_withdrawn_requests_are_not_sent_and_the_others_keep_their_order(
+    segment: Segment, queue: str
+) -> None:
+    """The first request is on the wire when two identifiers are withdrawn."""
+    heard: list[int] = []
+    segment.port("other").attach_data(lambda can_id, _data, _time: heard.append(can_id))
+    sender = segment.port("sender", queue)  # type: ignore[arg-type]
+    numbers = count()
+    for can_id in (0x181, 0x181, 0x300, 0x281, 0x200, 0x181):
+        sender.send_raw(can_id, bytes((next(numbers),)))
+    segment.scheduler.run_until(10_000)
+    sender.withdraw({0x181, 0x281})
+    segment.scheduler.run_until(2 * MS)
+    assert heard == [0x181, *([0x300, 0x200] if queue == "fifo" else [0x200, 0x300])]
