@@ -263,6 +263,25 @@ def faults() -> None:
 
 @app.command()
 @_rejecting
+def scenarios(
+    count: Annotated[int, typer.Option("--count", min=1, help="How many.")] = 200,
+    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the campaign.")] = 1,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Processes.")] = 1,
+) -> None:
+    """Run random faults on a small machine and judge every reported value by the plant's truth."""
+    from bench.scenarios.campaign import Tally, run_scenarios
+
+    tally = Tally()
+    for scenario, judgement in run_scenarios(seed, first, count, jobs):
+        tally.add(scenario, judgement)
+    print(tally.table())
+    if tally.defects:
+        raise typer.Exit(1)
+
+
+@app.command()
+@_rejecting
 def perf(
     plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
         "testplans/latch_accuracy.csv"

@@ -13,6 +13,7 @@ from canopen.objectdictionary import ODVariable
 from canopen.sdo.exceptions import SdoAbortedError
 
 from bench.bus.canopen_sim import SimLocalNode
+from bench.bus.simbus import SimBus
 from bench.drive.application.servo import Servo
 from bench.drive.application.touch_probe import is_supported
 from bench.drive.communication import pdo
@@ -131,6 +132,10 @@ class DriveNode:
             self._reset(communication_only=command == NMT_RESET_COMMUNICATION)
 
     def _reset(self, communication_only: bool) -> None:
+        self._forget(communication_only)
+        self._announce()
+
+    def _forget(self, communication_only: bool) -> None:
         self.exchange.stop()
         self._is_stopped = False
         if communication_only:
@@ -142,7 +147,21 @@ class DriveNode:
             self.local.data_store.clear()
             self.servo.reset(self._clock.now_ns)
         self._listen_for_sync()
-        self._announce()
+
+    # Supply
+
+    def power_off(self) -> None:
+        """Lose the supply: no torque, nothing sent or received, what is not stored forgotten."""
+        self._forget(communication_only=False)
+        self.local.nmt.stop_heartbeat()  # type: ignore[no-untyped-call]
+        if isinstance(self._network.bus, SimBus):
+            self._network.bus.power_off()
+
+    def power_on(self) -> None:
+        """Boot again."""
+        if isinstance(self._network.bus, SimBus):
+            self._network.bus.power_on()
+        self._boot()
 
     # SDO
 

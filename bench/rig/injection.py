@@ -10,6 +10,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from bench.bus.confinement import ErrorState
 from bench.bus.faults import (
     Alter,
     Delay,
@@ -25,7 +26,7 @@ from bench.bus.frame import IFS_BITS, Frame, frame_bits
 from bench.bus.intruders import Babbler, SecondSender
 from bench.rig.faults import Fault
 from bench.rig.moments import Moments
-from kernel.clock import Phase
+from kernel.clock import MS, Phase
 from kernel.drives.mapping import COB_ID_BASE
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ _BUS_IDS = {"SYNC": 0x080, "NMT": 0x000}
 _TELEGRAM_OF_KIND = {
     "sync_loss": "SYNC", "sync_jitter": "SYNC", "slow_sdo": "SDO", "heartbeat_loss": "HEARTBEAT",
 }  # fmt: skip
+POWER_LOSS_NS = 100 * MS
 
 Make = Callable[[dict[str, Any], Frame, random.Random], FaultAction]
 
@@ -114,8 +116,27 @@ class _Injection:
             Babbler(self._segment, self._values["id"], data, self._values["period"], self._window())
         elif kind == "second_sender":
             self._second_sender()
-        else:
+        elif kind == "reset":
             self._reset()
+        else:
+            self._drive_fault()
+
+    def _drive_fault(self) -> None:
+        node = self._machine.nodes[self._fault.axis]
+        for_ns = self._values["for"]
+        if self._fault.kind == "power_loss":
+            self._at(node.power_off, node.power_on, for_ns or POWER_LOSS_NS)
+            return
+        port = next(p for p in self._segment.ports if p.port_name == self._fault.axis)
+
+        def leave() -> None:
+            while port.error_state is not ErrorState.BUS_OFF:
+                port.errors.transmit_failed()
+            port.update_state()
+            if for_ns is not None:  # else the controller recovers by itself, as the bus has it
+                port.power_off()
+
+        self._at(leave, port.power_on, for_ns)
 
     # When
 

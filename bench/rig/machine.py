@@ -41,7 +41,7 @@ class Machine:
 
     settings: checked rig with the assignments of this run. program: parsed NC program.
     bus_log: BLF file to write, or None. put_out: takes each `#MSG` text when it is due.
-    seed: of everything random in the run.
+    seed: of everything random in the run. limit_ns: simulated time that it may take.
     Raises UserError when the rig does not fit together.
     """
 
@@ -53,11 +53,13 @@ class Machine:
         bus_log: Path | None = None,
         put_out: Callable[[str], None] | None = None,
         seed: int = 0,
+        limit_ns: TimeNs = SIMULATED_LIMIT_NS,
     ) -> None:
         check_rig(settings)
         self.settings = settings
         self.messages: list[Message] = []
         self._put_out = put_out
+        self._limit_ns = limit_ns
         self.timing = CycleTiming(
             period_ns=settings.rig.cycle.period_us * US,
             offset_ns=settings.rig.cycle.cycle_offset_us * US,
@@ -176,12 +178,12 @@ class Machine:
         """
         self.channel.start_up([self._start_up(name) for name in self.settings.rig.axis])
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
-        limit_ns = scheduler.now_ns + SIMULATED_LIMIT_NS
+        limit_ns = scheduler.now_ns + self._limit_ns
         while not channel.has_ended:
             if scheduler.now_ns >= limit_ns:
                 places = ", ".join(f"{link.name} {link.actual_mm:.3f}" for link in channel.links)
                 raise SimulatedTimeoutError(
-                    f"the program did not end within {SIMULATED_LIMIT_NS // 1_000_000_000} s of"
+                    f"the program did not end within {self._limit_ns // 1_000_000_000} s of"
                     f" simulated time; the axes stand at {places} mm; feed too small or path too"
                     " long?"
                 )

@@ -1,0 +1,115 @@
+"""Runs scenarios, in this process or in several, and counts what they showed."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path
+
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import RigFile, read_rig
+from bench.rig.machine import Machine, SimulatedTimeoutError
+from bench.rig.settings import as_written, read_settings
+from bench.run.apart import Died, run_apart
+from bench.scenarios.oracle import DEFECTS, Judgement, Result, Truth, judge
+from bench.scenarios.scenario import Scenario, make_scenario
+from kernel.clock import S
+from kernel.errors import UserError
+from kernel.nc.parser import read_program
+from kernel.nc.syntax import Program
+
+FOLDER = Path(__file__).parent
+SIMULATED_LIMIT_NS = 4 * S
+CHUNK = 20
+
+
+@cache
+def _rig() -> tuple[RigFile, list[Path]]:
+    return read_rig(FOLDER / "probe.toml")
+
+
+@cache
+def _program() -> Program:
+    return read_program(FOLDER / "probe.nc", tuple(_rig()[0].axis))
+
+
+def run_scenario(scenario: Scenario) -> Judgement:
+    """Run one scenario and judge it; an exception is a judgement too."""
+    rig, files = _rig()
+    changes = [(parse_assignment(text), as_written) for text in scenario.assignments]
+    try:
+        settings = read_settings(rig, files, changes)
+        machine = Machine(settings, _program(), seed=scenario.seed, limit_ns=SIMULATED_LIMIT_NS)
+    except UserError as error:
+        return Judgement(Result.EXCEPTION, note=str(error))
+    try:
+        rising = settings.axis["Z"].word("kenngr.measure.edge") == "POS"
+        truth = Truth(machine, rising)
+        machine.channel.observers.append(truth)
+        machine.run()
+        return judge(machine, truth)
+    except SimulatedTimeoutError as error:
+        return Judgement(Result.HANG, [a.id for a in machine.channel.alarms], note=str(error))
+    except Exception as error:  # every one is a finding
+        alarms = [alarm.id for alarm in machine.channel.alarms]
+        return Judgement(Result.EXCEPTION, alarms, note=f"{type(error).__name__}: {error}")
+    finally:
+        machine.close()
+
+
+def _run_chunk(seed: int, first: int, count: int) -> list[tuple[Scenario, Judgement]]:
+    scenarios = [make_scenario(seed, number) for number in range(first, first + count)]
+    return [(scenario, run_scenario(scenario)) for scenario in scenarios]
+
+
+def run_scenarios(
+    seed: int, first: int, count: int, jobs: int = 1
+) -> Iterator[tuple[Scenario, Judgement]]:
+    """Yield scenarios `first` to `first + count - 1` of a campaign with their judgements."""
+    end = first + count
+    tasks = [(seed, n, min(CHUNK, end - n)) for n in range(first, end, CHUNK)]
+    if jobs == 1:
+        for task in tasks:
+            yield from _run_chunk(*task)
+        return
+    for task, result in zip(
+        tasks, run_apart(_run_chunk, tasks, jobs=jobs, is_fresh=False), strict=True
+    ):
+        if isinstance(result, Died):
+            died = Judgement(Result.EXCEPTION, note=result.reason)
+            yield make_scenario(seed, task[1]), died
+        else:
+            yield from result
+
+
+@dataclass
+class Tally:
+    """Counts of a campaign, and its defects."""
+
+    counts: Counter[str] = field(default_factory=Counter)
+    kinds: Counter[str] = field(default_factory=Counter)
+    defects: list[tuple[Scenario, Judgement]] = field(default_factory=list)
+
+    def add(self, scenario: Scenario, judgement: Judgement) -> None:
+        """Count one scenario."""
+        name = str(judgement.result)
+        if judgement.result is Result.ALARM:
+            name = f"alarm {judgement.alarms[0]}, {judgement.right // 2} values right before it"
+        elif judgement.result is Result.GOOD:
+            name = f"no alarm, {judgement.right // 2} values, all right"
+        self.counts[name] += 1
+        self.kinds.update(fault.partition("=")[0] for fault in scenario.faults)
+        if judgement.result in DEFECTS:
+            self.defects.append((scenario, judgement))
+
+    def table(self) -> str:
+        """Write the counts and every defect with what makes it again."""
+        total = sum(self.counts.values())
+        lines = [f"{total} scenarios"]
+        lines += [f"  {count:>6}  {name}" for name, count in sorted(self.counts.items())]
+        lines += ["faults of each kind"]
+        lines += [f"  {count:>6}  {name}" for name, count in sorted(self.kinds.items())]
+        for scenario, judgement in self.defects:
+            lines += ["", f"scenario {scenario.number}: {judgement.result}: {judgement.note}"]
+            lines += [f"  {text}" for text in scenario.assignments]
+        return "\n".join(lines)
