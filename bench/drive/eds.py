@@ -141,9 +141,11 @@ def _default(row: ObjectRow, profile: DriveProfile) -> str:
         if other.index == row.index and other.sub
     ):
         return "0"
+    if row.index == TRIGGER_SOURCE and row.sub:
+        return str(profile.source_1 if row.sub == 1 else profile.source_2)
+    if row.index == TRIGGER_SOURCE and row.sub == 0:
+        return str(sum(profile.has_object(TRIGGER_SOURCE, sub) for sub in (1, 2)))
     return row.default.format(
         encoder_increments=profile.encoder_increments,
         units_per_revolution=profile.units_per_revolution,
-        source_1=profile.source_1,
-        source_2=profile.source_2,
     )

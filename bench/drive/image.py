@@ -31,6 +31,12 @@ class ProcessImage:
     latch_1_negative: int = 0
     latch_2_positive: int = 0
     latch_2_negative: int = 0
+    source_1: int = 0
+    source_2: int = 0
+    stamp_1_positive: int = 0
+    stamp_1_negative: int = 0
+    stamp_2_positive: int = 0
+    stamp_2_negative: int = 0
     count_1_positive: int = 0
     count_1_negative: int = 0
     count_2_positive: int = 0

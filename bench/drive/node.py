@@ -15,7 +15,6 @@ from canopen.sdo.exceptions import SdoAbortedError
 from bench.bus.canopen_sim import SimLocalNode
 from bench.bus.simbus import SimBus
 from bench.drive.application.servo import Servo
-from bench.drive.application.touch_probe import is_supported
 from bench.drive.communication import pdo
 from bench.drive.communication.exchange import PdoExchange
 from bench.drive.eds import object_dictionary
@@ -40,7 +39,7 @@ class DriveNode:
 
     network: a connected canopen network of its own (one port of the segment). probes: the signals
     wired to probe input 1 and 2, None for an open input. The node boots at the present instant,
-    that is with the first event the clock runs.
+    that is with the first event the clock runs. seed: of what is random in the drive.
     """
 
     def __init__(
@@ -52,11 +51,12 @@ class DriveNode:
         axis: AxisPort,
         probes: tuple[SignalPort | None, SignalPort | None] = (None, None),
         profile: DriveProfile | None = None,
+        seed: int = 0,
     ) -> None:
         self.name, self.node_id = name, node_id
         self.profile = profile or DriveProfile()
         self._network, self._clock = network, clock
-        self.servo = Servo(axis, probes, self.profile, self._send_emergency)
+        self.servo = Servo(axis, probes, self.profile, self._send_emergency, seed)
         self.local = SimLocalNode(node_id, object_dictionary(node_id, self.profile))
         self.exchange = PdoExchange(
             network, clock, self.image, self.servo.emergency, self._read_parameter, self._act
@@ -211,7 +211,8 @@ class DriveNode:
             pdo.check_write(index, subindex, value, self._read_parameter)
         elif (
             value not in variables()[index, subindex].allowed
-            or (index == 0x60B8 and not is_supported(value))
+            or (index == 0x60B8 and not self.servo.touch_probe.supports(value))
+            or (index == 0x60D0 and value not in self.profile.source_values)
             or (index == 0x1005 and not 0 < value <= ID_MAX)
         ):
             raise SdoAbortedError(INVALID_VALUE)

@@ -88,6 +88,11 @@ class DriveProfile:
         parts = [name.partition(".") for name in self.lacks.split()]
         return frozenset((int(index, 16), int(sub) if dot else None) for index, dot, sub in parts)
 
+    @cached_property
+    def source_values(self) -> frozenset[int]:
+        """Values that 60D0 takes."""
+        return frozenset(int(word) for word in self.trigger_sources.split())
+
     def has_object(self, index: int, sub: int = 0) -> bool:
         """Whether the drive has an object (that is not in `lacks`)."""
         missing = self.missing_objects
@@ -116,13 +121,6 @@ class DriveProfile:
         ahead_ns = self.grid_ns if self.latch_mode == "linear" else 0
         before_ns = grid_ns + self.delay_compensation_ns - delay_ns
         return max(0, before_ns), delay_ns + self.input_jitter_ns + ahead_ns
-
-    def latch_position_ns(self, latch_ns: TimeNs) -> TimeNs:
-        """Return the instant whose position an edge with this latch instant stores."""
-        latch_ns -= self.delay_compensation_ns
-        if self.latch_mode == "sampled":
-            return latch_ns - latch_ns % self.grid_ns
-        return latch_ns
 
 
 class Scaling:

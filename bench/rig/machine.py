@@ -30,6 +30,7 @@ from kernel.nc.interpreter import Interpreter
 from kernel.nc.syntax import Program
 
 SIMULATED_LIMIT_NS = 600_000 * MS
+DRIVE_SEED_STRIDE = 1_000_003
 
 
 class SimulatedTimeoutError(Exception):
@@ -75,7 +76,7 @@ class Machine:
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
             self.segments = self._build_segments(bus_log)
-            self.nodes = self._build_nodes()
+            self.nodes = self._build_nodes(seed)
             self.networks = {
                 name: SimNetwork(segment.port("cnc")) for name, segment in self.segments.items()
             }
@@ -110,8 +111,8 @@ class Machine:
             segments[name] = segment
         return segments
 
-    def _build_nodes(self) -> dict[str, DriveNode]:
-        nodes = {}
+    def _build_nodes(self, seed: int) -> dict[str, DriveNode]:
+        nodes: dict[str, DriveNode] = {}
         signals = {name: probe.signal for name, probe in self.plant.probes.items()}
         for name, axis in self.settings.rig.axis.items():
             network = SimNetwork(self.segments[axis.segment].port(name))
@@ -127,6 +128,7 @@ class Machine:
                     signals[axis.probe_2] if axis.probe_2 else None,
                 ),
                 self.settings.rig.drive[axis.drive].make(),
+                seed + DRIVE_SEED_STRIDE * len(nodes),
             )
         return nodes
 

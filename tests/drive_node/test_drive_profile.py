@@ -46,13 +46,6 @@ def test_position_wraps_like_its_object_and_differences_stop_at_the_limit() -> N
     assert scaling.deviation_units(-5000.0) == -0x8000_0000
 
 
-def test_sampled_latch_takes_the_sample_before() -> None:
-    profile = DriveProfile(latch_mode="sampled", grid_ns=250_000)
-    assert profile.latch_position_ns(1_249_999) == 1_000_000
-    assert profile.latch_position_ns(1_250_000) == 1_250_000
-    assert DriveProfile().latch_position_ns(1_249_999) == 1_249_999
-
-
 @pytest.mark.parametrize(
     ("values", "allowed"),
     [

@@ -3,12 +3,15 @@
 The position at t ns is t units, so a latched value is the instant it was taken at.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.drive.application.touch_probe import InputCircuit, TouchProbe, is_supported
+from bench.drive.application.input_circuit import InputCircuit
+from bench.drive.application.latch_position import LatchPosition, PositionAt
+from bench.drive.application.touch_probe import Encoders, TouchProbe
+from bench.drive.image import ProcessImage
 from bench.drive.profile import DriveProfile
 
 POS_1, NEG_1, POS_2, NEG_2 = 0x0011, 0x0021, 0x1100, 0x2100
@@ -22,9 +25,13 @@ class Signal:
 
 
 def unit(
-    first: Signal | None, second: Signal | None = None, profile: DriveProfile = IDEAL
+    first: Signal | None,
+    second: Signal | None = None,
+    profile: DriveProfile = IDEAL,
+    position: PositionAt = lambda time_ns: time_ns,
 ) -> TouchProbe:
-    return TouchProbe((first, second), profile, lambda time_ns: time_ns)
+    encoders = Encoders(LatchPosition(profile, position))
+    return TouchProbe((first, second), profile, encoders, ProcessImage())
 
 
 def at(probe: TouchProbe, time_ns: int, function: int | None = None) -> int:
@@ -136,14 +143,14 @@ def test_counter_wraps_at_16_bit() -> None:
     assert probe.probes[0].latches[True].count == 1
 
 
-def test_sources_that_are_not_there_leave_the_probe_off() -> None:
-    for source in (0x0004, 0x0008, 0x000C):
-        probe = unit(Signal([1500]))
-        assert at(probe, 1000, POS_1 | source) == 0
-        assert at(probe, 2000) == 0
-        assert not is_supported(POS_1 | source)
-        assert not is_supported(POS_2 | source << 8)
-    assert is_supported(0xF3F3)
+def test_the_reserved_source_leaves_the_probe_off() -> None:
+    probe = unit(Signal([1500]))
+    assert at(probe, 1000, POS_1 | 0x000C) == 0
+    assert at(probe, 2000) == 0
+    assert not probe.supports(POS_1 | 0x000C)
+    assert not probe.supports(POS_2 | 0x0C00)
+    assert probe.supports(0x3737)
+    assert probe.supports(0xFBFB)
 
 
 def test_open_input_never_latches() -> None:
@@ -253,8 +260,7 @@ def test_position_is_asked_for_once_per_latch() -> None:
         asked.append(time_ns)
         return time_ns
 
-    look: Callable[[int], int] = position
-    probe = TouchProbe((Signal([1100, 1200, 1300]), None), IDEAL, look)
+    probe = unit(Signal([1100, 1200, 1300]), position=position)
     at(probe, 1000, POS_1)
     at(probe, 2000)
     assert asked == [1100]

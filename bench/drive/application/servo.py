@@ -6,7 +6,14 @@ method gets the present simulated time.
 
 from collections.abc import Callable
 
-from bench.drive.application.touch_probe import TouchProbe
+from bench.drive.application.index_pulse import IndexPulse
+from bench.drive.application.latch_position import LatchPosition
+from bench.drive.application.touch_probe import (
+    HARDWARE_INDEX,
+    SOFTWARE_INDEX,
+    Encoders,
+    TouchProbe,
+)
 from bench.drive.communication.emergency import COMMUNICATION_ERROR, PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
@@ -40,6 +47,7 @@ class Servo:
         signals: tuple[SignalPort | None, SignalPort | None],
         profile: DriveProfile,
         send_emergency: Callable[[int, int], None],
+        seed: int = 0,
     ) -> None:
         self.axis = axis
         self.scaling = Scaling(profile)
@@ -47,11 +55,7 @@ class Servo:
         self.image.set_defaults()
         self.emergency = Emergency(self.image, send_emergency)
         self.state, _ = automatic(State.NOT_READY_TO_SWITCH_ON)
-        self.touch_probe = TouchProbe(
-            signals,
-            profile,
-            lambda time_ns: self.scaling.position_units(axis.motor_position_m_at(time_ns)),
-        )
+        self.touch_probe = _touch_probe(axis, signals, profile, self.scaling, self.image, seed)
         self._controlword = 0
         self._follows = False
         self._exceeded_ns: TimeNs | None = None
@@ -62,8 +66,8 @@ class Servo:
         """Do what power off and on does: no torque, no error, default values, probes off."""
         self.axis.advance_to(now_ns)
         self.touch_probe.take_edges(now_ns)
-        self.touch_probe.reset()
         self.image.set_defaults()
+        self.touch_probe.reset()
         self.emergency.forget()
         self.state, _ = automatic(State.NOT_READY_TO_SWITCH_ON)
         self._controlword = self._following_error = 0
@@ -73,23 +77,13 @@ class Servo:
     def begin(self, now_ns: TimeNs) -> None:
         """Bring the plant to now and latch the edges that came until now."""
         self.axis.advance_to(now_ns)
-        if self.touch_probe.take_edges(now_ns):
-            image = self.image
-            first, second = self.touch_probe.probes
-            image.latch_1_positive = first.latches[True].units
-            image.latch_1_negative = first.latches[False].units
-            image.latch_2_positive = second.latches[True].units
-            image.latch_2_negative = second.latches[False].units
-            image.count_1_positive = first.latches[True].count
-            image.count_1_negative = first.latches[False].count
-            image.count_2_positive = second.latches[True].count
-            image.count_2_negative = second.latches[False].count
+        self.touch_probe.take_edges(now_ns)
 
     def cycle(self, now_ns: TimeNs) -> None:
         """Act on the object values, give the axis its demand of this SYNC period, sample."""
         self.state, _ = automatic(self.state)
         self._control()
-        self.touch_probe.set_function(self.image.probe_function, now_ns)
+        self.touch_probe.cycle(self.image.probe_function, now_ns)
         motor_m = self.axis.motor_position_m()
         if self.state is State.OPERATION_ENABLED:
             demand_m = self._follow(now_ns, motor_m)
@@ -192,3 +186,21 @@ class Servo:
         if now_ns - self._exceeded_ns >= image.following_timeout_ms * MS:
             self._following_error = Status.FOLLOWING_ERROR.value
             self.fault(FOLLOWING_ERROR, PROFILE_ERROR, now_ns)
+
+
+def _touch_probe(
+    axis: AxisPort,
+    signals: tuple[SignalPort | None, SignalPort | None],
+    profile: DriveProfile,
+    scaling: Scaling,
+    image: ProcessImage,
+    seed: int,
+) -> TouchProbe:
+    """Make the touch probe unit on the encoders of an axis."""
+    position_m_at = axis.motor_position_m_at
+    motor = LatchPosition(profile, lambda time_ns: scaling.position_units(position_m_at(time_ns)))
+    pulses = {
+        HARDWARE_INDEX: IndexPulse(profile, position_m_at),
+        SOFTWARE_INDEX: IndexPulse(profile, position_m_at, angle_deg=0.0),
+    }
+    return TouchProbe(signals, profile, Encoders(motor), image, pulses, seed)

@@ -1,0 +1,68 @@
+"""The zero pulse against closed forms of the motion: crossings of one mark per revolution."""
+
+from math import asin, cos, pi, sin
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from bench.drive.application.index_pulse import IndexPulse
+from bench.drive.profile import DriveProfile
+
+S = 1_000_000_000
+LEAD_M = 0.01
+
+
+def pulse(motion: object, angle_deg: float = 0.0, increments: int = 10_000) -> IndexPulse:
+    profile = DriveProfile(encoder_increments=increments, index_angle_deg=angle_deg)
+    return IndexPulse(profile, lambda time_ns: motion(time_ns / S))  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("speed_m_s", [0.5, -0.5, 0.003, -2.0])
+@pytest.mark.parametrize("angle_deg", [0.0, 90.0, 270.0])
+def test_steady_motion_passes_every_mark_at_its_instant(speed_m_s: float, angle_deg: float) -> None:
+    """x = x0 + v t is at mark k after (p_k - x0)/v; upwards it rises there, downwards it falls."""
+    start_m, end_ns = 0.0123, 50_000_000
+    edges = pulse(lambda t: start_m + speed_m_s * t, angle_deg).edges(0, end_ns)
+    expected = []
+    for number in range(-50, 50):
+        mark_m = (number + angle_deg / 360) * LEAD_M
+        for side_m, rises_upwards in ((mark_m, True), (mark_m + LEAD_M / 10_000, False)):
+            time_ns = (side_m - start_m) / speed_m_s * S
+            if 0 < time_ns <= end_ns:
+                expected.append((time_ns, rises_upwards is (speed_m_s > 0)))
+    expected.sort()
+    assert [level for _, level, _ in edges] == [level for _, level in expected]
+    for (found_ns, _, _), (time_ns, _) in zip(edges, expected, strict=True):
+        assert -0.01 <= found_ns - time_ns <= 1.01
+
+
+def test_a_motion_that_turns_passes_the_mark_twice() -> None:
+    """x = A sin(w t) with A = 5.5 mm, mark at 5 mm: up at asin(5/5.5)/w, down at (pi - ..)/w."""
+    amplitude_m, omega = 0.0055, 2 * pi * 5
+    edges = pulse(lambda t: amplitude_m * sin(omega * t), 180.0, 1000).edges(0, S // 10)
+    rise = asin(0.005 / amplitude_m) / omega * S
+    fall = asin(0.00501 / amplitude_m) / omega * S
+    half = pi / omega * S
+    expected = [(rise, True), (fall, False), (half - fall, True), (half - rise, False)]
+    assert [level for _, level, _ in edges] == [level for _, level in expected]
+    for (found_ns, _, _), (time_ns, _) in zip(edges, expected, strict=True):
+        assert abs(found_ns - time_ns) <= 2
+
+
+def test_standing_on_the_mark_is_no_edge() -> None:
+    assert pulse(lambda t: 0.01).edges(0, S) == []
+
+
+@given(st.lists(st.integers(1, 40_000_000), max_size=8).map(sorted))
+def test_looking_often_or_once_finds_the_same_edges(looks_ns: list[int]) -> None:
+    def motion(t: float) -> float:
+        return 0.02 * (1 - cos(30 * t))
+
+    index = pulse(motion, 45.0)
+    end_ns = 40_000_001
+    parts, begin_ns = [], 0
+    for look_ns in [*looks_ns, end_ns]:
+        parts += index.edges(begin_ns, look_ns)
+        begin_ns = look_ns
+    assert parts == index.edges(0, end_ns)
