@@ -61,7 +61,9 @@ class AxisLink:
         self._codec = {name: t.codec for name, t in self.telegrams.items()}
         self._rpdo_id = self.telegrams["RPDO1"].cob_id(settings.node_id)
         self._received: dict[str, bytes | None] = {"TPDO1": None, "TPDO2": None}
+        self._contradicted: set[str] = set()
         self.statusword = 0
+        self.state = state_of(0)
         self.actual_increments = 0
         self._probe_status = 0
         self._latch_increments: int | None = None
@@ -86,8 +88,12 @@ class AxisLink:
         self.network.subscribe(0x80 + node_id, self._on_emergency)
 
     def _on_cyclic(self, name: str, data: bytearray) -> None:
-        if len(data) == self._codec[name].size:
-            self._received[name] = bytes(data)
+        if len(data) != self._codec[name].size:
+            return
+        known = self._received[name]
+        if known is not None and known != data:
+            self._contradicted.add(name)  # one of both is late or of another node: which one?
+        self._received[name] = bytes(data)
 
     def _on_inputs(self, _cob_id: int, data: bytearray, _time: float) -> None:
         if len(data) == self._codec["TPDO3"].size:
@@ -106,30 +112,42 @@ class AxisLink:
         Called with every SYNC as well as after taking, because an answer may come late.
         """
         self._received["TPDO1"] = self._received["TPDO2"] = None
+        if self._contradicted:
+            self._contradicted.clear()
 
     def take(self) -> None:
-        """Take what this cycle's SYNC brought; Alarm 900006 when telegrams stay out."""
+        """Take what this cycle's SYNC brought.
+
+        A telegram that came twice with different contents, or whose statusword cannot be, counts
+        as one that stayed out. Raises Alarm 900006, 900080 or 900081 when that lasts.
+        """
         first, second = self._received["TPDO1"], self._received["TPDO2"]
+        alarm_id = 900006
+        if self._contradicted:
+            if "TPDO1" in self._contradicted:
+                first, alarm_id = None, 900080
+            if "TPDO2" in self._contradicted:
+                second = None
         self.begin_cycle()
+        self._latch_increments = None
+        if first is not None:
+            statusword, actual, probe_status = self._codec["TPDO1"].unpack(first)
+            try:
+                self.state = state_of(statusword)
+            except ValueError:
+                first, alarm_id = None, 900081
         if first is None:
             self._missing += 1
             if self._missing > MISSING_CYCLES_MAX:
-                raise Alarm(900006, axis=self.name, pdo="TPDO1", cycles=self._missing)
-            self._latch_increments = None
+                raise Alarm(alarm_id, axis=self.name, pdo="TPDO1", cycles=self._missing)
             return
         self._missing = 0
-        self.statusword, self.actual_increments, self._probe_status = self._codec["TPDO1"].unpack(
-            first
-        )
+        self.statusword, self.actual_increments, self._probe_status = (
+            statusword, actual, probe_status,
+        )  # fmt: skip
         # 60B9 and the latch object are one measured value only when one SYNC sampled both
-        self._latch_increments = None
         if second is not None and self._probe_status & self._stored_bit:
             (self._latch_increments,) = self._codec["TPDO2"].unpack(second)
-
-    @property
-    def state(self) -> State:
-        """State of the drive by its statusword."""
-        return state_of(self.statusword)
 
     @property
     def actual_mm(self) -> float:

@@ -91,7 +91,7 @@ class MeasuringRun:
     ports: one latch per measuring axis. error_no_signal: P-CHAN-00176, alarm when no signal comes.
     Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
     does not acknowledge), 900003 (only some axes signalled), 900004 (no signal),
-    900009 (stale latch).
+    900009 (stale latch), 900082 (switched off on the way).
     """
 
     def __init__(
@@ -153,7 +153,13 @@ class MeasuringRun:
         self._enter(RunState.MOVING)
         return Order.START
 
+    def _check_still_armed(self) -> None:
+        for port in self._ports:
+            if not port.is_armed:
+                raise Alarm(900082, axis=port.name)
+
     def _moving(self, now_ns: TimeNs, is_standing: bool) -> Order:
+        self._check_still_armed()
         if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
             self.record.signal_ns = now_ns
             return Order.BRAKE
@@ -163,6 +169,7 @@ class MeasuringRun:
         return Order.NONE
 
     def _collecting(self, now_ns: TimeNs, _is_standing: bool) -> Order:
+        self._check_still_armed()
         for port in self._ports:
             value = port.latched_mm
             if value is not None:
