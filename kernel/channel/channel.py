@@ -315,7 +315,7 @@ class Channel:
             dynamics.deceleration,
         )
         self._stop_dynamics = dynamics
-        self._settling_since_ns = None
+        self._settling_since_ns = self._inside_since_ns = None
         self.interpolator.start(here, target, profile)
 
     def _behind_target(

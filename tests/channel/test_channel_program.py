@@ -57,6 +57,20 @@ def test_a_synchronous_message_comes_when_the_machine_got_there(
     assert _at(bench, end_ns).set_mm == (10.0,)
 
 
+def test_a_later_move_is_waited_for_as_the_first_one(channel_bench: Make, words: Any) -> None:
+    """Ten cycles inside the window, counted anew: once in position is not always in position."""
+    bench = channel_bench(words.axis("Z", kv=400.0, window_mm=0.01)).run(
+        [
+            words.move(1, 600.0, Z=5.0),
+            words.probe(2, 600.0, Z=4.0),
+            words.move(3, 600.0, Z=8.0),
+            words.end(),
+        ]
+    )
+    stands = [n for n, z_mm in enumerate(bench.set_mm("Z")) if z_mm == 8.0]
+    assert len(stands) > 10
+
+
 @pytest.mark.parametrize("buffer_cycles", [0, 5])
 def test_a_wait_lasts_until_the_buffer_is_empty(
     channel_bench: Make, words: Any, buffer_cycles: int

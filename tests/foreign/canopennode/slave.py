@@ -178,5 +178,3 @@ class ForeignDrive:
                 self.set(0x60D5, self.get(0x60D5) + 1 & 0xFFFF)
             status |= 2
         self.set(0x60B9, status)
-
-
