@@ -145,7 +145,4 @@ def _default(row: ObjectRow, profile: DriveProfile) -> str:
         return str(profile.source_1 if row.sub == 1 else profile.source_2)
     if row.index == TRIGGER_SOURCE and row.sub == 0:
         return str(sum(profile.has_object(TRIGGER_SOURCE, sub) for sub in (1, 2)))
-    return row.default.format(
-        encoder_increments=profile.encoder_increments,
-        units_per_revolution=profile.units_per_revolution,
-    )
+    return row.default.format(**profile.object_defaults)

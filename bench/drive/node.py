@@ -30,8 +30,7 @@ NMT_START, NMT_STOP, NMT_PRE_OPERATIONAL = 1, 2, 128
 NMT_RESET_NODE, NMT_RESET_COMMUNICATION = 129, 130
 COMMUNICATION_OBJECTS = (0x1000, 0x1FFF)
 ID_MAX = 0x7FF
-# Objects that act when they are written between two SYNCs
-_ACTING = ("controlword", "probe_function")
+PROFILE_OBJECTS = 0x6000
 
 
 class DriveNode:
@@ -56,7 +55,9 @@ class DriveNode:
         self.name, self.node_id = name, node_id
         self.profile = profile or DriveProfile()
         self._network, self._clock = network, clock
-        self.servo = Servo(axis, probes, self.profile, self._send_emergency, seed)
+        self.servo = Servo(
+            axis, probes, self.profile, self._send_emergency, clock, self._send_changes, seed
+        )
         self.local = SimLocalNode(node_id, object_dictionary(node_id, self.profile))
         self.exchange = PdoExchange(
             network, clock, self.image, self.servo.emergency, self._read_parameter, self._act
@@ -142,7 +143,7 @@ class DriveNode:
             first, last = COMMUNICATION_OBJECTS
             for index in [index for index in self.local.data_store if first <= index <= last]:
                 del self.local.data_store[index]
-            self.image.set_defaults(first, last)
+            self.image.set_defaults(self.profile, first, last)
         else:
             self.local.data_store.clear()
             self.servo.reset(self._clock.now_ns)
@@ -189,8 +190,8 @@ class DriveNode:
         if not name:
             return
         store = partial(setattr, self.image, name, value)
-        if name in _ACTING:
-            self._act(store)
+        if index >= PROFILE_OBJECTS:
+            self._act(lambda: self._store_parameter(store))
         else:
             store()
         if index == 0x1005:
@@ -216,6 +217,17 @@ class DriveNode:
             or (index == 0x1005 and not 0 < value <= ID_MAX)
         ):
             raise SdoAbortedError(INVALID_VALUE)
+        refusal = self.servo.refuses(index, value)
+        if refusal is not None:
+            raise SdoAbortedError(refusal)
+
+    def _store_parameter(self, store: Callable[[], None]) -> None:
+        store()
+        self.servo.update()
+
+    def _send_changes(self) -> None:
+        if self.exchange.is_running:
+            self.exchange.send_events()
 
     def _act(self, store: Callable[[], None]) -> None:
         """Store values that act now: the time until now belongs to the old ones."""

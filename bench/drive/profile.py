@@ -1,6 +1,8 @@
 """What differs from drive to drive: scaling of the position and behaviour of the latch inputs."""
 
+import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cached_property
@@ -63,9 +65,20 @@ class DriveProfile:
     value_delay_cycles: int = 0
     homing: Literal["independent", "probe_1_off", "off", "clears"] = "independent"
     lacks: str = ""
+    tick_ns: TimeNs = 250 * US
+    rated_torque_mnm: int = 2200
+    rated_current_ma: int = 4490
 
     def __post_init__(self) -> None:
-        for name in ("encoder_increments", "lead_um", "position_factor", "grid_ns"):
+        for name in (
+            "encoder_increments",
+            "lead_um",
+            "position_factor",
+            "grid_ns",
+            "tick_ns",
+            "rated_torque_mnm",
+            "rated_current_ma",
+        ):
             if getattr(self, name) <= 0:
                 raise _refused(name, getattr(self, name), "a value above 0")
         for field in fields(self):
@@ -122,46 +135,30 @@ class DriveProfile:
         before_ns = grid_ns + self.delay_compensation_ns - delay_ns
         return max(0, before_ns), delay_ns + self.input_jitter_ns + ahead_ns
 
+    @property
+    def rated_force_n(self) -> float:
+        """Force at the load at rated torque: 2 pi M / lead (N; N.m for a rotary axis)."""
+        return 2.0 * math.pi * self.rated_torque_mnm * 1e3 / self.lead_um
 
-class Scaling:
-    """Metres to position units of the bus and back, as the drive computes it.
+    @property
+    def object_defaults(self) -> Mapping[str, int]:
+        """Defaults of the objects that follow from the profile, by their names in the table."""
+        per_mm = self.units_per_mm
 
-    The encoder quantises first (increments), then the position factor is applied. A position
-    beyond 32 bits wraps as the object does.
-    Source: CiA 402-2, position = increments * feed / (encoder resolution * gear ratio).
-    """
+        def units(millimetres: Fraction | int, most: int = 0xFFFF_FFFF) -> int:
+            return max(1, min(round(millimetres * per_mm), most))
 
-    __slots__ = ("_factor", "_increments_per_m", "_units_per_m")
-
-    def __init__(self, profile: DriveProfile) -> None:
-        self._increments_per_m = float(profile.increments_per_mm * 1000)
-        self._units_per_m = float(profile.units_per_mm * 1000)
-        factor = profile.position_factor
-        self._factor = None if factor == 1 else factor
-
-    def position_units(self, position_m: float) -> int:
-        """Return a position as the encoder and the bus tell it."""
-        units = round(position_m * self._increments_per_m)
-        if self._factor is not None:
-            units = round(units * self._factor)
-        return (units + 0x8000_0000 & 0xFFFF_FFFF) - 0x8000_0000
-
-    def velocity_units_s(self, velocity_m_s: float) -> int:
-        """Return a velocity in position units per second, limited to 32 bits."""
-        return limit_i32(round(velocity_m_s * self._units_per_m))
-
-    def deviation_units(self, deviation_m: float) -> int:
-        """Return a difference of positions in position units, limited to 32 bits."""
-        return limit_i32(round(deviation_m * self._units_per_m))
-
-    def position_m(self, units: int) -> float:
-        """Return the position that position units of the bus stand for."""
-        return units / self._units_per_m
-
-
-def limit_i32(value: int) -> int:
-    """Limit to the range of INTEGER32."""
-    return max(-0x8000_0000, min(value, 0x7FFF_FFFF))
+        return {
+            "encoder_increments": self.encoder_increments,
+            "units_per_revolution": self.units_per_revolution,
+            "rated_torque_mnm": self.rated_torque_mnm,
+            "rated_current_ma": self.rated_current_ma,
+            "position_window": units(Fraction(1, 100)),
+            "velocity_window": units(Fraction(1, 2), 0xFFFF),
+            "profile_velocity": units(100),
+            "profile_acceleration": units(1000),
+            "quick_stop_deceleration": units(5000),
+        }
 
 
 def _refused(name: str, value: object, allowed: str) -> UserError:

@@ -43,13 +43,16 @@ class Command(Enum):
 
 
 class Status(IntFlag):
-    """Bits of the statusword 6041 beside those that tell the state (bits 12, 13: mode csp)."""
+    """Bits of the statusword 6041 beside those that tell the state; bit 12 as the mode says."""
 
     VOLTAGE_ENABLED = 1 << 4
     WARNING = 1 << 7
     REMOTE = 1 << 9
+    TARGET_REACHED = 1 << 10
     INTERNAL_LIMIT = 1 << 11
     FOLLOWS_COMMAND = 1 << 12
+    SET_POINT_ACKNOWLEDGE = 1 << 12
+    SPEED_ZERO = 1 << 12
     FOLLOWING_ERROR = 1 << 13
 
 

@@ -121,8 +121,9 @@ class FakeAxis:
         return self.motor_position_m_at(self.now_ns)
 
     def motor_velocity_m_s(self) -> float:
-        if self.commands[-1].kind is ControlKind.POSITION:
-            return 0.0125
+        if self.motion:
+            now_s, step_s = self.now_ns * 1e-9, 1e-6
+            return (self.motion(now_s + step_s) - self.motion(now_s - step_s)) / (2 * step_s)
         return self.demand_velocity_m_s()
 
     def motor_position_m_at(self, time_ns: int) -> float:

@@ -7,8 +7,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.drive.profile import DriveProfile, Scaling
+from bench.drive.application.units import Units
+from bench.drive.image import ProcessImage
+from bench.drive.profile import DriveProfile
 from kernel.errors import UserError
+
+
+def units_of(profile: DriveProfile) -> Units:
+    image = ProcessImage()
+    image.set_defaults(profile)
+    return Units(profile, image)
 
 
 def test_default_is_20_bit_on_10_mm() -> None:
@@ -21,14 +29,14 @@ def test_default_is_20_bit_on_10_mm() -> None:
 def test_position_is_the_nearest_increment(position_pm: int) -> None:
     """Positions in picometres up to 20 mm, compared with exact arithmetic."""
     exact = Fraction(position_pm, 10**9) * Fraction("104857.6")
-    units = Scaling(DriveProfile()).position_units(position_pm * 1e-12)
+    units = units_of(DriveProfile()).position_units(position_pm * 1e-12)
     assert abs(units - exact) <= Fraction(1, 2) + Fraction(1, 10**6)
 
 
 def test_position_factor_comes_after_the_encoder() -> None:
     """1 mm is 100 increments of 10 um and 10000 units of 0.1 um; 14 um is the first increment."""
     profile = DriveProfile(encoder_increments=1000, position_factor=Fraction(100))
-    scaling = Scaling(profile)
+    scaling = units_of(profile)
     assert profile.units_per_mm == 10_000
     assert scaling.position_units(0.001) == 10_000
     assert scaling.position_units(14e-6) == 100
@@ -39,7 +47,7 @@ def test_position_factor_comes_after_the_encoder() -> None:
 
 
 def test_position_wraps_like_its_object_and_differences_stop_at_the_limit() -> None:
-    scaling = Scaling(DriveProfile(encoder_increments=10_000))  # 1 um
+    scaling = units_of(DriveProfile(encoder_increments=10_000))  # 1 um
     assert scaling.position_units(2147.483647) == 0x7FFF_FFFF
     assert scaling.position_units(2147.483648) == -0x8000_0000
     assert scaling.deviation_units(5000.0) == 0x7FFF_FFFF

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from bench.drive.profile import DriveProfile
-from kernel.clock import MS
+from kernel.clock import MS, US
 from kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
@@ -98,17 +98,21 @@ def test_leaving_operation_takes_the_force_away_at_the_same_sync(
     assert not bench.axis.commands[-1].enabled
 
 
-def test_quick_stop_shows_for_one_sync(drive_bench: Make) -> None:
-    """Option code 605A = 0: transition 11, then 12 by itself; statuswords 0x217 and 0x250."""
+@pytest.mark.parametrize(("option", "first"), [(0, 0x0217), (2, 0x0617)])
+def test_quick_stop_of_a_standing_axis_shows_for_one_sync(
+    drive_bench: Make, option: int, first: int
+) -> None:
+    """Transition 11, then 12 by itself; bit 10 = it stands, where it is not left alone (0)."""
     bench = drive_bench()
+    bench.remote.sdo[0x605A].raw = option
     bench.operational()
     bench.enable(3)
     bench.set_values(0x02, 0)
     bench.sync_at_ms(6)
-    assert not bench.axis.commands[-1].enabled
     bench.sync_at_ms(7)
+    assert not bench.axis.commands[-1].enabled
     words = [int.from_bytes(frame[:2], "little") for frame in bench.frames(0x183)[-2:]]
-    assert words == [0x0217, 0x0250]
+    assert words == [first, 0x0250]
 
 
 def test_sdo_takes_the_force_away_between_two_syncs(drive_bench: Make) -> None:
@@ -142,10 +146,12 @@ def test_following_error_is_demand_less_encoder(drive_bench: Make, fake_axis: An
 
 
 def test_following_error_fault_after_window_and_time_out(drive_bench: Make, fake_axis: Any) -> None:
-    """Stuck axis, 1000 units per ms, window 2500, time-out 3 ms.
+    """Stuck axis, 1000 units per ms, window 2500, time-out 3 ms, ticks of 250 us.
 
-    The target n * 1000 is given at SYNC 5 + n and is the demand at SYNC 6 + n, so 3000 > 2500 is
-    first seen at SYNC 9 and the fault comes at SYNC 12.
+    The target n * 1000 of SYNC 8 + n is reached 1 ms later, so the demand is 1000 (t - 9 ms) after
+    SYNC 9 and above 2500 first at the tick of 11.75 ms; the fault comes at 14.75 ms, the axis
+    stands, and one tick later the reaction is over. From the tick on that sees the excess, bit 7
+    warns.
     """
     bench = drive_bench(fake_axis(motion=lambda t: 0.0))
     bench.operational()
@@ -157,10 +163,11 @@ def test_following_error_fault_after_window_and_time_out(drive_bench: Make, fake
         bench.set_values(0x0F, n * 1000)
         bench.sync_at_ms(8 + n)
     status = [int.from_bytes(frame[:2], "little") for frame in bench.frames(0x183)]
-    # SYNC 6, 7, 8 enable; 9 to 14 run; at 15 fault reaction with bit 13, at 16 fault
-    assert status == [0x0231, 0x0233] + [0x1237] * 7 + [0x221F, 0x2218]
+    assert status == [0x0231, 0x0233] + [0x1237] * 4 + [0x12B7] * 3 + [0x2218] * 2
     assert bench.frames(0x083) == [bytes.fromhex("1186210000000000")]
-    assert bench.times_ns(0x083)[0] // MS == 15
+    frame_ns = bench.times_ns(0x083)[0] - (14_750_000 + SYNC_NS)
+    assert 108 * US < frame_ns < 132 * US  # 8 byte at 1 Mbit/s
+    assert bench.remote.sdo[0x603F].raw == 0x8611
     assert bench.remote.sdo[0x1001].raw == 0x21
     assert not bench.axis.commands[-1].enabled
     bench.set_values(0x80, 0)
@@ -168,6 +175,7 @@ def test_following_error_fault_after_window_and_time_out(drive_bench: Make, fake
     assert bench.node.state is State.SWITCH_ON_DISABLED
     assert bench.frames(0x083)[1:] == [bytes(8)]
     assert bench.remote.sdo[0x1001].raw == 0
+    assert bench.remote.sdo[0x603F].raw == 0
     assert int.from_bytes(bench.frames(0x183)[-1][:2], "little") == 0x0250
 
 
@@ -195,7 +203,11 @@ def test_node_reset_ends_a_fault_without_a_message(drive_bench: Make, fake_axis:
 
 
 def test_window_not_exceeded_long_enough_is_no_fault(drive_bench: Make, fake_axis: Any) -> None:
-    """The encoder is off by 3 mm from 8 to 10 ms only; time-out 3 ms starts over."""
+    """The encoder is off by 3 mm from 8.5 to 10.5 ms and from 11.5 ms on; time-out 3 ms.
+
+    A tick lies 48 us behind each quarter of a millisecond, so the first one beyond the window is
+    that of 11.548 ms and the fault comes at 14.548 ms.
+    """
     axis = fake_axis(motion=lambda t: 0.003 if 0.0085 < t < 0.0105 or t > 0.0115 else 0.0)
     bench = drive_bench(axis)
     bench.operational()
@@ -203,10 +215,11 @@ def test_window_not_exceeded_long_enough_is_no_fault(drive_bench: Make, fake_axi
     bench.remote.sdo[0x6066].raw = 3
     bench.run_to_ms(4.7)
     bench.enable(5)
-    for k in range(8, 15):
+    for k in range(8, 14):
         bench.sync_at_ms(k)
-        assert bench.node.state is State.OPERATION_ENABLED
-    bench.sync_at_ms(15)  # beyond the window at 12, 13, 14, 15
+    bench.run_to_ms(14.547)
+    assert bench.node.state is State.OPERATION_ENABLED
+    bench.run_to_ms(14.549)
     assert bench.node.state is State.FAULT_REACTION_ACTIVE
 
 

@@ -1,44 +1,69 @@
-"""The drive behind its bus: state machine, set value, following error, touch probe.
+"""The drive behind its bus: states, modes, stop reactions, monitoring, touch probe.
 
 Knows object values (`ProcessImage`), the axis and the probe inputs, and nothing of CAN. Every
 method gets the present simulated time.
 """
 
+import math
 from collections.abc import Callable
 
 from bench.drive.application.index_pulse import IndexPulse
 from bench.drive.application.latch_position import LatchPosition
+from bench.drive.application.limits import Limits
+from bench.drive.application.modes import MODES, Mode, Parts
+from bench.drive.application.monitor import Held
+from bench.drive.application.motion import POSITION, Motion
+from bench.drive.application.sampler import SELDOM, Sampler
+from bench.drive.application.states import (
+    BY_LIMIT,
+    CONTINUE,
+    OPTIONS,
+    QUICK_STOP,
+    Reaction,
+    StateMachine,
+)
+from bench.drive.application.stop import Standstill, Stop
+from bench.drive.application.ticks import Ticker
 from bench.drive.application.touch_probe import (
     HARDWARE_INDEX,
     SOFTWARE_INDEX,
     Encoders,
     TouchProbe,
 )
+from bench.drive.application.units import U32_MAX, Units
 from bench.drive.communication.emergency import COMMUNICATION_ERROR, PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
-from bench.drive.profile import DriveProfile, Scaling
-from kernel.clock import MS, US, S, TimeNs
-from kernel.drives.ds402 import STATES, State, Status, automatic, input_bit, transition
+from bench.drive.profile import DriveProfile
+from kernel.clock import Clock, TimeNs
+from kernel.drives.ds402 import STATES, State, Status, automatic
 
 FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
+OVERSPEED = 0x8400  # emergency code of CiA 402: velocity controller
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
-NOT_MONITORED = 0xFFFF_FFFF
-_INPUT_SHIFT = input_bit(1).bit_length() - 1
+HALT = 1 << 8  # bit of the controlword
+INVALID_VALUE, NOT_NOW = 0x06090030, 0x08000022  # abort codes of CiA 301
+POWERED = frozenset(
+    {
+        State.SWITCHED_ON,
+        State.OPERATION_ENABLED,
+        State.QUICK_STOP_ACTIVE,
+        State.FAULT_REACTION_ACTIVE,
+    }
+)
+_SCALING = (0x608F, 0x6091, 0x6092)
+_OPTION_CODES = frozenset(index for index, _ in OPTIONS)
 _STATUSWORD = {
-    state: pattern.value
-    | Status.VOLTAGE_ENABLED.value
-    | Status.REMOTE.value
-    | (Status.FOLLOWS_COMMAND.value if state is State.OPERATION_ENABLED else 0)
+    state: pattern.value | Status.VOLTAGE_ENABLED.value | Status.REMOTE.value
     for state, pattern in STATES.items()
 }
 
 
 class Servo:
-    """The application of a drive node in mode cyclic synchronous position.
+    """The application of a drive node.
 
     One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register)
-    sends an emergency message.
+    sends an emergency message; changed() is called when a tick has changed the statusword.
     """
 
     def __init__(
@@ -47,31 +72,70 @@ class Servo:
         signals: tuple[SignalPort | None, SignalPort | None],
         profile: DriveProfile,
         send_emergency: Callable[[int, int], None],
+        clock: Clock,
+        changed: Callable[[], None],
         seed: int = 0,
     ) -> None:
-        self.axis = axis
-        self.scaling = Scaling(profile)
-        self.image = ProcessImage()
-        self.image.set_defaults()
-        self.emergency = Emergency(self.image, send_emergency)
-        self.state, _ = automatic(State.NOT_READY_TO_SWITCH_ON)
-        self.touch_probe = _touch_probe(axis, signals, profile, self.scaling, self.image, seed)
-        self._controlword = 0
-        self._follows = False
-        self._exceeded_ns: TimeNs | None = None
+        self.axis, self._profile = axis, profile
+        self._clock, self._changed = clock, changed
+        self.image = image = ProcessImage()
+        image.set_defaults(profile)
+        self.emergency = Emergency(image, send_emergency)
+        self.scaling = Units(profile, image)
+        self.limits = Limits(axis, profile, image, self.scaling)
+        self.motion = Motion(axis)
+        self._standstill = Standstill(image, self.scaling, self.motion)
+        self.machine = StateMachine(image)
+        self.touch_probe = _touch_probe(axis, signals, profile, self.scaling, image, seed)
+        parts = Parts(
+            image, self.scaling, self.limits, self.motion, self._standstill, profile.tick_ns
+        )
+        self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
+        self._ticker = Ticker(clock, profile.tick_ns, self._tick)
+        self._sampler = Sampler(image, self.scaling, self.motion, self.limits, self.touch_probe)
+        self._restart()
+
+    def _restart(self) -> None:
+        image = self.image
+        image.supported_modes = sum(1 << number - 1 for number in self.modes)
+        image.mode_display = image.mode
+        self.mode: Mode = self.modes[image.mode]
+        self._is_operating = False  # the mode has the axis
+        self._stop: Stop | None = None
+        self._halted = self._goes_on = self._resumes = False
+        self._began_ns = -1
+        self._exceeded = Held()
         self._fault_code = 0
         self._following_error = 0  # bit 13 of the statusword
+        self.scaling.origin_units = 0
+        self.update()
+
+    def update(self) -> None:
+        """Read scaling and limits again, after a write by SDO."""
+        self.scaling.update()
+        self.limits.update()
+
+    @property
+    def state(self) -> State:
+        """State of the power drive system."""
+        return self.machine.state
+
+    def watch(self, names: frozenset[str]) -> None:
+        """Say which values telegrams carry; seldom ones that none carries cost no sampling."""
+        self._sampler.is_watched = bool(names & SELDOM)
 
     def reset(self, now_ns: TimeNs) -> None:
         """Do what power off and on does: no torque, no error, default values, probes off."""
         self.axis.advance_to(now_ns)
         self.touch_probe.take_edges(now_ns)
-        self.image.set_defaults()
+        self.image.set_defaults(self._profile)
         self.touch_probe.reset()
         self.emergency.forget()
-        self.state, _ = automatic(State.NOT_READY_TO_SWITCH_ON)
-        self._controlword = self._following_error = 0
-        self._release(now_ns, self.axis.motor_position_m())
+        self.machine.reset()
+        self._restart()
+        self.motion.off(now_ns)
+        self.limits.limit_torque()
+        self._ticker.need(False)
         self.refresh(now_ns)
 
     def begin(self, now_ns: TimeNs) -> None:
@@ -81,42 +145,50 @@ class Servo:
 
     def cycle(self, now_ns: TimeNs) -> None:
         """Act on the object values, give the axis its demand of this SYNC period, sample."""
-        self.state, _ = automatic(self.state)
-        self._control()
-        self.touch_probe.cycle(self.image.probe_function, now_ns)
-        motor_m = self.axis.motor_position_m()
-        if self.state is State.OPERATION_ENABLED:
-            demand_m = self._follow(now_ns, motor_m)
-        else:
-            demand_m = motor_m
-            self._release(now_ns, motor_m)
-        self._sample(motor_m, demand_m)
-        if self._follows:
-            self._monitor(now_ns)
+        self._step(now_ns, at_sync=True)
+        self._ticker.lock()
 
     def react(self, now_ns: TimeNs) -> None:
         """Act on object values that were written between two SYNCs.
 
-        Commands and the probe function act at once, a target at the next SYNC.
+        Commands and the probe function act at once, a target of a cyclic mode at the next SYNC.
         """
-        self._control()
+        self._control(now_ns)
         self.touch_probe.set_function(self.image.probe_function, now_ns)
-        if self._follows and self.state is not State.OPERATION_ENABLED:
-            self._release(now_ns, self.axis.motor_position_m())
+        self._need_ticks()
         self.refresh(now_ns)
 
     def refresh(self, now_ns: TimeNs) -> None:
         """Sample now, for who reads values outside a SYNC."""
         self.begin(now_ns)
-        motor_m = self.axis.motor_position_m()
-        self._sample(motor_m, self.axis.demand_position_m() if self._follows else motor_m)
+        self._sample()
+        self._sampler.sample_seldom()
+
+    def refuses(self, index: int, value: int) -> int | None:
+        """Return the abort code of a write that this drive or its state does not allow."""
+        if index == 0x6060 and value not in self.modes:
+            return INVALID_VALUE
+        if index in _OPTION_CODES and not self.motion.controls_velocity:
+            option = OPTIONS.get((index, value))
+            if option is not None and option.reaction in BY_LIMIT:
+                return INVALID_VALUE
+        if index in _SCALING and self.state in POWERED:
+            return NOT_NOW
+        return None
 
     def connection_lost(self, now_ns: TimeNs) -> None:
         """Act on a lost connection to the master as 6007 says.
 
         Source: CiA 402-2, object 6007: 0 nothing, 1 fault, 2 disable voltage, 3 quick stop.
         """
-        self.fault(CONNECTION_LOST, COMMUNICATION_ERROR, now_ns)
+        option = self.image.abort_option
+        if option == 1:
+            self.fault(CONNECTION_LOST, COMMUNICATION_ERROR, now_ns)
+        elif option in (2, 3):
+            self.begin(now_ns)
+            self.image.controlword = 0x0000 if option == 2 else 0x0002
+            self.react(now_ns)
+            self._changed()
 
     def fault(self, code: int, register_bit: int, now_ns: TimeNs) -> None:
         """Take a fault: emergency message, then the fault reaction (transition 13).
@@ -127,72 +199,223 @@ class Servo:
         if self.state in (State.FAULT_REACTION_ACTIVE, State.FAULT):
             return
         self.begin(now_ns)
-        motor_m = self.axis.motor_position_m()
-        self.state = State.FAULT_REACTION_ACTIVE
-        self._fault_code = code
-        self._release(now_ns, motor_m)
-        self._sample(motor_m, motor_m)
+        option = self.machine.fault()
+        self._fault_code = self.image.error_code = code
+        if self.motion.kind is not None:
+            self._brake(now_ns, option.reaction, at_actual=code == FOLLOWING_ERROR)
+        self._need_ticks()
+        self._sample()
         self.emergency.report(code, register_bit)
 
-    def _control(self) -> None:
-        controlword = self.image.controlword
-        self.state, number = transition(self.state, controlword, self._controlword)
-        self._controlword = controlword
-        if number == 15:  # fault reset
+    def _tick(self) -> None:
+        now_ns = self._clock.now_ns
+        self.begin(now_ns)
+        before = self.image.statusword
+        self._step(now_ns, at_sync=False)
+        if self.image.statusword != before:
+            self._changed()
+
+    def _step(self, now_ns: TimeNs, at_sync: bool) -> None:
+        self._settle(now_ns)
+        self._control(now_ns)
+        if at_sync:
+            self.touch_probe.cycle(self.image.probe_function, now_ns)
+        if self._stop is not None:
+            self._stop.go_on(now_ns, self._profile.tick_ns)
+        elif self._is_operating and self._began_ns != now_ns:
+            if at_sync:
+                self.mode.cycle(now_ns)
+            else:
+                self.mode.tick(now_ns)
+        elif self.motion.kind is None and at_sync:
+            self.motion.off(now_ns)
+        self._sample()
+        if self._is_operating:
+            self._monitor(now_ns)
+        if self._sampler.is_watched:
+            self._sampler.sample_seldom()
+        self._need_ticks()
+
+    def _settle(self, now_ns: TimeNs) -> None:
+        """Take the transitions that come by themselves: 1, 12 and 14, 5 and 8 after a ramp."""
+        machine = self.machine
+        if machine.state is State.NOT_READY_TO_SWITCH_ON:
+            machine.state, _ = automatic(machine.state)
+        stop = self._stop
+        if stop is not None and not stop.is_done:
+            return
+        if machine.waiting is not None or machine.state in (
+            State.QUICK_STOP_ACTIVE,
+            State.FAULT_REACTION_ACTIVE,
+        ):
+            if machine.arrive():
+                self._release(now_ns)
+        elif self._goes_on:
+            self._go_on(now_ns, self._resumes)
+
+    def _control(self, now_ns: TimeNs) -> None:
+        """Carry out what the controlword asks for, and a change of mode."""
+        self.limits.limit_torque()
+        number = self.machine.command()
+        if number is not None:
+            self._carry_out(number, now_ns)
+        if self.image.mode != self.image.mode_display:
+            self._change_mode(now_ns)
+        if self.state is State.OPERATION_ENABLED and self.machine.waiting is None:
+            self._halt_or_go_on(now_ns)
+
+    def _carry_out(self, number: int, now_ns: TimeNs) -> None:
+        machine = self.machine
+        if number in (4, CONTINUE):
+            self._go_on(now_ns)
+        elif machine.waiting is not None:
+            self._brake(now_ns, machine.braking(number).reaction)
+        elif number == QUICK_STOP:
+            self._brake(now_ns, machine.option.reaction)
+        elif number == 15:
             self._following_error = 0
+            self.image.error_code = 0
             self.emergency.clear(self._fault_code)
+        elif self.motion.kind is not None and machine.state not in (
+            State.OPERATION_ENABLED,
+            State.QUICK_STOP_ACTIVE,
+        ):
+            self._release(now_ns)
 
-    def _follow(self, now_ns: TimeNs, motor_m: float) -> float:
-        """Command the axis from its present demand to the target; return the present demand.
+    def _halt_or_go_on(self, now_ns: TimeNs) -> None:
+        is_halt = bool(self.image.controlword & HALT)
+        if is_halt and self._is_operating:
+            self._brake(now_ns, OPTIONS[0x605D, self.image.halt_option].reaction)
+            self._halted = True
+        elif self._halted and not is_halt:
+            self._go_on(now_ns, resume=True)
+        if self._is_operating:
+            self.mode.command(now_ns)
 
-        Source: CiA 402-2, cyclic synchronous position: linear interpolation over one period.
+    def _change_mode(self, now_ns: TimeNs) -> None:
+        """Follow 6060 unless a stop is under way; an unknown mode changes nothing."""
+        mode = self.modes.get(self.image.mode)
+        if mode is None:
+            return
+        if self._is_operating:
+            self._leave(now_ns)
+            self.mode = mode
+            self._go_on(now_ns)
+        elif self._stop is None or (self._halted and self._stop.is_done):
+            self.mode, self.image.mode_display = mode, mode.number
+
+    def _go_on(self, now_ns: TimeNs, resume: bool = False) -> None:
+        """Give the axis to the mode.
+
+        An axis that moves under control of velocity or force is stopped (6084) before a mode that
+        controls its position; else the mode takes it over as it is.
         """
-        image = self.image
-        if not self._follows:
-            # Whatever target stands there, operation starts where the axis is
-            self._follows = True
-            image.target_position = self.scaling.position_units(motor_m)
-            self.axis.command(now_ns, motor_m, 0.0, now_ns, True)
-            return motor_m
-        demand_m = self.axis.demand_position_m()
-        period_ns = image.sync_period_us * US
-        target_m = self.scaling.position_m(image.target_position)
-        velocity_m_s = (target_m - demand_m) * S / period_ns
-        self.axis.command(now_ns, demand_m, velocity_m_s, now_ns + period_ns, True)
-        return demand_m
+        is_other = self.motion.kind not in (None, self.mode.needs)
+        if self.mode.needs is POSITION and is_other:
+            if self._stop is None:
+                self._brake(now_ns, Reaction.SLOW_DOWN)
+            assert self._stop is not None
+            if not self._stop.is_done:
+                self._halted, self._goes_on, self._resumes = False, True, resume
+                return
+        self._stop = None
+        self._halted = self._goes_on = False
+        self.image.mode_display = self.mode.number
+        self._is_operating, self._began_ns = True, now_ns
+        self._exceeded.since_ns = None
+        if resume:
+            self.mode.resume(now_ns)
+        else:
+            self.mode.begin(now_ns)
 
-    def _release(self, now_ns: TimeNs, motor_m: float) -> None:
-        self._follows = False
-        self.axis.command(now_ns, motor_m, 0.0, now_ns, False)
+    def _leave(self, now_ns: TimeNs) -> None:
+        if self._is_operating:
+            self._is_operating = False
+            self.mode.end(now_ns)
 
-    def _sample(self, motor_m: float, demand_m: float) -> None:
-        image, scaling, probe = self.image, self.scaling, self.touch_probe
-        image.statusword = _STATUSWORD[self.state] | self._following_error
-        image.position_actual = scaling.position_units(motor_m)
-        image.velocity_actual = scaling.velocity_units_s(self.axis.motor_velocity_m_s())
-        image.following_error = scaling.deviation_units(demand_m - motor_m)
-        image.probe_status = probe.status
-        image.digital_inputs = probe.inputs << _INPUT_SHIFT
+    def _release(self, now_ns: TimeNs) -> None:
+        """Take the power away."""
+        self._leave(now_ns)
+        self._stop = None
+        self._halted = self._goes_on = False
+        self.motion.off(now_ns)
+
+    def _brake(self, now_ns: TimeNs, reaction: Reaction, at_actual: bool = False) -> None:
+        if reaction is Reaction.COAST:
+            self._release(now_ns)
+            return
+        self._leave(now_ns)
+        self._halted = self._goes_on = False
+        self._stop = Stop(self.motion, self.limits, self._standstill, reaction)
+        self._stop.begin(now_ns, self._profile.tick_ns, at_actual)
+
+    def _need_ticks(self) -> None:
+        state = self.machine.state
+        if self._is_operating:
+            mode = self.mode
+            is_needed = mode.needs_ticks or self._is_monitored
+        elif self._stop is not None:
+            is_waiting = self.machine.waiting is not None or self._goes_on
+            is_needed = is_waiting or not self._stop.is_done
+        else:
+            is_needed = False
+        if state is State.FAULT_REACTION_ACTIVE or (
+            state is State.QUICK_STOP_ACTIVE and self.machine.option.then is not state
+        ):
+            is_needed = True
+        self._ticker.need(is_needed)
+
+    @property
+    def _is_monitored(self) -> bool:
+        mode = self.mode
+        if mode.limits_speed:
+            return math.isfinite(self.limits.speed_m_s)
+        return mode.follows_position and self.image.following_window != U32_MAX
 
     def _monitor(self, now_ns: TimeNs) -> None:
-        """Fault when |60F4| has been above 6065 for the time 6066, at the tick of a SYNC."""
+        """Fault when |60F4| has been above 6065 for the time 6066, or 606C above 6080 in cst."""
         image = self.image
-        window = image.following_window
-        if window == NOT_MONITORED or abs(image.following_error) <= window:
-            self._exceeded_ns = None
+        if self.mode.limits_speed:
+            if abs(self.axis.motor_velocity_m_s()) > self.limits.speed_m_s:
+                self.fault(OVERSPEED, PROFILE_ERROR, now_ns)
             return
-        if self._exceeded_ns is None:
-            self._exceeded_ns = now_ns
-        if now_ns - self._exceeded_ns >= image.following_timeout_ms * MS:
+        window = image.following_window
+        if window == U32_MAX or not self.mode.follows_position:
+            return
+        is_beyond = abs(image.following_error) > window
+        if self._exceeded.holds(now_ns, is_beyond, image.following_timeout_ms):
             self._following_error = Status.FOLLOWING_ERROR.value
             self.fault(FOLLOWING_ERROR, PROFILE_ERROR, now_ns)
+
+    def _sample(self) -> None:
+        self._sampler.sample()
+        self.image.statusword = self._status()
+
+    def _status(self) -> int:
+        word = _STATUSWORD[self.machine.state] | self._following_error
+        if self._is_operating:
+            word |= self.mode.status()
+            if self.mode.is_limited:
+                word |= Status.INTERNAL_LIMIT
+            if self._exceeded.since_ns is not None:
+                word |= Status.WARNING
+        elif (
+            self._stop is not None
+            and self._stop.is_done
+            and (self._halted or self.machine.state is State.QUICK_STOP_ACTIVE)
+        ):
+            word |= Status.TARGET_REACHED
+        limits = self.limits
+        if limits.is_limiting and limits.is_torque_limited(limits.torque_per_mille()):
+            word |= Status.INTERNAL_LIMIT
+        return word
 
 
 def _touch_probe(
     axis: AxisPort,
     signals: tuple[SignalPort | None, SignalPort | None],
     profile: DriveProfile,
-    scaling: Scaling,
+    scaling: Units,
     image: ProcessImage,
     seed: int,
 ) -> TouchProbe:

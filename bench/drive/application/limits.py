@@ -1,0 +1,96 @@
+"""Limits of a drive: software position limits, speeds, accelerations, torque."""
+
+import math
+
+from bench.drive.application.units import U32_MAX, Units
+from bench.drive.image import ProcessImage
+from bench.drive.ports import AxisPort
+from bench.drive.profile import DriveProfile
+
+PER_MILLE = 1000
+NO_TORQUE_LIMIT = 0xFFFF  # 6072, 60E0, 60E1: the motor's own limit alone
+REACHED = 0.99  # share of a torque limit from which on it counts as reached
+
+
+class Limits:
+    """The limits as they stand in the objects, in SI units; `update` reads them again.
+
+    low_m, high_m: where a position demand may lie. speed_m_s: 6080. profile_m_s: the least of 6080
+    and 607F. negative, positive: torque in per mille of 6076, the least of 6072 and 60E1 or 60E0.
+    """
+
+    def __init__(
+        self, axis: AxisPort, profile: DriveProfile, image: ProcessImage, units: Units
+    ) -> None:
+        self._axis, self._image, self._units = axis, image, units
+        self._lead_m = profile.lead_um * 1e-6
+        self.rated_n = profile.rated_force_n
+        self.negative = self.positive = NO_TORQUE_LIMIT
+        self.update()
+
+    def update(self) -> None:
+        """Read every limit but those of the torque again."""
+        image, units = self._image, self._units
+        low, high = image.software_limit_min, image.software_limit_max
+        self.low_m, self.high_m = -math.inf, math.inf
+        if low < high:
+            # Relative to the machine home position: less the home offset
+            self.low_m, self.high_m = units.position_m(low), units.position_m(high)
+        speed = image.max_motor_speed
+        self.speed_m_s = math.inf if speed == U32_MAX else speed * self._lead_m / 60.0
+        profile = image.max_profile_velocity
+        profile_m_s = math.inf if profile == U32_MAX else units.metres(profile)
+        self.profile_m_s = min(self.speed_m_s, profile_m_s)
+
+    def rates_m_s2(self) -> tuple[float, float]:
+        """Return acceleration and deceleration of a profile."""
+        image = self._image
+        return (
+            self._units.metres(min(image.profile_acceleration, image.max_acceleration)),
+            self._units.metres(min(image.profile_deceleration, image.max_deceleration)),
+        )
+
+    def quick_stop_m_s2(self) -> float:
+        """Return the deceleration of the quick-stop ramp."""
+        image = self._image
+        return self._units.metres(min(image.quick_stop_deceleration, image.max_deceleration))
+
+    def position_m(self, position_m: float) -> float:
+        """Return a position demand within the software limits."""
+        return max(self.low_m, min(position_m, self.high_m))
+
+    def velocity_m_s(self, velocity_m_s: float) -> float:
+        """Return a velocity demand within the speed limit of the motor."""
+        return max(-self.speed_m_s, min(velocity_m_s, self.speed_m_s))
+
+    def torque(self, per_mille: int) -> int:
+        """Return a torque demand within the limits."""
+        return max(-self.negative, min(per_mille, self.positive))
+
+    def limit_torque(self) -> None:
+        """Hand the torque limits over to the axis when they have changed."""
+        image = self._image
+        most = image.max_torque
+        negative = min(most, image.negative_torque_limit)
+        positive = min(most, image.positive_torque_limit)
+        if negative != self.negative or positive != self.positive:
+            self.negative, self.positive = negative, positive
+            scale = self.rated_n / PER_MILLE
+            self._axis.limit_force(negative * scale, positive * scale)
+
+    @property
+    def is_limiting(self) -> bool:
+        """Whether the objects limit the torque."""
+        return min(self.negative, self.positive) != NO_TORQUE_LIMIT
+
+    def torque_per_mille(self) -> int:
+        """Return the actual torque in per mille of the rated one; 0 where it is not told."""
+        force_n = self._axis.force_n()
+        if force_n is None:
+            return 0
+        return max(-0x8000, min(round(force_n / self.rated_n * PER_MILLE), 0x7FFF))
+
+    def is_torque_limited(self, per_mille: int) -> bool:
+        """Whether the actual torque is at one of the limits that the objects set."""
+        limit = self.positive if per_mille >= 0 else self.negative
+        return limit != NO_TORQUE_LIMIT and abs(per_mille) >= REACHED * limit
