@@ -19,6 +19,7 @@ package Units "SI types, so that every variable carries its unit"
   type ContactDamping = Real(unit = "s/m", min = 0) "Share of the spring force per velocity";
   type AngularVelocity = Real(quantity = "AngularVelocity", unit = "rad/s");
   type Torque = Real(quantity = "Torque", unit = "N.m");
+  type AngularAcceleration = Real(quantity = "AngularAcceleration", unit = "rad/s2");
   type TorsionalStiffness = Real(unit = "N.m/rad", min = 0);
   type TorsionalDamping = Real(unit = "N.m.s/rad", min = 0) "Torque per angular velocity";
   type Ratio = Real(unit = "1", min = 0);

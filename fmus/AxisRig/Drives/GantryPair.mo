@@ -5,13 +5,33 @@ model GantryPair "Two drives that move one beam on two guideways"
   input Units.Time reference_time_1 "Instant of reference_position_1";
   input Units.Time reference_end_1 "Instant from which the demand rests";
   input Boolean enabled_1(start = false) "Power stage on; off: no motor force";
-  input Units.Force force_limit_1(start = 1e9, min = 0) "Further limit of the motor force";
+  input Units.Force force_limit_1(start = 1e9, min = 0)
+    "Further limit of the motor force, both directions";
+  input Units.Force force_limit_positive_1(start = 1e9, min = 0)
+    "Further limit of the motor force, positive direction";
+  input Units.Force force_limit_negative_1(start = 1e9, min = 0)
+    "Further limit of the motor force, negative direction, as an amount";
+  input Integer control_1(start = 0, min = 0, max = 2)
+    "What is controlled; 0: position, 1: velocity, 2: force";
+  input Units.Acceleration reference_acceleration_1
+    "Velocity control: the demand is reference_velocity + this*(min(t, end) - time)";
+  input Units.Force reference_force_1 "Control of the force: demand";
   input Units.Position reference_position_2 "Demand at reference_time_2";
   input Units.Velocity reference_velocity_2 "Slope of the demand until reference_end_2";
   input Units.Time reference_time_2 "Instant of reference_position_2";
   input Units.Time reference_end_2 "Instant from which the demand rests";
   input Boolean enabled_2(start = false) "Power stage on; off: no motor force";
-  input Units.Force force_limit_2(start = 1e9, min = 0) "Further limit of the motor force";
+  input Units.Force force_limit_2(start = 1e9, min = 0)
+    "Further limit of the motor force, both directions";
+  input Units.Force force_limit_positive_2(start = 1e9, min = 0)
+    "Further limit of the motor force, positive direction";
+  input Units.Force force_limit_negative_2(start = 1e9, min = 0)
+    "Further limit of the motor force, negative direction, as an amount";
+  input Integer control_2(start = 0, min = 0, max = 2)
+    "What is controlled; 0: position, 1: velocity, 2: force";
+  input Units.Acceleration reference_acceleration_2
+    "Velocity control: the demand is reference_velocity + this*(min(t, end) - time)";
+  input Units.Force reference_force_2 "Control of the force: demand";
 
   parameter Units.Position position_start = 0 "Position of both sides at the start";
   parameter Units.Rate kv(min = 0) = 10 "Gain of the position loops";
@@ -106,12 +126,22 @@ equation
   drive_1.reference_end = reference_end_1;
   drive_1.enabled = enabled_1;
   drive_1.force_limit = force_limit_1;
+  drive_1.force_limit_positive = force_limit_positive_1;
+  drive_1.force_limit_negative = force_limit_negative_1;
+  drive_1.control = control_1;
+  drive_1.reference_acceleration = reference_acceleration_1;
+  drive_1.reference_force = reference_force_1;
   drive_2.reference_position = reference_position_2;
   drive_2.reference_velocity = reference_velocity_2;
   drive_2.reference_time = reference_time_2;
   drive_2.reference_end = reference_end_2;
   drive_2.enabled = enabled_2;
   drive_2.force_limit = force_limit_2;
+  drive_2.force_limit_positive = force_limit_positive_2;
+  drive_2.force_limit_negative = force_limit_negative_2;
+  drive_2.control = control_2;
+  drive_2.reference_acceleration = reference_acceleration_2;
+  drive_2.reference_force = reference_force_2;
   connect(drive_1.flange, carriage_1.flange);
   connect(friction_1.flange, carriage_1.flange);
   connect(carriage_1.flange, coupling_1.flange_a);

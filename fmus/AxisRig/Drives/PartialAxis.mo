@@ -5,7 +5,17 @@ partial model PartialAxis "Inputs, outputs, drive and fixed stop of a linear axi
   input Units.Time reference_time "Instant of reference_position";
   input Units.Time reference_end "Instant from which the demand rests";
   input Boolean enabled(start = false) "Power stage on; off: no motor force";
-  input Units.Force force_limit(start = 1e9, min = 0) "Further limit of the motor force";
+  input Units.Force force_limit(start = 1e9, min = 0)
+    "Further limit of the motor force, both directions";
+  input Units.Force force_limit_positive(start = 1e9, min = 0)
+    "Further limit of the motor force, positive direction";
+  input Units.Force force_limit_negative(start = 1e9, min = 0)
+    "Further limit of the motor force, negative direction, as an amount";
+  input Integer control(start = 0, min = 0, max = 2)
+    "What is controlled; 0: position, 1: velocity, 2: force";
+  input Units.Acceleration reference_acceleration
+    "Velocity control: the demand is reference_velocity + this*(min(t, end) - time)";
+  input Units.Force reference_force "Control of the force: demand";
 
   parameter Units.Position position_start = 0 "Position at the start";
   parameter Units.Rate kv(min = 0) = 10 "Gain of the position loop";
@@ -74,6 +84,11 @@ equation
   drive.reference_end = reference_end;
   drive.enabled = enabled;
   drive.force_limit = force_limit;
+  drive.force_limit_positive = force_limit_positive;
+  drive.force_limit_negative = force_limit_negative;
+  drive.control = control;
+  drive.reference_acceleration = reference_acceleration;
+  drive.reference_force = reference_force;
   motor_position = drive.flange.s;
   motor_velocity = drive.motor_velocity;
   demand_position = drive.demand_position;

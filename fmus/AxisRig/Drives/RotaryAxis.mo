@@ -5,7 +5,17 @@ model RotaryAxis "Rotary table with drive cascade, friction, imbalance and a fix
   input Units.Time reference_time "Instant of reference_position";
   input Units.Time reference_end "Instant from which the demand rests";
   input Boolean enabled(start = false) "Power stage on; off: no motor torque";
-  input Units.Torque force_limit(start = 1e9, min = 0) "Further limit of the motor torque";
+  input Units.Torque force_limit(start = 1e9, min = 0)
+    "Further limit of the motor torque, both directions";
+  input Units.Torque force_limit_positive(start = 1e9, min = 0)
+    "Further limit of the motor torque, positive direction";
+  input Units.Torque force_limit_negative(start = 1e9, min = 0)
+    "Further limit of the motor torque, negative direction, as an amount";
+  input Integer control(start = 0, min = 0, max = 2)
+    "What is controlled; 0: position, 1: velocity, 2: torque";
+  input Units.AngularAcceleration reference_acceleration
+    "Velocity control: the demand is reference_velocity + this*(min(t, end) - time)";
+  input Units.Torque reference_force "Control of the torque: demand";
 
   parameter Units.Angle position_start = 0 "Angle at the start";
   parameter Units.Rate kv(min = 0) = 10 "Gain of the position loop";
@@ -79,6 +89,11 @@ equation
   drive.reference_end = reference_end;
   drive.enabled = enabled;
   drive.force_limit = force_limit/arm;
+  drive.force_limit_positive = force_limit_positive/arm;
+  drive.force_limit_negative = force_limit_negative/arm;
+  drive.control = control;
+  drive.reference_acceleration = reference_acceleration*arm;
+  drive.reference_force = reference_force/arm;
   load.force = -imbalance/arm*sin(position);
   connect(drive.flange, rim.flange);
   connect(friction.flange, rim.flange);

@@ -23,8 +23,11 @@ protected
 equation
   velocity_controller.velocity_reference = velocity_reference;
   velocity_controller.velocity = motor_velocity;
-  velocity_controller.limit = limit;
+  velocity_controller.limit_positive = limit_positive;
+  velocity_controller.limit_negative = limit_negative;
   velocity_controller.enabled = enabled;
+  velocity_controller.force_control = force_control;
+  velocity_controller.force_demand = reference_force;
   actuator.force_reference = velocity_controller.force_reference;
   connect(actuator.flange, flange);
   force = actuator.force;

@@ -6,8 +6,11 @@ block SampledVelocityController "PI velocity loop as a digital drive computes it
   parameter Units.Time anti_windup_time(min = 1e-5) = 8e-3 "How fast the integral part is led back";
   input Units.Velocity velocity_reference "Demand";
   input Units.Velocity velocity "Velocity of the motor encoder";
-  input Units.Force limit "Largest force in either direction";
+  input Units.Force limit_positive "Largest force in positive direction";
+  input Units.Force limit_negative "Largest force in negative direction, as an amount";
   input Boolean enabled "False: no force and an empty integral part";
+  input Boolean force_control "The demand is a force: the loop is open";
+  input Units.Force force_demand "Demand then";
   output Units.Force force_reference(start = 0, fixed = true) "Demand for the current loop, held";
   discrete Units.Force integral(start = 0, fixed = true) "Integral part";
 protected
@@ -17,18 +20,20 @@ protected
 equation
   when sample(0, period) then
     proportional = gain*(velocity_reference - velocity);
-    unlimited = proportional + pre(integral);
-    limited = if unlimited > limit then limit elseif unlimited < -limit then -limit else unlimited;
-    integral = if enabled
-      then pre(integral) + period*(proportional/integral_time
-        + (limited - unlimited)/anti_windup_time)
-      else 0;
+    unlimited = if force_control then force_demand else proportional + pre(integral);
+    limited = if unlimited > limit_positive then limit_positive
+      elseif unlimited < -limit_negative then -limit_negative else unlimited;
+    integral = if not enabled then 0
+      elseif force_control then limited
+      else pre(integral) + period*(proportional/integral_time
+        + (limited - unlimited)/anti_windup_time);
     force_reference = if enabled then limited else 0;
   end when;
   annotation(
     Documentation(info="<html>
 <p>Equation, at t = k T: u = K e + I(k), F(k) = sat(u),
-I(k+1) = I(k) + T (K e/T_n + (F(k) - u)/T_a); F rests until the next instant.</p>
+I(k+1) = I(k) + T (K e/T_n + (F(k) - u)/T_a); F rests until the next instant.
+While a force is demanded it passes within the limits and I takes its value.</p>
 <p>Assumption: computing takes no time. Limit: reference and velocity are taken at the instant, not
 as means over a cycle. Source: K. J. Astrom, B. Wittenmark, Computer-Controlled Systems, section
 8.5.</p>

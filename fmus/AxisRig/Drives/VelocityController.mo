@@ -5,28 +5,36 @@ block VelocityController "PI velocity loop with force limit and anti-windup"
   parameter Units.Time anti_windup_time(min = 1e-5) = 8e-3 "How fast the integral part is led back";
   input Units.Velocity velocity_reference "Demand";
   input Units.Velocity velocity "Velocity of the motor encoder";
-  input Units.Force limit "Largest force in either direction";
+  input Units.Force limit_positive "Largest force in positive direction";
+  input Units.Force limit_negative "Largest force in negative direction, as an amount";
   input Boolean enabled "False: no force and an empty integral part";
+  input Boolean force_control "The demand is a force: the loop is open";
+  input Units.Force force_demand "Demand then";
   output Units.Force force_reference "Demand for the current loop";
   Units.Force integral(start = 0, fixed = true) "Integral part";
   Units.Velocity error "Velocity error";
   Units.Force unlimited "Force that the controller asks for";
 protected
-  constant Units.Time discharge = 1e-3 "Time constant of emptying the integral part";
+  constant Units.Time discharge = 1e-3
+    "Time constant of emptying the integral part, or of following a demanded force";
   Units.Force limited "Force within the limit";
 equation
   error = velocity_reference - velocity;
-  unlimited = gain*error + integral;
-  limited = if unlimited > limit then limit elseif unlimited < -limit then -limit else unlimited;
+  unlimited = if force_control then force_demand else gain*error + integral;
+  limited = if unlimited > limit_positive then limit_positive
+    elseif unlimited < -limit_negative then -limit_negative else unlimited;
   force_reference = if enabled then limited else 0;
-  der(integral) = if enabled then gain*error/integral_time + (limited - unlimited)/anti_windup_time
-    else -integral/discharge;
+  der(integral) = if not enabled then -integral/discharge
+    elseif force_control then (limited - integral)/discharge
+    else gain*error/integral_time + (limited - unlimited)/anti_windup_time;
   annotation(
     Documentation(info="<html>
 <p>Equation: u = K e + I, F = sat(u), dI/dt = K e/T_n + (F - u)/T_a.</p>
 <p>Anti-windup by back-calculation: at the limit the integral part moves to where the demand just
 leaves the limit when e changes its sign (for T_a = T_n). The right-hand side stays continuous, so
 that no sliding motion along the limit can arise. A larger T_a gives a later release.</p>
+<p>While a force is demanded it passes within the limits and the integral part follows it with 1 ms,
+so that a velocity loop that closes without an error begins with that force.</p>
 <p>Assumption: continuous controller. Limit: not enabled means an integral part that decays
 with 1 ms. Source: K. J. Astrom, T. Hagglund, Advanced PID Control, section 3.5.</p>
 </html>"));

@@ -11,6 +11,11 @@ equation
   axis.reference_end = 1e3;
   axis.enabled = true;
   axis.force_limit = 1e9;
+  axis.force_limit_positive = 1e9;
+  axis.force_limit_negative = 1e9;
+  axis.control = 0;
+  axis.reference_acceleration = 0;
+  axis.reference_force = 0;
   lag = axis.demand_position - axis.position;
   annotation(
     experiment(StopTime=3, Interval=1e-3),

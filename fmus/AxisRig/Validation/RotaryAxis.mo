@@ -58,6 +58,11 @@ equation
   axis.reference_end = if time < 0.8 then 0.5 else 1.2;
   axis.enabled = true;
   axis.force_limit = if time < 0.6 then 100 else 40;
+  axis.force_limit_positive = 1e9;
+  axis.force_limit_negative = 1e9;
+  axis.control = 0;
+  axis.reference_acceleration = 0;
+  axis.reference_force = 0;
   position = axis.position;
   velocity = axis.velocity;
   demand_position = axis.demand_position;

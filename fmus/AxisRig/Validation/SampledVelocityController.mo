@@ -13,7 +13,10 @@ model SampledVelocityController "The sampled loop on a mass, in the limit and ou
 equation
   controller.velocity_reference = if time < 0.05003 then 0.02 else -0.02;
   controller.velocity = slide.velocity;
-  controller.limit = 400;
+  controller.limit_positive = 400;
+  controller.limit_negative = 400;
+  controller.force_control = false;
+  controller.force_demand = 0;
   controller.enabled = time < 0.17003;
   actuator.force_reference = controller.force_reference;
   connect(actuator.flange, slide.flange);

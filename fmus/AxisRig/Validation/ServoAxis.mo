@@ -56,6 +56,11 @@ equation
   axis.reference_end = course.reference_end;
   axis.enabled = course.enabled;
   axis.force_limit = course.force_limit;
+  axis.force_limit_positive = 1e9;
+  axis.force_limit_negative = 1e9;
+  axis.control = 0;
+  axis.reference_acceleration = 0;
+  axis.reference_force = 0;
   position = axis.position;
   velocity = axis.velocity;
   motor_position = axis.motor_position;

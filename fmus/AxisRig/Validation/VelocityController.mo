@@ -12,7 +12,10 @@ model VelocityController "A mass follows a step of the velocity demand through t
 equation
   controller.velocity_reference = if time < 0.1001 then 0.05 else -0.02;
   controller.velocity = slide.velocity;
-  controller.limit = 400;
+  controller.limit_positive = 400;
+  controller.limit_negative = 400;
+  controller.force_control = false;
+  controller.force_demand = 0;
   controller.enabled = time < 0.17;
   actuator.force_reference = controller.force_reference;
   connect(actuator.flange, slide.flange);
