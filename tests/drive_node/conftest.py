@@ -2,7 +2,9 @@
 
 import struct
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass, field
+from itertools import count
 from typing import Any
 
 import pytest
@@ -203,9 +205,12 @@ def fake_signal() -> type[FakeSignal]:
 
 @pytest.fixture
 def drive_bench() -> Iterator[Callable[..., DriveBench]]:
-    """Make a bench: axis, edges of probe input 1 and 2 (None = open), profile, remote class."""
-    scheduler = Scheduler()
-    with Segment("drive bus", 1_000_000, scheduler) as segment:
+    """Make a bench: axis, edges of probe input 1 and 2 (None = open), profile, remote class.
+
+    Each one has a clock of its own.
+    """
+    numbers = count(1)
+    with ExitStack() as stack:
 
         def make(
             axis: FakeAxis | None = None,
@@ -213,6 +218,9 @@ def drive_bench() -> Iterator[Callable[..., DriveBench]]:
             profile: DriveProfile | None = None,
             remote: type[SimRemoteNode] = SimRemoteNode,
         ) -> DriveBench:
+            scheduler = Scheduler()
+            name = f"drive bus {next(numbers)}"
+            segment = stack.enter_context(Segment(name, 1_000_000, scheduler))
             axis = axis or FakeAxis()
             profile = profile or DriveProfile()
             signals = [None if edges is None else FakeSignal(axis, edges) for edges in inputs]
