@@ -11,12 +11,19 @@ from functools import cache
 from canopen.objectdictionary import ObjectDictionary
 from canopen.objectdictionary.eds import import_eds
 
-from bench.drive.objects import DATA_TYPES, RECORD, DataType, ObjectRow, object_rows
+from bench.drive.objects import (
+    DATA_TYPES,
+    DUMMIES,
+    HEADS,
+    VARIABLE,
+    DataType,
+    ObjectRow,
+    object_rows,
+)
 from bench.drive.profile import DriveProfile
 
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _BIT_RATES_KBIT_S = (10, 20, 50, 125, 250, 500, 800, 1000)
-_OBJECT_TYPE = {False: "0x7", True: "0x9"}
 _MAPPINGS = (*range(0x1600, 0x1800), *range(0x1A00, 0x1C00))
 TRIGGER_SOURCE = 0x60D0
 _ACCESS = {("rw", "rx"): "rww"}  # CiA 306: rw object that an RPDO may write
@@ -92,12 +99,13 @@ def _head(file_name: str, indices: list[int]) -> list[str]:
         ("GroupMessaging", 0),
         ("NrOfRXPDO", rpdos),
         ("NrOfTXPDO", tpdos),
-        ("LSS_Supported", 0),
+        ("LSS_Supported", 1),
     ]
+    dummies = [(f"Dummy{code:04d}", int(code in DUMMIES)) for code in range(1, 8)]
     return [
         *_section("FileInfo", file_info),
         *_section("DeviceInfo", device_info),
-        *_section("DummyUsage", ((f"Dummy{number:04d}", 0) for number in range(1, 8))),
+        *_section("DummyUsage", dummies),
         *_section("Comments", [("Lines", 0)]),
     ]
 
@@ -111,29 +119,31 @@ def _object(row: ObjectRow, sub_count: int, profile: DriveProfile) -> list[str]:
     title = f"{row.index:04X}" + ("" if row.sub is None else f"sub{row.sub:X}")
     entries: list[tuple[str, object]] = [
         ("ParameterName", row.name),
-        ("ObjectType", _OBJECT_TYPE[row.type == RECORD]),
+        ("ObjectType", f"0x{HEADS.get(row.type, VARIABLE):X}"),
     ]
-    if row.type == RECORD:
+    if row.is_head:
         return _section(title, [*entries, ("SubNumber", sub_count)])
     entries += [
-        ("DataType", f"0x{_data_type(row, profile).code:04X}"),
+        ("DataType", f"0x{data_type(row, profile).code:04X}"),
         ("AccessType", _ACCESS.get((row.access, row.pdo), row.access)),
     ]
     if row.low is not None:
         entries.append(("LowLimit", row.low))
     if row.high is not None:
         entries.append(("HighLimit", row.high))
-    default = _default(row, profile)
-    entries += [("DefaultValue", default), ("PDOMapping", int(bool(row.pdo)))]
+    if row.type != "DOMAIN":
+        entries.append(("DefaultValue", default_text(row, profile)))
+    entries.append(("PDOMapping", int(bool(row.pdo))))
     return _section(title, entries)
 
 
-def _data_type(row: ObjectRow, profile: DriveProfile) -> DataType:
+def data_type(row: ObjectRow, profile: DriveProfile) -> DataType:
+    """Return the type of an object in a drive with this profile."""
     is_source = row.index == TRIGGER_SOURCE and row.sub
     return DATA_TYPES[profile.source_type] if is_source else row.data_type
 
 
-def _default(row: ObjectRow, profile: DriveProfile) -> str:
+def default_text(row: ObjectRow, profile: DriveProfile) -> str:
     """Return the default value; a PDO that would carry a missing object carries nothing."""
     if row.index in _MAPPINGS and not all(
         profile.has_object(int(other.default, 0) >> 16, int(other.default, 0) >> 8 & 0xFF)

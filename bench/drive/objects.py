@@ -12,7 +12,7 @@ from typing import Final, Self
 
 @dataclass(frozen=True)
 class DataType:
-    """A CiA 301 data type. code: its number; bits: 0 for a string; format: `struct` character."""
+    """A CiA 301 data type. code: its number; bits: 0 for text; format: `struct` character."""
 
     code: int
     bits: int
@@ -27,8 +27,16 @@ DATA_TYPES: Final[Mapping[str, DataType]] = {
     "U16": DataType(0x06, 16, "H"),
     "U32": DataType(0x07, 32, "I"),
     "STRING": DataType(0x09, 0, ""),
+    "DOMAIN": DataType(0x0F, 0, ""),
 }
-RECORD = "record"
+HEADS: Final[Mapping[str, int]] = {"array": 0x8, "record": 0x9}
+"""Types of rows that stand for a whole object with sub-indices, with their object code."""
+VARIABLE: Final = 0x7
+DUMMIES: Final = {kind.code: kind.bits for kind in DATA_TYPES.values() if 2 <= kind.code <= 7}
+"""Objects that fill a place in an RPDO: data of their type that nobody reads, and its bits.
+
+0001 (BOOLEAN, one bit) is none of them: every entry starts at a byte.
+"""
 TABLES: Final = ("objects_communication.csv", "objects_profile.csv")
 
 
@@ -36,15 +44,16 @@ TABLES: Final = ("objects_communication.csv", "objects_profile.csv")
 class Allowed:
     """What the column `allowed` says of a value that is written, beside its limits.
 
-    values: the only values, None = any. mask: the only bits that may be set, None = any.
+    ranges: the only values, both ends included, None = any. mask: the only bits that may be set,
+    None = any.
     """
 
-    values: frozenset[int] | None = None
+    ranges: tuple[range, ...] | None = None
     mask: int | None = None
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """Read "" (all), "1|2|5" (these values) or "mask 0x3F3F" (these bits).
+        """Read "" (all), "0|2..240" (these values and ranges) or "mask 0x3F3F" (these bits).
 
         Raises ValueError for anything else.
         """
@@ -53,11 +62,14 @@ class Allowed:
         head, _, bits = text.partition(" ")
         if head == "mask":
             return cls(mask=int(bits, 0))
-        return cls(values=frozenset(int(value, 0) for value in text.split("|")))
+        ends = [part.partition("..") for part in text.split("|")]
+        return cls(
+            tuple(range(int(first, 0), int(last or first, 0) + 1) for first, _, last in ends)
+        )
 
     def __contains__(self, value: int) -> bool:
-        if self.values is not None:
-            return value in self.values
+        if self.ranges is not None:
+            return any(value in allowed for allowed in self.ranges)
         return self.mask is None or not value & ~self.mask
 
 
@@ -65,7 +77,7 @@ class Allowed:
 class ObjectRow:
     """A row of the two tables.
 
-    sub: None for a plain variable and for the head of a record (type "record").
+    sub: None for a plain variable and for the head of an object with sub-indices (`HEADS`).
     access: const, ro or rw. pdo: "rx" = may stand in an RPDO, "tx" = in a TPDO, "" = neither.
     low, high: limits of a write, None = those of the type. allowed: what is allowed within them.
     default: as the EDS says it; names in braces are values of the drive profile.
@@ -94,8 +106,13 @@ class ObjectRow:
         return self.index, self.sub or 0
 
     @property
+    def is_head(self) -> bool:
+        """Whether the row stands for a whole object and holds no value."""
+        return self.type in HEADS
+
+    @property
     def data_type(self) -> DataType:
-        """Type of the value; KeyError for the head of a record."""
+        """Type of the value; KeyError for a head."""
         return DATA_TYPES[self.type]
 
 
@@ -132,4 +149,4 @@ def _row(row: dict[str, str]) -> ObjectRow:
 @cache
 def variables() -> Mapping[tuple[int, int], ObjectRow]:
     """Return every row that holds a value, by index and sub-index."""
-    return {row.key: row for row in object_rows() if row.type != RECORD}
+    return {row.key: row for row in object_rows() if not row.is_head}

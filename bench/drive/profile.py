@@ -68,6 +68,7 @@ class DriveProfile:
     tick_ns: TimeNs = 250 * US
     rated_torque_mnm: int = 2200
     rated_current_ma: int = 4490
+    sync_loss_periods: int = 0
 
     def __post_init__(self) -> None:
         for name in (

@@ -12,7 +12,7 @@ from canopen.objectdictionary import ODVariable
 
 from bench.drive.eds import eds_text, object_dictionary
 from bench.drive.image import ProcessImage
-from bench.drive.objects import RECORD, Allowed, object_rows, variables
+from bench.drive.objects import Allowed, object_rows, variables
 from bench.drive.profile import DriveProfile
 
 ROWS = object_rows()
@@ -24,12 +24,12 @@ def test_keys_are_unique_and_ordered() -> None:
     assert keys == sorted(set(keys))
 
 
-def test_record_heads_have_members_and_a_count_that_fits() -> None:
-    for head in (row for row in ROWS if row.type == RECORD):
+def test_heads_have_members_and_sub_index_0_names_the_highest() -> None:
+    for head in (row for row in ROWS if row.is_head):
         subs = [row.sub for row in ROWS if row.index == head.index and row.sub is not None]
-        assert subs == list(range(len(subs)))
+        assert subs[0] == 0
         if variables()[head.index, 0].access == "const":
-            assert int(variables()[head.index, 0].default) == len(subs) - 1
+            assert int(variables()[head.index, 0].default) == subs[-1]
 
 
 def test_every_field_of_the_image_is_an_object_and_back() -> None:
@@ -50,9 +50,10 @@ def test_every_writable_object_says_when_it_acts() -> None:
 
 
 def test_allowed_values() -> None:
-    """Empty = all, a list of values, or the bits that may be set."""
+    """Empty = all, a list of values and ranges, or the bits that may be set."""
     assert {7, -7} <= {v for v in range(-9, 9) if v in Allowed.parse("")}
     assert [v for v in range(-2, 8) if v in Allowed.parse("-1|2|0x6")] == [-1, 2, 6]
+    assert [v for v in range(9) if v in Allowed.parse("0|2..4|7")] == [0, 2, 3, 4, 7]
     bits = Allowed.parse("mask 0x3F3F")
     assert all(v in bits for v in (0, 1, 0x2020, 0x3F3F))
     assert not any(v in bits for v in (0x40, 0x8001, 0xFFFF, 0x1_0000))
@@ -79,14 +80,17 @@ def test_canopen_reads_back_what_the_table_says() -> None:
         assert read.access_type == ("rww" if row.pdo == "rx" else row.access)
         assert read.pdo_mappable == bool(row.pdo)
         assert (read.min, read.max) == (row.low, row.high)
-        if row.type == "STRING":
+        if row.type == "DOMAIN":
+            assert read.default is None
+        elif row.type == "STRING":
             assert read.default == row.default
         elif "$NODEID" in row.default:
             assert read.default == 5 + int(row.default.removeprefix("$NODEID+"), 16)
         else:
             told = row.default.format(**PROFILE.object_defaults)
             assert read.default == from_profile.get(key, int(told, 0))
-    assert len(dictionary) == len({row.index for row in ROWS})
+    dummies = range(2, 8)  # canopen adds them by itself where DummyUsage says so
+    assert sorted(dictionary) == [*dummies, *sorted({row.index for row in ROWS})]
 
 
 def test_predefined_connection_set() -> None:

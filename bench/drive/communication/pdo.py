@@ -9,31 +9,28 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Final
 
-from canopen.sdo.exceptions import SdoAbortedError
-
+from bench.drive.communication.aborts import AbortCode, abort
+from bench.drive.communication.identifiers import BIT_30, ID_MASK, NOT_VALID, check_cob_id
 from bench.drive.image import ProcessImage
-from bench.drive.objects import object_rows, variables
-from kernel.clock import US, TimeNs
+from bench.drive.objects import DUMMIES
+from bench.drive.store import ObjectStore
+from kernel.clock import MS, US, TimeNs
 
 COUNT: Final = 4  # RPDOs and TPDOs of a node
 RPDO_COMMUNICATION, RPDO_MAPPING = 0x1400, 0x1600
 TPDO_COMMUNICATION, TPDO_MAPPING = 0x1800, 0x1A00
-COB_ID, TRANSMISSION, INHIBIT = 1, 2, 3  # sub-indices of a communication parameter
-NOT_VALID, EXTENDED, ID_MASK = 1 << 31, 1 << 29, 0x7FF
-SYNC_LAST, EVENT_FIRST = 240, 254  # transmission types 0 to 240 and 254, 255
+PARAMETERS: Final = tuple(
+    base + number
+    for base in (RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING)
+    for number in range(COUNT)
+)
+# Sub-indices of a communication parameter
+COB_ID, TRANSMISSION, INHIBIT, EVENT_TIMER, SYNC_START = 1, 2, 3, 5, 6
+SYNC_LAST = 240
+REMOTE_AT_SYNC, REMOTE, EVENT_FIRST = 252, 253, 254
 BITS_MAX = 64
+SYNC_COUNTER = 0x1019
 INHIBIT_UNIT_NS = 100 * US
-# Identifiers between those of the predefined connection set that a PDO must not take
-FREE_IDS = (range(0x181, 0x580), range(0x680, 0x6E0))
-
-UNSUPPORTED_ACCESS = 0x06010000
-NO_OBJECT = 0x06020000
-NOT_MAPPABLE = 0x06040041
-PDO_TOO_LONG = 0x06040042
-NO_SUB_INDEX = 0x06090011
-INVALID_VALUE = 0x06090030
-
-ReadObject = Callable[[int, int], int]
 
 
 @dataclass(frozen=True)
@@ -60,120 +57,154 @@ class Layout:
 
 @dataclass(slots=True)
 class Rpdo:
-    """A received PDO. data: what came and waits for its SYNC."""
+    """A received PDO.
 
+    timeout_ns: 0 = none. data: what came and waits for its SYNC. has_error: the last message had
+    a wrong length, or none came in time.
+    """
+
+    number: int
     cob_id: int
     at_once: bool
     layout: Layout
+    size: int
+    timeout_ns: TimeNs
     data: bytes | None = None
+    has_error: bool = False
 
 
 @dataclass(slots=True)
 class Tpdo:
     """A sent PDO.
 
-    sync_count: 1 to 240 = every n-th SYNC, 0 = on change. at_sync: a change goes with the SYNC
-    only (type 0). sent: data sent last. free_ns: end of the inhibit time. waits: a call at its
-    end is under way.
+    type: transmission type. sync_count: 1 to 240 = every n-th SYNC, otherwise 0. event_ns: greatest
+    time between two messages, 0 = none. awaits: value of the SYNC counter that the count begins
+    with, 0 once it has. answers_remote: remote requests are allowed. sent: data sent or sampled
+    last. free_ns: end of the inhibit time. waits: a call at its end is under way.
     """
 
+    number: int
     cob_id: int
+    type: int
     sync_count: int
-    at_sync: bool
     inhibit_ns: TimeNs
+    event_ns: TimeNs
+    awaits: int
+    answers_remote: bool
+    layout: Layout
     message: Callable[[ProcessImage], bytes]
     syncs: int = 0
     sent: bytes | None = None
     free_ns: TimeNs = 0
     waits: bool = False
 
+    @property
+    def is_event_driven(self) -> bool:
+        """Types 254 and 255."""
+        return self.type >= EVENT_FIRST
 
-def read_rpdo(number: int, read: ReadObject) -> Rpdo | None:
+
+def read_rpdo(number: int, store: ObjectStore) -> Rpdo | None:
     """Compile RPDO `number` (0 to 3) from the dictionary; None when it carries nothing."""
-    cob_id = read(RPDO_COMMUNICATION + number, COB_ID)
-    layout = read_layout(RPDO_MAPPING + number, read)
-    if cob_id & NOT_VALID or not layout.fields:
+    communication = RPDO_COMMUNICATION + number
+    cob_id = store.value(communication, COB_ID)
+    layout = read_layout(RPDO_MAPPING + number, store)
+    if cob_id & NOT_VALID or not layout.codec.size:
         return None
-    transmission = read(RPDO_COMMUNICATION + number, TRANSMISSION)
-    return Rpdo(cob_id & ID_MASK, transmission > SYNC_LAST, layout)
+    return Rpdo(
+        number,
+        cob_id & ID_MASK,
+        store.value(communication, TRANSMISSION) > SYNC_LAST,
+        layout,
+        layout.codec.size,
+        store.value(communication, EVENT_TIMER) * MS,
+    )
 
 
-def read_tpdo(number: int, read: ReadObject) -> Tpdo | None:
+def read_tpdo(number: int, store: ObjectStore) -> Tpdo | None:
     """Compile TPDO `number` (0 to 3) from the dictionary; None when it carries nothing."""
     communication = TPDO_COMMUNICATION + number
-    cob_id = read(communication, COB_ID)
-    layout = read_layout(TPDO_MAPPING + number, read)
+    cob_id = store.value(communication, COB_ID)
+    layout = read_layout(TPDO_MAPPING + number, store)
     if cob_id & NOT_VALID or not layout.fields:
         return None
-    transmission = read(communication, TRANSMISSION)
+    kind = store.value(communication, TRANSMISSION)
+    by_event = kind >= EVENT_FIRST  # inhibit time and event timer are for these alone
+    has_counter = store.value(SYNC_COUNTER) > 0
     return Tpdo(
+        number,
         cob_id & ID_MASK,
-        transmission if transmission <= SYNC_LAST else 0,
-        transmission == 0,
-        read(communication, INHIBIT) * INHIBIT_UNIT_NS,
+        kind,
+        kind if kind <= SYNC_LAST else 0,
+        store.value(communication, INHIBIT) * INHIBIT_UNIT_NS if by_event else 0,
+        store.value(communication, EVENT_TIMER) * MS if by_event else 0,
+        store.value(communication, SYNC_START) if has_counter else 0,
+        not cob_id & BIT_30,
+        layout,
         layout.reader(),
     )
 
 
-def read_layout(mapping: int, read: ReadObject) -> Layout:
+def read_layout(mapping: int, store: ObjectStore) -> Layout:
     """Compile the mapping parameter `mapping`; its entries are valid (`check_write`)."""
-    keys = [_key(read(mapping, sub)) for sub in range(1, read(mapping, 0) + 1)]
-    rows = [variables()[key] for key in keys]
-    codec = struct.Struct("<" + "".join(row.data_type.format for row in rows))
-    return Layout(tuple(row.value for row in rows), codec)
+    formats, fields = "<", []
+    for sub in range(1, store.value(mapping) + 1):
+        index, sub_index, bits = _parts(store.value(mapping, sub))
+        if index in DUMMIES:
+            formats += f"{bits // 8}x"
+        else:
+            row = store.row(index, sub_index)
+            formats += row.data_type.format
+            fields.append(row.value)
+    return Layout(tuple(fields), struct.Struct(formats))
 
 
-def is_parameter(index: int) -> bool:
-    """Whether an object is a PDO parameter of this node."""
-    return any(
-        base <= index < base + COUNT
-        for base in (RPDO_COMMUNICATION, RPDO_MAPPING, TPDO_COMMUNICATION, TPDO_MAPPING)
-    )
-
-
-def check_write(index: int, sub: int, value: int, read: ReadObject) -> None:
+def check_write(index: int, sub: int, value: int, store: ObjectStore) -> None:
     """Refuse a write to a PDO parameter that the standard forbids.
 
     A mapping changes only while the PDO is not valid, its entries only while their number is 0;
-    a valid PDO keeps its identifier and inhibit time. Raises SdoAbortedError.
+    a valid PDO keeps its identifier, inhibit time and SYNC start value. Raises SdoAbortedError.
     """
-    is_mapping = index & 0x200
-    is_valid = not read(index & ~0x200, COB_ID) & NOT_VALID
-    direction = "rx" if index < TPDO_COMMUNICATION else "tx"
-    if is_mapping:
-        if is_valid or (sub and read(index, 0)):
-            raise SdoAbortedError(UNSUPPORTED_ACCESS)
-        entries = [read(index, number) for number in range(1, value + 1)] if sub == 0 else [value]
-        if sub == 0 or value:  # an unused entry may be emptied
-            for entry in entries:
-                _check_entry(entry, direction)
-        if sum(entry & 0xFF for entry in entries) > BITS_MAX:
-            raise SdoAbortedError(PDO_TOO_LONG)
+    communication = index & ~0x200
+    is_valid = not store.value(communication, COB_ID) & NOT_VALID
+    if index & 0x200:
+        _check_mapping(index, sub, value, is_valid, store)
     elif sub == COB_ID:
-        _check_cob_id(value, read(index, COB_ID))
-    elif (sub == TRANSMISSION and SYNC_LAST < value < EVENT_FIRST) or (sub == INHIBIT and is_valid):
-        raise SdoAbortedError(INVALID_VALUE)
+        check_cob_id(value, store.value(index, COB_ID))
+    elif sub == TRANSMISSION:
+        first = EVENT_FIRST if index < TPDO_COMMUNICATION else REMOTE_AT_SYNC
+        if SYNC_LAST < value < first:
+            abort(AbortCode.INVALID_VALUE)
+    elif sub in (INHIBIT, SYNC_START) and is_valid:
+        abort(AbortCode.INVALID_VALUE)
 
 
-def _check_cob_id(value: int, present: int) -> None:
-    if value & NOT_VALID:
+def _check_mapping(index: int, sub: int, value: int, is_valid: bool, store: ObjectStore) -> None:
+    if is_valid or (sub and store.value(index)):
+        abort(AbortCode.UNSUPPORTED_ACCESS)
+    entries = [value]
+    if sub == 0:
+        entries = [store.value(index, number) for number in range(1, value + 1)]
+    elif not value:
+        return  # an unused entry may be emptied
+    direction = "rx" if index < TPDO_COMMUNICATION else "tx"
+    for entry in entries:
+        _check_entry(entry, direction, store)
+    if sum(entry & 0xFF for entry in entries) > BITS_MAX:
+        abort(AbortCode.PDO_TOO_LONG)
+
+
+def _check_entry(entry: int, direction: str, store: ObjectStore) -> None:
+    index, sub, bits = _parts(entry)
+    if 1 <= index <= 7:
+        if direction != "rx" or sub or DUMMIES.get(index) != bits:
+            abort(AbortCode.NOT_MAPPABLE)
         return
-    can_id = value & ID_MASK
-    is_changed = not present & NOT_VALID and can_id != present & ID_MASK
-    if is_changed or value & EXTENDED or not any(can_id in free for free in FREE_IDS):
-        raise SdoAbortedError(INVALID_VALUE)
-
-
-def _check_entry(entry: int, direction: str) -> None:
-    index, sub = _key(entry)
-    row = variables().get((index, sub))
-    if row is None:
-        is_known = any(known.index == index for known in object_rows())
-        raise SdoAbortedError(NO_SUB_INDEX if is_known else NO_OBJECT)
+    row = store.row(index, sub)
     # Whole objects only, so every entry starts at a byte
-    if row.pdo != direction or entry & 0xFF != row.data_type.bits:
-        raise SdoAbortedError(NOT_MAPPABLE)
+    if row.pdo != direction or bits != row.data_type.bits:
+        abort(AbortCode.NOT_MAPPABLE)
 
 
-def _key(entry: int) -> tuple[int, int]:
-    return entry >> 16, entry >> 8 & 0xFF
+def _parts(entry: int) -> tuple[int, int, int]:
+    return entry >> 16, entry >> 8 & 0xFF, entry & 0xFF

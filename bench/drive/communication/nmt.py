@@ -1,0 +1,36 @@
+"""NMT states and commands of a slave (CiA 301, network management)."""
+
+from collections.abc import Mapping
+from enum import IntEnum
+from types import MappingProxyType
+from typing import Final
+
+
+class NmtState(IntEnum):
+    """State of a slave; the number is what its heartbeat says."""
+
+    INITIALISING = 0
+    STOPPED = 4
+    OPERATIONAL = 5
+    PRE_OPERATIONAL = 127
+
+
+NMT_ID: Final = 0
+EVERY_NODE: Final = 0
+COMMANDS: Final[Mapping[int, NmtState]] = MappingProxyType(
+    {1: NmtState.OPERATIONAL, 2: NmtState.STOPPED, 128: NmtState.PRE_OPERATIONAL}
+)
+RESET_NODE, RESET_COMMUNICATION = 129, 130
+ERROR_BEHAVIOUR: Final = (0x1029, 1)
+
+
+def after_communication_error(state: NmtState, behaviour: int) -> NmtState:
+    """Return the state that 1029:1 asks for: 0 pre-operational, 1 as it was, 2 stopped.
+
+    Only a node in operational goes to pre-operational.
+    """
+    if behaviour == 2:
+        return NmtState.STOPPED
+    if behaviour == 0 and state is NmtState.OPERATIONAL:
+        return NmtState.PRE_OPERATIONAL
+    return state
