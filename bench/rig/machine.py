@@ -13,18 +13,15 @@ from bench.bus.canopen_sim import SimNetwork
 from bench.bus.record import BlfLog, FrameHash
 from bench.bus.segment import Segment
 from bench.drive.node import DriveNode
-from bench.rig.check import axis_steps, check_rig, segment_schedules
+from bench.rig.check import check_rig, segment_schedules
 from bench.rig.injection import inject
+from bench.rig.master import build_link, build_monitor, build_start_up
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
-from bench.rig.startup import start_up_settings
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler
-from kernel.drives.link import AxisLink, LinkSettings
-from kernel.drives.sdo import SdoClient
-from kernel.drives.startup import DriveAddress, StartUp
 from kernel.nc.canon import Message
 from kernel.nc.interpreter import Interpreter
 from kernel.nc.syntax import Program
@@ -82,7 +79,10 @@ class Machine:
             }
             for network in self.networks.values():
                 network.connect()
-            self.links = {name: self._build_link(name) for name in settings.rig.axis}
+            self.links = {
+                name: build_link(settings, name, self.networks[axis.segment])
+                for name, axis in settings.rig.axis.items()
+            }
             self.channel = self._build_channel()
             inject(self, seed)
             axes = [(name, self.plant.axes[a.plant]) for name, a in settings.rig.axis.items()]
@@ -132,22 +132,6 @@ class Machine:
             )
         return nodes
 
-    def _build_link(self, name: str) -> AxisLink:
-        axis, parameters = self.settings.rig.axis[name], self.settings.axis[name]
-        profile = self.settings.rig.drive[axis.drive].make()
-        return AxisLink(
-            LinkSettings(
-                axis=name,
-                node_id=axis.node,
-                increments_per_mm=float(profile.units_per_mm),
-                probe_input=parameters.integer("kenngr.measure.input"),
-                edge=parameters.word("kenngr.measure.edge"),
-                lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
-                pdo_map=self.settings.rig.drive[axis.drive].pdo_map,
-            ),
-            self.networks[axis.segment],
-        )
-
     def _build_channel(self) -> Channel:
         return Channel(
             self.scheduler,
@@ -160,6 +144,7 @@ class Machine:
             list(self.networks.values()),
             error_no_signal=self.settings.channel.flag("meas_error_no_signal"),
             put_out=self._message,
+            monitor=build_monitor(self.settings, self.links, self.networks, self.scheduler),
         )
 
     def _message(self, message: Message) -> None:
@@ -178,7 +163,12 @@ class Machine:
         Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
         SimulatedTimeoutError when the program does not end, UserError for what only running shows.
         """
-        self.channel.start_up([self._start_up(name) for name in self.settings.rig.axis])
+        self.channel.start_up(
+            [
+                build_start_up(self.settings, name, self.networks[axis.segment], self.scheduler)
+                for name, axis in self.settings.rig.axis.items()
+            ]
+        )
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
         limit_ns = scheduler.now_ns + self._limit_ns
         while not channel.has_ended:
@@ -191,21 +181,6 @@ class Machine:
                 )
             scheduler.run_until(scheduler.now_ns + period_ns)
         return scheduler.now_ns
-
-    def _start_up(self, name: str) -> StartUp:
-        axis = self.settings.rig.axis[name]
-        keys, network = self.settings.rig.drive[axis.drive], self.networks[axis.segment]
-        settings = start_up_settings(keys)
-        sdo = SdoClient(
-            network,
-            self.scheduler,
-            axis.node,
-            timeout_ns=settings.sdo_timeout_ns,
-            attempts=settings.sdo_attempts,
-        )
-        steps = axis_steps(self.settings, name)
-        address = DriveAddress(name, axis.node)
-        return StartUp(address, network, self.scheduler, sdo, steps, settings)
 
     def close(self) -> None:
         """Free plants, segments and the bus log."""

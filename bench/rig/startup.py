@@ -22,6 +22,7 @@ from kernel.drives.startup_steps import (
     Step,
     start_up_steps,
 )
+from kernel.drives.watch import WatchSettings
 
 _OBJECT = re.compile(r"0x(?P<index>[0-9A-Fa-f]{4}):(?P<sub>0x[0-9A-Fa-f]{1,2}|[0-9]{1,3})")
 
@@ -78,6 +79,9 @@ class StartUpKeys(Table):
         I16,
     ] = Field(default_factory=dict)  # fmt: skip
     scaling_check: bool = True
+    missing_cycles: Annotated[int, Field(ge=1, le=1000)] = 3
+    heartbeat_timeout_ms: U16 = 0
+    jump_factor: Annotated[float, Field(ge=0)] = 2.0
     sdo: list[Write] = Field(default_factory=list)
 
 
@@ -101,6 +105,12 @@ def start_up_settings(keys: StartUpKeys) -> StartUpSettings:
         scaling_check=keys.scaling_check,
         writes=[_declared(entry) for entry in keys.sdo],
     )
+
+
+def watch_settings(keys: StartUpKeys) -> WatchSettings:
+    """Make the kernel's watch of the keys of a drive."""
+    timeout_ms = keys.heartbeat_timeout_ms or 2 * keys.heartbeat_ms
+    return WatchSettings(timeout_ms * MS, keys.guard_time_ms * MS, keys.life_factor)
 
 
 def _declared(entry: list[Any]) -> tuple[int, int, int]:

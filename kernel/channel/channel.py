@@ -11,9 +11,9 @@ from math import dist
 from typing import Any
 
 from kernel.channel.lookahead import Lookahead
+from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.clock import Clock, Phase, TimeNs
-from kernel.drives.ds402 import State
 from kernel.drives.link import AxisLink
 from kernel.drives.startup import StartUp
 from kernel.errors import Alarm
@@ -24,7 +24,6 @@ from kernel.motion.profile import plan
 from kernel.nc import canon
 
 SYNC_COB_ID = 0x80
-POWER_UP_CYCLES_MAX = 500
 SETTLED_CYCLES = 10
 
 
@@ -44,6 +43,7 @@ class Channel:
     """A channel with its axes and drive links, in the same order.
 
     networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
+    monitor: the watch over drives and buses; without one drives are watched by their telegrams.
     put_out: takes every message as soon as it is due. It is the `MachineView` of its own
     interpreter; the program is handed over by `load`.
     """
@@ -58,6 +58,7 @@ class Channel:
         *,
         error_no_signal: bool,
         put_out: Callable[[canon.Message], None],
+        monitor: Monitor | None = None,
     ) -> None:
         self._clock, self.timing = clock, timing
         self.axes, self.links, self._networks = tuple(axes), tuple(links), tuple(networks)
@@ -78,7 +79,8 @@ class Channel:
         self._measuring: tuple[canon.MeasuringRun, Dynamics] | None = None
         self._measured: dict[str, float | None] = {}
         self._stop_dynamics: Dynamics | None = None
-        self._cycles_powering = 0
+        self._monitor = monitor or Monitor(self.links, self._networks, clock)
+        self._power_up = PowerUp(self.links, timing)
         self._settling_since_ns: TimeNs | None = None
         self._inside_since_ns: TimeNs | None = None
         self._next_sync_ns: TimeNs = 0
@@ -94,6 +96,7 @@ class Channel:
 
         Returns at once. When one of them does not start the program ends, with an alarm for each.
         """
+        self._monitor.prepare()
         self._starting = len(drives)
         for drive in drives:
             drive.begin(self._on_started)
@@ -105,6 +108,7 @@ class Channel:
         if self._starting:
             return
         if self.alarms:
+            self._monitor.end()
             self.state = ChannelState.ENDED
         else:
             self.start()
@@ -112,6 +116,7 @@ class Channel:
     def start(self) -> None:
         """Begin the cyclic exchange at the next whole period."""
         self.state = ChannelState.POWERING
+        self._monitor.begin()
         period = self.timing.period_ns
         self._next_sync_ns = -(-self._clock.now_ns // period) * period
         self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
@@ -123,7 +128,9 @@ class Channel:
 
     def _sync(self) -> None:
         if self.has_ended:
+            self._monitor.end()
             return
+        self._monitor.before_sync()
         for link in self.links:
             link.begin_cycle()
         for network in self._networks:
@@ -138,9 +145,9 @@ class Channel:
         """Run one NC cycle. The order is the design's; each step uses this cycle's values."""
         was_stopping = self.state is ChannelState.STOPPING
         try:
-            self._take()  # 1 what the bus delivered
+            self._monitor.take()  # 1 what the bus delivered
             self._measure()  # 2 signals, with the positions of this cycle
-            self._monitor()  # 4 drives and exact stop (3, distance control, has its own issue)
+            self._watch()  # 4 drives and exact stop (3, distance control, has its own issue)
             self._execute()  # 5 refill the queue, begin what comes next
         except Alarm as alarm:
             self._come_up(alarm)
@@ -166,16 +173,6 @@ class Channel:
 
     # Steps of the cycle
 
-    def _take(self) -> None:
-        lost = []
-        for link in self.links:
-            try:
-                link.take()
-            except Alarm as alarm:
-                lost.append(alarm)
-        if lost:
-            raise lost[0]
-
     def _measure(self) -> None:
         if self._run is None or self.state is not ChannelState.RUNNING:
             return
@@ -191,39 +188,16 @@ class Channel:
             self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
             self._run = self._measuring = None
 
-    def _monitor(self) -> None:
-        if self.state is ChannelState.POWERING:
-            self._power_up()
-            return
-        if self.state is not ChannelState.RUNNING:
-            return
-        for link in self.links:
-            if link.state is not State.OPERATION_ENABLED:
-                raise Alarm(
-                    900005,
-                    axis=link.name,
-                    statusword=f"0x{link.statusword:04X}",
-                    emcy=f"0x{link.emergency_code:04X}",
-                )
-
-    def _power_up(self) -> None:
-        self._cycles_powering += 1
-        actual = tuple(link.actual_mm for link in self.links)
-        self.interpolator.hold(actual)
-        self._buffer = SetpointBuffer(self.timing.buffer_cycles, actual)
-        waiting = [link for link in self.links if link.state is not State.OPERATION_ENABLED]
-        for link in self.links:
-            link.power = True
-        if not waiting:
-            self.state = ChannelState.RUNNING
-            self.start_ns = self._clock.now_ns
-        elif self._cycles_powering > POWER_UP_CYCLES_MAX:
-            raise Alarm(
-                900008,
-                axis=waiting[0].name,
-                state=waiting[0].state.name,
-                ms=self._cycles_powering * self.timing.period_ns // 1_000_000,
-            )
+    def _watch(self) -> None:
+        if self.state is ChannelState.RUNNING:
+            self._monitor.check_drives()
+        elif self.state is ChannelState.POWERING:
+            actual = tuple(link.actual_mm for link in self.links)
+            self.interpolator.hold(actual)
+            self._buffer = SetpointBuffer(self.timing.buffer_cycles, actual)
+            if self._power_up.step():
+                self.state = ChannelState.RUNNING
+                self.start_ns = self._clock.now_ns
 
     def _execute(self) -> None:
         assert self._lookahead is not None
@@ -381,6 +355,8 @@ class Channel:
             for name in self._run.record.axes:
                 self.links[self._index[name]].disarm()
             self._run = None
+        for link in self.links:
+            link.hold_back()
         if not self.interpolator.is_standing and self._stop_dynamics is not None:
             self.interpolator.brake(self._stop_dynamics.stop_deceleration)
         self.state = ChannelState.STOPPING

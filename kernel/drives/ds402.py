@@ -156,16 +156,24 @@ _RELEVANT = 0x8F  # the bits of the controlword that any command looks at
 _RESET = COMMANDS[Command.FAULT_RESET].mask
 
 
-@cache
 def state_of(statusword: int) -> State:
     """Return the state that a statusword tells.
 
     Raises ValueError when its bits fit no state.
     """
+    state = find_state(statusword)
+    if state is None:
+        raise ValueError(f"statusword 0x{statusword:04X} fits no state")
+    return state
+
+
+@cache
+def find_state(statusword: int) -> State | None:
+    """Return the state that a statusword tells, None when its bits fit no state."""
     for state, pattern in STATES.items():
         if statusword & pattern.mask == pattern.value:
             return state
-    raise ValueError(f"statusword 0x{statusword:04X} fits no state")
+    return None
 
 
 def command_of(controlword: int, previous_controlword: int) -> Command | None:

@@ -5,6 +5,7 @@ kernel's side and increments on the bus.
 """
 
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -19,11 +20,13 @@ from kernel.drives.ds402 import (
     state_of,
     stored_bit,
 )
+from kernel.drives.emergency import Emergency
 from kernel.drives.mapping import Telegram, telegrams
+from kernel.drives.process_data import ABSENT, ProcessData
 from kernel.errors import Alarm
 
-# A cyclic telegram may stay out this often before the drive counts as lost
-MISSING_CYCLES_MAX = 3
+# Cyclic telegrams may stay out this often before the drive counts as lost
+MISSING_CYCLES = 3
 POSITION_MAX = 1 << 31  # INTEGER32 of 607A and 6064, increments
 
 
@@ -33,7 +36,8 @@ class LinkSettings:
 
     increments_per_mm: scaling of 607A, 6064 and the latch objects. probe_input: 1 or 2
     (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. pdo_map:
-    path of a mapping table, None for the kernel's own.
+    path of a mapping table, None for the kernel's own. missing_cycles: how often in a row a cyclic
+    telegram may stay out. jump_mm: largest credible motion from one SYNC to the next.
     """
 
     axis: str
@@ -43,6 +47,8 @@ class LinkSettings:
     edge: str = "POS"
     lag_delay_cycles: int = 0
     pdo_map: str | None = None
+    missing_cycles: int = MISSING_CYCLES
+    jump_mm: float = float("inf")
 
 
 class AxisLink:
@@ -58,20 +64,25 @@ class AxisLink:
         self._stored_bit = stored_bit(settings.probe_input, settings.edge)
         self._input_bit = input_bit(settings.probe_input)
         self._per_mm = settings.increments_per_mm
-        self._codec = {name: t.codec for name, t in self.telegrams.items()}
-        self._rpdo_id = self.telegrams["RPDO1"].cob_id(settings.node_id)
-        self._received: dict[str, bytes | None] = {"TPDO1": None, "TPDO2": None}
-        self._contradicted: set[str] = set()
+        pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
+        self._status_at, self._actual_at = pdos.place("statusword"), pdos.place("actual")
+        self._probe_at, self._latch_at = pdos.place("probe_status"), pdos.place("latch")
+        self._inputs_at = pdos.place("inputs")
+        self._control_out, self._target_out = _needed(pdos, "controlword"), _needed(pdos, "target")
+        self._function_out = pdos.sent_place("probe_function") or ([0], 0)
+        self._jump_increments = settings.jump_mm * self._per_mm
         self.statusword = 0
-        self.state = state_of(0)
+        self.state = State.NOT_READY_TO_SWITCH_ON
         self.actual_increments = 0
+        self.jump_mm: float | None = None
+        self._actual_age: int | None = None  # cycles since the last actual position
         self._probe_status = 0
         self._latch_increments: int | None = None
         self._inputs: int | None = None
-        self._missing = 0
-        self.emergency_code = 0
+        self.emergency: Emergency | None = None
         self.controlword = 0
         self.power = False
+        self._is_held_back = False
         self._function_word = 0
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
@@ -79,28 +90,29 @@ class AxisLink:
 
     def _subscribe(self) -> None:
         node_id = self.settings.node_id
-        for name in ("TPDO1", "TPDO2"):
-            self.network.subscribe(
-                self.telegrams[name].cob_id(node_id),
-                lambda _id, data, _time, name=name: self._on_cyclic(name, data),
-            )
-        self.network.subscribe(self.telegrams["TPDO3"].cob_id(node_id), self._on_inputs)
+        for telegram in self.telegrams.values():
+            fields = [mapped.field for mapped in telegram.objects]
+            if "inputs" in fields and not telegram.is_cyclic:
+                self.network.subscribe(
+                    telegram.cob_id(node_id), self._inputs_taker(telegram, fields.index("inputs"))
+                )
         self.network.subscribe(0x80 + node_id, self._on_emergency)
 
-    def _on_cyclic(self, name: str, data: bytearray) -> None:
-        if len(data) != self._codec[name].size:
-            return
-        known = self._received[name]
-        if known is not None and known != data:
-            self._contradicted.add(name)  # one of both is late or of another node: which one?
-        self._received[name] = bytes(data)
+    def _inputs_taker(
+        self, telegram: Telegram, position: int
+    ) -> Callable[[int, bytearray, float], None]:
+        def take(_cob_id: int, data: bytearray, _time: float) -> None:
+            if len(data) == telegram.codec.size:
+                self._inputs = telegram.codec.unpack(data)[position]
+            else:
+                self._pdos.wrong_length = (telegram.name, len(data), telegram.codec.size)
 
-    def _on_inputs(self, _cob_id: int, data: bytearray, _time: float) -> None:
-        if len(data) == self._codec["TPDO3"].size:
-            (self._inputs,) = self._codec["TPDO3"].unpack(data)
+        return take
 
     def _on_emergency(self, _cob_id: int, data: bytearray, _time: float) -> None:
-        self.emergency_code = int.from_bytes(data[:2], "little")
+        emergency = Emergency.read(data)
+        if emergency.reaction != "none":
+            self.emergency = emergency
 
     def can_reach(self, position_mm: float) -> bool:
         """Whether a set position fits into the 32 bits of 607A."""
@@ -111,43 +123,65 @@ class AxisLink:
 
         Called with every SYNC as well as after taking, because an answer may come late.
         """
-        self._received["TPDO1"] = self._received["TPDO2"] = None
-        if self._contradicted:
-            self._contradicted.clear()
+        self._pdos.begin_cycle()
 
     def take(self) -> None:
         """Take what this cycle's SYNC brought.
 
-        A telegram that came twice with different contents, or whose statusword cannot be, counts
-        as one that stayed out. Raises Alarm 900006, 900080 or 900081 when that lasts.
+        A telegram that came twice with different contents, or whose status word cannot be, counts
+        as one that stayed out. Raises Alarm 900006, 900080 or 900081 when that lasts, 900028 for
+        one that does not fit its mapping.
         """
-        first, second = self._received["TPDO1"], self._received["TPDO2"]
-        alarm_id = 900006
-        if self._contradicted:
-            if "TPDO1" in self._contradicted:
-                first, alarm_id = None, 900080
-            if "TPDO2" in self._contradicted:
-                second = None
-        self.begin_cycle()
+        pdos = self._pdos
+        values = pdos.take()
         self._latch_increments = None
-        if first is not None:
-            statusword, actual, probe_status = self._codec["TPDO1"].unpack(first)
-            try:
-                self.state = state_of(statusword)
-            except ValueError:
-                first, alarm_id = None, 900081
-        if first is None:
-            self._missing += 1
-            if self._missing > MISSING_CYCLES_MAX:
-                raise Alarm(alarm_id, axis=self.name, pdo="TPDO1", cycles=self._missing)
-            return
-        self._missing = 0
-        self.statusword, self.actual_increments, self._probe_status = (
-            statusword, actual, probe_status,
-        )  # fmt: skip
-        # 60B9 and the latch object are one measured value only when one SYNC sampled both
-        if second is not None and self._probe_status & self._stored_bit:
-            (self._latch_increments,) = self._codec["TPDO2"].unpack(second)
+        status = values[self._status_at[0]]
+        if status is not None:
+            word = status[self._status_at[1]]
+            if word != self.statusword:
+                self.statusword = word
+                self.state = state_of(word)
+        actual = values[self._actual_at[0]]
+        if actual is not None:
+            self._take_actual(actual[self._actual_at[1]])
+        elif self._actual_age is not None:
+            self._actual_age += 1
+        probe = values[self._probe_at[0]]
+        if probe is not None:
+            self._probe_status = probe[self._probe_at[1]]
+            # 60B9 and the latch object are one measured value only when one SYNC sampled both
+            latch = values[self._latch_at[0]]
+            if latch is not None and self._probe_status & self._stored_bit:
+                self._latch_increments = latch[self._latch_at[1]]
+        if self._inputs_at is not ABSENT and (inputs := values[self._inputs_at[0]]) is not None:
+            self._inputs = inputs[self._inputs_at[1]]
+        if pdos.wrong_length is not None:
+            name, length, expected = pdos.wrong_length
+            raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
+        if None in values:
+            self._judge_missing()
+
+    def _take_actual(self, increments: int) -> None:
+        if self._actual_age is not None:
+            moved = abs(increments - self.actual_increments)
+            if moved > self._jump_increments * (self._actual_age + 1):
+                self.jump_mm = moved / self._per_mm
+        self.actual_increments, self._actual_age = increments, 0
+
+    def _judge_missing(self) -> None:
+        pdos = self._pdos
+        for name, missing, cause in zip(pdos.names, pdos.missing, pdos.causes, strict=True):
+            if missing > self.settings.missing_cycles:
+                raise Alarm(cause, axis=self.name, pdo=name, cycles=missing)
+
+    def forget(self) -> None:
+        """Forget latch and state: the drive has restarted, its positions mean something else."""
+        self._latch_increments, self._probe_status, self._function_word = None, 0, 0
+        self.statusword, self.state = 0, State.NOT_READY_TO_SWITCH_ON
+
+    def hold_back(self) -> None:
+        """Never lead the drive into operation again: it may go on with what it does, or stop."""
+        self._is_held_back = True
 
     @property
     def actual_mm(self) -> float:
@@ -206,7 +240,10 @@ class AxisLink:
         """Lead the drive on; out of a fault only the operator leads, never a running program."""
         state = self.state
         if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
-            return STATES[state].hold
+            return STATES[State.FAULT].hold
+        if self._is_held_back:
+            keeps = state in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
+            return STATES[state].hold if keeps else 0
         wanted = State.OPERATION_ENABLED if self.power else State.READY_TO_SWITCH_ON
         return controlword_towards(state, wanted)
 
@@ -215,9 +252,16 @@ class AxisLink:
         self.controlword = self._controlword()
         self.set_mm = set_mm
         self._set_history.append(set_mm)
-        self.network.send_message(
-            self._rpdo_id,
-            self._codec["RPDO1"].pack(
-                self.controlword, round(set_mm * self._per_mm), self._function_word
-            ),
-        )
+        values, position = self._control_out
+        values[position] = self.controlword
+        values, position = self._target_out
+        values[position] = round(set_mm * self._per_mm)
+        values, position = self._function_out
+        values[position] = self._function_word
+        self._pdos.send()
+
+
+def _needed(pdos: ProcessData, field: str) -> tuple[list[int], int]:
+    found = pdos.sent_place(field)
+    assert found is not None, f"the mapping table has been read without {field}"
+    return found

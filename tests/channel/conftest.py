@@ -21,12 +21,14 @@ from bench.drive.node import DriveNode
 from bench.drive.ports import ControlKind
 from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
+from kernel.channel.monitor import Monitor
 from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.link import AxisLink, LinkSettings
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
+from kernel.drives.watch import WatchSettings
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.profile import Slope
 from kernel.nc import canon
@@ -203,7 +205,11 @@ class ChannelBench:
         input_delay_ns: int = 0,
         buffer_cycles: int = 0,
         error_no_signal: bool = False,
+        missing_cycles: int = 3,
+        watches: tuple[WatchSettings, ...] = (),
+        start_up: StartUpSettings | None = None,
     ) -> None:
+        self.start_up = start_up or StartUpSettings()
         self.scheduler = Scheduler()
         self.segment = Segment(f"channel bus {next(_NUMBERS)}", 1_000_000, self.scheduler)
         self.world = World()
@@ -221,7 +227,17 @@ class ChannelBench:
         self.nodes = {s.name: self._node(n, s) for n, s in enumerate(specs, 1)}
         self.network = SimNetwork(self.segment.port("cnc")).connect()
         self.links = [
-            AxisLink(LinkSettings(s.name, n, INCREMENTS_PER_MM, lag_delay_cycles=2), self.network)
+            AxisLink(
+                LinkSettings(
+                    s.name,
+                    n,
+                    INCREMENTS_PER_MM,
+                    lag_delay_cycles=2,
+                    missing_cycles=missing_cycles,
+                    jump_mm=2 * s.speed_max_mm_s * 1e-3,
+                ),
+                self.network,
+            )
             for n, s in enumerate(specs, 1)
         ]
         self.remotes = {}
@@ -240,6 +256,7 @@ class ChannelBench:
             [self.network],
             error_no_signal=error_no_signal,
             put_out=lambda m: self.messages.append((self.scheduler.now_ns, m.text)),
+            monitor=Monitor(self.links, [self.network], self.scheduler, watches),
         )
         self.channel.observers.append(self._observe)
 
@@ -271,7 +288,7 @@ class ChannelBench:
         self.channel.start_up([self._start_up(link) for link in self.links])
 
     def _start_up(self, link: AxisLink) -> StartUp:
-        node_id, settings = link.settings.node_id, StartUpSettings()
+        node_id, settings = link.settings.node_id, self.start_up
         scaling = Scaling(
             self.profile.encoder_increments, Fraction(self.profile.units_per_revolution)
         )

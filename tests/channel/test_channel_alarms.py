@@ -87,7 +87,7 @@ def test_900003_when_the_probe_is_not_led_to_one_of_the_axes(
 
 
 def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -> None:
-    bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0)
+    bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0, missing_cycles=100_000)
     bench.segment.add_fault(DropById(0x281))
     bench.run([words.probe(1, 1200.0, Z=0.0), words.wait(1), words.end()])
     assert bench.alarm_ids == [900001]
@@ -146,7 +146,7 @@ def test_900005_tells_statusword_and_emergency(channel_bench: Make, words: Any) 
     (alarm,) = _fault_in_motion(channel_bench, words).channel.alarms
     assert alarm.id == 900005
     assert alarm.values["axis"] == "Z"
-    assert alarm.values["emcy"] == "0x8611"
+    assert str(alarm.values["emcy"]).startswith("0x8611, following error, error register 0x")
     # xxxx xxxx x0xx 1x00: fault or fault reaction (CiA 402), bit 13: following error
     assert int(str(alarm.values["statusword"]), 16) & 0x2048 == 0x2008
 
@@ -176,13 +176,13 @@ def test_a_faulty_drive_is_not_switched_on_again(channel_bench: Make, words: Any
 
 
 def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, words: Any) -> None:
-    """Y moves; Z stands, is pushed 1 mm away, and its drive faults."""
+    """Y moves; Z stands, is pushed 0.5 mm away, and its drive faults."""
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Y=60.0), words.end()])
     _moving(bench, "Y", 12.0)
     bench.nodes["Z"].image.following_window = 1
     bench.nodes["Z"].image.following_timeout_ms = 0
-    bench.axes["Z"].droop_m = 1e-3
+    bench.axes["Z"].droop_m = 0.5e-3
     bench.finish()
     assert bench.alarm_ids == [900005]
     _assert_braked(bench.set_mm("Y"), 50.0)

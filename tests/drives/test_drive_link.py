@@ -247,9 +247,9 @@ def test_a_fault_is_told_with_its_emergency_code(link_bench: Make) -> None:
     bench.link.power = True
     for _ in range(12):
         bench.cycle(0.0)
-        if bench.link.emergency_code:
+        if bench.link.emergency:
             break
-    assert bench.link.emergency_code == 0x8611
+    assert bench.link.emergency.code == 0x8611
     assert bench.link.state in (State.FAULT_REACTION_ACTIVE, State.FAULT)
 
 

@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[2]
 PLAN = """\
 case,program,rig,repeats,plc:V.E.FEED,plant:probe.surface_mm,fault:drop,check:latch_error_um,check:alarms
 one,{one},{plans}/rigs/probe-z.toml,2,3000,108,,-0.2 +- 0.0095,none
-lost,{one},{plans}/rigs/probe-z.toml,,6000,109,Z.TPDO2,,900001
+lost,{one},{plans}/rigs/probe-z.toml,,6000,109,Z.TPDO2,,900006
 three,{three},{plans}/rigs/probe-xyz.toml,,,245,,<= 1,none
 """
 ONE = '%one\nN10 G100 Z100 F=V.E.FEED\n#MSG SYN["z=%f", V.A.MESS.Z]\nN30 M30\n'

@@ -109,6 +109,6 @@ def test_without_the_latch_telegram_no_value_is_printed(runs: Runs) -> None:
     run = runs[LOST]
     assert run.stdout == ""
     assert run.returncode == 1
-    (line,) = run.stderr.splitlines()
-    assert line.startswith("ID 900001")
-    assert "N20" in line
+    line = run.stderr.splitlines()[-1]
+    assert line.startswith("ID 900006")
+    assert "TPDO2" in line

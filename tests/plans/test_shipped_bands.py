@@ -207,7 +207,7 @@ def test_cases_without_a_value_expect_their_alarm_and_nothing_else() -> None:
         "not-released": ("", "== 50059"),
         "no-contact": ("== 0", "none"),
         "no-contact-alarm": ("", "== 900004"),
-        "latch-pdo-lost": ("", "== 900001"),
+        "latch-pdo-lost": ("", "== 900006"),
     }
     others = {name: row for name, row in LATCH.items() if name not in MEASURED}
     assert {

@@ -1,0 +1,63 @@
+"""The kernel of a rig: its links, watches and start-ups, made of the settings."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from bench.rig.check import axis_steps
+from bench.rig.settings import Settings
+from bench.rig.startup import start_up_settings, watch_settings
+from kernel.channel.monitor import Monitor
+from kernel.clock import US, Clock, ns_to_seconds
+from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.sdo import SdoClient
+from kernel.drives.startup import DriveAddress, StartUp
+from kernel.drives.watch import HeartbeatProducer
+
+
+def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
+    """Make the kernel's end of the drive of one axis."""
+    axis, parameters = settings.rig.axis[name], settings.axis[name]
+    drive = settings.rig.drive[axis.drive]
+    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
+    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
+    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
+    return AxisLink(
+        LinkSettings(
+            axis=name,
+            node_id=axis.node,
+            increments_per_mm=float(drive.make().units_per_mm),
+            probe_input=parameters.integer("kenngr.measure.input"),
+            edge=parameters.word("kenngr.measure.edge"),
+            lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+            pdo_map=drive.pdo_map,
+            missing_cycles=drive.missing_cycles,
+            jump_mm=jump_mm or float("inf"),
+        ),
+        network,
+    )
+
+
+def build_monitor(
+    settings: Settings, links: Mapping[str, AxisLink], networks: Mapping[str, Any], clock: Clock
+) -> Monitor:
+    """Make the watch over all drives and buses."""
+    rig = settings.rig
+    everything = list(networks.values())
+    heartbeat = HeartbeatProducer(everything, clock, rig.cycle.master_node, rig.cycle.heartbeat_ms)
+    watches = [watch_settings(rig.drive[axis.drive]) for axis in rig.axis.values()]
+    return Monitor(list(links.values()), everything, clock, watches, heartbeat)
+
+
+def build_start_up(settings: Settings, name: str, network: Any, clock: Clock) -> StartUp:
+    """Make the start-up of the drive of one axis."""
+    axis = settings.rig.axis[name]
+    declared = start_up_settings(settings.rig.drive[axis.drive])
+    sdo = SdoClient(
+        network,
+        clock,
+        axis.node,
+        timeout_ns=declared.sdo_timeout_ns,
+        attempts=declared.sdo_attempts,
+    )
+    steps = axis_steps(settings, name)
+    return StartUp(DriveAddress(name, axis.node), network, clock, sdo, steps, declared)

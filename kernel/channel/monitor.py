@@ -1,0 +1,115 @@
+"""What the channel watches in every cycle: buses, connections, drives; and switching them on."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from kernel.channel.settings import CycleTiming
+from kernel.clock import Clock
+from kernel.drives.ds402 import State
+from kernel.drives.link import AxisLink
+from kernel.drives.watch import BusWatch, DriveWatch, HeartbeatProducer, WatchSettings
+from kernel.errors import Alarm
+
+POWER_UP_CYCLES_MAX = 500
+
+
+class Monitor:
+    """Takes what the buses delivered and tells the most telling alarm of a cycle.
+
+    watches: per drive, in the order of the links; without them each gets one of the defaults.
+    heartbeat: the kernel's own.
+    """
+
+    def __init__(
+        self,
+        links: Sequence[AxisLink],
+        networks: Sequence[Any],
+        clock: Clock,
+        watches: Sequence[WatchSettings] = (),
+        heartbeat: HeartbeatProducer | None = None,
+    ) -> None:
+        self._links, self._heartbeat = links, heartbeat
+        settings = watches or [WatchSettings()] * len(links)
+        self._drives = [DriveWatch(link, clock, s) for link, s in zip(links, settings, strict=True)]
+        self._buses = [BusWatch(network) for network in networks]
+        self._late_sync: Alarm | None = None
+
+    def prepare(self) -> None:
+        """Let the drives hear the kernel, before they are told to watch it."""
+        if self._heartbeat is not None:
+            self._heartbeat.begin()
+
+    def begin(self) -> None:
+        """Watch from now on: the drives are started."""
+        for drive in self._drives:
+            drive.begin()
+
+    def end(self) -> None:
+        """Watch no more."""
+        for drive in self._drives:
+            drive.end()
+        if self._heartbeat is not None:
+            self._heartbeat.end()
+
+    def before_sync(self) -> None:
+        """Look whether the SYNC of the cycle that ends has got onto the bus."""
+        for bus in self._buses:
+            if bus.holds_back_sync:
+                self._late_sync = self._late_sync or Alarm(900031, segment=bus.name)
+
+    def take(self) -> None:
+        """Take the telegrams of every link.
+
+        Raises the alarm that tells most: own controller, SYNC, connection of a drive, telegrams.
+        """
+        lost: Alarm | None = None
+        for link in self._links:
+            try:
+                link.take()
+            except Alarm as alarm:
+                lost = lost or alarm
+        for bus in self._buses:
+            if (found := bus.check()) is not None:
+                raise found
+        if self._late_sync is not None:
+            raise self._late_sync
+        for drive in self._drives:
+            if (found := drive.communication()) is not None:
+                raise found
+        if lost is not None:
+            raise lost
+
+    def check_drives(self) -> None:
+        """Raise the alarm of the first drive that does not follow its set values any more."""
+        for drive in self._drives:
+            if (found := drive.condition()) is not None:
+                raise found
+
+
+class PowerUp:
+    """Leads all drives to operation enabled."""
+
+    def __init__(self, links: Sequence[AxisLink], timing: CycleTiming) -> None:
+        self._links, self._timing = links, timing
+        self._cycles = 0
+
+    def step(self) -> bool:
+        """Do one cycle; return whether every drive is there.
+
+        Raises Alarm 900008 when one takes too long.
+        """
+        self._cycles += 1
+        waiting = [link for link in self._links if link.state is not State.OPERATION_ENABLED]
+        for link in self._links:
+            link.power = True
+        if waiting and self._cycles > POWER_UP_CYCLES_MAX:
+            raise Alarm(
+                900008,
+                axis=waiting[0].name,
+                state=waiting[0].state.name,
+                ms=self._cycles * self._timing.period_ns // 1_000_000,
+            )
+        if not waiting:
+            for link in self._links:
+                link.emergency = None  # what led here is over
+        return not waiting
