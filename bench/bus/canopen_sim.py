@@ -219,11 +219,13 @@ class SimNetwork(canopen.Network):
         return self
 
     def _on_data(self, can_id: int, data: bytes, timestamp_s: float) -> None:
-        # The copy is for PdoMap, which keeps the buffer and writes to it.
-        if can_id in self.subscribers:
-            self.notify(can_id, bytearray(data), timestamp_s)
-        else:
-            self.scanner.on_message_received(can_id)
+        # As `Network.notify`. The copy is for PdoMap, which keeps the buffer and writes to it.
+        callbacks = self.subscribers.get(can_id)
+        if callbacks:
+            copy = bytearray(data)
+            for callback in callbacks:
+                callback(can_id, copy, timestamp_s)
+        self.scanner.on_message_received(can_id)
 
     def _on_remote(self, can_id: int) -> None:
         for callback in tuple(self._remote.get(can_id, ())):

@@ -20,7 +20,7 @@ A sender does not receive its own frames (unless its port asks for it).
 from collections.abc import Container, Sequence
 from functools import partial
 from itertools import count
-from typing import Any, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import can
 
@@ -65,7 +65,7 @@ _AFTER_ACK_BITS = 8
 class _Oddity(NamedTuple):
     """What is unusual about a frame on the wire.
 
-    partners: further ports that send the same bits. missed: names of the ports that do not get it.
+    is_error: an error frame cuts it short. partners: further ports that send the same bits. missed: names of the ports that do not get it.
     seen_by: names of those who see its error before the others, None = all at once.
     is_unacknowledged: the error is the missing acknowledgement. is_cut: the sender lost its power.
     """
@@ -74,6 +74,7 @@ class _Oddity(NamedTuple):
     partners: tuple[tuple[Controller, Request], ...] = ()
     missed: Container[str] = ()
     seen_by: frozenset[str] | None = None
+    is_error: bool = False
     is_unacknowledged: bool = False
     is_cut: bool = False
 
@@ -218,15 +219,19 @@ class Segment:
         is out, nothing is missing.
         """
         self._recovery.remove(port)
-        if self._wire is None or self._wire[0] is not port or self._end[3] != self._end_of_frame:
+        if self._wire is None or self._wire[0] is not port:
             return
-        _, request, start_ns, bits, _ = self._wire
+        _, request, start_ns, bits, odd = self._wire
+        if odd is not None and odd.is_error:
+            return
         now_ns = self.scheduler.now_ns
         sent = -(-(now_ns - start_ns) * self.bitrate // S)
         if sent <= bits - TAIL_BITS:
             self.scheduler.cancel(self._end)
             sent += FLAG_BITS + FLAG_BITS + DELIMITER_BITS
-            self._plan_end(port, request, start_ns, sent, _Oddity(is_cut=True), self._end_of_error)
+            self._wire = (port, request, start_ns, sent, _Oddity(is_error=True, is_cut=True))
+            end_ns = start_ns + self._duration_ns[sent]
+            self._end = self.scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_error)
 
     # --- arbitration -----------------------------------------------------------------------------
 
@@ -250,7 +255,8 @@ class Segment:
                 self._rest()
                 return
             if not (rivals or self._faults or self._is_lone):
-                self._begin(winner, winner.take(), None)
+                request = winner.take()
+                self._start(winner, request, frame_bits(request[4]) - IFS_BITS)
                 return
             if self._begin_oddly(winner, rivals):
                 return
@@ -299,7 +305,7 @@ class Segment:
             self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)
             return True
         odd = _Oddity(action, partners, missed) if action or partners else None
-        self._begin(winner, request, odd)
+        self._start(winner, request, frame_bits(request[4]) - IFS_BITS, odd)
         return True
 
     def _hurts(self, error: ErrorAtBit, senders: tuple[Controller, ...]) -> bool:
@@ -322,37 +328,29 @@ class Segment:
         if seen_by is not None and all(port.port_name in seen_by for port in self._live):
             seen_by = None
         bits += FLAG_BITS if seen_by is None else SUPERPOSED_FLAG_BITS
-        odd = _Oddity(partners=partners, seen_by=seen_by, is_unacknowledged=is_unacknowledged)
-        self._start(sender, request, bits + DELIMITER_BITS, odd, self._end_of_error)
+        odd = _Oddity(
+            is_error=True, partners=partners, seen_by=seen_by, is_unacknowledged=is_unacknowledged
+        )
+        self._start(sender, request, bits + DELIMITER_BITS, odd)
 
     # --- the wire --------------------------------------------------------------------------------
 
-    def _begin(self, sender: Controller, request: Request, odd: _Oddity | None) -> None:
-        """Put a whole frame on the wire."""
-        bits = frame_bits(request[4]) - IFS_BITS
-        self._start(sender, request, bits, odd, self._end_of_frame)
-
     def _start(
-        self, sender: Controller, request: Request, bits: int, odd: _Oddity | None, end: Any
-    ) -> None:
-        now_ns = self.scheduler.now_ns
-        self._suspended = ()
-        if self._recovery:
-            self._recovery.frame_begins(now_ns)
-        self._plan_end(sender, request, now_ns, bits, odd, end)
-
-    def _plan_end(
         self,
         sender: Controller,
         request: Request,
-        start_ns: TimeNs,
         bits: int,
-        odd: _Oddity | None,
-        end: Any,
+        odd: _Oddity | None = None,
     ) -> None:
+        """Put a frame on the wire; bits: of all it will occupy, without the intermission."""
+        scheduler = self.scheduler
+        start_ns = scheduler.now_ns
+        self._suspended = ()
+        if self._recovery:
+            self._recovery.frame_begins(start_ns)
         self._wire = (sender, request, start_ns, bits, odd)
-        end_ns = start_ns + self._duration_ns[bits]
-        self._end = self.scheduler.call_at(end_ns, Phase.DELIVERY, end)
+        end = self._end_of_error if odd is not None and odd.is_error else self._end_of_frame
+        self._end = scheduler.call_at(start_ns + self._duration_ns[bits], Phase.DELIVERY, end)
 
     def _end_of_frame(self) -> None:
         """Deliver the frame on the wire."""
