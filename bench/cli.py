@@ -292,8 +292,16 @@ def perf(
     fmu: Annotated[
         bool, typer.Option("--fmu", help="Time a step of the axis FMU instead.")
     ] = False,
+    bus: Annotated[
+        bool, typer.Option("--bus", help="Time the bus and the codecs instead.")
+    ] = False,
 ) -> None:
     """Time one row with all its files written, and split a cycle into its parts."""
+    if bus:
+        from bench.run.bus_perf import measure_bus, show_bus
+
+        print(show_bus(measure_bus(repeats, time.perf_counter_ns), as_json))
+        return
     if fmu:
         from bench.run.fmu_perf import measure_fmu, show_fmu
 

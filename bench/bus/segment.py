@@ -65,7 +65,7 @@ _AFTER_ACK_BITS = 8
 class _Oddity(NamedTuple):
     """What is unusual about a frame on the wire.
 
-    is_error: an error frame cuts it short. partners: further ports that send the same bits. missed: names of the ports that do not get it.
+    is_error: an error frame cuts it short. partners: further ports that send the same bits.
     seen_by: names of those who see its error before the others, None = all at once.
     is_unacknowledged: the error is the missing acknowledgement. is_cut: the sender lost its power.
     """
