@@ -39,6 +39,12 @@ SetOption = Annotated[
         metavar="COLUMN=VALUE",
     ),
 ]
+ForceOption = Annotated[
+    bool,
+    typer.Option(
+        "--force", help="Run although a cycle does not fit on its bus, and report the overload."
+    ),
+]
 IsolateOption = Annotated[
     bool,
     typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),
@@ -81,6 +87,13 @@ def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
     return guarded
 
 
+def _inputs(assignments: list[str] | None, is_forced: bool) -> list[str]:
+    """Return the inputs of the command line; `--force` is one of them, so a replay has it too."""
+    from bench.rig.settings import FORCED
+
+    return [*(assignments or []), *([FORCED] if is_forced else [])]
+
+
 def _blf(path: Path | None) -> Path | None:
     """Refuse a bus log that would overwrite a file of another kind."""
     if path is not None and path.suffix.lower() != ".blf":
@@ -90,7 +103,7 @@ def _blf(path: Path | None) -> Path | None:
 
 @app.command()
 @_rejecting
-def run(
+def run(  # noqa: PLR0913, PLR0917
     plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX or ODS tables.")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
@@ -102,6 +115,7 @@ def run(
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
+    is_forced: ForceOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report."""
     from bench.run.campaign import run_campaign, show_verdicts
@@ -113,7 +127,7 @@ def run(
         select=select,
         jobs=jobs,
         timeout_s=timeout_s,
-        assignments=assignments or [],
+        assignments=_inputs(assignments, is_forced),
         command=["axisrig", *sys.argv[1:]],
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         stopwatch=time.perf_counter,
@@ -157,12 +171,19 @@ def nc(
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
+    is_forced: ForceOption = False,
 ) -> None:
     """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
     from bench.run.apart import do_apart
     from bench.run.single import run_program
 
-    inputs = (program, rig, assignments or [], _blf(bus_log), partial(print, flush=True))
+    inputs = (
+        program,
+        rig,
+        _inputs(assignments, is_forced),
+        _blf(bus_log),
+        partial(print, flush=True),
+    )
     if is_isolated or call_limit_s:
         alarms = do_apart(
             run_program, *inputs, file=program, call_limit_s=call_limit_s or CALL_LIMIT_S
@@ -180,16 +201,18 @@ def check(
     files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
+    is_forced: ForceOption = False,
 ) -> None:
     """Check plans and rigs without running them; show the bus arithmetic of a rig."""
     from bench.run.apart import do_apart
     from bench.run.campaign import check_file
 
     for file in files:
+        what = (file, _inputs(None, is_forced))
         if is_isolated or call_limit_s:
-            print(do_apart(check_file, file, file=file, call_limit_s=call_limit_s or CALL_LIMIT_S))
+            print(do_apart(check_file, *what, file=file, call_limit_s=call_limit_s or CALL_LIMIT_S))
         else:
-            print(check_file(file))
+            print(check_file(*what))
 
 
 @app.command()

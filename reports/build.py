@@ -124,6 +124,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "messages": info.get("messages", []),
         "log": info.get("log", []),
         "events": _events(info),
+        "buses": [_bus(bus) for bus in info.get("bus", [])],
         "replay": shlex.join(["axisrig", "replay", output, run.run]),
         "chart": description,
         "data": packed,
@@ -161,7 +162,7 @@ def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
 
 def _unit(name: str) -> str:
     """A unit of the result files as a reader writes it."""
-    return name.replace("um", "µm")
+    return name.replace("um", "µm").replace("pct", "%")
 
 
 def _number(text: str) -> float | None:
@@ -184,6 +185,26 @@ def _plain(number: float, digits: int) -> str:
     if "e-" in text and abs(number) >= 1e-7:
         text = f"{Decimal(text):f}"
     return text
+
+
+def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
+    """The figures of a segment as the table prints them."""
+    return {
+        "segment": bus["segment"],
+        "bitrate": f"{bus['bitrate'] / 1000:g} kbit/s",
+        "loads": [f"{bus[key]:.1f}" for key in ("load_pct", "load_100ms_pct", "load_1ms_pct")],
+        "frames": bus["frames"],
+        "error_frames": bus["error_frames"],
+        "overload": bus["overload"],
+        "counters": [
+            {"port": port, "tec": tec, "rec": rec, "state": state}
+            for port, tec, rec, state in bus["counters"]
+        ],
+        "waiting": [
+            {"name": wait["name"], "id": f"{wait['can_id']:03X}", "us": f"{wait['worst_us']:.1f}"}
+            for wait in bus["waiting"]
+        ],
+    }
 
 
 def _events(info: Mapping[str, Any]) -> list[dict[str, str]]:

@@ -4,8 +4,10 @@ Busy counts from SOF to the end of the intermission, so 100 % is a bus on which 
 """
 
 from array import array
+from collections.abc import Iterable
 from dataclasses import dataclass
 
+from bench.bus.frame import Frame
 from kernel.clock import MS, S, TimeNs
 
 WINDOW_NS = MS
@@ -21,7 +23,8 @@ class LoadFigures:
 
     busy_bits: total, and the most in any window of 1 ms and 100 ms. busy_share: 0..1 of the time.
     worst_delay_ns: per identifier (bit 31 set on 29-bit ones) the longest time from the request
-    to the start of the attempt that got through, ascending by identifier.
+    to the start of the attempt that got through, ascending by identifier; for what still waits the
+    time until now.
     """
 
     until_ns: TimeNs
@@ -80,9 +83,18 @@ class LoadMeter:
         sums = (sum(self._busy_ns[i : i + step]) for i in range(0, len(self._busy_ns), step))
         return [(busy_ns * self._bitrate + S // 2) // S for busy_ns in sums]
 
-    def figures(self, until_ns: TimeNs) -> LoadFigures:
-        """Sum up to `until_ns`, which must not lie before the last end of a frame by a window."""
+    def figures(
+        self, until_ns: TimeNs, waiting: Iterable[tuple[Frame, TimeNs]] = ()
+    ) -> LoadFigures:
+        """Sum up to `until_ns`, which must not lie before the last end of a frame by a window.
+
+        waiting: (frame, time of its request) of what has not been sent.
+        """
         busy_ns = sum(self._busy_ns)
+        delays = dict(self._worst_delay_ns)
+        for frame, requested_ns in waiting:
+            key = frame.arbitration_id | (EXTENDED_FLAG if frame.is_extended_id else 0)
+            delays[key] = max(delays.get(key, 0), until_ns - requested_ns)
         return LoadFigures(
             until_ns=until_ns,
             frames=self._frames,
@@ -91,5 +103,5 @@ class LoadMeter:
             busy_share=busy_ns / until_ns if until_ns else 0.0,
             worst_1ms_bits=max(self.busy_bits(MS), default=0),
             worst_100ms_bits=max(self.busy_bits(100 * MS), default=0),
-            worst_delay_ns=dict(sorted(self._worst_delay_ns.items())),
+            worst_delay_ns=dict(sorted(delays.items())),
         )

@@ -174,7 +174,8 @@ class Segment:
 
     def load(self) -> LoadFigures:
         """Return the load from 0 to now; the frame on the wire is not in it yet."""
-        return self._meter.figures(self.now_ns)
+        waiting = [(request[4], request[2]) for port in self.ports for request in port.pending]
+        return self._meter.figures(self.now_ns, waiting)
 
     def busy_bits(self, window_ns: TimeNs) -> list[int]:
         """Return the busy bits of each window since 0; `window_ns` is a multiple of 1 ms."""

@@ -3,7 +3,7 @@
     results.csv            one row per check
     cases.csv              one row per run, with every input column of the plan
     traces/<run>.parquet   signals over time
-    runs/<run>.json        events, limits to draw, notes, messages, log, error
+    runs/<run>.json        events, limits to draw, notes, messages, log, figures of the buses, error
     bus/<run>.blf          every frame
     junit.xml, manifest.json, report.html
 
@@ -59,7 +59,8 @@ class CaseResult:
 
     checks: one per check of the case. alarms: IDs in order. trace: columns `time_ns` (int64),
     `<axis>.<signal>_<unit>` and `<probe>.signal` (0 or 1), rows in order of time.
-    messages: what the NC program printed. error: why the run ended in `error` or `aborted`.
+    messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
+    error: why the run ended in `error` or `aborted`.
     """
 
     case: Case
@@ -73,6 +74,7 @@ class CaseResult:
     events: list[Event] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
     log: list[str] = field(default_factory=list)
+    bus: list[dict[str, Any]] = field(default_factory=list)
     error: str | None = None
 
 
@@ -303,6 +305,7 @@ def _run_info(result: CaseResult, checks: Sequence[CheckResult]) -> dict[str, An
         "notes": {item.check.metric: item.note for item in checks if item.note},
         "messages": result.messages,
         "log": result.log,
+        "bus": result.bus,
     }
 
 

@@ -4,7 +4,7 @@ import re
 from collections import Counter
 from collections.abc import Mapping
 
-from bench.bus.arithmetic import CycleArithmetic, PlannedFrame, cycle_arithmetic
+from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from bench.rig.file import rig_error
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_steps
@@ -13,6 +13,9 @@ from kernel.drives.ds402 import latch_object
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.drives.startup_steps import BusSettings, Step
 from kernel.errors import UserError
+
+# COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added
+EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
 
 # The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
 _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
@@ -27,12 +30,19 @@ def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
     return telegrams(latch, settings.rig.drive[settings.rig.axis[name].drive].pdo_map)
 
 
-def segment_schedules(settings: Settings) -> dict[str, CycleArithmetic]:
-    """Return the worst-case cycle of every segment."""
+def segment_schedules(settings: Settings, *, with_rare: bool = False) -> dict[str, CycleArithmetic]:
+    """Return the worst-case cycle of every segment.
+
+    with_rare: also with what a healthy cycle does not carry, one EMCY and one SDO transfer for each
+    drive. The others, heartbeat and guarding where they are configured, are always reckoned with.
+    """
     cycle = settings.rig.cycle
+    sync = PlannedFrame(SYNC.name, SYNC.can_id, 1 if cycle.sync_counter else 0)
     schedules = {}
     for segment, table in settings.segment.items():
         frames: dict[str, list[PlannedFrame]] = {"TPDO": [], "RPDO": [], "event": []}
+        if cycle.heartbeat_ms:
+            frames["event"].append(PlannedFrame("heartbeat", HEARTBEAT + cycle.master_node, 1))
         for name, axis in settings.rig.axis.items():
             if axis.segment != segment:
                 continue
@@ -43,6 +53,7 @@ def segment_schedules(settings: Settings) -> dict[str, CycleArithmetic]:
                         f"{name}.{telegram.name}", telegram.cob_id(axis.node), telegram.length
                     )
                 )
+            frames["event"] += _event_frames(settings, name, with_rare)
         schedules[segment] = cycle_arithmetic(
             table.bitrate,
             cycle.period_us * US,
@@ -50,8 +61,58 @@ def segment_schedules(settings: Settings) -> dict[str, CycleArithmetic]:
             frames["TPDO"],
             frames["RPDO"],
             frames["event"],
+            sync,
         )
     return schedules
+
+
+def _event_frames(settings: Settings, name: str, with_rare: bool) -> list[PlannedFrame]:
+    """Return the frames besides PDOs that the drive of an axis may send, or be sent."""
+    axis = settings.rig.axis[name]
+    drive, node = settings.rig.drive[axis.drive], axis.node
+    frames = []
+    if drive.heartbeat_ms:
+        frames.append(PlannedFrame(f"{name}.heartbeat", HEARTBEAT + node, 1))
+    if drive.guard_time_ms:
+        frames.append(PlannedFrame(f"{name}.guarding", HEARTBEAT + node, 0))
+        frames.append(PlannedFrame(f"{name}.guarded", HEARTBEAT + node, 1))
+    if with_rare:
+        frames.append(PlannedFrame(f"{name}.EMCY", EMCY + node, 8))
+        frames.append(PlannedFrame(f"{name}.SDO answer", SDO_ANSWER + node, 8))
+        frames.append(PlannedFrame(f"{name}.SDO request", SDO_REQUEST + node, 8))
+    return frames
+
+
+def describe_schedules(settings: Settings) -> list[str]:
+    """Show the arithmetic of every segment, and what rare frames would make of it."""
+    rare = segment_schedules(settings, with_rare=True)
+    texts = []
+    for name, schedule in segment_schedules(settings).items():
+        worst = rare[name]
+        texts.append(
+            f"segment {name}, {schedule.bitrate} bit/s, worst case of one cycle\n"
+            f"{schedule.table()}\n"
+            f"with EMCY and SDO as well: last TPDO {worst.last_tpdo_ns / US:.1f} us,"
+            f" last RPDO {worst.last_rpdo_ns / US:.1f} us"
+        )
+    return texts
+
+
+def overloads(settings: Settings) -> dict[str, str]:
+    """Return the segments whose cycle does not fit, with what is late in one line."""
+    return {
+        name: "; ".join(
+            f"{what} {time_ns / US:.1f} of {limit_ns / US:.1f} us"
+            for what, time_ns, limit_ns in (
+                ("last TPDO", schedule.last_tpdo_ns, schedule.cycle_offset_ns),
+                ("last RPDO", schedule.last_rpdo_ns, schedule.rpdo_limit_ns),
+                ("cyclic frames", schedule.busy_ns, schedule.cycle_ns),
+            )
+            if time_ns > limit_ns
+        )
+        for name, schedule in segment_schedules(settings).items()
+        if not schedule.fits
+    }
 
 
 def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
@@ -109,13 +170,14 @@ def check_rig(settings: Settings) -> None:
             allowed=f"0 .. {cycle.period_us - 1} us",
         )
     for segment, schedule in segment_schedules(settings).items():
-        if not schedule.fits:
+        if not schedule.fits and settings.segment[segment].overload == "refuse":
             raise rig_error(
                 settings.files,
                 ("segment", segment),
                 f"the cycle does not fit on segment {segment} in the worst case:\n"
                 f"{schedule.table()}\n",
-                hint="use another segment, a longer period_us or another cycle_offset_us",
+                hint="use another segment, a longer period_us or another cycle_offset_us;"
+                " --force runs it all the same and reports the overload",
             )
 
 

@@ -69,10 +69,18 @@ class ChannelTable(Table):
 
 
 class SegmentTable(Table):
-    """`[segment.NAME]`: one CAN bus."""
+    """`[segment.NAME]`: one CAN bus.
+
+    queue, drive_queue: transmit queue of the kernel's port and of the drives' ports. bus_off: what
+    a controller does that has become bus-off. overload: what becomes of a cycle that does not fit.
+    """
 
     interface: Literal["axisrig"] = "axisrig"
     bitrate: Literal[125_000, 250_000, 500_000, 800_000, 1_000_000] = 1_000_000
+    queue: Literal["fifo", "mailbox"] = "fifo"
+    drive_queue: Literal["fifo", "mailbox"] = "fifo"
+    bus_off: Literal["recover", "stay"] = "recover"
+    overload: Literal["refuse", "run"] = "refuse"
 
 
 def _habit_field(habit: Habit) -> Any:

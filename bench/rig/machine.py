@@ -75,7 +75,8 @@ class Machine:
             self.segments = self._build_segments(bus_log)
             self.nodes = self._build_nodes(seed)
             self.networks = {
-                name: SimNetwork(segment.port("cnc")) for name, segment in self.segments.items()
+                name: SimNetwork(segment.port("cnc", settings.segment[name].queue))
+                for name, segment in self.segments.items()
             }
             for network in self.networks.values():
                 network.connect()
@@ -104,7 +105,14 @@ class Machine:
         if log is not None:
             self._open.callback(log.stop)
         for name, table in self.settings.segment.items():
-            segment = self._open.enter_context(Segment(name, table.bitrate, self.scheduler))
+            segment = self._open.enter_context(
+                Segment(
+                    name,
+                    table.bitrate,
+                    self.scheduler,
+                    automatic_recovery=table.bus_off == "recover",
+                )
+            )
             segment.observe(self.frame_hash)
             if log is not None:
                 segment.observe(log)
@@ -115,7 +123,8 @@ class Machine:
         nodes: dict[str, DriveNode] = {}
         signals = {name: probe.signal for name, probe in self.plant.probes.items()}
         for name, axis in self.settings.rig.axis.items():
-            network = SimNetwork(self.segments[axis.segment].port(name))
+            queue = self.settings.segment[axis.segment].drive_queue
+            network = SimNetwork(self.segments[axis.segment].port(name, queue))
             network.connect()
             nodes[name] = DriveNode(
                 name,

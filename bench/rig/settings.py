@@ -16,6 +16,12 @@ from bench.rig.file import RigFile, SegmentTable, rig_error
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
 
+EVERY_SEGMENT = "all"
+"""Stands for all segments in a `bus:` column."""
+
+FORCED = f"bus:{EVERY_SEGMENT}.overload=run"
+"""The assignment that `--force` stands for."""
+
 Located = Callable[[UserError, Assignment], UserError]
 """Turns an error of an assignment into one that names the place it was written at."""
 
@@ -72,8 +78,14 @@ class Settings:
         self.start.setdefault(item.target, []).append((item, located))
 
     def _bus(self, item: Assignment, _located: Located) -> None:
-        if item.target not in self.segment:
-            raise UserError("the rig has no such segment", value=item.target, allowed=self.segment)
+        known = [*self.segment, EVERY_SEGMENT]
+        if item.target not in known:
+            raise UserError("the rig has no such segment", value=item.target, allowed=known)
+        one = item.target in self.segment
+        for segment in [item.target] if one else list(self.segment):
+            self._bus_key(segment, item)
+
+    def _bus_key(self, segment: str, item: Assignment) -> None:
         fields = SegmentTable.model_fields
         if item.name not in fields:
             raise UserError(
@@ -81,10 +93,10 @@ class Settings:
                 value=item.name,
                 allowed=nearest(item.name, fields) or fields,
             )
-        values = self.segment[item.target].model_dump()
+        values = self.segment[segment].model_dump()
         values[item.name] = int(item.value[:12]) if item.value.isdecimal() else item.value
         try:
-            self.segment[item.target] = SegmentTable.model_validate(values)
+            self.segment[segment] = SegmentTable.model_validate(values)
         except ValidationError as error:
             raise UserError(
                 f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value

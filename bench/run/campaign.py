@@ -1,26 +1,27 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import fill
+from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
-from bench.plan.assignment import parse_assignment
+from bench.plan.assignment import Assignment, parse_assignment
 from bench.plan.checks import known_metrics
 from bench.plan.plan import Case, Plan, read_plan
 from bench.plan.select import matches
 from bench.plan.table import SUFFIXES
 from bench.plan.verdict import Verdict, exit_code, worst
 from bench.results.writer import CaseResult, ResultsWriter, build_manifest
-from bench.rig.check import check_rig, segment_schedules
+from bench.rig.check import check_rig, describe_schedules
 from bench.rig.file import read_rig
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
-from bench.rig.settings import read_settings
+from bench.rig.settings import as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S
 from bench.run.runner import Stopwatch, prepare, prepare_all, run_cases
 from kernel.errors import UserError
@@ -159,16 +160,33 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
     console = Console(highlight=False)
     console.print(table)
     for result in results:
+        for bus in result.bus:
+            if bus["overload"]:
+                console.print(_overload(result, bus), soft_wrap=True)
         if result.verdict > Verdict.MARGINAL:
             for line in result.log:
                 console.print(f"{result.case.run}: {line}", soft_wrap=True)
 
 
-def check_file(path: Path) -> str:
-    """Check a plan or a rig and describe it. Raises UserError when it is rejected."""
+def _overload(result: CaseResult, bus: Mapping[str, Any]) -> str:
+    """Say what a segment was asked for that it cannot hold, and what came of it."""
+    text = f"{result.case.run}: segment {bus['segment']} is overloaded: {bus['overload']};"
+    text += f" load {bus['load_pct']:.1f} %, worst ms {bus['load_1ms_pct']:.1f} %"
+    if bus["waiting"]:
+        longest = bus["waiting"][0]
+        text += f", {longest['name']} waited {longest['worst_us']:.0f} us"
+    return text
+
+
+def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
+    """Check a plan or a rig and describe it. Raises UserError when it is rejected.
+
+    assignments: texts of `--set`.
+    """
+    changes = [parse_assignment(text) for text in assignments]
     if path.suffix.lower() == ".toml":
-        return _check_rig_file(path)
-    plan = read_plan(path)
+        return _check_rig_file(path, changes)
+    plan = read_plan(path).with_inputs(changes)
     for case in plan.cases:
         prepare(case)
     names = "\n".join(f"  {_titled(case)}" for case in plan.cases)
@@ -179,9 +197,9 @@ def _titled(case: Case) -> str:
     return f"{case.run}  {case.title}".rstrip()
 
 
-def _check_rig_file(path: Path) -> str:
+def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     rig, files = read_rig(path)
-    settings = read_settings(rig, files, [])
+    settings = read_settings(rig, files, [(change, as_written) for change in changes])
     check_rig(settings)
     plant = build_plant(settings)
     try:
@@ -190,10 +208,7 @@ def _check_rig_file(path: Path) -> str:
         told = describe_plants(settings, plant)
     finally:
         plant.close()
-    tables = [
-        f"segment {name}, {schedule.bitrate} bit/s, worst case of one cycle\n{schedule.table()}"
-        for name, schedule in segment_schedules(settings).items()
-    ]
+    tables = describe_schedules(settings)
     plants = ["\n".join(told)] if told else []
     return "\n\n".join([f"{path}: {rig.title}", *tables, *plants])
 

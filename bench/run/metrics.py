@@ -115,6 +115,40 @@ def duration_s(observed: Observed, _axis: str | None) -> Observation:
     return Observation((observed.machine.scheduler.now_ns - start_ns) / 1e9)
 
 
+@_of_program
+def bus_load_pct(observed: Observed, _axis: str | None) -> Observation:
+    """Load over the whole run, of the segment that has most."""
+    return Observation(max(bus.load_pct for bus in observed.buses))
+
+
+@_of_program
+def bus_load_100ms_pct_max(observed: Observed, _axis: str | None) -> Observation:
+    """Load in the worst window of 100 ms of any segment."""
+    return Observation(max(bus.load_100ms_pct for bus in observed.buses))
+
+
+@_of_program
+def bus_load_1ms_pct_max(observed: Observed, _axis: str | None) -> Observation:
+    """Load in the worst window of 1 ms of any segment."""
+    return Observation(max(bus.load_1ms_pct for bus in observed.buses))
+
+
+@_of_program
+def error_frames(observed: Observed, _axis: str | None) -> Observation:
+    """Error frames on all segments."""
+    return Observation(sum(bus.error_frames for bus in observed.buses))
+
+
+@_of_program
+def queueing_us_max(observed: Observed, axis: str | None) -> Observation:
+    """Longest wait of a frame for the bus, of one axis or of all."""
+    waits = [w for bus in observed.buses for w in bus.waiting if axis in (None, w.axis)]
+    if not waits:
+        return Observation(None, note="nothing was sent")
+    longest = max(waits, key=lambda wait: wait.worst_us)
+    return Observation(longest.worst_us, note=longest.name)
+
+
 def _largest(column: str) -> MetricFunction:
     def largest(observed: Observed, axis: str | None) -> Observation:
         if not len(observed.times_ns):

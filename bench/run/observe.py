@@ -7,8 +7,10 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from bench.bus.confinement import ErrorState
 from bench.results.writer import Event
 from bench.rig.machine import Machine
+from bench.run.bus_figures import BusFigures, bus_figures
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact, PlantProbe
 from kernel.measuring.run import RunRecord
@@ -122,6 +124,11 @@ class Observed:
             None,
         )
 
+    @cached_property
+    def buses(self) -> list[BusFigures]:
+        """What the segments carried, in the order of the rig."""
+        return bus_figures(self.machine)
+
     # Marks
 
     def events(self) -> list[Event]:
@@ -146,6 +153,11 @@ class Observed:
                 marks.append(Event(record.signal_ns, "brake", "cycle that brakes", None))
             if record.end_ns is not None:
                 marks.append(Event(record.end_ns, "standstill", "measurement run ended", None))
+        for name, segment in self.machine.segments.items():
+            for time_ns, port, state in segment.state_changes:
+                kind = "mark" if state is ErrorState.ACTIVE else "fault"
+                axis_name = port if port in self.machine.links else None
+                marks.append(Event(time_ns, kind, f"{name}: {port} {state}", axis_name))
         for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
             marks.append(Event(time_ns, "alarm", f"ID {alarm.id}", None))
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))

@@ -124,6 +124,7 @@ def _run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch, started: f
 
 def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseResult:
     observed = Observed(machine)
+    buses = observed.buses
     checks = []
     for check in case.checks:
         seen = observe(observed, check)
@@ -139,7 +140,12 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         trace=observed.trace,
         events=observed.events(),
         messages=[message.text for message in machine.messages],
-        log=[*plant_log(machine.plant), *(str(alarm) for alarm in machine.channel.alarms)],
+        log=[
+            *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
+            *plant_log(machine.plant),
+            *(str(alarm) for alarm in machine.channel.alarms),
+        ],
+        bus=[figures.as_data() for figures in buses],
     )
 
 

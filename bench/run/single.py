@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from bench.plan.assignment import parse_assignment
+from bench.rig.check import overloads
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.plants import plant_log
@@ -45,5 +46,9 @@ def run_program(
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    notes = [Ended(text, False) for text in plant_log(machine.plant)]
+    notes = [
+        Ended(f"segment {name} is overloaded: {text}", False)
+        for name, text in overloads(settings).items()
+    ]
+    notes += [Ended(text, False) for text in plant_log(machine.plant)]
     return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
