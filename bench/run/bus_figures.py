@@ -17,7 +17,8 @@ class Waiting:
     """The longest time that frames of one identifier waited for the bus.
 
     name: such as `Z.TPDO1`. axis: whose, or empty. can_id: bit 31 marks 29 bits.
-    worst_us: from the request to the start of the attempt that got through; frames still waiting at the end of the run count with their time.
+    worst_us: from the request to the start of the attempt that got through; frames still waiting at
+    the end of the run count with their time.
     """
 
     name: str

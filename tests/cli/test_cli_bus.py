@@ -1,0 +1,116 @@
+"""What the command line tells about the bus: overload on demand, load and waits, speed."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import can
+import pytest
+
+from bench.bus.frame import Frame, frame_bits
+
+Call = Callable[..., tuple[int, str, str]]
+SLOW = ("--set", "bus:can1.bitrate=500000")
+METRICS = (
+    "bus_load_pct", "bus_load_100ms_pct_max", "bus_load_1ms_pct_max", "error_frames",
+    "queueing_us_max", "queueing_us_max:Z",
+)  # fmt: skip
+
+
+@pytest.fixture
+def plan(place: Path) -> Path:
+    path = place / "plan.csv"
+    checks = ",".join(f"check:{name}" for name in METRICS)
+    cells = ",".join([">= 0"] * len(METRICS))
+    path.write_text(
+        f"case,program,rig,plc:V.E.FEED,{checks}\na,part.nc,rig.toml,3000,{cells}\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def stored(place: Path) -> tuple[dict[str, float], dict[str, object]]:
+    with (place / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
+        values = {
+            row["metric"]: float(row["value"]) for row in csv.DictReader(file) if row["value"]
+        }
+    info = json.loads((place / "out" / "runs" / "plan-a.json").read_text(encoding="utf-8"))
+    return values, info
+
+
+def test_load_and_waits_fit_the_log(place: Path, axisrig: Call, plan: Path) -> None:
+    """The log has the end of every frame; with its length the busy time follows."""
+    assert axisrig("run", plan, "-o", "out")[0] == 0
+    values, info = stored(place)
+    with can.BLFReader(place / "out" / "bus" / "plan-a.blf") as reader:
+        log = [
+            (
+                round(msg.timestamp * 1e9),
+                frame_bits(
+                    Frame(msg.arbitration_id, bytes(msg.data), False, msg.is_remote_frame, msg.dlc)
+                ),
+            )
+            for msg in reader
+        ]
+    with (place / "out" / "cases.csv").open(newline="", encoding="utf-8") as file:
+        (case,) = csv.DictReader(file)
+    total_us = float(case["sim_s"]) * 1e6
+    assert values["bus_load_pct"] == pytest.approx(
+        100 * sum(b for _, b in log) / total_us, rel=1e-3
+    )
+    windows: dict[int, float] = {}
+    for end_ns, bits in log:
+        free_us = end_ns / 1e3 + 3
+        for window in {int((free_us - bits) // 1e5), int(free_us // 1e5)}:
+            inside = min(free_us, (window + 1) * 1e5) - max(free_us - bits, window * 1e5)
+            windows[window] = windows.get(window, 0.0) + inside
+    assert values["bus_load_100ms_pct_max"] == pytest.approx(max(windows.values()) / 1e3, rel=1e-3)
+    assert values["error_frames"] == 0
+    (bus,) = info["bus"]  # type: ignore[misc]
+    waits = {wait["name"]: wait["worst_us"] for wait in bus["waiting"]}
+    assert {"SYNC", "Z.TPDO1", "Z.RPDO1", "Z.SDO request"} <= set(waits)
+    assert values["queueing_us_max"] == max(waits.values())
+    assert values["queueing_us_max:Z"] == max(us for name, us in waits.items() if "Z." in name)
+    report = (place / "out" / "report.html").read_text(encoding="utf-8")
+    assert "<caption>Bus</caption>" in report
+    assert "Z.TPDO1" in report
+
+
+def test_overload_runs_only_when_forced_and_is_told(place: Path, axisrig: Call, plan: Path) -> None:
+    code, out, err = axisrig("run", plan, "-o", "out", *SLOW)
+    assert (code, out) == (2, "")
+    assert "does not fit on segment can1" in err
+    assert "--force" in err
+    _, out, _ = axisrig("run", plan, "-o", "out", *SLOW, "--force")
+    line = next(line for line in out.splitlines() if "overloaded" in line)
+    assert "segment can1 is overloaded: last TPDO" in line
+    _, info = stored(place)
+    (bus,) = info["bus"]  # type: ignore[misc]
+    assert bus["overload"]
+    assert "overloaded:" in (place / "out" / "report.html").read_text(encoding="utf-8")
+    _, out, _ = axisrig("replay", "out", "plan-a")
+    assert out.splitlines()[-1] == "frame_log_sha256 equal"
+
+
+def test_nc_and_check_take_force_too(place: Path, axisrig: Call) -> None:
+    text = (place / "rig.toml").read_text(encoding="utf-8")
+    (place / "rig.toml").write_text(text.replace("1_000_000\n\n[drive", "500_000\n\n[drive"))
+    words = ("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FEED=3000")
+    assert axisrig(*words)[0] == 2
+    assert "segment can1 is overloaded" in axisrig(*words, "--force")[2]
+    assert axisrig("check", "rig.toml")[0] == 2
+    code, out, _ = axisrig("check", "rig.toml", "--force")
+    assert code == 0
+    assert "over" in out
+
+
+def test_perf_of_the_bus_sets_it_beside_python_can_and_canopen(axisrig: Call) -> None:
+    code, out, err = axisrig("perf", "--bus", "--json", "--repeats", "1")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    ratio = told["segment_frames_s"] / told["virtual_frames_s"]
+    assert told["segment_ratio"] == pytest.approx(ratio)
+    ours = told["pack_us"] + told["unpack_us"]
+    assert told["codec_frames_s"] == pytest.approx(1e6 / ours)
+    assert "python-can virtual" in axisrig("perf", "--bus", "--repeats", "1")[1]
