@@ -14,7 +14,7 @@ from typing import Any
 
 from bench.bus.segment import Segment
 from bench.bus.simbus import SimBus
-from bench.drive.node import DriveNode
+from bench.drive.communication.slave import CanopenSlave
 from bench.plan.plan import Case, read_plan
 from bench.results.writer import ResultsWriter, build_manifest
 from bench.rig.recorder import Recorder
@@ -27,7 +27,7 @@ from kernel.errors import UserError
 # Part -> the calls that make it up. Inner calls are taken out of outer ones, so the parts add up.
 PARTS: dict[str, list[tuple[type, str]]] = {
     "kernel": [(Channel, "cycle")],
-    "codec": [(AxisLink, "take"), (AxisLink, "send"), (DriveNode, "_sync")],
+    "codec": [(AxisLink, "take"), (AxisLink, "send"), (CanopenSlave, "_cycle")],
     "bus": [(Segment, "_arbitrate"), (Segment, "_end_of_frame"), (SimBus, "send_raw")],
     "fmu": [(Plant, "_step")],
     "recording": [(Recorder, "__call__")],
