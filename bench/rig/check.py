@@ -5,65 +5,112 @@ from collections import Counter
 from collections.abc import Mapping
 
 from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
-from bench.rig.file import rig_error
+from bench.rig.file import DriveTable, rig_error
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_steps
 from kernel.clock import US
 from kernel.drives.ds402 import latch_object
-from kernel.drives.mapping import Telegram, telegrams
+from kernel.drives.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
 from kernel.drives.startup_steps import BusSettings, Step
 from kernel.errors import UserError
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added
 EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
 
+DIGITAL_INPUTS = 0x60FD
+
 # The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
 _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
 
 
-def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
-    """Return the PDOs of one axis; the latch object follows from input and edge."""
+def _latch_object(settings: Settings, name: str) -> int:
     parameters = settings.axis[name]
-    latch = latch_object(
+    return latch_object(
         parameters.integer("kenngr.measure.input"), parameters.word("kenngr.measure.edge")
     )
-    return telegrams(latch, settings.rig.drive[settings.rig.axis[name].drive].pdo_map)
+
+
+def _drive_of(settings: Settings, name: str) -> DriveTable:
+    return settings.rig.drive[settings.rig.axis[name].drive]
+
+
+def _knows_counter(settings: Settings, name: str) -> bool:
+    counter = _latch_object(settings, name) + FROM_LATCH_TO_COUNTER
+    return _drive_of(settings, name).make().has_object(counter)
+
+
+def has_latch_counter(settings: Settings, name: str) -> bool:
+    """Whether the counter of the latch stands in the telegram with the latch.
+
+    It does where the drives have it and the cycle still fits on the bus with the counters of all
+    drives of the segment.
+    """
+    segment = settings.rig.axis[name].segment
+    return _knows_counter(settings, name) and _schedule(settings, segment, counters=True).fits
+
+
+def has_inputs(settings: Settings, name: str) -> bool:
+    """Whether the drive of an axis has the digital inputs 60FD."""
+    return _drive_of(settings, name).make().has_object(DIGITAL_INPUTS)
+
+
+def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
+    """Return the PDOs of one axis; the latch object follows from input and edge."""
+    return _telegrams(settings, name, counter=has_latch_counter(settings, name))
+
+
+def _telegrams(settings: Settings, name: str, *, counter: bool) -> dict[str, Telegram]:
+    return telegrams(
+        _latch_object(settings, name),
+        _drive_of(settings, name).pdo_map,
+        counter=counter,
+        inputs=has_inputs(settings, name),
+    )
 
 
 def segment_schedules(settings: Settings, *, with_rare: bool = False) -> dict[str, CycleArithmetic]:
-    """Return the worst-case cycle of every segment.
+    """Return the worst-case cycle of every segment, with the counters of latches if they fit.
 
     with_rare: also with what a healthy cycle does not carry, one EMCY and one SDO transfer for each
     drive. The others, heartbeat and guarding where they are configured, are always reckoned with.
     """
-    cycle = settings.rig.cycle
-    sync = PlannedFrame(SYNC.name, SYNC.can_id, 1 if cycle.sync_counter else 0)
-    schedules = {}
-    for segment, table in settings.segment.items():
-        frames: dict[str, list[PlannedFrame]] = {"TPDO": [], "RPDO": [], "event": []}
-        if cycle.heartbeat_ms:
-            frames["event"].append(PlannedFrame("heartbeat", HEARTBEAT + cycle.master_node, 1))
-        for name, axis in settings.rig.axis.items():
-            if axis.segment != segment:
-                continue
-            for telegram in axis_telegrams(settings, name).values():
-                kind = telegram.name[:4] if telegram.is_cyclic else "event"
-                frames[kind].append(
-                    PlannedFrame(
-                        f"{name}.{telegram.name}", telegram.cob_id(axis.node), telegram.length
-                    )
-                )
-            frames["event"] += _event_frames(settings, name, with_rare)
-        schedules[segment] = cycle_arithmetic(
-            table.bitrate,
-            cycle.period_us * US,
-            cycle.cycle_offset_us * US,
-            frames["TPDO"],
-            frames["RPDO"],
-            frames["event"],
-            sync,
+    return {
+        segment: _schedule(
+            settings,
+            segment,
+            counters=_schedule(settings, segment, counters=True).fits,
+            with_rare=with_rare,
         )
-    return schedules
+        for segment in settings.segment
+    }
+
+
+def _schedule(
+    settings: Settings, segment: str, *, counters: bool, with_rare: bool = False
+) -> CycleArithmetic:
+    cycle = settings.rig.cycle
+    frames: dict[str, list[PlannedFrame]] = {"TPDO": [], "RPDO": [], "event": []}
+    if cycle.heartbeat_ms:
+        frames["event"].append(PlannedFrame("heartbeat", HEARTBEAT + cycle.master_node, 1))
+    for name, axis in settings.rig.axis.items():
+        if axis.segment != segment:
+            continue
+        counter = counters and _knows_counter(settings, name)
+        for telegram in _telegrams(settings, name, counter=counter).values():
+            kind = telegram.name[:4] if telegram.is_cyclic else "event"
+            frames[kind].append(
+                PlannedFrame(f"{name}.{telegram.name}", telegram.cob_id(axis.node), telegram.length)
+            )
+        frames["event"] += _event_frames(settings, name, with_rare)
+    return cycle_arithmetic(
+        settings.segment[segment].bitrate,
+        cycle.period_us * US,
+        cycle.cycle_offset_us * US,
+        frames["TPDO"],
+        frames["RPDO"],
+        frames["event"],
+        PlannedFrame(SYNC.name, SYNC.can_id, 1 if cycle.sync_counter else 0),
+    )
 
 
 def _event_frames(settings: Settings, name: str, with_rare: bool) -> list[PlannedFrame]:

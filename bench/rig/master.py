@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from bench.rig.check import axis_steps
+from bench.rig.check import axis_steps, has_inputs, has_latch_counter
 from bench.rig.settings import Settings
 from bench.rig.startup import start_up_settings, watch_settings
 from kernel.channel.monitor import Monitor
@@ -32,6 +32,9 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             pdo_map=drive.pdo_map,
             missing_cycles=drive.missing_cycles,
             jump_mm=jump_mm or float("inf"),
+            trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
+            has_counter=has_latch_counter(settings, name),
+            has_inputs=has_inputs(settings, name),
         ),
         network,
     )

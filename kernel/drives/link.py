@@ -5,7 +5,7 @@ kernel's side and increments on the bus.
 """
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,6 +21,7 @@ from kernel.drives.ds402 import (
     stored_bit,
 )
 from kernel.drives.emergency import Emergency
+from kernel.drives.latch import LatchWatch
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.drives.process_data import ABSENT, ProcessData
 from kernel.errors import Alarm
@@ -38,6 +39,8 @@ class LinkSettings:
     (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. pdo_map:
     path of a mapping table, None for the kernel's own. missing_cycles: how often in a row a cyclic
     telegram may stay out. jump_mm: largest credible motion from one SYNC to the next.
+    trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
+    drive names. has_counter, has_inputs: of the kernel's own mapping.
     """
 
     axis: str
@@ -49,6 +52,9 @@ class LinkSettings:
     pdo_map: str | None = None
     missing_cycles: int = MISSING_CYCLES
     jump_mm: float = float("inf")
+    trigger_source: str = "CNC_DEFINED"
+    has_counter: bool = False
+    has_inputs: bool = True
 
 
 class AxisLink:
@@ -58,16 +64,26 @@ class AxisLink:
         self.settings, self.network = settings, network
         self.name = settings.axis
         self.latch_object = latch_object(settings.probe_input, settings.edge)
-        self.telegrams: dict[str, Telegram] = telegrams(self.latch_object, settings.pdo_map)
-        self._function = probe_function(settings.probe_input, settings.edge)
-        self._enabled_bit = enabled_bit(settings.probe_input)
-        self._stored_bit = stored_bit(settings.probe_input, settings.edge)
+        self.telegrams: dict[str, Telegram] = telegrams(
+            self.latch_object,
+            settings.pdo_map,
+            counter=settings.has_counter,
+            inputs=settings.has_inputs,
+        )
+        source = "object" if settings.trigger_source == "DRIVE_DEFINED" else "input"
+        self._function = probe_function(settings.probe_input, settings.edge, source=source)
+        self._latch = LatchWatch(
+            settings.axis,
+            enabled_bit(settings.probe_input),
+            stored_bit(settings.probe_input, settings.edge),
+            settings.increments_per_mm,
+        )
         self._input_bit = input_bit(settings.probe_input)
         self._per_mm = settings.increments_per_mm
         pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
         self._status_at, self._actual_at = pdos.place("statusword"), pdos.place("actual")
         self._probe_at, self._latch_at = pdos.place("probe_status"), pdos.place("latch")
-        self._inputs_at = pdos.place("inputs")
+        self._count_at, self._inputs_at = pdos.place("latch_count"), pdos.place("inputs")
         self._control_out, self._target_out = _needed(pdos, "controlword"), _needed(pdos, "target")
         self._function_out = pdos.sent_place("probe_function") or ([0], 0)
         self._jump_increments = settings.jump_mm * self._per_mm
@@ -76,8 +92,6 @@ class AxisLink:
         self.actual_increments = 0
         self.jump_mm: float | None = None
         self._actual_age: int | None = None  # cycles since the last actual position
-        self._probe_status = 0
-        self._latch_increments: int | None = None
         self._inputs: int | None = None
         self.emergency: Emergency | None = None
         self.controlword = 0
@@ -134,7 +148,6 @@ class AxisLink:
         """
         pdos = self._pdos
         values = pdos.take()
-        self._latch_increments = None
         status = values[self._status_at[0]]
         if status is not None:
             word = status[self._status_at[1]]
@@ -147,12 +160,10 @@ class AxisLink:
         elif self._actual_age is not None:
             self._actual_age += 1
         probe = values[self._probe_at[0]]
-        if probe is not None:
-            self._probe_status = probe[self._probe_at[1]]
-            # 60B9 and the latch object are one measured value only when one SYNC sampled both
-            latch = values[self._latch_at[0]]
-            if latch is not None and self._probe_status & self._stored_bit:
-                self._latch_increments = latch[self._latch_at[1]]
+        if probe is None:
+            self._latch.miss()
+        else:
+            self._take_latch(probe[self._probe_at[1]], values[self._latch_at[0]])
         if self._inputs_at is not ABSENT and (inputs := values[self._inputs_at[0]]) is not None:
             self._inputs = inputs[self._inputs_at[1]]
         if pdos.wrong_length is not None:
@@ -160,6 +171,15 @@ class AxisLink:
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
         if None in values:
             self._judge_missing()
+
+    def _take_latch(self, status: int, telegram: Sequence[int] | None) -> None:
+        """Hand the watch what one SYNC sampled; the counter counts in one telegram only."""
+        value = count = None
+        if telegram is not None and self._latch_at is not ABSENT:
+            value = telegram[self._latch_at[1]]
+            if self._count_at[0] == self._latch_at[0]:
+                count = telegram[self._count_at[1]]
+        self._latch.take(status, value, count, self.actual_increments)
 
     def _take_actual(self, increments: int) -> None:
         if self._actual_age is not None:
@@ -176,7 +196,8 @@ class AxisLink:
 
     def forget(self) -> None:
         """Forget latch and state: the drive has restarted, its positions mean something else."""
-        self._latch_increments, self._probe_status, self._function_word = None, 0, 0
+        self._function_word = 0
+        self._latch.restart()
         self.statusword, self.state = 0, State.NOT_READY_TO_SWITCH_ON
 
     def hold_back(self) -> None:
@@ -201,32 +222,33 @@ class AxisLink:
     def arm(self) -> None:
         """Enable the touch probe with the next telegram."""
         self._function_word = self._function
+        self._latch.arm()
 
     def disarm(self) -> None:
         """Switch the touch probe off with the next telegram."""
         self._function_word = 0
+        self._latch.disarm()
 
     @property
     def is_clear(self) -> bool:
         """Whether the drive shows neither an enabled probe nor a stored edge."""
-        return not self._probe_status & (self._enabled_bit | self._stored_bit)
+        return self._latch.is_clear
 
     @property
     def is_armed(self) -> bool:
         """Whether the drive has acknowledged the enabled probe."""
-        return bool(self._probe_status & self._enabled_bit)
+        return self._latch.is_armed
 
     @property
     def has_latched(self) -> bool:
         """Whether the drive reports a stored edge."""
-        return bool(self._probe_status & self._stored_bit)
+        return self._latch.has_latched
 
     @property
     def latched_mm(self) -> float | None:
         """The latched position, or None while it is not proved to be of the reported edge."""
-        if self._latch_increments is None:
-            return None
-        return self._latch_increments / self._per_mm
+        increments = self._latch.increments
+        return None if increments is None else increments / self._per_mm
 
     @property
     def is_actuated(self) -> bool | None:

@@ -23,13 +23,15 @@ COB_ID_BASE = {
 _FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
            (32, False): "I", (32, True): "i", (64, False): "Q", (64, True): "q"}  # fmt: skip
 BITS_MAX: Final = 64  # of a PDO
-LATCH = "latch"
+LATCH, COUNTER = "latch", "counter"
+FROM_LATCH_TO_COUNTER: Final = 0x60D5 - 0x60BA  # 60BA to 60BD, 60D5 to 60D8
 NO_FIELD = ""
 # What the link works with: field -> whether the kernel sends it. The first four must be mapped,
 # the rest is what measuring needs; an object without a field is for drive functions.
 FIELDS: Final[Mapping[str, bool]] = {
     "controlword": True, "target": True, "statusword": False, "actual": False,
-    "probe_function": True, "probe_status": False, "latch": False, "inputs": False,
+    "probe_function": True, "probe_status": False, "latch": False,
+    "latch_count": False, "inputs": False,
 }  # fmt: skip
 NEEDED: Final = ("controlword", "target", "statusword", "actual")
 COLUMNS: Final = (
@@ -129,15 +131,23 @@ class Telegram:
 
 
 @cache
-def telegrams(latch_object: int, table: str | None = None) -> dict[str, Telegram]:
+def telegrams(
+    latch_object: int, table: str | None = None, *, counter: bool = False, inputs: bool = True
+) -> dict[str, Telegram]:
     """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD).
 
-    table: path of a mapping table; without one the kernel's own.
+    table: path of a mapping table; without one the kernel's own. counter, inputs: whether the
+    kernel's own has the counter of the latch (60D5 to 60D8) and the digital inputs (60FD).
     Raises UserError, with file and line, for a table that is none.
     """
     grouped: dict[str, list[dict[str, str]]] = {}
     places: dict[str, int] = {}
     for line, row in _rows(table):
+        is_left_out = (row["index"] == COUNTER and not counter) or (
+            row["field"] == "inputs" and not inputs
+        )
+        if table is None and is_left_out:
+            continue
         grouped.setdefault(row["pdo"], []).append(row)
         places[row["pdo"]] = line
     found = {
@@ -147,7 +157,7 @@ def telegrams(latch_object: int, table: str | None = None) -> dict[str, Telegram
             inhibit_100us=int(rows[0]["inhibit_100us"], 0),
             objects=tuple(
                 MappedObject(
-                    index=latch_object if row["index"] == LATCH else int(row["index"], 16),
+                    index=_index(row["index"], latch_object),
                     sub=int(row["sub"], 0),
                     bits=int(row["bits"], 0),
                     signed=row["signed"] == "yes",
@@ -160,6 +170,12 @@ def telegrams(latch_object: int, table: str | None = None) -> dict[str, Telegram
     }
     _check_whole(found, places, table)
     return found
+
+
+def _index(text: str, latch_object: int) -> int:
+    if text == LATCH:
+        return latch_object
+    return latch_object + FROM_LATCH_TO_COUNTER if text == COUNTER else int(text, 16)
 
 
 def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
@@ -205,11 +221,11 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
             fits = False
         if not fits:
             raise wrong(column, f"{low} .. {high}")
-    if row["index"] != LATCH:
+    if row["index"] not in (LATCH, COUNTER):
         try:
             int(row["index"], 16)
         except ValueError:
-            raise wrong("index", "an index such as 0x6064, or `latch`") from None
+            raise wrong("index", "an index such as 0x6064, `latch` or `counter`") from None
     if row["signed"] not in ("yes", "no"):
         raise wrong("signed", "yes or no")
     if row["field"] not in (NO_FIELD, *FIELDS):

@@ -118,7 +118,7 @@ class LinkBench:
         self.scheduler.run_while(lambda: not ended, None)
         if ended[0] is not None:
             raise ended[0]
-        self.scheduler.run_until(self.next_period_ns)
+        self.scheduler.run_until(self.next_period_ns + MS)  # what it tells at once has come
 
     def start_up(
         self,
@@ -208,6 +208,7 @@ def link_bench() -> Iterator[Callable[..., LinkBench]]:
             edges_ns: Sequence[int] = (),
             level: bool = False,
             silent: bool = False,
+            counter: bool = False,
         ) -> LinkBench:
             axis = TrailingAxis(start_mm * 1e-3, behind_mm * 1e-3)
             profile = DriveProfile(input_delay_ns=0)
@@ -231,7 +232,13 @@ def link_bench() -> Iterator[Callable[..., LinkBench]]:
             remote = SimRemoteNode(NODE, object_dictionary(NODE, profile))
             network.add_node(remote)
             settings = LinkSettings(
-                "Z", NODE, INCREMENTS_PER_MM, probe_input, edge, lag_delay_cycles
+                "Z",
+                NODE,
+                INCREMENTS_PER_MM,
+                probe_input,
+                edge,
+                lag_delay_cycles,
+                has_counter=counter,
             )
             link = AxisLink(settings, network)
             return LinkBench(scheduler, segment, axis, node, network, remote, link, heard)

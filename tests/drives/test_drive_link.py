@@ -36,7 +36,12 @@ def test_latch_of_each_input_and_edge(
     link_bench: Make, probe_input: int, edge: str, level: bool
 ) -> None:
     bench = link_bench(
-        start_mm=7.25, probe_input=probe_input, edge=edge, edges_ns=[60 * MS], level=level
+        start_mm=7.25,
+        probe_input=probe_input,
+        edge=edge,
+        edges_ns=[60 * MS],
+        level=level,
+        counter=True,
     )
     bench.commission()
     assert bench.link.is_clear
@@ -76,7 +81,7 @@ def test_disarming_clears_the_status_and_the_value(link_bench: Make) -> None:
 @pytest.mark.parametrize("lost", [TPDO1, TPDO2])
 def test_a_value_needs_status_and_position_of_one_cycle(link_bench: Make, lost: int) -> None:
     """The first cycle behind the edge loses one of the two; the next one brings both."""
-    bench = link_bench(start_mm=5.0, edges_ns=[60 * MS])
+    bench = link_bench(start_mm=5.0, counter=True, edges_ns=[60 * MS])
     bench.commission()
     _armed(bench)
     while bench.scheduler.now_ns < 60 * MS:
@@ -91,7 +96,7 @@ def test_a_value_needs_status_and_position_of_one_cycle(link_bench: Make, lost: 
 
 def test_the_old_position_is_not_taken_for_the_new_edge(link_bench: Make) -> None:
     """60BA still holds the first run's position when the second edge has come."""
-    bench = link_bench(start_mm=5.0, edges_ns=[60 * MS, 62 * MS, 70 * MS])
+    bench = link_bench(start_mm=5.0, counter=True, edges_ns=[60 * MS, 62 * MS, 70 * MS])
     bench.commission()
     _armed(bench)
     while not bench.link.has_latched:
@@ -129,7 +134,7 @@ def test_a_position_that_comes_late_does_not_prove_the_next_status(link_bench: M
 
     What then lies there was sampled before the edge and must not count for it.
     """
-    bench = link_bench(start_mm=5.0, edges_ns=[60 * MS + 500 * US])
+    bench = link_bench(start_mm=5.0, counter=True, edges_ns=[60 * MS + 500 * US])
     bench.commission()
     _armed(bench)
     while bench.scheduler.now_ns < 60 * MS:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.check import axis_telegrams, check_rig, segment_schedules
+from bench.rig.check import axis_telegrams, check_rig, has_latch_counter, segment_schedules
 from bench.rig.settings import Settings
 from kernel.errors import UserError
 
@@ -16,7 +16,7 @@ RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 
 # Worst-case bits of a classic frame with 11 bit identifier, 3 bits of intermission included:
 # 47 + 8 n + floor((34 + 8 n - 1) / 4), Davis et al. 2007
-BITS = {0: 55, 4: 95, 8: 135}
+BITS = {0: 55, 4: 95, 6: 115, 8: 135}
 PER_DRIVE_US = 2 * BITS[8] + BITS[4]  # RPDO1, TPDO1 and TPDO2 at 1 Mbit/s
 SECOND_AXIS = """
 [axis.Y]
@@ -171,7 +171,8 @@ def test_busy_time_of_the_shipped_rigs(settings_of: Read) -> None:
     schedules = segment_schedules(settings_of(RIGS / "probe-xyz.toml"))
     assert schedules["can1"].busy_ns == 785_000
     assert schedules["can1"].busy_ns == (BITS[0] + 2 * PER_DRIVE_US) * 1000
-    assert schedules["can2"].busy_ns == (BITS[0] + PER_DRIVE_US) * 1000
+    # Alone on its segment, a drive has room for the counter of its latch: two bytes more
+    assert schedules["can2"].busy_ns == (BITS[0] + PER_DRIVE_US + BITS[6] - BITS[4]) * 1000
     assert schedules["can1"].event_ns == 2 * BITS[4] * 1000
     # One event frame, SYNC and the TPDOs of two drives, delivered before the intermission
     last_us = BITS[4] + BITS[0] + 2 * (BITS[8] + BITS[4]) - 3
@@ -197,4 +198,43 @@ def test_the_latch_object_follows_from_input_and_edge(
     rig_file: Write, settings_of: Read, assignments: tuple[str, ...], latch: int
 ) -> None:
     telegrams = axis_telegrams(settings_of(rig_file(), *assignments), "Z")
-    assert [mapped.index for mapped in telegrams["TPDO2"].objects] == [latch]
+    counter = latch + 0x1B  # 60D5 to 60D8 belong to 60BA to 60BD
+    assert [mapped.index for mapped in telegrams["TPDO2"].objects] == [latch, counter]
+
+
+def test_the_counter_of_the_latch_comes_along_where_the_bus_has_room(
+    tmp_path: Path, settings_of: Read
+) -> None:
+    """Two drives at 1 ms with counters end at 1015 us in the worst case; so they do without."""
+    settings = settings_of(RIGS / "probe-xyz.toml")
+    assert [has_latch_counter(settings, name) for name in "XYZ"] == [False, False, True]
+    assert len(axis_telegrams(settings, "X")["TPDO2"].objects) == 1
+    path = tmp_path / "slower.toml"
+    base = (RIGS / "probe-xyz.toml").as_posix()
+    path.write_text(f'base = "{base}"\n[cycle]\nperiod_us = 2000\ncycle_offset_us = 700\n')
+    assert all(has_latch_counter(settings_of(path), name) for name in "XYZ")
+
+
+@pytest.mark.parametrize(
+    ("habit", "objects", "has_inputs"),
+    [
+        ('profile = "ep7211-like"', [0x60BA], True),
+        ('lacks = "60D6"', [0x60BA, 0x60D5], True),
+        ('lacks = "60FD"', [0x60BA, 0x60D5], False),
+    ],
+)
+def test_what_a_drive_lacks_is_not_mapped(
+    rig_file: Write, settings_of: Read, habit: str, objects: list[int], has_inputs: bool
+) -> None:
+    settings = settings_of(rig_file(("lead_mm = 10.0", f"lead_mm = 10.0\n{habit}")))
+    check_rig(settings)
+    telegrams = axis_telegrams(settings, "Z")
+    assert [mapped.index for mapped in telegrams["TPDO2"].objects] == objects
+    assert ("TPDO3" in telegrams) is has_inputs
+
+
+def test_a_probe_input_that_the_drive_lacks_is_refused(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("lead_mm = 10.0", 'profile = "epos4-like"'))
+    error = _refused(settings_of(path, "set:Z.kenngr.measure.input=2"))
+    assert "60BC" in str(error)
+    assert error.line is not None
