@@ -7,19 +7,37 @@ rejected before anything runs.
 """
 
 import io
-import os
 import signal
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from datetime import UTC, datetime
-from functools import partial, wraps
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from bench.fmu_commands import build, fmu_app
+from bench.options import (
+    CALL_LIMIT_S,
+    BitrateOption,
+    BusOption,
+    CallTimeoutOption,
+    ChannelOption,
+    ForceOption,
+    InterfaceOption,
+    IsolateOption,
+    SegmentOption,
+    SetOption,
+    YesOption,
+    rejecting,
+)
 from kernel.errors import UserError
+
+if TYPE_CHECKING:
+    from bench.rig.pacing import Hardware
 
 app = typer.Typer(
     name="axisrig",
@@ -28,63 +46,19 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Co-simulation test bench for measurement runs and distance control of CNC machines.",
 )
-fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list, build, show, check.")
 app.add_typer(fmu_app, name="fmu")
 
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option(
-        "--set",
-        help="Change one input, written as a column of a plan: set:Z.kenngr.measure.edge=NEG",
-        metavar="COLUMN=VALUE",
-    ),
-]
-ForceOption = Annotated[
-    bool,
-    typer.Option(
-        "--force", help="Run although a cycle does not fit on its bus, and report the overload."
-    ),
-]
-IsolateOption = Annotated[
-    bool,
-    typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),
-]
-CallTimeoutOption = Annotated[
-    float | None,
-    typer.Option(
-        "--call-timeout",
-        min=1.0,
-        help="Wall time of one call into an FMU, s; 60 when not said. Uses processes apart.",
-    ),
-]
-CALL_LIMIT_S = 60.0
-EXIT_REJECTED = 2
-EXIT_INTERRUPTED = 4
-EXIT_BROKEN_PIPE = 141
+
+def _hardware() -> AbstractContextManager["Hardware"]:
+    """Give real time to a run with a real bus."""
+    from bench.bus.paced import RealTime
+    from bench.run.outside import stoppable
+
+    return stoppable(RealTime(time.monotonic_ns, time.sleep), _to_stderr)
 
 
-def _rejecting(command: Callable[..., None]) -> Callable[..., None]:
-    """Turn what a user can mend into one line on standard error and exit code 2."""
-
-    @wraps(command)
-    def guarded(*args: Any, **kwargs: Any) -> None:
-        try:
-            command(*args, **kwargs)
-        except UserError as error:
-            print(f"error: {error}", file=sys.stderr)
-            raise typer.Exit(EXIT_REJECTED) from None
-        except BrokenPipeError:
-            # The reader has gone (`| head`); what follows must not complain a second time
-            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-            raise typer.Exit(EXIT_BROKEN_PIPE) from None
-        except OSError as error:
-            print(f"error: {error.filename or command.__name__}: {error.strerror}", file=sys.stderr)
-            raise typer.Exit(EXIT_REJECTED) from None
-        except KeyboardInterrupt:
-            print("interrupted", file=sys.stderr)
-            raise typer.Exit(EXIT_INTERRUPTED) from None
-
-    return guarded
+def _to_stderr(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
 
 
 def _inputs(assignments: list[str] | None, is_forced: bool) -> list[str]:
@@ -102,8 +76,8 @@ def _blf(path: Path | None) -> Path | None:
 
 
 @app.command()
-@_rejecting
-def run(  # noqa: PLR0913, PLR0917
+@rejecting
+def run(
     plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX or ODS tables.")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
@@ -116,9 +90,19 @@ def run(  # noqa: PLR0913, PLR0917
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
     is_forced: ForceOption = False,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    options: BusOption = None,
+    bitrate: BitrateOption = None,
+    segment: SegmentOption = None,
+    may_move: YesOption = False,
 ) -> None:
-    """Run plans, judge them, and write results and report."""
+    """Run plans, judge them, and write results and report.
+
+    With --interface, or a rig that names one, the kernel drives axes outside in real time.
+    """
     from bench.run.campaign import run_campaign, show_verdicts
+    from bench.run.outside import Outside
     from reports.build import build_report
 
     campaign = run_campaign(
@@ -133,6 +117,9 @@ def run(  # noqa: PLR0913, PLR0917
         stopwatch=time.perf_counter,
         is_isolated=is_isolated or call_limit_s is not None,
         call_limit_s=call_limit_s or CALL_LIMIT_S,
+        outside=Outside(
+            _hardware, may_move, _to_stderr, interface, channel, options, bitrate, segment
+        ),
     )
     report_path = build_report(campaign.folder)
     if campaign.results:
@@ -145,7 +132,7 @@ def run(  # noqa: PLR0913, PLR0917
 
 
 @app.command()
-@_rejecting
+@rejecting
 def demo(
     folder: Annotated[Path, typer.Option("--plans", help="Folder with the plans.")] = Path(
         "testplans"
@@ -161,7 +148,7 @@ def demo(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def nc(
     program: Annotated[Path, typer.Argument(help="NC program.")],
     rig: Annotated[Path, typer.Option("--rig", help="Rig file (TOML).")],
@@ -172,10 +159,20 @@ def nc(
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
     is_forced: ForceOption = False,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    options: BusOption = None,
+    bitrate: BitrateOption = None,
+    segment: SegmentOption = None,
+    may_move: YesOption = False,
 ) -> None:
-    """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error."""
+    """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error.
+
+    With --interface, or a rig that names one, the kernel drives axes outside in real time.
+    """
     from bench.run.apart import do_apart
-    from bench.run.single import run_program
+    from bench.run.outside import Outside
+    from bench.run.single import run_outside, run_program
 
     inputs = (
         program,
@@ -184,11 +181,14 @@ def nc(
         _blf(bus_log),
         partial(print, flush=True),
     )
-    if is_isolated or call_limit_s:
+    said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
+    outside = Outside(_hardware, *said)
+    alarms = run_outside(outside, *inputs, is_apart=is_isolated or bool(call_limit_s))
+    if alarms is None and (is_isolated or call_limit_s):
         alarms = do_apart(
             run_program, *inputs, file=program, call_limit_s=call_limit_s or CALL_LIMIT_S
         )
-    else:
+    elif alarms is None:
         alarms = run_program(*inputs)
     for alarm in alarms:
         print(alarm.text, file=sys.stderr)
@@ -196,7 +196,50 @@ def nc(
 
 
 @app.command()
-@_rejecting
+@rejecting
+def drive(
+    rig: Annotated[Path, typer.Argument(help="Rig file (TOML).")],
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    options: BusOption = None,
+    bitrate: BitrateOption = None,
+    segment: SegmentOption = None,
+    axes: Annotated[
+        list[str] | None, typer.Option("--axis", help="Only this axis; several allowed.")
+    ] = None,
+    for_s: Annotated[
+        float | None, typer.Option("--for", min=0.0, help="End after so many seconds.")
+    ] = None,
+    by_sync: Annotated[
+        bool,
+        typer.Option(
+            "--by-sync",
+            help="Time of the drives goes on by one period with each SYNC, however late it is.",
+        ),
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="Folder for bus log, events, latches and trace."),
+    ] = None,
+    eds: Annotated[
+        Path | None, typer.Option("--eds", help="Write the EDS of the drive there, and end.")
+    ] = None,
+    assignments: SetOption = None,
+) -> None:
+    """Run the virtual drives of a rig for the master of somebody else, until Ctrl-C."""
+    from bench.run.outside import Outside
+    from bench.run.serve import drive_settings, serve, write_eds
+
+    said = Outside(_hardware, True, _to_stderr, interface, channel, options, bitrate, segment)
+    settings = drive_settings(rig, said, axes or [], assignments or [])
+    if eds is not None:
+        print(write_eds(settings, eds))
+        return
+    serve(settings, said, partial(print, flush=True), by_sync=by_sync, folder=out, for_s=for_s)
+
+
+@app.command()
+@rejecting
 def check(
     files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
     is_isolated: IsolateOption = False,
@@ -216,7 +259,7 @@ def check(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def replay(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
     run_id: Annotated[str, typer.Argument(metavar="RUN", help="Run id, as in cases.csv.")],
@@ -243,7 +286,7 @@ def replay(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
 ) -> None:
@@ -254,7 +297,7 @@ def report(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def metrics() -> None:
     """List what a check column may ask for."""
     from bench.run.campaign import metrics_table
@@ -263,7 +306,7 @@ def metrics() -> None:
 
 
 @app.command()
-@_rejecting
+@rejecting
 def drives(
     profile: Annotated[
         str | None, typer.Argument(help="Name of a profile: all its keys, not the list.")
@@ -276,7 +319,7 @@ def drives(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def faults() -> None:
     """List what a fault column may bring about."""
     from bench.rig.faults import faults_table
@@ -285,7 +328,7 @@ def faults() -> None:
 
 
 @app.command()
-@_rejecting
+@rejecting
 def scenarios(
     count: Annotated[int, typer.Option("--count", min=1, help="How many.")] = 200,
     first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
@@ -304,7 +347,7 @@ def scenarios(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def perf(
     plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
         "testplans/latch_accuracy.csv"
@@ -338,7 +381,7 @@ def perf(
 
 
 @app.command()
-@_rejecting
+@rejecting
 def doctor() -> None:
     """Say what this installation has, what it lacks, and what to do about it."""
     from bench.doctor import examine
@@ -346,77 +389,6 @@ def doctor() -> None:
     text, is_well = examine()
     print(text)
     raise typer.Exit(0 if is_well else 1)
-
-
-@fmu_app.command("list")
-@_rejecting
-def list_models() -> None:
-    """List the models of the library and where their FMUs lie."""
-    from bench.library import listing
-
-    print(listing())
-
-
-@fmu_app.command("check")
-@_rejecting
-def check_fmus(
-    files: Annotated[list[str], typer.Argument(metavar="FMU...", help="Files or models.")],
-    call_limit_s: CallTimeoutOption = None,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
-) -> None:
-    """Try FMUs out in processes apart: are they safe, sound, repeatable, and what could they be?
-
-    Exit code 0: nothing failed, 1: something did, 2: there is no such file.
-    """
-    import json
-
-    from bench.fmu.check import check_fmu
-    from bench.fmu.findings import show_findings
-    from bench.fmu.place import find_fmu
-
-    checked = [check_fmu(find_fmu(text), call_limit_s or CALL_LIMIT_S) for text in files]
-    if as_json:
-        print(json.dumps({"fmus": [fmu.as_data() for fmu in checked]}, indent=2))
-    else:
-        for fmu in checked:
-            show_findings(fmu.findings, f"{fmu.path}: {fmu.verdict}")
-    raise typer.Exit(0 if all(fmu.is_good for fmu in checked) else 1)
-
-
-@fmu_app.command("show")
-@_rejecting
-def show(
-    file: Annotated[str, typer.Argument(metavar="FMU", help="File or model.")],
-    is_all: Annotated[bool, typer.Option("--all", help="Local variables too.")] = False,
-) -> None:
-    """Show variables, units, structure, platforms and capabilities; no code of it runs."""
-    from bench.fmu.place import find_fmu
-    from bench.fmu.show import read_fmu, show_fmu
-
-    show_fmu(read_fmu(find_fmu(file)), is_all=is_all)
-
-
-@fmu_app.command("build")
-@_rejecting
-def build(
-    model: Annotated[str | None, typer.Argument(help="Model; all by default.")] = None,
-    fmi: Annotated[str, typer.Option("--fmi", help="Version: 3.0 or 2.0.")] = "3.0",
-    platform: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--platform",
-            help="x86_64-linux, x86_64-windows, ... or all; several allowed. Default: this one.",
-        ),
-    ] = None,
-    compiler: Annotated[
-        str | None, typer.Option("--compiler", help="cc, zig or omc (OpenModelica).")
-    ] = None,
-) -> None:
-    """Build FMUs that the cache does not have yet."""
-    from bench.library import build_models
-
-    for line in build_models(model, fmi, platform or (), compiler):
-        print(line, file=sys.stderr)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -37,7 +37,8 @@ class Metric:
     scope: "run" (one value), "axis" (`name:X`; without an axis that of the longest
         travel, for `*_max` the largest of all axes),
         "block" (`name:N30` or `name:N30.2`). type: "number", "text", "alarms" or "any".
-    plot: the plot of the report in which limits of the metric are drawn, or empty.
+    plot: the plot of the report in which limits of the metric are drawn, or empty. needs: "plant"
+        or "bus" when only a simulated one can tell it; empty when the kernel can.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Metric:
     type: str
     unit: str
     plot: str
+    needs: str
     meaning: str
     source: str
 
@@ -327,7 +329,19 @@ class CheckResult:
         return f"{seen} against {self.check.condition.text}"
 
 
-def judge(check: Check, value: Value, uncertainty: float = 0.0, note: str = "") -> CheckResult:
-    """Judge `value` +- `uncertainty` (unit of the check) by the condition of `check`."""
+def judge(
+    check: Check,
+    value: Value,
+    uncertainty: float = 0.0,
+    note: str = "",
+    *,
+    is_hidden: bool = False,
+) -> CheckResult:
+    """Judge `value` +- `uncertainty` (unit of the check) by the condition of `check`.
+
+    is_hidden: nobody here can know the value, so a missing one is inconclusive and no failure.
+    """
     verdict = check.condition.judge(value, uncertainty)
+    if is_hidden and value is None:
+        verdict = Verdict.INCONCLUSIVE
     return CheckResult(check, value, uncertainty, verdict, note)

@@ -61,6 +61,7 @@ class CaseResult:
     `<axis>.<signal>_<unit>` and `<probe>.signal` (0 or 1), rows in order of time.
     messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
     error: why the run ended in `error` or `aborted`.
+    real_time: how well real time was kept (`bench.bus.deadlines`), None in simulated time.
     """
 
     case: Case
@@ -76,6 +77,7 @@ class CaseResult:
     log: list[str] = field(default_factory=list)
     bus: list[dict[str, Any]] = field(default_factory=list)
     error: str | None = None
+    real_time: dict[str, Any] | None = None
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
@@ -296,7 +298,9 @@ def _check_row(case: Case, item: CheckResult) -> list[str]:
 
 
 def _run_info(result: CaseResult, checks: Sequence[CheckResult]) -> dict[str, Any]:
+    told = {} if result.real_time is None else {"real_time": result.real_time}
     return {
+        **told,
         "run": result.case.run,
         "repeat": result.case.repeat,
         "error": result.error,

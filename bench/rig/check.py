@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from bench.rig.file import DriveTable, rig_error
+from bench.rig.outside import check_outside
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_steps
 from kernel.clock import US
@@ -205,6 +206,7 @@ def check_rig(settings: Settings) -> None:
     _check_references(settings)
     _check_nodes(settings)
     _check_names(settings)
+    check_outside(settings)
     _check_drives(settings)
     _check_start_up(settings)
     cycle = settings.rig.cycle

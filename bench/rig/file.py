@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     AfterValidator,
+    BeforeValidator,
     Discriminator,
     Field,
     Tag,
@@ -21,6 +22,7 @@ from pydantic import (
     model_validator,
 )
 
+from bench.bus.hardware import SIMULATED, Option, interface_names, parse_options
 from bench.drive.profile import DriveProfile
 from bench.drive.profiles import (
     DEFAULT_PROFILE,
@@ -32,7 +34,7 @@ from bench.drive.profiles import (
 )
 from bench.rig.startup import StartUpKeys
 from bench.rig.tables import Name, Table
-from kernel.errors import UserError
+from kernel.errors import UserError, nearest
 
 StartValue = bool | int | float | str
 
@@ -68,14 +70,29 @@ class ChannelTable(Table):
     list: str
 
 
+def _known_interface(name: str) -> str:
+    names = interface_names()
+    if name not in names:
+        near = nearest(name, names) or names
+        raise ValueError(f"there is no such CAN interface; allowed: {', '.join(near)}")
+    return name
+
+
+def _options(value: object) -> object:
+    return parse_options(value) if isinstance(value, str) else value
+
+
 class SegmentTable(Table):
     """`[segment.NAME]`: one CAN bus.
 
+    interface: simulated, or the python-can interface of a real one; channel and options: for it.
     queue, drive_queue: transmit queue of the kernel's port and of the drives' ports. bus_off: what
     a controller does that has become bus-off. overload: what becomes of a cycle that does not fit.
     """
 
-    interface: Literal["axisrig"] = "axisrig"
+    interface: Annotated[str, AfterValidator(_known_interface)] = SIMULATED
+    channel: str | int | None = None
+    options: Annotated[dict[str, Option], BeforeValidator(_options)] = Field(default_factory=dict)
     bitrate: Literal[125_000, 250_000, 500_000, 800_000, 1_000_000] = 1_000_000
     queue: Literal["fifo", "mailbox"] = "fifo"
     drive_queue: Literal["fifo", "mailbox"] = "fifo"
@@ -122,8 +139,22 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
         return make_profile({key: getattr(self, key) for key in habits()})
 
 
+class RealtimeTable(Table):
+    """`[realtime]`: for runs on a real bus; nothing here acts on simulated ones.
+
+    late_us: from where on a SYNC counts as late. wait_ms: how long a cycle waits for answers of
+    the drives that come later than cycle_offset_us; not said = by the interface.
+    """
+
+    late_us: Annotated[float, Field(ge=1, le=1e6)] = 100.0
+    wait_ms: Annotated[float, Field(ge=0, le=1000)] | None = None
+
+
 class AxisTable(Table):
-    """`[axis.NAME]`: one axis of the channel; the tables stand in the order of the axes."""
+    """`[axis.NAME]`: one axis of the channel; the tables stand in the order of the axes.
+
+    outside: whether its drive stands outside this process; not said = where its segment is real.
+    """
 
     list: str
     segment: Name
@@ -132,6 +163,7 @@ class AxisTable(Table):
     plant: Name
     probe_1: Name | None = None
     probe_2: Name | None = None
+    outside: bool | None = None
 
 
 class MapTable(Table):
@@ -181,10 +213,15 @@ class PlantTable(Table):
 
 
 class RigFile(Table):
-    """A whole rig; see docs/rigs.md for every key."""
+    """A whole rig; see docs/rigs.md for every key.
+
+    hardware: the axes may move without being asked for each time (`--yes` on the command line).
+    """
 
     title: str
+    hardware: bool = False
     cycle: CycleTable = CycleTable()
+    realtime: RealtimeTable = RealtimeTable()
     channel: ChannelTable
     segment: dict[Name, SegmentTable]
     drive: dict[Name, DriveTable]
@@ -297,7 +334,7 @@ def _known_keys(keys: tuple[str, ...]) -> list[str]:
     model: Any = RigFile
     named = {
         "segment": SegmentTable, "drive": DriveTable, "axis": AxisTable, "plant": PlantTable,
-        "cycle": CycleTable, "channel": ChannelTable,
+        "cycle": CycleTable, "channel": ChannelTable, "realtime": RealtimeTable,
     }  # fmt: skip
     if keys[2:3] == ("map",):
         model = MapTable

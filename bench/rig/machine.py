@@ -7,27 +7,31 @@
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 from bench.bus.arithmetic import CycleArithmetic
 from bench.bus.canopen_sim import SimNetwork
-from bench.bus.record import BlfLog, FrameHash
-from bench.bus.segment import Segment
-from bench.drive.node import DriveNode
+from bench.bus.outside import OutsideSegment
+from bench.bus.paced import PacedScheduler
+from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
 from bench.rig.injection import inject
 from bench.rig.master import build_link, build_monitor, build_start_up
+from bench.rig.outside import is_paced, outside_axes
+from bench.rig.pacing import Hardware, master_scheduler, power_down
+from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler
+from kernel.errors import Alarm, UserError
 from kernel.nc.canon import Message
 from kernel.nc.interpreter import Interpreter
 from kernel.nc.syntax import Program
 
 SIMULATED_LIMIT_NS = 600_000 * MS
-DRIVE_SEED_STRIDE = 1_000_003
 
 
 class SimulatedTimeoutError(Exception):
@@ -39,8 +43,9 @@ class Machine:
 
     settings: checked rig with the assignments of this run. program: parsed NC program.
     bus_log: BLF file to write, or None. put_out: takes each `#MSG` text when it is due.
-    seed: of everything random in the run. limit_ns: simulated time that it may take.
-    Raises UserError when the rig does not fit together.
+    seed: of everything random in the run. limit_ns: simulated time that it may take. hardware: for
+    rigs with a bus outside; they run in real time, and the plants outside are not simulated.
+    Raises UserError when the rig does not fit together or a bus cannot be opened.
     """
 
     def __init__(
@@ -52,8 +57,17 @@ class Machine:
         put_out: Callable[[str], None] | None = None,
         seed: int = 0,
         limit_ns: TimeNs = SIMULATED_LIMIT_NS,
+        hardware: Hardware | None = None,
     ) -> None:
         check_rig(settings)
+        if is_paced(settings) and hardware is None:
+            raise UserError(
+                "the rig has a real CAN interface", hint="only axisrig run, nc and drive open one"
+            )
+        self.outside = outside_axes(settings)
+        self.is_stopped = False
+        self._lost: set[str] = set()
+        self._hardware = hardware if is_paced(settings) else None
         self.settings = settings
         self.messages: list[Message] = []
         self._put_out = put_out
@@ -66,14 +80,18 @@ class Machine:
         self._open = ExitStack()
         with ExitStack() as guard:  # frees what was opened when building fails half way
             guard.callback(self._open.close)
-            self.scheduler = Scheduler()
+            self.scheduler = (
+                master_scheduler(settings, self._hardware) if self._hardware else Scheduler()
+            )
             self.frame_hash = FrameHash()
             self.plant = build_plant(settings)
             self._open.callback(self.plant.close)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self.segments = self._build_segments(bus_log)
-            self.nodes = self._build_nodes(seed)
+            self.segments = build_segments(
+                settings, self.scheduler, self.frame_hash, bus_log, self._open
+            )
+            self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
             self.networks = {
                 name: SimNetwork(segment.port("cnc", settings.segment[name].queue))
                 for name, segment in self.segments.items()
@@ -84,9 +102,10 @@ class Machine:
                 name: build_link(settings, name, self.networks[axis.segment])
                 for name, axis in settings.rig.axis.items()
             }
+            self._expect_answers()
             self.channel = self._build_channel()
             inject(self, seed)
-            axes = [(name, self.plant.axes[a.plant]) for name, a in settings.rig.axis.items()]
+            axes = [(n, self.plant.axes.get(a.plant)) for n, a in settings.rig.axis.items()]
             self.recorder = Recorder(self.plant, axes, self.plant.probes)
             self.channel.observers.append(self.recorder)
             interpreter = Interpreter(
@@ -99,47 +118,17 @@ class Machine:
             self.channel.load(interpreter.commands())
             guard.pop_all()
 
-    def _build_segments(self, bus_log: Path | None) -> dict[str, Segment]:
-        segments = {}
-        log = None if bus_log is None else BlfLog(bus_log, list(self.settings.segment))
-        if log is not None:
-            self._open.callback(log.stop)
-        for name, table in self.settings.segment.items():
-            segment = self._open.enter_context(
-                Segment(
-                    name,
-                    table.bitrate,
-                    self.scheduler,
-                    automatic_recovery=table.bus_off == "recover",
+    def _expect_answers(self) -> None:
+        """Tell real segments which telegrams their drives answer a SYNC with."""
+        for name, segment in self.segments.items():
+            if isinstance(segment, OutsideSegment):
+                segment.expect(
+                    telegram.cob_id(link.settings.node_id)
+                    for axis, link in self.links.items()
+                    if axis in self.outside and self.settings.rig.axis[axis].segment == name
+                    for telegram in link.telegrams.values()
+                    if telegram.is_cyclic and telegram.name.startswith("TPDO")
                 )
-            )
-            segment.observe(self.frame_hash)
-            if log is not None:
-                segment.observe(log)
-            segments[name] = segment
-        return segments
-
-    def _build_nodes(self, seed: int) -> dict[str, DriveNode]:
-        nodes: dict[str, DriveNode] = {}
-        signals = {name: probe.signal for name, probe in self.plant.probes.items()}
-        for name, axis in self.settings.rig.axis.items():
-            queue = self.settings.segment[axis.segment].drive_queue
-            network = SimNetwork(self.segments[axis.segment].port(name, queue))
-            network.connect()
-            nodes[name] = DriveNode(
-                name,
-                axis.node,
-                network,
-                self.scheduler,
-                self.plant.axes[axis.plant],
-                (
-                    signals[axis.probe_1] if axis.probe_1 else None,
-                    signals[axis.probe_2] if axis.probe_2 else None,
-                ),
-                self.settings.rig.drive[axis.drive].make(),
-                seed + DRIVE_SEED_STRIDE * len(nodes),
-            )
-        return nodes
 
     def _build_channel(self) -> Channel:
         return Channel(
@@ -172,6 +161,13 @@ class Machine:
         Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
         SimulatedTimeoutError when the program does not end, UserError for what only running shows.
         """
+        try:
+            return self._run()
+        finally:
+            if self._hardware is not None:
+                self._leave()
+
+    def _run(self) -> TimeNs:
         self.channel.start_up(
             [
                 build_start_up(self.settings, name, self.networks[axis.segment], self.scheduler)
@@ -189,7 +185,32 @@ class Machine:
                     " long?"
                 )
             scheduler.run_until(scheduler.now_ns + period_ns)
+            if self._hardware is not None:
+                self._look_outside(self._hardware)
         return scheduler.now_ns
+
+    def _look_outside(self, hardware: Hardware) -> None:
+        """Stop the program in a controlled way when the operator wants it, or a bus is lost."""
+        if hardware.stop() and not self.is_stopped:
+            self.is_stopped = True
+            self.channel.stop(Alarm(900070))
+        for name, segment in self.segments.items():
+            if isinstance(segment, OutsideSegment) and segment.lost and name not in self._lost:
+                self._lost.add(name)
+                self.channel.stop(Alarm(900071, segment=name, reason=segment.lost))
+
+    def _leave(self) -> None:
+        """Power the drives outside down, whatever has happened before."""
+        links = [link for name, link in self.links.items() if name in self.outside]
+        networks = list({id(link.network): link.network for link in links}.values())
+        timing = self.timing
+        power_down(self.scheduler, links, networks, timing.period_ns, timing.offset_ns)
+
+    def real_time(self) -> dict[str, Any] | None:
+        """Tell how well real time was kept (`Deadlines.as_data`); None for simulated time."""
+        if not isinstance(self.scheduler, PacedScheduler):
+            return None
+        return self.scheduler.deadlines.as_data(self.timing.period_ns)
 
     def close(self) -> None:
         """Free plants, segments and the bus log."""

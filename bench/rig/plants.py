@@ -5,7 +5,9 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
+from bench.rig.check import check_rig
 from bench.rig.file import MapTable, PlantTable, rig_error
+from bench.rig.outside import outside_axes, simulated_plants
 from bench.rig.settings import Settings
 from bench.rig.start_values import set_start_values
 from fmus import MODELS, BuildError, ensure_built
@@ -61,7 +63,7 @@ def build_plant(settings: Settings) -> Plant:
     sensors: list[tuple[str, PlantTable, Roles]] = []
     loaded: list[FmuSlave] = []
     try:
-        for instance, table in settings.rig.plant.items():
+        for instance, table in simulated_plants(settings).items():
             slave = _load(settings, instance, table)
             loaded.append(slave)
             roles = _roles(settings, instance, table, slave)
@@ -230,7 +232,10 @@ def check_plants(settings: Settings, plant: Plant) -> None:
 
     Raises UserError with file, line and key of the rig.
     """
+    outside = outside_axes(settings)
     for name, axis in settings.rig.axis.items():
+        if name in outside:
+            continue
         wanted: list[tuple[str, str | None, Mapping[str, object], str]] = [
             ("plant", axis.plant, plant.axes, "an axis plant"),
             ("probe_1", axis.probe_1, plant.probes, "a probe"),
@@ -247,6 +252,20 @@ def check_plants(settings: Settings, plant: Plant) -> None:
                 )
 
 
+def check_plant(settings: Settings) -> None:
+    """Build, check and start the plants of a rig, and let them go again; no bus is opened.
+
+    Raises UserError as `check_rig`, `build_plant`, `check_plants` and `start_plant` do.
+    """
+    check_rig(settings)
+    plant = build_plant(settings)
+    try:
+        check_plants(settings, plant)
+        start_plant(settings, plant)
+    finally:
+        plant.close()
+
+
 def start_plant(settings: Settings, plant: Plant) -> None:
     """Initialise every plant at time 0 and check that the axes stand where their encoders reach.
 
@@ -258,7 +277,10 @@ def start_plant(settings: Settings, plant: Plant) -> None:
         raise rig_error(
             settings.files, ("plant", error.instance), f"{error.instance}: {error.reason}"
         ) from error
+    outside = outside_axes(settings)
     for name, axis in settings.rig.axis.items():
+        if name in outside:
+            continue
         drive = settings.rig.drive[axis.drive]
         limit_mm = ENCODER_RANGE / drive.encoder_increments * drive.lead_mm
         position_mm = plant.axes[axis.plant].position_m() * 1e3
@@ -275,7 +297,7 @@ def start_plant(settings: Settings, plant: Plant) -> None:
 def describe_plants(settings: Settings, plant: Plant) -> list[str]:
     """Tell what the bench makes of each FMU of the user, and what others lack."""
     lines: list[str] = []
-    for instance, table in settings.rig.plant.items():
+    for instance, table in simulated_plants(settings).items():
         notes = [*plant.notes[instance], *plant.remarks[instance]]
         if not notes and not table.fmu.endswith(".fmu"):
             continue

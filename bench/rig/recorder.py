@@ -16,6 +16,8 @@ from kernel.cosim.distance import PlantDistance
 from kernel.cosim.plant import Plant
 from kernel.cosim.probe import PlantProbe
 
+# What a drive outside tells; the others are the plant's
+KERNEL_COLUMNS = ("set_mm", "actual_mm", "cnc_lag_mm")
 AXIS_COLUMNS = (
     "set_mm",
     "actual_mm",
@@ -36,15 +38,16 @@ DISTANCE_COLUMNS = {
 class Recorder:
     """Collects the trace of one run.
 
-    axes: (axis name, its plant); probes: instance name -> plant. `table()` gives one column
-    `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64), per probe its signal and per
-    distance sensor those of DISTANCE_COLUMNS that it tells.
+    axes: (axis name, its plant; None for a drive outside); probes: instance name -> plant.
+    `table()` gives one column `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64;
+    KERNEL_COLUMNS without a plant), per probe its signal and per distance sensor those of
+    DISTANCE_COLUMNS that it tells.
     """
 
     def __init__(
         self,
         plant: Plant,
-        axes: Sequence[tuple[str, PlantAxis]],
+        axes: Sequence[tuple[str, PlantAxis | None]],
         probes: dict[str, PlantProbe],
     ) -> None:
         self._plant = plant
@@ -52,6 +55,7 @@ class Recorder:
         self._names = [name for name, _ in axes]
         self._signals = [probe.signal for probe in probes.values()]
         self._probe_names = list(probes)
+        self._has_plant = any(axis is not None for axis in self._axes)
         self._times: list[int] = []
         self._rows: list[tuple[float, ...]] = []
         self._levels: list[tuple[bool, ...]] = []
@@ -60,9 +64,13 @@ class Recorder:
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
-        self._times.append(self._plant.now_ns)
+        # Without a plant nothing tells the SYNC on the wire: the instant of its request stands in
+        self._times.append(self._plant.now_ns if self._has_plant else channel.sync_ns)
         row: list[float] = []
         for link, axis in zip(channel.links, self._axes, strict=True):
+            if axis is None:
+                row += (link.set_mm, link.actual_mm, link.lag_mm)
+                continue
             position, velocity, motor, _, demand = axis.motion
             row += (
                 link.set_mm,
@@ -86,7 +94,11 @@ class Recorder:
     def table(self) -> pa.Table:
         """Return the trace; columns in the order of the axes."""
         columns: dict[str, pa.Array] = {"time_ns": pa.array(self._times, pa.int64())}
-        names = [f"{name}.{column}" for name in self._names for column in AXIS_COLUMNS]
+        names = [
+            f"{name}.{column}"
+            for name, axis in zip(self._names, self._axes, strict=True)
+            for column in (KERNEL_COLUMNS if axis is None else AXIS_COLUMNS)
+        ]
         values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(names))
         for index, name in enumerate(names):
             columns[name] = pa.array(values[:, index])

@@ -42,6 +42,7 @@ class Settings:
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
     external: V.E variables by the name behind the prefix. faults: what goes wrong.
+    has_kernel: false where only the drives of the rig run, for the master of somebody else.
     """
 
     rig: RigFile
@@ -52,6 +53,7 @@ class Settings:
     start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
     external: dict[str, float] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
+    has_kernel: bool = True
 
     def apply(self, assignment: Assignment, located: Located) -> None:
         """Apply one assignment. Raises UserError, with its place, for one that does not fit."""

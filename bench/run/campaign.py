@@ -1,7 +1,7 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import fill
@@ -23,6 +23,7 @@ from bench.rig.file import read_rig
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S
+from bench.run.outside import Outside, allow, real_cases, refuse_processes
 from bench.run.runner import Stopwatch, prepare, prepare_all, run_cases
 from kernel.errors import UserError
 
@@ -74,26 +75,33 @@ def run_campaign(  # noqa: PLR0913
     stopwatch: Stopwatch,
     is_isolated: bool = False,
     call_limit_s: float = CALL_LIMIT_S,
+    outside: Outside | None = None,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt ends the campaign with what it has.
 
     is_isolated: each case in a process of its own, which an FMU may crash. call_limit_s: wall time
-    that one call into an FMU may take there.
+    that one call into an FMU may take there. outside: interfaces for axes on real hardware.
 
     Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
     case. Raises UserError before the results folder is touched.
     """
     changes = [parse_assignment(text) for text in assignments]
-    plans = [_selected(read_plan(path).with_inputs(changes), select) for path in paths]
+    plans = [_selected(_changed(read_plan(path), changes, outside), select) for path in paths]
     cases = [case for plan in plans for case in plan.cases]
     if not cases:
         raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
+    real = real_cases(cases)
+    if real:
+        refuse_processes(jobs, is_isolated or timeout_s is not None)
     prepare_all(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
     folder = out or Path("out") / "-".join(plan.name for plan in plans)
+    if real and outside is not None:
+        allow(real, outside)
     manifest = build_manifest(plans, command=command, started=started, output=str(folder))
     results: list[CaseResult] = []
     with (
         suppress(KeyboardInterrupt),
+        outside.open_hardware() if real and outside else nullcontext() as hardware,
         ResultsWriter(folder, plans, manifest) as writer,
         _progress() as progress,
     ):
@@ -106,12 +114,17 @@ def run_campaign(  # noqa: PLR0913
             stopwatch=stopwatch,
             is_isolated=is_isolated,
             call_limit_s=call_limit_s,
+            hardware=hardware,
         ):
             writer.add(result)
             results.append(result)
             progress.console.print(_line(result))
             progress.update(task, advance=1, description=result.case.run)
     return Campaign(folder, results, len(cases))
+
+
+def _changed(plan: Plan, changes: Sequence[Assignment], outside: Outside | None) -> Plan:
+    return plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())])
 
 
 def _selected(plan: Plan, select: str | None) -> Plan:

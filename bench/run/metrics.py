@@ -24,11 +24,15 @@ REST = "lag and v/Kv that are left at the end of the run"
 
 @dataclass(frozen=True)
 class Observation:
-    """A metric's value; uncertainty in its unit; note: why there is none, or what it is made of."""
+    """A metric's value; uncertainty in its unit; note: why there is none, or what it is made of.
+
+    is_hidden: the value stands outside, where the bench does not see it.
+    """
 
     value: Value
     uncertainty: float = 0.0
     note: str = ""
+    is_hidden: bool = False
 
 
 MetricFunction = Callable[[Observed, str | None], Observation]
@@ -41,6 +45,9 @@ def observe(observed: Observed, check: Check) -> Observation:
         return _printed(observed, check)
     if check.axis is not None and check.axis not in observed.machine.links:
         return Observation(None, note=f"the rig has no axis {check.axis}")
+    hidden = observed.hides(check.definition.needs, check.axis)
+    if hidden:
+        return Observation(None, note=hidden, is_hidden=True)
     return _METRICS[check.name](observed, check.axis)
 
 

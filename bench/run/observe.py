@@ -93,19 +93,43 @@ class Observed:
             table = settings.rig.axis[axis]
             number = settings.axis[axis].integer("kenngr.measure.input")
             names.append(table.probe_1 if number == 1 else table.probe_2)
-        return [self.machine.plant.probes[name] for name in dict.fromkeys(names) if name]
+        probes = self.machine.plant.probes
+        return [probes[name] for name in dict.fromkeys(names) if name in probes]
 
     def moved_axis(self, record: RunRecord) -> str:
-        """Return the measuring axis that travels the longest way in the run."""
+        """Return the measuring axis that travels the longest way in the run.
+
+        By its true positions, outside by those that its drive tells.
+        """
         inside = self.between(record.begin_ns, record.end_ns or self.machine.scheduler.now_ns)
-        travels = {
-            axis: float(np.ptp(self.column(axis, "truth_mm")[inside])) if inside.any() else 0.0
+        columns = {
+            axis: "actual_mm" if axis in self.machine.outside else "truth_mm"
             for axis in record.axes
+        }
+        travels = {
+            axis: float(np.ptp(self.column(axis, column)[inside])) if inside.any() else 0.0
+            for axis, column in columns.items()
         }
         return max(travels, key=lambda axis: travels[axis])
 
+    def hides(self, needs: str, axis: str | None) -> str:
+        """Say why a value cannot be known here, empty when it can.
+
+        needs: of the metric. axis: that it is about, None for those of the last run.
+        """
+        if needs == "bus" and self.machine.real_time() is not None:
+            return "a bus is real: what happens on its wire is not seen here"
+        records = self.machine.channel.records
+        about = [axis] if axis else records[-1].axes if records else list(self.machine.links)
+        away = [name for name in about if name in self.machine.outside]
+        if needs == "plant" and away:
+            return f"the drive of axis {' '.join(away)} stands outside: no plant tells the truth"
+        return ""
+
     def latches_ns(self, axis: str) -> list[tuple[TimeNs, int]]:
         """Return the instants whose positions the drive of an axis stored, with their probe."""
+        if axis in self.machine.outside:
+            return []
         probes = self.machine.nodes[axis].servo.touch_probe.probes
         return sorted(
             (time_ns, number)

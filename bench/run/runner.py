@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from bench.bus.deadlines import in_words
 from bench.plan.assignment import Assignment
 from bench.plan.checks import judge
 from bench.plan.plan import Case
@@ -17,7 +18,9 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import CaseResult, no_values
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
-from bench.rig.plants import plant_log
+from bench.rig.outside import is_paced
+from bench.rig.pacing import Hardware
+from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from bench.run.metrics import observe
@@ -61,7 +64,10 @@ def prepare(case: Case) -> None:
     settings = settings_of(case)
     program = read_program(case.program, tuple(settings.rig.axis))
     _check_metrics(case, tuple(settings.rig.axis), program)
-    Machine(settings, program).close()
+    if is_paced(settings):
+        check_plant(settings)  # without the bus: nothing is sent before the run
+    else:
+        Machine(settings, program).close()
 
 
 def _check_metrics(case: Case, axes: Sequence[str], program: Program) -> None:
@@ -92,11 +98,19 @@ def _without_collector() -> Iterator[None]:
             gc.enable()
 
 
-def run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch = no_stopwatch) -> CaseResult:
-    """Run one case and judge it; what goes wrong with the bench itself is verdict `error`."""
+def run_case(
+    case: Case,
+    bus_log: Path | None,
+    stopwatch: Stopwatch = no_stopwatch,
+    hardware: Hardware | None = None,
+) -> CaseResult:
+    """Run one case and judge it; what goes wrong with the bench itself is verdict `error`.
+
+    hardware: for rigs with a real bus.
+    """
     started = stopwatch()
     try:
-        return _run_case(case, bus_log, stopwatch, started)
+        return _run_case(case, bus_log, stopwatch, started, hardware)
     except Exception as error:  # a defect costs its own row, never the campaign
         reason = f"defect of the bench: {type(error).__name__}: {error}"
         result = no_values(case, Verdict.ERROR, reason, wall_s=stopwatch() - started)
@@ -104,11 +118,17 @@ def run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch = no_stopwat
         return result
 
 
-def _run_case(case: Case, bus_log: Path | None, stopwatch: Stopwatch, started: float) -> CaseResult:
+def _run_case(
+    case: Case,
+    bus_log: Path | None,
+    stopwatch: Stopwatch,
+    started: float,
+    hardware: Hardware | None,
+) -> CaseResult:
     try:
         settings = settings_of(case)
         program = read_program(case.program, tuple(settings.rig.axis))
-        machine = Machine(settings, program, bus_log=bus_log, seed=case.seed)
+        machine = Machine(settings, program, bus_log=bus_log, seed=case.seed, hardware=hardware)
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))
     try:
@@ -128,10 +148,13 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
     checks = []
     for check in case.checks:
         seen = observe(observed, check)
-        checks.append(judge(check, seen.value, seen.uncertainty, seen.note))
+        checks.append(
+            judge(check, seen.value, seen.uncertainty, seen.note, is_hidden=seen.is_hidden)
+        )
+    verdicts = [check.verdict for check in checks]
     return CaseResult(
         case=case,
-        verdict=worst([check.verdict for check in checks]),
+        verdict=worst([*verdicts, Verdict.ABORTED] if machine.is_stopped else verdicts),
         checks=checks,
         sim_s=sim_ns / 1e9,
         wall_s=wall_s,
@@ -144,8 +167,11 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
+            *in_words(machine.real_time()),
         ],
         bus=[figures.as_data() for figures in buses],
+        error="stopped by the operator" if machine.is_stopped else None,
+        real_time=machine.real_time(),
     )
 
 
@@ -174,16 +200,20 @@ def run_cases(
     stopwatch: Stopwatch,
     is_isolated: bool = False,
     call_limit_s: float = CALL_LIMIT_S,
+    hardware: Hardware | None = None,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
 
     jobs: processes; 1 stays in this one unless there is a time-out or isolation. timeout_s: wall
     time that one case may take, None = no limit. is_isolated: a new process for every case. A case
-    that hangs or kills its process costs its own row only.
+    that hangs or kills its process costs its own row only. hardware: for rigs with a real bus,
+    one case after the other in this process, until the operator stops.
     """
-    if jobs == 1 and timeout_s is None and not is_isolated:
+    if hardware is not None or (jobs == 1 and timeout_s is None and not is_isolated):
         for case in cases:
-            yield run_case(case, bus_path(case.run), stopwatch)
+            yield run_case(case, bus_path(case.run), stopwatch, hardware)
+            if hardware is not None and hardware.stop():
+                return
         return
     results = run_apart(
         run_case,

@@ -4,12 +4,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from bench.bus.deadlines import in_words
 from bench.plan.assignment import parse_assignment
 from bench.rig.check import overloads
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
-from bench.rig.plants import plant_log
+from bench.rig.outside import is_paced
+from bench.rig.pacing import Hardware
+from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import as_written, read_settings
+from bench.run.outside import Outside, allow, refuse_processes
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.parser import read_program
@@ -23,23 +27,51 @@ class Ended:
     ends_program: bool
 
 
+def run_outside(
+    outside: Outside,
+    program: Path,
+    rig: Path,
+    assignments: Sequence[str],
+    bus_log: Path | None,
+    put_out: Callable[[str], None],
+    *,
+    is_apart: bool,
+) -> list[Ended] | None:
+    """Run a program on axes outside, as `run_program`; None when the rig has no real bus."""
+    table, files = read_rig(rig)
+    changes = [*assignments]
+    changes += [f"{item.column}={item.value}" for item in outside.changes([*table.segment], rig)]
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    settings = read_settings(table, files, assigned)
+    if not is_paced(settings):
+        return None
+    refuse_processes(1, is_apart)
+    read_program(program, tuple(table.axis))
+    check_plant(settings)
+    allow([settings], outside)
+    with outside.open_hardware() as hardware:
+        return run_program(program, rig, changes, bus_log, put_out, hardware)
+
+
 def run_program(
     program: Path,
     rig: Path,
     assignments: Sequence[str],
     bus_log: Path | None,
     put_out: Callable[[str], None],
+    hardware: Hardware | None = None,
 ) -> list[Ended]:
     """Run a program to its end; return what its plants lack, and its alarms in order.
 
-    assignments: texts of `--set`. put_out: takes each message when it is due.
+    assignments: texts of `--set`. put_out: takes each message when it is due. hardware: for rigs
+    with a real bus; how well real time was kept is among the notes then.
     Raises UserError for what is rejected before or while the program runs.
     """
     changes = [(parse_assignment(text), as_written) for text in assignments]
     table, files = read_rig(rig)
     settings = read_settings(table, files, changes)
     parsed = read_program(program, tuple(table.axis))
-    machine = Machine(settings, parsed, bus_log=bus_log, put_out=put_out)
+    machine = Machine(settings, parsed, bus_log=bus_log, put_out=put_out, hardware=hardware)
     try:
         machine.run()
     except (PlantError, SimulatedTimeoutError) as error:
@@ -51,4 +83,5 @@ def run_program(
         for name, text in overloads(settings).items()
     ]
     notes += [Ended(text, False) for text in plant_log(machine.plant)]
+    notes += [Ended(text, False) for text in in_words(machine.real_time())]
     return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]

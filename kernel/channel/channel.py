@@ -126,6 +126,11 @@ class Channel:
         """Whether the program has ended, by its end or by an alarm."""
         return self.state is ChannelState.ENDED
 
+    @property
+    def sync_ns(self) -> TimeNs:
+        """Instant at which the last SYNC was requested."""
+        return self._next_sync_ns - self.timing.period_ns
+
     def _sync(self) -> None:
         if self.has_ended:
             self._monitor.end()
@@ -360,6 +365,11 @@ class Channel:
         if not self.interpolator.is_standing and self._stop_dynamics is not None:
             self.interpolator.brake(self._stop_dynamics.stop_deceleration)
         self.state = ChannelState.STOPPING
+
+    def stop(self, alarm: Alarm) -> None:
+        """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""
+        if not self.has_ended:
+            self._come_up(alarm)
 
     def _register(self, alarm: Alarm) -> None:
         self.alarms.append(alarm)

@@ -224,7 +224,7 @@ def test_an_unknown_kind_of_table_is_told_with_its_line(rig_file: Write) -> None
 def test_a_key_like_no_other_is_told_with_all_that_may_stand_there(rig_file: Write) -> None:
     error = _refused(rig_file(("node = 3", "node = 3\nqqqqqq = 1")))
     assert error.hint is None
-    assert error.allowed == "list, segment, node, drive, plant, probe_1, probe_2"
+    assert error.allowed == "list, segment, node, drive, plant, probe_1, probe_2, outside"
 
 
 @pytest.mark.parametrize(
@@ -265,7 +265,7 @@ def test_a_misspelt_required_key_is_told_as_misspelt(rig_file: Write) -> None:
         ("lead_mm = 10.0", 'latch = "guessed"', "guessed"),
         ("lead_mm = 10.0", "input_delay_us = -1.0", -1.0),
         ("bitrate = 1_000_000", "bitrate = 300_000", 300_000),
-        ("bitrate = 1_000_000", 'interface = "socketcan"', "socketcan"),
+        ("bitrate = 1_000_000", 'interface = "socketkan"', "socketkan"),
         ("cycle_offset_us = 600", "period_us = 100", 100),
         ("cycle_offset_us = 600", "buffer_cycles = -1", -1),
         ('segment = "can1"', 'segment = "can 1"', "can 1"),

@@ -13,6 +13,7 @@ from bench.rig.file import (
     CycleTable,
     DriveTable,
     PlantTable,
+    RealtimeTable,
     SegmentTable,
 )
 from kernel.cosim.roles import role_table
@@ -20,6 +21,7 @@ from kernel.cosim.roles import role_table
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
 MODELS: dict[str, type[BaseModel]] = {
     "[cycle]": CycleTable,
+    "[realtime]": RealtimeTable,
     "[channel]": ChannelTable,
     "[segment.S]": SegmentTable,
     "[drive.D]": DriveTable,

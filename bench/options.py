@@ -1,0 +1,92 @@
+"""What the commands of the command line share: options, and how errors end them."""
+
+import os
+import sys
+from collections.abc import Callable
+from functools import wraps
+from typing import Annotated, Any
+
+import typer
+
+from kernel.errors import UserError
+
+CALL_LIMIT_S = 60.0
+EXIT_REJECTED = 2
+EXIT_INTERRUPTED = 4
+EXIT_BROKEN_PIPE = 141
+
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="Change one input, written as a column of a plan: set:Z.kenngr.measure.edge=NEG",
+        metavar="COLUMN=VALUE",
+    ),
+]
+ForceOption = Annotated[
+    bool,
+    typer.Option(
+        "--force", help="Run although a cycle does not fit on its bus, and report the overload."
+    ),
+]
+IsolateOption = Annotated[
+    bool,
+    typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),
+]
+CallTimeoutOption = Annotated[
+    float | None,
+    typer.Option(
+        "--call-timeout",
+        min=1.0,
+        help="Wall time of one call into an FMU, s; 60 when not said. Uses processes apart.",
+    ),
+]
+InterfaceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--interface",
+        help="CAN interface by its python-can name, in place of the rig's: socketcan, slcan, ...",
+    ),
+]
+ChannelOption = Annotated[
+    str | None,
+    typer.Option("--channel", help="Channel of the interface: can0, /dev/ttyACM0, ..."),
+]
+BusOption = Annotated[
+    list[str] | None,
+    typer.Option("--option", metavar="KEY=VALUE", help="One more option of the interface."),
+]
+BitrateOption = Annotated[
+    int | None, typer.Option("--bitrate", help="Bit rate, bit/s, in place of the rig's.")
+]
+SegmentOption = Annotated[
+    str | None,
+    typer.Option("--segment", help="Segment of the rig that it is for, where it has several."),
+]
+YesOption = Annotated[
+    bool, typer.Option("--yes", "-y", help="The axes outside may move; do not ask.")
+]
+
+
+def rejecting(command: Callable[..., None]) -> Callable[..., None]:
+    """Turn what a user can mend into one line on standard error and exit code 2."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> None:
+        try:
+            command(*args, **kwargs)
+        except UserError as error:
+            print(f"error: {error}", file=sys.stderr)
+            raise typer.Exit(EXIT_REJECTED) from None
+        except BrokenPipeError:
+            # The reader has gone (`| head`); what follows must not complain a second time
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(EXIT_BROKEN_PIPE) from None
+        except OSError as error:
+            print(f"error: {error.filename or command.__name__}: {error.strerror}", file=sys.stderr)
+            raise typer.Exit(EXIT_REJECTED) from None
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            raise typer.Exit(EXIT_INTERRUPTED) from None
+
+    return guarded

@@ -1,0 +1,78 @@
+"""The parts that a rig is built from, whoever then drives them: segments and drive nodes."""
+
+from contextlib import ExitStack
+from pathlib import Path
+
+from bench.bus.canopen_sim import SimNetwork
+from bench.bus.record import BlfLog, FrameHash
+from bench.bus.segment import Segment
+from bench.drive.node import DriveNode
+from bench.rig.outside import is_real, outside_axes
+from bench.rig.pacing import open_segment
+from bench.rig.settings import Settings
+from kernel.cosim.plant import Plant
+from kernel.cosim.scheduler import Scheduler
+
+DRIVE_SEED_STRIDE = 1_000_003
+
+
+def build_segments(
+    settings: Settings,
+    scheduler: Scheduler,
+    frame_hash: FrameHash,
+    bus_log: Path | None,
+    opened: ExitStack,
+) -> dict[str, Segment]:
+    """Open every segment, simulated or real, with its records; `opened` closes them.
+
+    Raises UserError when an interface cannot be opened.
+    """
+    segments: dict[str, Segment] = {}
+    log = None if bus_log is None else BlfLog(bus_log, list(settings.segment))
+    if log is not None:
+        opened.callback(log.stop)
+    for name, table in settings.segment.items():
+        if is_real(settings, name):
+            segment: Segment = open_segment(settings, name, scheduler)
+        else:
+            recovers = table.bus_off == "recover"
+            segment = Segment(name, table.bitrate, scheduler, automatic_recovery=recovers)
+        opened.enter_context(segment)
+        segment.observe(frame_hash)
+        if log is not None:
+            segment.observe(log)
+        segments[name] = segment
+    return segments
+
+
+def build_nodes(
+    settings: Settings,
+    scheduler: Scheduler,
+    segments: dict[str, Segment],
+    plant: Plant,
+    seed: int,
+) -> dict[str, DriveNode]:
+    """Make the node of every axis whose drive is simulated here; seed: of what they draw."""
+    nodes: dict[str, DriveNode] = {}
+    signals = {name: probe.signal for name, probe in plant.probes.items()}
+    outside = outside_axes(settings)
+    for name, axis in settings.rig.axis.items():
+        if name in outside:
+            continue
+        queue = settings.segment[axis.segment].drive_queue
+        network = SimNetwork(segments[axis.segment].port(name, queue))
+        network.connect()
+        nodes[name] = DriveNode(
+            name,
+            axis.node,
+            network,
+            scheduler,
+            plant.axes[axis.plant],
+            (
+                signals[axis.probe_1] if axis.probe_1 else None,
+                signals[axis.probe_2] if axis.probe_2 else None,
+            ),
+            settings.rig.drive[axis.drive].make(),
+            seed + DRIVE_SEED_STRIDE * len(nodes),
+        )
+    return nodes
