@@ -44,6 +44,7 @@ class ProfilePosition(Mode):
         self._next: SetPoint | None = None
         self._active = SetPoint(0.0, 0.0, (1.0, 1.0), 0, False)
         self._bit = self._acknowledged = self._reached = False
+        self._is_idle = True  # no set-point was given yet
 
     def begin(self, now_ns: TimeNs) -> None:
         """Come to rest with 6084; set-points given before are forgotten."""
@@ -53,7 +54,7 @@ class ProfilePosition(Mode):
         self._active = SetPoint(course.end_m, 0.0, rates, shape, False)
         self._next = None
         self._bit = bool(parts.image.controlword & NEW_SET_POINT)
-        self._acknowledged = False
+        self._acknowledged, self._is_idle = False, True
         self._run(now_ns, course)
 
     def resume(self, now_ns: TimeNs) -> None:
@@ -68,8 +69,8 @@ class ProfilePosition(Mode):
         if is_new and not self._acknowledged:
             self._acknowledged = True
             set_point = self._set_point(bool(word & RELATIVE))
-            if word & AT_ONCE or self._reached:
-                self._next = None
+            if word & AT_ONCE or self._reached or self._is_idle:
+                self._next, self._is_idle = None, False
                 self._active = set_point
                 self._run(now_ns, self._course(self._generator.on_course(now_ns)))
             else:
