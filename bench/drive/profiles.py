@@ -15,7 +15,7 @@ from kernel.errors import UserError
 
 DEFAULT_PROFILE = "generic"
 _KEY_COLUMNS = ("key", "field", "type", "low", "high", "unit", "meaning")
-_WORDS = {"yes": True, "no": False}
+_WORDS = {"yes": True, "no": False, "true": True, "false": False, "1": True, "0": False}
 Value = bool | int | float | str
 
 
@@ -75,6 +75,19 @@ def _value(kind: str, text: str) -> Value:
     if kind == "number":
         return float(text)
     return _WORDS[text] if kind == "flag" else text
+
+
+def value_of(key: str, text: str) -> Value:
+    """Read the cell of a plan for a key of a rig's drive; a text that fits nothing stays one."""
+    habit = habits().get(key)
+    if habit is not None and habit.type in ("text", "flag"):
+        return _WORDS.get(text.lower(), text) if habit.type == "flag" else text
+    for read in (int, float):
+        try:
+            return read(text)
+        except ValueError:
+            continue
+    return _WORDS.get(text.lower(), text) if habit is None else text
 
 
 @cache

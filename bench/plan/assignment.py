@@ -11,11 +11,12 @@ from importlib import resources
 
 from kernel.errors import UserError, nearest
 
-INPUT_KINDS = ("set", "plant", "bus", "plc", "fault")
+INPUT_KINDS = ("set", "plant", "drive", "bus", "plc", "fault")
 
 _PLACES = {
     "axis": r"(?P<target>[A-Za-z]\w*)",
     "instance": r"(?P<target>[A-Za-z]\w*)",
+    "drive": r"(?P<target>[A-Za-z]\w*)",
     "segment": r"(?P<target>[A-Za-z]\w*)",
     "path": r"(?P<name>\S+)",
     "variable": r"(?P<name>\S+)",
@@ -62,8 +63,8 @@ class Unit:
 class Assignment:
     """An input column with its value.
 
-    kind: one of INPUT_KINDS. target: axis or `channel`, FMU instance, bus segment; empty for plc
-    and fault. name: parameter path, variable without unit suffix, key, event or kind of fault.
+    kind: one of INPUT_KINDS. target: axis or `channel`, FMU instance, drive, bus segment; empty for
+    plc and fault. name: parameter path, variable without unit suffix, key, event or kind of fault.
     unit: suffix of `units.csv`, only for plant; empty = SI. value: the cell.
     """
 

@@ -8,6 +8,7 @@ names file, line and key.
 import difflib
 import re
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,6 +17,7 @@ from pydantic import (
     BeforeValidator,
     Discriminator,
     Field,
+    PrivateAttr,
     Tag,
     ValidationError,
     create_model,
@@ -125,14 +127,25 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
     give has the profile's value. How it is started: `StartUpKeys`.
     """
 
-    @model_validator(mode="before")
+    _given: dict[str, Any] = PrivateAttr(default_factory=dict)
+
+    @model_validator(mode="wrap")
     @classmethod
-    def _with_profile(cls, values: Any) -> Any:
-        if isinstance(values, dict):
-            name = values.get("profile", DEFAULT_PROFILE)
-            if isinstance(name, str) and name in profile_names():
-                return {**profile_keys(name), **values}
-        return values
+    def _with_profile(cls, values: Any, handler: Callable[[Any], "DriveTable"]) -> "DriveTable":
+        name = values.get("profile", DEFAULT_PROFILE) if isinstance(values, dict) else None
+        if not isinstance(name, str) or name not in profile_names():
+            return handler(values)
+        table = handler({**profile_keys(name), **values})
+        table._given = dict(values)
+        return table
+
+    def changed(self, key: str, value: Any) -> "DriveTable":
+        """Return the drive with one key changed; a new profile keeps what the rig has given.
+
+        Raises ValidationError.
+        """
+        table: DriveTable = DriveTable.model_validate({**self._given, key: value})
+        return table
 
     def make(self) -> DriveProfile:
         """Make the drive node's profile. Raises UserError for a value that cannot be."""

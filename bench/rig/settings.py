@@ -10,9 +10,10 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
+from bench.drive.profiles import value_of
 from bench.plan.assignment import Assignment
 from bench.rig.faults import Fault, read_faults
-from bench.rig.file import RigFile, SegmentTable, rig_error
+from bench.rig.file import DriveTable, RigFile, SegmentTable, rig_error
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
 
@@ -61,6 +62,7 @@ class Settings:
             {
                 "set": self._set,
                 "plant": self._plant,
+                "drive": self._drive,
                 "bus": self._bus,
                 "plc": self._plc,
                 "fault": self._fault,
@@ -78,6 +80,26 @@ class Settings:
         if item.target not in self.rig.plant:
             raise UserError("the rig has no such plant", value=item.target, allowed=self.rig.plant)
         self.start.setdefault(item.target, []).append((item, located))
+
+    def _drive(self, item: Assignment, _located: Located) -> None:
+        drives = self.rig.drive
+        if item.target not in drives:
+            raise UserError("the rig has no such drive", value=item.target, allowed=drives)
+        fields = DriveTable.model_fields
+        if item.name not in fields:
+            raise UserError(
+                "a drive has no such key",
+                value=item.name,
+                allowed=nearest(item.name, fields) or fields,
+            )
+        value = value_of(item.name, item.value)
+        try:
+            table = drives[item.target].changed(item.name, value)
+        except ValidationError as error:
+            raise UserError(
+                f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
+            ) from error
+        self.rig = self.rig.model_copy(update={"drive": {**drives, item.target: table}})
 
     def _bus(self, item: Assignment, _located: Located) -> None:
         known = [*self.segment, EVERY_SEGMENT]

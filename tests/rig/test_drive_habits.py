@@ -11,6 +11,7 @@ from bench.drive.objects import variables
 from bench.drive.profile import DriveProfile
 from bench.drive.profiles import habits, named_profile, profile_keys, profile_listing, profile_names
 from bench.rig.file import read_rig
+from bench.rig.settings import Settings
 from kernel.errors import UserError
 
 Write = Callable[..., Path]
@@ -98,3 +99,41 @@ def test_the_listing_names_every_profile_and_what_is_special_in_it() -> None:
     assert [line.split()[0] for line in profile_listing("generic").splitlines()] == list(habits())
     with pytest.raises(UserError, match="no such drive profile"):
         profile_listing("epos5")
+
+
+def test_a_plan_changes_the_drive(rig_file: Write, settings_of: Callable[..., Settings]) -> None:
+    path = rig_file(("lead_mm = 10.0", "lead_mm = 5.0\ninput_delay_us = 4.0"))
+    settings = settings_of(
+        path,
+        "drive:servo.input_filter_us=250",
+        "drive:servo.profile=lenze-i700-like",
+        "drive:servo.toggle_bits=yes",
+        "drive:servo.trigger_sources=1",
+        "drive:servo.input_jitter_us=0.5",
+    )
+    assert settings.rig.drive["servo"].make() == dataclasses.replace(
+        named_profile("lenze-i700-like"),
+        lead_um=5_000,
+        input_filter_ns=250_000,
+        input_jitter_ns=500,
+        toggle_bits=True,
+        trigger_sources="1",
+    )
+
+
+@pytest.mark.parametrize(
+    ("assignment", "told"),
+    [
+        ("drive:servo.profile=lenze", "lenze-i700-like"),
+        ("drive:servo.toggle_bits=perhaps", "toggle_bits"),
+        ("drive:servo.input_delay_us=-1", "greater than or equal to 0"),
+        ("drive:servo.leed_mm=10", "lead_mm"),
+        ("drive:motor.lead_mm=10", "servo"),
+    ],
+)
+def test_a_wrong_column_for_a_drive_is_told(
+    rig_file: Write, settings_of: Callable[..., Settings], assignment: str, told: str
+) -> None:
+    with pytest.raises(UserError) as caught:
+        settings_of(rig_file(), assignment)
+    assert told in str(caught.value)
