@@ -68,11 +68,14 @@ def _inputs(assignments: list[str] | None, is_forced: bool) -> list[str]:
     return [*(assignments or []), *([FORCED] if is_forced else [])]
 
 
-def _blf(path: Path | None) -> Path | None:
+def _logs(path: Path | None) -> list[Path]:
     """Refuse a bus log that would overwrite a file of another kind."""
-    if path is not None and path.suffix.lower() != ".blf":
-        raise UserError("a bus log is a .blf file", value=str(path), allowed="*.blf")
-    return path
+    from bench.bus.logs import LOG_SUFFIXES
+
+    suffixes = list(LOG_SUFFIXES.values())
+    if path is not None and path.suffix.lower() not in suffixes:
+        raise UserError("no kind of bus log", value=str(path), allowed=suffixes)
+    return [] if path is None else [path]
 
 
 @app.command()
@@ -96,11 +99,16 @@ def run(
     bitrate: BitrateOption = None,
     segment: SegmentOption = None,
     may_move: YesOption = False,
+    bus_logs: Annotated[
+        str,
+        typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap or none of them."),
+    ] = "blf",
 ) -> None:
     """Run plans, judge them, and write results and report.
 
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
+    from bench.bus.logs import log_kinds
     from bench.run.campaign import run_campaign, show_verdicts
     from bench.run.outside import Outside
     from reports.build import build_report
@@ -120,6 +128,7 @@ def run(
         outside=Outside(
             _hardware, may_move, _to_stderr, interface, channel, options, bitrate, segment
         ),
+        bus_logs=log_kinds(bus_logs),
     )
     report_path = build_report(campaign.folder)
     if campaign.results:
@@ -153,7 +162,7 @@ def nc(
     program: Annotated[Path, typer.Argument(help="NC program.")],
     rig: Annotated[Path, typer.Option("--rig", help="Rig file (TOML).")],
     bus_log: Annotated[
-        Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
+        Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
     ] = None,
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
@@ -178,7 +187,7 @@ def nc(
         program,
         rig,
         _inputs(assignments, is_forced),
-        _blf(bus_log),
+        _logs(bus_log),
         partial(print, flush=True),
     )
     said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
@@ -264,7 +273,7 @@ def replay(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
     run_id: Annotated[str, typer.Argument(metavar="RUN", help="Run id, as in cases.csv.")],
     bus_log: Annotated[
-        Path | None, typer.Option("--bus-log", help="Write every frame to this BLF file.")
+        Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
     ] = None,
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
@@ -275,7 +284,7 @@ def replay(
     from bench.run.campaign import show_verdicts
     from bench.run.replay import replay as run_again
 
-    what = (folder, run_id, _blf(bus_log))
+    what = (folder, run_id, _logs(bus_log))
     if is_isolated or call_limit_s:
         again = do_apart(run_again, *what, file=folder, call_limit_s=call_limit_s or CALL_LIMIT_S)
     else:

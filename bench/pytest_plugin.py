@@ -51,7 +51,7 @@ class CaseItem(pytest.Item):
 
     def runtest(self) -> None:
         """Run the case and judge it."""
-        result = run_case(self.case, None)
+        result = run_case(self.case, [])
         self.user_properties += [
             ("verdict", result.verdict.word),
             ("seed", str(self.case.seed)),

@@ -139,7 +139,7 @@ class Segment:
         """Give `listener` a copy of every frame at its end, dropped and error frames included.
 
         Loggers of python-can work as they are; whoever opened one stops it. An error frame carries
-        the identifier of the frame it destroyed. For BLF take `bench.bus.record.blf_writer`.
+        the identifier of the frame it destroyed. For BLF take `bench.bus.logs.blf_writer`.
         """
         self._taps += (listener,)
 

@@ -4,7 +4,7 @@
     cases.csv              one row per run, with every input column of the plan
     traces/<run>.parquet   signals over time
     runs/<run>.json        events, limits to draw, notes, messages, log, figures of the buses, error
-    bus/<run>.blf          every frame
+    bus/<run>.blf          every frame; or .log, .asc, .pcap
     junit.xml, manifest.json, report.html
 
 Rows are appended as runs end, in whatever order that is, and put into plan order by `close`.
@@ -12,6 +12,7 @@ Equal runs give equal bytes, except for `wall_s` and the manifest.
 """
 
 import csv
+import glob
 import hashlib
 import json
 import platform
@@ -26,6 +27,7 @@ from typing import Any, Self
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
 from bench.plan.checks import CheckResult, value_text
 from bench.plan.plan import Case, Plan
 from bench.plan.verdict import Verdict, worst
@@ -92,13 +94,20 @@ def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0)
 class ResultsWriter:
     """Writes a results folder; a context manager that closes it however the campaign ends."""
 
-    def __init__(self, folder: Path, plans: Sequence[Plan], manifest: Mapping[str, object]) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        plans: Sequence[Plan],
+        manifest: Mapping[str, object],
+        bus_logs: Sequence[str] = ("blf",),
+    ) -> None:
         """Open `folder` for the runs of `plans`; an older results folder is replaced.
 
-        manifest: see `build_manifest`.
+        manifest: see `build_manifest`. bus_logs: kinds of `bench.bus.logs`.
         Raises UserError when the folder holds anything that is not a results folder.
         """
         self.folder = folder
+        self._bus_logs = list(bus_logs)
         self._order = {case.run: i for i, case in enumerate(_cases(plans))}
         if len(self._order) != sum(len(plan.cases) for plan in plans):
             raise UserError("two plans of one campaign have the same name", file=folder)
@@ -125,9 +134,9 @@ class ResultsWriter:
     ) -> None:
         self.close()
 
-    def bus_path(self, run: str) -> Path:
-        """Return where the bus log of a run belongs."""
-        return self.folder / "bus" / f"{run}.blf"
+    def bus_paths(self, run: str) -> list[Path]:
+        """Return where the bus logs of a run belong."""
+        return [self.folder / "bus" / f"{run}{LOG_SUFFIXES[kind]}" for kind in self._bus_logs]
 
     def add(self, result: CaseResult) -> None:
         """Write one run. A check without a result becomes `error`; the worst verdict wins.
@@ -158,7 +167,9 @@ class ResultsWriter:
         Bus logs of runs that were broken off go: a file here belongs to a row.
         """
         for run in self._order.keys() - self._written:
-            self.bus_path(run).unlink(missing_ok=True)
+            for path in self.bus_paths(run):
+                for file in (path, *path.parent.glob(glob.escape(f"{run}{SEGMENT_MARK}") + "*")):
+                    file.unlink(missing_ok=True)
         for name in ("results.csv", "cases.csv"):
             self._sort(name)
         write_junit(self.folder)

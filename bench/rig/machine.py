@@ -4,7 +4,7 @@
 (messages, alarms, records, trace, frame hash) is read from it afterwards.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -42,9 +42,9 @@ class Machine:
     """One rig with one program, ready to run.
 
     settings: checked rig with the assignments of this run. program: parsed NC program.
-    bus_log: BLF file to write, or None. put_out: takes each `#MSG` text when it is due.
-    seed: of everything random in the run. limit_ns: simulated time that it may take. hardware: for
-    rigs with a bus outside; they run in real time, and the plants outside are not simulated.
+    bus_logs: files to write, their suffixes say the kind. put_out: takes each `#MSG` text when it
+    is due. seed: of everything random in the run. limit_ns: simulated time that it may take.
+    hardware: for rigs with a bus outside; they run in real time, and the plants outside are not simulated.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
     """
 
@@ -53,7 +53,7 @@ class Machine:
         settings: Settings,
         program: Program,
         *,
-        bus_log: Path | None = None,
+        bus_logs: Sequence[Path] = (),
         put_out: Callable[[str], None] | None = None,
         seed: int = 0,
         limit_ns: TimeNs = SIMULATED_LIMIT_NS,
@@ -89,7 +89,7 @@ class Machine:
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
             self.segments = build_segments(
-                settings, self.scheduler, self.frame_hash, bus_log, self._open
+                settings, self.scheduler, self.frame_hash, bus_logs, self._open
             )
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
             self.networks = {

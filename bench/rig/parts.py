@@ -1,10 +1,12 @@
 """The parts that a rig is built from, whoever then drives them: segments and drive nodes."""
 
+from collections.abc import Sequence
 from contextlib import ExitStack
 from pathlib import Path
 
 from bench.bus.canopen_sim import SimNetwork
-from bench.bus.record import BlfLog, FrameHash
+from bench.bus.logs import open_log
+from bench.bus.record import FrameHash
 from bench.bus.segment import Segment
 from bench.drive.node import DriveNode
 from bench.rig.outside import is_real, outside_axes
@@ -20,17 +22,21 @@ def build_segments(
     settings: Settings,
     scheduler: Scheduler,
     frame_hash: FrameHash,
-    bus_log: Path | None,
+    bus_logs: Sequence[Path],
     opened: ExitStack,
 ) -> dict[str, Segment]:
     """Open every segment, simulated or real, with its records; `opened` closes them.
 
+    bus_logs: files to write, their suffixes say the kind.
+
     Raises UserError when an interface cannot be opened.
     """
     segments: dict[str, Segment] = {}
-    log = None if bus_log is None else BlfLog(bus_log, list(settings.segment))
-    if log is not None:
+    logs = []
+    for path in bus_logs:
+        log = open_log(path, list(settings.segment))
         opened.callback(log.stop)
+        logs.append(log)
     for name, table in settings.segment.items():
         if is_real(settings, name):
             segment: Segment = open_segment(settings, name, scheduler)
@@ -39,7 +45,7 @@ def build_segments(
             segment = Segment(name, table.bitrate, scheduler, automatic_recovery=recovers)
         opened.enter_context(segment)
         segment.observe(frame_hash)
-        if log is not None:
+        for log in logs:
             segment.observe(log)
         segments[name] = segment
     return segments

@@ -76,11 +76,13 @@ def run_campaign(  # noqa: PLR0913
     is_isolated: bool = False,
     call_limit_s: float = CALL_LIMIT_S,
     outside: Outside | None = None,
+    bus_logs: Sequence[str] = ("blf",),
 ) -> Campaign:
     """Run plans into a results folder; an interrupt ends the campaign with what it has.
 
     is_isolated: each case in a process of its own, which an FMU may crash. call_limit_s: wall time
     that one call into an FMU may take there. outside: interfaces for axes on real hardware.
+    bus_logs: kinds of `bench.bus.logs`.
 
     Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
     case. Raises UserError before the results folder is touched.
@@ -102,13 +104,13 @@ def run_campaign(  # noqa: PLR0913
     with (
         suppress(KeyboardInterrupt),
         outside.open_hardware() if real and outside else nullcontext() as hardware,
-        ResultsWriter(folder, plans, manifest) as writer,
+        ResultsWriter(folder, plans, manifest, bus_logs) as writer,
         _progress() as progress,
     ):
         task = progress.add_task("", total=len(cases))
         for result in run_cases(
             cases,
-            writer.bus_path,
+            writer.bus_paths,
             jobs=jobs,
             timeout_s=timeout_s,
             stopwatch=stopwatch,

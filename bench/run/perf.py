@@ -96,7 +96,7 @@ def measure(
         for _ in range(repeats):
             begin = clock_ns()
             with ResultsWriter(Path(folder) / "out", [plan], manifest) as writer:
-                result = run_case(case, writer.bus_path(case.run))
+                result = run_case(case, writer.bus_paths(case.run))
                 writer.add(result)
             walls_s.append((clock_ns() - begin) / 1e9)
             if result.error:
@@ -108,7 +108,7 @@ def measure(
             digest = result.frame_log_sha256
         with _counters(clock_ns) as stack:
             begin = clock_ns()
-            result = run_case(case, Path(folder) / "split.blf")
+            result = run_case(case, [Path(folder) / "split.blf"])
             split_s = (clock_ns() - begin) / 1e9
     cycles = result.trace.num_rows if result.trace is not None else 0
     split = {part: ns / 1e3 / max(cycles, 1) for part, ns in stack.self_ns.items()}

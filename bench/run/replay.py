@@ -25,7 +25,7 @@ class Replay:
         return self.result.frame_log_sha256 == self.recorded_sha256
 
 
-def replay(folder: Path, run: str, bus_log: Path | None) -> Replay:
+def replay(folder: Path, run: str, bus_logs: Sequence[Path]) -> Replay:
     """Run `run` of the results folder again, with the inputs that were recorded for it.
 
     Raises UserError when the folder, the run or its plan cannot be found.
@@ -38,7 +38,7 @@ def replay(folder: Path, run: str, bus_log: Path | None) -> Replay:
         if value and ":" in column and column.partition(":")[0] in INPUT_KINDS
     }
     case = _find(plan.cases, run, inputs)
-    return Replay(run_case(case, bus_log), row["frame_log_sha256"])
+    return Replay(run_case(case, bus_logs), row["frame_log_sha256"])
 
 
 def _recorded(folder: Path, run: str) -> Mapping[str, str]:

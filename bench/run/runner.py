@@ -100,7 +100,7 @@ def _without_collector() -> Iterator[None]:
 
 def run_case(
     case: Case,
-    bus_log: Path | None,
+    bus_logs: Sequence[Path],
     stopwatch: Stopwatch = no_stopwatch,
     hardware: Hardware | None = None,
 ) -> CaseResult:
@@ -110,7 +110,7 @@ def run_case(
     """
     started = stopwatch()
     try:
-        return _run_case(case, bus_log, stopwatch, started, hardware)
+        return _run_case(case, bus_logs, stopwatch, started, hardware)
     except Exception as error:  # a defect costs its own row, never the campaign
         reason = f"defect of the bench: {type(error).__name__}: {error}"
         result = no_values(case, Verdict.ERROR, reason, wall_s=stopwatch() - started)
@@ -120,7 +120,7 @@ def run_case(
 
 def _run_case(
     case: Case,
-    bus_log: Path | None,
+    bus_logs: Sequence[Path],
     stopwatch: Stopwatch,
     started: float,
     hardware: Hardware | None,
@@ -128,7 +128,7 @@ def _run_case(
     try:
         settings = settings_of(case)
         program = read_program(case.program, tuple(settings.rig.axis))
-        machine = Machine(settings, program, bus_log=bus_log, seed=case.seed, hardware=hardware)
+        machine = Machine(settings, program, bus_logs=bus_logs, seed=case.seed, hardware=hardware)
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))
     try:
@@ -193,7 +193,7 @@ def prepare_all(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float
 
 def run_cases(
     cases: Sequence[Case],
-    bus_path: Callable[[str], Path],
+    bus_paths: Callable[[str], Sequence[Path]],
     *,
     jobs: int,
     timeout_s: float | None,
@@ -211,13 +211,13 @@ def run_cases(
     """
     if hardware is not None or (jobs == 1 and timeout_s is None and not is_isolated):
         for case in cases:
-            yield run_case(case, bus_path(case.run), stopwatch, hardware)
+            yield run_case(case, bus_paths(case.run), stopwatch, hardware)
             if hardware is not None and hardware.stop():
                 return
         return
     results = run_apart(
         run_case,
-        [[case, bus_path(case.run), stopwatch] for case in cases],
+        [[case, bus_paths(case.run), stopwatch] for case in cases],
         jobs=jobs,
         is_fresh=is_isolated,
         timeout_s=timeout_s,

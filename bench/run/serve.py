@@ -142,10 +142,10 @@ class DriveServer:
             start_plant(settings, self.plant)
             if folder is not None:
                 folder.mkdir(parents=True, exist_ok=True)
-            bus_log = None if folder is None else folder / "bus.blf"
+            bus_logs = [] if folder is None else [folder / "bus.blf"]
             self.frame_hash = FrameHash()
             self.segments = build_segments(
-                settings, self.scheduler, self.frame_hash, bus_log, self._open
+                settings, self.scheduler, self.frame_hash, bus_logs, self._open
             )
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, 0)
             self._watcher = Watcher(settings, self.nodes, self.plant, put_out, folder, self._open)

@@ -32,7 +32,7 @@ def run_outside(
     program: Path,
     rig: Path,
     assignments: Sequence[str],
-    bus_log: Path | None,
+    bus_logs: Sequence[Path],
     put_out: Callable[[str], None],
     *,
     is_apart: bool,
@@ -50,14 +50,14 @@ def run_outside(
     check_plant(settings)
     allow([settings], outside)
     with outside.open_hardware() as hardware:
-        return run_program(program, rig, changes, bus_log, put_out, hardware)
+        return run_program(program, rig, changes, bus_logs, put_out, hardware)
 
 
 def run_program(
     program: Path,
     rig: Path,
     assignments: Sequence[str],
-    bus_log: Path | None,
+    bus_logs: Sequence[Path],
     put_out: Callable[[str], None],
     hardware: Hardware | None = None,
 ) -> list[Ended]:
@@ -71,7 +71,7 @@ def run_program(
     table, files = read_rig(rig)
     settings = read_settings(table, files, changes)
     parsed = read_program(program, tuple(table.axis))
-    machine = Machine(settings, parsed, bus_log=bus_log, put_out=put_out, hardware=hardware)
+    machine = Machine(settings, parsed, bus_logs=bus_logs, put_out=put_out, hardware=hardware)
     try:
         machine.run()
     except (PlantError, SimulatedTimeoutError) as error:

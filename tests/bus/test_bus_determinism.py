@@ -14,7 +14,8 @@ import can
 from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
 from bench.bus.canopen_sim import SimLocalNode, SimNetwork, SimRemoteNode
 from bench.bus.faults import DropById, ErrorAtBit
-from bench.bus.record import FrameHash, blf_writer
+from bench.bus.logs import open_log
+from bench.bus.record import FrameHash
 from bench.bus.segment import Segment
 from kernel.clock import MS, Phase
 from kernel.cosim.scheduler import Scheduler
@@ -28,12 +29,12 @@ def dictionary():
     return od
 
 scheduler, digest, numbers = Scheduler(), FrameHash(), random.Random(7)
-logs = [blf_writer(sys.argv[1]), can.Logger(sys.argv[2])]
+logs = [open_log(Path(name), ["x", "y"]) for name in sys.argv[1:]]
 for name in ("x", "y"):
     segment = Segment(name, 1_000_000, scheduler)
     segment.observe(digest)
     for log in logs:
-        segment.tap(log)
+        segment.observe(log)
     segment.add_fault(DropById(0x181, share=0.2, seed=1))
     def destroy(frame, port, attempt):
         return ErrorAtBit(numbers.randint(1, 60)) if numbers.random() < 0.01 else None
@@ -56,18 +57,30 @@ for log in logs:
     log.stop()
 assert threading.active_count() == 1
 print(digest.frames, digest.hexdigest())
-for path in sys.argv[1:]:
-    print(hashlib.sha256(Path(path).read_bytes()).hexdigest())
+for path in sorted(Path(sys.argv[1]).parent.iterdir()):
+    if path.suffix == ".asc":  # its head tells the date
+        with can.ASCReader(path) as reader:
+            content = repr([(m.timestamp, m.channel, m.arbitration_id, m.data) for m in reader])
+            content = content.encode()
+    else:
+        content = path.read_bytes()
+    assert len(content) > 10_000
+    print(path.name, hashlib.sha256(content).hexdigest())
 """
 
 
 def test_hash_and_logs_are_the_same_bytes_in_another_process(tmp_path: Path) -> None:
     runs = []
     for seed in ("1", "2"):
-        command = [sys.executable, "-c", RUN, f"{tmp_path}/{seed}.blf", f"{tmp_path}/{seed}.log"]
+        folder = tmp_path / seed
+        folder.mkdir()
+        logs = [str(folder / f"bus{suffix}") for suffix in (".blf", ".log", ".asc", ".pcap")]
+        command = [sys.executable, "-c", RUN, *logs]
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
         runs.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment))
     outputs = [run.communicate()[0] for run in runs]
     assert [run.returncode for run in runs] == [0, 0]
     assert outputs[0] == outputs[1]
     assert int(outputs[0].split()[0]) > 2 * 300 * 5
+    names = [line.split()[0] for line in outputs[0].splitlines()[1:]]
+    assert names == ["bus.asc", "bus.blf", "bus.log", "bus@x.pcap", "bus@y.pcap"]

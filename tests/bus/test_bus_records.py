@@ -9,7 +9,8 @@ import pytest
 
 from bench.bus.faults import ErrorAtBit
 from bench.bus.frame import Frame
-from bench.bus.record import FrameHash, blf_writer
+from bench.bus.logs import blf_writer
+from bench.bus.record import FrameHash
 from bench.bus.segment import Segment
 from kernel.clock import MS
 from kernel.cosim.scheduler import Scheduler

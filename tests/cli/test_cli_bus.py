@@ -114,3 +114,14 @@ def test_perf_of_the_bus_sets_it_beside_python_can_and_canopen(axisrig: Call) ->
     ours = told["pack_us"] + told["unpack_us"]
     assert told["codec_frames_s"] == pytest.approx(1e6 / ours)
     assert "python-can virtual" in axisrig("perf", "--bus", "--repeats", "1")[1]
+
+
+def test_run_writes_the_kinds_of_logs_that_are_asked_for(
+    place: Path, axisrig: Call, plan: Path
+) -> None:
+    assert axisrig("run", plan, "-o", "out", "--bus-log", "blf,candump,asc,pcap")[0] == 0
+    names = {path.name for path in (place / "out" / "bus").iterdir()}
+    assert names == {f"plan-a.{suffix}" for suffix in ("blf", "log", "asc", "pcap")}
+    code, _, err = axisrig("run", plan, "-o", "out", "--bus-log", "mf4")
+    assert code == 2
+    assert "blf, candump, asc, pcap" in err
