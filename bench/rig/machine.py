@@ -44,7 +44,8 @@ class Machine:
     settings: checked rig with the assignments of this run. program: parsed NC program.
     bus_logs: files to write, their suffixes say the kind. put_out: takes each `#MSG` text when it
     is due. seed: of everything random in the run. limit_ns: simulated time that it may take.
-    hardware: for rigs with a bus outside; they run in real time, and the plants outside are not simulated.
+    hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
+    simulated.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
     """
 
