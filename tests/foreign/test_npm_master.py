@@ -117,9 +117,8 @@ def test_it_reads_our_electronic_data_sheet(visit: Any) -> None:
 def test_it_goes_through_every_step(visit: Any) -> None:
     report, _ = visit()
     enabled = ["ready to switch on", "switched on", "operation enabled"]
-    assert report["steps"] == [
-        "configured", *enabled, "measured", *enabled, "fault reset", "ready to switch on", "stopped"
-    ]  # fmt: skip
+    before = ["identified", "configured", *enabled, "measured"]
+    assert report["steps"] == [*before, *enabled, "fault reset", "ready to switch on", "stopped"]
 
 
 def test_it_reads_objects_by_expedited_segmented_and_block_transfer(visit: Any) -> None:
@@ -129,6 +128,13 @@ def test_it_reads_objects_by_expedited_segmented_and_block_transfer(visit: Any) 
     assert read["modes"] & 1 << 7  # cyclic synchronous position
     assert read["name"] == read["nameByBlock"] != ""
     assert read["window"] == 4_000_000_000
+    assert read["windowByBlock"] == 3_000_000_000
+
+
+def test_it_asks_for_the_identity_by_layer_setting_services(visit: Any) -> None:
+    report, _ = visit()
+    assert report["identity"] == report["read"]["identities"]
+    assert len(report["identity"]) == 4
 
 
 def test_what_it_must_not_do_is_refused_with_the_standard_code(visit: Any) -> None:
@@ -137,7 +143,7 @@ def test_what_it_must_not_do_is_refused_with_the_standard_code(visit: Any) -> No
         "unknown object": 0x0602_0000,
         "unknown sub-index": 0x0609_0011,
         "write to read only": 0x0601_0002,
-        "too long": 0x0607_0010,
+        "too long": 0x0607_0012,  # length too high
     }
 
 

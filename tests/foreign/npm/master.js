@@ -23,7 +23,7 @@ Module._load = function (request, ...rest) {
         },
     };
 };
-const { Device, DataType, Eds } = require('canopen');
+const { Device, DataType, Eds, LssMode } = require('canopen');
 
 const [, , edsFile, nodeText, planText] = process.argv;
 const node = Number(nodeText);
@@ -46,7 +46,7 @@ function wait(ms) {
     return until(() => timeMs >= end, `${ms} ms`, ms + 1000);
 }
 
-const master = new Device({ id: 0x7F, eds: new Eds() });
+const master = new Device({ id: 0x7F, eds: new Eds(), enableLss: true });
 master.addListener('message', (m) => outgoing.push([m.id, m.data.toString('hex')]));
 const { eds } = master;
 eds.addHeartbeatConsumer(node, 10000);
@@ -117,8 +117,23 @@ async function toState(control, mask, value, name) {
     report.steps.push(name);
 }
 
+async function layerSettings() {
+    master.lss.switchModeGlobal(LssMode.CONFIGURATION);
+    await wait(2);
+    report.identity = [
+        await master.lss.inquireVendorId(TIMEOUT_MS), await master.lss.inquireProductCode(TIMEOUT_MS),
+        await master.lss.inquireRevisionNumber(TIMEOUT_MS), await master.lss.inquireSerialNumber(TIMEOUT_MS),
+    ];
+    master.lss.switchModeGlobal(LssMode.OPERATION);
+    await wait(2);
+    report.steps.push('identified');
+}
+
 async function configure() {
     report.read.deviceType = await read(0x1000, 0, DataType.UNSIGNED32);
+    report.read.identities = [];
+    for (const subIndex of [1, 2, 3, 4])
+        report.read.identities.push(await read(0x1018, subIndex, DataType.UNSIGNED32));
     report.read.identity = await read(0x1018, 0, DataType.UNSIGNED8);
     report.read.modes = await read(0x6502, 0, DataType.UNSIGNED32);
     report.read.name = await read(0x1008, 0, DataType.VISIBLE_STRING);
@@ -211,6 +226,7 @@ async function main() {
     await wait(5);
     master.nmt.resetNode(node);
     await until(() => report.heartbeats.includes(0) || report.heartbeats.includes(127), 'boot-up');
+    await layerSettings();
     await configure();
     await block();
     master.nmt.startNode(node);
