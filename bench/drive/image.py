@@ -45,6 +45,7 @@ class ProcessImage:
     torque_actual: int = 0
     current_actual: int = 0
     target_position: int = 0
+    home_offset: int = 0
     software_limit_min: int = 0
     software_limit_max: int = 0
     max_profile_velocity: int = 0
@@ -60,6 +61,10 @@ class ProcessImage:
     gear_shaft: int = 0
     feed: int = 0
     feed_shaft: int = 0
+    homing_method: int = 0
+    homing_speed_switch: int = 0
+    homing_speed_zero: int = 0
+    homing_acceleration: int = 0
     position_offset: int = 0
     velocity_offset: int = 0
     torque_offset: int = 0

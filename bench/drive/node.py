@@ -4,6 +4,8 @@ What the node does on its bus is `communication/slave.py`, what it does with its
 `application/servo.py`; here they are put together.
 """
 
+from collections.abc import Mapping
+
 from canopen.sdo.exceptions import SdoAbortedError
 
 from bench.bus.canopen_sim import SimNetwork
@@ -31,11 +33,12 @@ class DriveNode:
 
     node_id: 1 to 127, or 255 for a node that gets its number by LSS. network: a connected network
     of its own (one port of the segment). probes: the signals wired to probe input 1 and 2, None
-    for an open input. seed: of what is random in the drive. The node boots at the present instant,
-    that is with the first event the clock runs.
+    for an open input. switches: limit and home switches, "negative", "positive", "home". seed: of
+    what is random in the drive. The node boots at the present instant, that is with the first event
+    the clock runs.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         name: str,
         node_id: int,
@@ -45,13 +48,22 @@ class DriveNode:
         probes: tuple[SignalPort | None, SignalPort | None] = (None, None),
         profile: DriveProfile | None = None,
         seed: int = 0,
+        *,
+        switches: Mapping[str, SignalPort] | None = None,
     ) -> None:
         self.name = name
         self.profile = profile or DriveProfile()
         self.is_on = True
         self._network, self._clock = network, clock
         servo = self.servo = Servo(
-            axis, probes, self.profile, self._send_emergency, clock, self._send_changes, seed
+            axis,
+            probes,
+            self.profile,
+            self._send_emergency,
+            clock,
+            self._send_changes,
+            seed,
+            switches,
         )
         self.slave = CanopenSlave(
             node_id,

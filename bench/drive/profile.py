@@ -64,6 +64,9 @@ class DriveProfile:
     status_delay_cycles: int = 0
     value_delay_cycles: int = 0
     homing: Literal["independent", "probe_1_off", "off", "clears"] = "independent"
+    home_offset: Literal["zero", "value"] = "zero"
+    homing_torque: int = 500
+    homing_stop_ms: int = 100
     lacks: str = ""
     tick_ns: TimeNs = 250 * US
     rated_torque_mnm: int = 2200
@@ -158,6 +161,8 @@ class DriveProfile:
             "velocity_window": units(Fraction(1, 2), 0xFFFF),
             "profile_velocity": units(100),
             "profile_acceleration": units(1000),
+            "homing_speed": units(20),
+            "homing_speed_zero": units(2),
             "quick_stop_deceleration": units(5000),
         }
 

@@ -53,7 +53,9 @@ class Status(IntFlag):
     FOLLOWS_COMMAND = 1 << 12
     SET_POINT_ACKNOWLEDGE = 1 << 12
     SPEED_ZERO = 1 << 12
+    HOMING_ATTAINED = 1 << 12
     FOLLOWING_ERROR = 1 << 13
+    HOMING_ERROR = 1 << 13
 
 
 class ProbeFunction(IntFlag):

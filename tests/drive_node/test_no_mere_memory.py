@@ -146,6 +146,19 @@ def without_1006(bench: Any, write: Write) -> None:
     csv(bench, write)
 
 
+def hm(method: int) -> Scene:
+    """Homing by a method, for 100 ms."""
+
+    def scene(bench: Any, write: Write) -> None:
+        bench.remote.sdo[0x6098].raw = method
+        enabled(bench, 6, write)
+        for _ in range(100):
+            bench.set_values(0x1F, 0)
+            run_ms(bench, 1)
+
+    return scene
+
+
 EFFECTS: dict[tuple[int, int], tuple[int, Scene]] = {
     (0x6007, 0): (2, csp_and_silence),
     (0x6040, 0): (0x06, switching_on),
@@ -166,6 +179,7 @@ EFFECTS: dict[tuple[int, int], tuple[int, Scene]] = {
     (0x6071, 0): (50, cst_at_rest),
     (0x6072, 0): (80, cst),
     (0x607A, 0): (500_000, pp),
+    (0x607C, 0): (1000, hm(37)),
     (0x607D, 1): (-2_000_000, csp),
     (0x607D, 2): (100_000, csp),
     (0x607F, 0): (1_000_000, pp),
@@ -181,6 +195,10 @@ EFFECTS: dict[tuple[int, int], tuple[int, Scene]] = {
     (0x6091, 2): (2, csp),
     (0x6092, 1): (10_000, csp),
     (0x6092, 2): (2, csp),
+    (0x6098, 0): (33, hm(34)),
+    (0x6099, 1): (1_000_000, hm(-3)),
+    (0x6099, 2): (1_000_000, hm(34)),
+    (0x609A, 0): (1_000_000, hm(34)),
     (0x60B0, 0): (1000, csp),
     (0x60B1, 0): (1_000_000, csv),
     (0x60B2, 0): (50, cst),

@@ -16,7 +16,8 @@ class Limits:
     """The limits as they stand in the objects, in SI units; `update` reads them again.
 
     low_m, high_m: where a position demand may lie. speed_m_s: 6080. profile_m_s: the least of 6080
-    and 607F. negative, positive: torque in per mille of 6076, the least of 6072 and 60E1 or 60E0.
+    and 607F. negative, positive: torque in per mille of 6076, the least of 6072 and 60E1 or 60E0;
+    homing_torque: a further limit while homing presses against a stop, None = none.
     """
 
     def __init__(
@@ -26,6 +27,7 @@ class Limits:
         self._lead_m = profile.lead_um * 1e-6
         self.rated_n = profile.rated_force_n
         self.negative = self.positive = NO_TORQUE_LIMIT
+        self.homing_torque: int | None = None
         self.update()
 
     def update(self) -> None:
@@ -35,7 +37,8 @@ class Limits:
         self.low_m, self.high_m = -math.inf, math.inf
         if low < high:
             # Relative to the machine home position: less the home offset
-            self.low_m, self.high_m = units.position_m(low), units.position_m(high)
+            home = units.home_units
+            self.low_m, self.high_m = units.position_m(low + home), units.position_m(high + home)
         speed = image.max_motor_speed
         self.speed_m_s = math.inf if speed == U32_MAX else speed * self._lead_m / 60.0
         profile = image.max_profile_velocity
@@ -71,6 +74,8 @@ class Limits:
         """Hand the torque limits over to the axis when they have changed."""
         image = self._image
         most = image.max_torque
+        if self.homing_torque is not None:
+            most = min(most, self.homing_torque)
         negative = min(most, image.negative_torque_limit)
         positive = min(most, image.positive_torque_limit)
         if negative != self.negative or positive != self.positive:

@@ -4,6 +4,7 @@ from typing import Final
 
 from bench.drive.application.limits import Limits
 from bench.drive.application.motion import POSITION, Motion
+from bench.drive.application.switches import Switches
 from bench.drive.application.touch_probe import TouchProbe
 from bench.drive.application.units import Units
 from bench.drive.image import ProcessImage
@@ -33,9 +34,10 @@ class Sampler:
         motion: Motion,
         limits: Limits,
         touch_probe: TouchProbe,
+        switches: Switches,
     ) -> None:
         self._image, self._units, self._motion = image, units, motion
-        self._limits, self._touch_probe = limits, touch_probe
+        self._limits, self._touch_probe, self._switches = limits, touch_probe, switches
         self.is_watched = True
 
     def sample(self) -> None:
@@ -48,7 +50,7 @@ class Sampler:
         lag_m = axis.demand_position_m() - motor_m if motion.kind is POSITION else 0.0
         image.following_error = units.deviation_units(lag_m)
         image.probe_status = probe.status
-        image.digital_inputs = probe.inputs << _INPUT_SHIFT
+        image.digital_inputs = probe.inputs << _INPUT_SHIFT | self._switches.word
 
     def sample_seldom(self) -> None:
         """Sample the rest."""

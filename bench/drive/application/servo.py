@@ -5,10 +5,10 @@ method gets the present simulated time.
 """
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
+from bench.drive.application.assembly import make_touch_probe
 from bench.drive.application.index_pulse import IndexPulse
-from bench.drive.application.latch_position import LatchPosition
 from bench.drive.application.limits import Limits
 from bench.drive.application.modes import MODES, Mode, Parts
 from bench.drive.application.monitor import Held
@@ -23,13 +23,8 @@ from bench.drive.application.states import (
     StateMachine,
 )
 from bench.drive.application.stop import Standstill, Stop
+from bench.drive.application.switches import Switches
 from bench.drive.application.ticks import Ticker
-from bench.drive.application.touch_probe import (
-    HARDWARE_INDEX,
-    SOFTWARE_INDEX,
-    Encoders,
-    TouchProbe,
-)
 from bench.drive.application.units import U32_MAX, Units
 from bench.drive.communication.emergency import COMMUNICATION_ERROR, PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
@@ -64,6 +59,7 @@ class Servo:
 
     One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register)
     sends an emergency message; changed() is called when a tick has changed the statusword.
+    switches: limit and home switches by their names (`switches.SWITCHES`).
     """
 
     def __init__(
@@ -75,6 +71,7 @@ class Servo:
         clock: Clock,
         changed: Callable[[], None],
         seed: int = 0,
+        switches: Mapping[str, SignalPort] | None = None,
     ) -> None:
         self.axis, self._profile = axis, profile
         self._clock, self._changed = clock, changed
@@ -86,13 +83,27 @@ class Servo:
         self.motion = Motion(axis)
         self._standstill = Standstill(image, self.scaling, self.motion)
         self.machine = StateMachine(image)
-        self.touch_probe = _touch_probe(axis, signals, profile, self.scaling, image, seed)
+        self.touch_probe = make_touch_probe(axis, signals, profile, self.scaling, image, seed)
+        self.switches = Switches(switches or {}, profile, seed)
         parts = Parts(
-            image, self.scaling, self.limits, self.motion, self._standstill, profile.tick_ns
+            image,
+            self.scaling,
+            self.limits,
+            self.motion,
+            self._standstill,
+            profile.tick_ns,
+            self.switches,
+            IndexPulse(profile, axis.motor_position_m_at),
+            self.touch_probe,
+            self._set_home,
+            profile.homing_torque,
+            profile.homing_stop_ms,
         )
         self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
         self._ticker = Ticker(clock, profile.tick_ns, self._tick)
-        self._sampler = Sampler(image, self.scaling, self.motion, self.limits, self.touch_probe)
+        self._sampler = Sampler(
+            image, self.scaling, self.motion, self.limits, self.touch_probe, self.switches
+        )
         self._restart()
 
     def _restart(self) -> None:
@@ -107,7 +118,7 @@ class Servo:
         self._exceeded = Held()
         self._fault_code = 0
         self._following_error = 0  # bit 13 of the statusword
-        self.scaling.origin_units = 0
+        self.scaling.forget_home()
         self.update()
 
     def update(self) -> None:
@@ -142,6 +153,8 @@ class Servo:
         """Bring the plant to now and latch the edges that came until now."""
         self.axis.advance_to(now_ns)
         self.touch_probe.take_edges(now_ns)
+        if self.switches.wired:
+            self.switches.take_edges(now_ns)
 
     def cycle(self, now_ns: TimeNs) -> None:
         """Act on the object values, give the axis its demand of this SYNC period, sample."""
@@ -333,6 +346,15 @@ class Servo:
             self._is_operating = False
             self.mode.end(now_ns)
 
+    def _set_home(self, home_m: float) -> None:
+        """Make a place the machine home position; the zero lies 607C from it (CiA 402-2).
+
+        In drives of the other habit 607C is the position that it gets.
+        """
+        offset = self.image.home_offset
+        self.scaling.set_home(home_m, -offset if self._profile.home_offset == "zero" else offset)
+        self.limits.update()
+
     def _release(self, now_ns: TimeNs) -> None:
         """Take the power away."""
         self._leave(now_ns)
@@ -409,21 +431,3 @@ class Servo:
         if limits.is_limiting and limits.is_torque_limited(limits.torque_per_mille()):
             word |= Status.INTERNAL_LIMIT
         return word
-
-
-def _touch_probe(
-    axis: AxisPort,
-    signals: tuple[SignalPort | None, SignalPort | None],
-    profile: DriveProfile,
-    scaling: Units,
-    image: ProcessImage,
-    seed: int,
-) -> TouchProbe:
-    """Make the touch probe unit on the encoders of an axis."""
-    position_m_at = axis.motor_position_m_at
-    motor = LatchPosition(profile, lambda time_ns: scaling.position_units(position_m_at(time_ns)))
-    pulses = {
-        HARDWARE_INDEX: IndexPulse(profile, position_m_at),
-        SOFTWARE_INDEX: IndexPulse(profile, position_m_at, angle_deg=0.0),
-    }
-    return TouchProbe(signals, profile, Encoders(motor), image, pulses, seed)

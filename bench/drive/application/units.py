@@ -12,18 +12,36 @@ class Units:
     """Metres to position units of the bus and back.
 
     The encoder quantises first (increments), then comes the position factor. A position beyond 32
-    bits wraps as the object does. origin_units: added to every position, what homing sets.
+    bits wraps as the object does. origin_units: added to every position, what homing sets;
+    home_units: the position at the machine home position (0 before homing).
     Source: CiA 402-2, position = increments * feed / (encoder resolution * gear ratio) with the
     objects 608F, 6091, 6092; whole numbers throughout, so that no intermediate value overflows.
     """
 
-    __slots__ = ("_factor", "_image", "_units_per_m", "increments_per_m", "origin_units")
+    __slots__ = (
+        "_factor",
+        "_image",
+        "_units_per_m",
+        "home_units",
+        "increments_per_m",
+        "origin_units",
+    )
 
     def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
         self.increments_per_m = float(profile.increments_per_mm * 1000)
         self._image = image
-        self.origin_units = 0
+        self.forget_home()
         self.update()
+
+    def forget_home(self) -> None:
+        """Count from the zero of the encoder, as after power on."""
+        self.origin_units = self.home_units = 0
+
+    def set_home(self, position_m: float, units: int) -> None:
+        """Give a place, the machine home position, a position on the bus."""
+        self.origin_units = 0
+        self.origin_units = units - self.position_units(position_m)
+        self.home_units = units
 
     def update(self) -> None:
         """Read the scaling objects again."""

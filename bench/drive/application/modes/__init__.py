@@ -4,6 +4,7 @@ from typing import Final
 
 from bench.drive.application.modes.base import Mode, Parts
 from bench.drive.application.modes.cyclic import CyclicForce, CyclicPosition, CyclicVelocity
+from bench.drive.application.modes.homing import Homing
 from bench.drive.application.modes.profile_position import ProfilePosition
 from bench.drive.application.modes.profile_velocity import ProfileVelocity
 
@@ -12,6 +13,7 @@ __all__ = ["MODES", "Mode", "Parts"]
 MODES: Final[tuple[type[Mode], ...]] = (
     ProfilePosition,
     ProfileVelocity,
+    Homing,
     CyclicPosition,
     CyclicVelocity,
     CyclicForce,

@@ -1,11 +1,15 @@
 """What every mode of operation offers to the drive that runs it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from bench.drive.application.index_pulse import IndexPulse
 from bench.drive.application.limits import Limits
 from bench.drive.application.motion import Motion
 from bench.drive.application.stop import Standstill
+from bench.drive.application.switches import Switches
+from bench.drive.application.touch_probe import TouchProbe
 from bench.drive.application.units import Units
 from bench.drive.image import ProcessImage
 from bench.drive.ports import ControlKind
@@ -14,7 +18,11 @@ from kernel.clock import US, S, TimeNs
 
 @dataclass(frozen=True, slots=True)
 class Parts:
-    """The parts of a drive that a mode works with."""
+    """The parts of a drive that a mode works with.
+
+    set_home: makes a place (m) the machine home position. homing_torque: in per mille, with
+    which homing presses against a stop; homing_stop_ms: for how long it must stand there.
+    """
 
     image: ProcessImage
     units: Units
@@ -22,6 +30,12 @@ class Parts:
     motion: Motion
     standstill: Standstill
     tick_ns: TimeNs
+    switches: Switches
+    index: IndexPulse
+    touch_probe: TouchProbe
+    set_home: Callable[[float], None]
+    homing_torque: int
+    homing_stop_ms: int
 
     def period_ns(self) -> TimeNs:
         """Return the interpolation time: 1006, or 60C2 where that is 0."""
@@ -37,15 +51,17 @@ class Mode:
 
     number: its value of 6060; it has bit number - 1 of 6502. needs: the control that the plant
     must offer. follows_position: whether there is a following error to monitor. limits_speed:
-    whether the speed is monitored, since nothing else limits it.
+    whether the speed is monitored, since nothing else limits it. minds_limits: it acts on limit
+    switches itself.
     needs_ticks: whether it has something to do between two SYNCs. is_limited: whether a limit of
     the drive keeps it from its target (bit 11 of 6041).
     """
 
     number: ClassVar[int]
     needs: ClassVar[ControlKind] = ControlKind.POSITION
-    follows_position: ClassVar[bool] = False
+    follows_position = False
     limits_speed: ClassVar[bool] = False
+    minds_limits: ClassVar[bool] = False
 
     def __init__(self, parts: Parts) -> None:
         self.parts = parts
