@@ -24,6 +24,7 @@ from kernel.clock import Clock, Phase, TimeNs
 from kernel.drives.ds402 import State
 
 CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
+MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
 PROFILE_OBJECTS = range(0x6000, 0xA000)
 STORE_EDS = 0x1021
 
@@ -72,7 +73,7 @@ class DriveNode:
             self.profile,
             servo,
             Needs(
-                lambda: servo.state is State.OPERATION_ENABLED,
+                lambda: servo.state in MOVING,
                 lambda: servo.state is State.OPERATION_ENABLED and servo.image.mode in CYCLIC_MODES,
             ),
         )

@@ -62,11 +62,12 @@ class ObjectStore:
     def restore(self, node_id: int, first: int, last: int) -> None:
         """Give the objects `first` to `last` their defaults for node number `node_id`.
 
-        What the application keeps in the process image it resets itself.
+        What the application keeps in the process image it resets itself, and it alone knows what
+        is read only there.
         """
         for key, row in self._rows.items():
-            is_of_application = row.value and row.index > COMMUNICATION_LAST
-            if first <= row.index <= last and not is_of_application:
+            is_in_image = row.value and (row.index > COMMUNICATION_LAST or row.access == "ro")
+            if first <= row.index <= last and not is_in_image:
                 self._set(key, row, default_value(row, self._profile, node_id))
 
     # For the node itself: no checks

@@ -262,10 +262,10 @@ class CanopenSlave:
             return
         if number in COMMANDS:
             self._set_state(COMMANDS[number])
-            if self.state is NmtState.STOPPED and self._needs.connection():
+            if self.state is NmtState.STOPPED:
                 self._connection_lost()
         elif number in (RESET_NODE, RESET_COMMUNICATION):
-            if number == RESET_COMMUNICATION and self._needs.connection():
+            if number == RESET_COMMUNICATION:
                 self._connection_lost()
             self.reset(number)
 
@@ -329,7 +329,8 @@ class CanopenSlave:
     # Losses
 
     def _connection_lost(self) -> None:
-        self._application.connection_lost(self._clock.now_ns)
+        if self._needs.connection():
+            self._application.connection_lost(self._clock.now_ns)
 
     def _partner_lost(self, source: object) -> None:
         self._application.emergency.report(LOST_CONNECTION, COMMUNICATION_ERROR, source)

@@ -1,0 +1,204 @@
+"""When PDOs go and when they count: transmission types, timers, remote requests, lengths."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kernel.drives.ds402 import State
+
+Make = Callable[..., Any]
+
+SHORT, LONG, LATE = "1082110000000000", "2082110000000000", "5082110000000000"
+GONE = "0000000000000000"
+RPDO = "0600000000000000"
+
+
+def tpdo4(drive: Any, kind: int, *, remote: bool = False, inhibit: int = 0, event: int = 0) -> None:
+    """TPDO4 carries the statusword."""
+    cob_id = 0x483 if remote else 0x4000_0483
+    for index, sub, value, size in (
+        (0x1A03, 1, 0x60410010, 4),
+        (0x1A03, 0, 1, 1),
+        (0x1803, 2, kind, 1),
+        (0x1803, 3, inhibit, 2),
+        (0x1803, 5, event, 2),
+        (0x1803, 1, cob_id, 4),
+    ):
+        assert drive.write(index, sub, value, size) == 0
+
+
+def said(drive: Any, seconds_ms: float, can_id: int = 0x483) -> list[str]:
+    begin = len(drive.heard)
+    drive.run_ms(seconds_ms)
+    return [data for known, data in drive.heard[begin:] if known == can_id]
+
+
+def ask(drive: Any, can_id: int = 0x483) -> list[str]:
+    return [data for known, data in drive.after(can_id, remote=True) if known == can_id]
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 240])
+def test_types_1_to_240(stranger: Make, count: int) -> None:
+    drive = stranger()
+    tpdo4(drive, count)
+    drive.nmt(1)
+    hits = [
+        n for n in range(1, 2 * count + 1) if 0x483 in [known for known, _ in drive.after(0x80)]
+    ]
+    assert hits == [count, 2 * count]
+
+
+def test_type_0_goes_with_a_sync_after_a_change(stranger: Make) -> None:
+    drive = stranger()
+    tpdo4(drive, 0)
+    drive.nmt(1)
+    assert said(drive, 10) == []
+    sent = []
+    for word in ("", "", "0600", "", "0700"):
+        if word:
+            drive.after(0x603, "2b406000" + word + "0000")
+        sent.append([data for known, data in drive.after(0x80) if known == 0x483])
+    assert sent == [["5002"], [], ["3102"], [], ["3302"]]
+
+
+def test_event_timer_repeats_what_has_not_changed(stranger: Make) -> None:
+    drive = stranger()
+    tpdo4(drive, 255, event=20)
+    begin = drive.bench.scheduler.now_ns
+    drive.nmt(1)
+    drive.run_ms(69)
+    assert [int(t) for t in drive.times_ms(0x483, begin)] == [0, 20, 40, 60]
+    drive.write(0x6040, 0, 6, 2)  # a change starts the time anew
+    drive.run_ms(19)
+    assert drive.frames(0x483) == ["5002"] * 4 + ["3102"]
+    drive.run_ms(2)
+    assert len(drive.frames(0x483)) == 6
+
+
+def test_event_timer_waits_for_the_inhibit_time(stranger: Make) -> None:
+    drive = stranger()
+    tpdo4(drive, 255, event=5, inhibit=80)
+    begin = drive.bench.scheduler.now_ns
+    drive.nmt(1)
+    drive.run_ms(30)
+    assert [int(t) for t in drive.times_ms(0x483, begin)] == [0, 8, 16, 24]
+
+
+# Remote requests
+
+
+@pytest.mark.parametrize("kind", [0, 1, 252, 253, 254, 255])
+def test_no_remote_request_where_bit_30_says_so(stranger: Make, kind: int) -> None:
+    drive = stranger()
+    tpdo4(drive, kind, remote=False)
+    drive.nmt(1)
+    drive.after(0x80)
+    assert ask(drive) == []
+
+
+def test_type_252_is_sampled_at_the_sync(stranger: Make) -> None:
+    drive = stranger()
+    tpdo4(drive, 252, remote=True)
+    drive.nmt(1)
+    assert [known for known, _ in drive.after(0x80)] == [0x183, 0x283]
+    drive.write(0x6040, 0, 6, 2)
+    assert ask(drive) == ["5002"]
+    drive.after(0x80)
+    assert ask(drive) == ["3102"]
+
+
+def test_type_253_is_sampled_at_the_request(stranger: Make) -> None:
+    drive = stranger()
+    tpdo4(drive, 253, remote=True)
+    drive.nmt(1)
+    drive.after(0x80)
+    drive.write(0x6040, 0, 6, 2)
+    assert said(drive, 10) == []
+    assert ask(drive) == ["3102"]
+
+
+@pytest.mark.parametrize("kind", [0, 1, 254])
+def test_other_types_answer_too(stranger: Make, kind: int) -> None:
+    drive = stranger()
+    tpdo4(drive, kind, remote=True)
+    assert ask(drive) == []  # pre-operational
+    drive.nmt(1)
+    assert ask(drive) == ["5002"]
+
+
+# What comes in
+
+
+@pytest.mark.parametrize(
+    ("data", "emergency", "counts"),
+    [("", SHORT, False), ("0600000000000", SHORT, False), (RPDO, "", True)],
+)
+def test_length_of_an_rpdo(stranger: Make, data: str, emergency: str, counts: bool) -> None:
+    drive = stranger()
+    drive.nmt(1)
+    drive.after(0x203, data[: len(data) // 2 * 2])
+    drive.after(0x80)
+    assert drive.frames(0x083) == ([emergency] if emergency else [])
+    assert (drive.node.state is State.READY_TO_SWITCH_ON) == counts
+
+
+def test_longer_rpdo_counts_and_is_told(stranger: Make) -> None:
+    drive = stranger()
+    for index, sub, value, size in (
+        (0x1601, 1, 0x60400010, 4),
+        (0x1601, 0, 1, 1),
+        (0x1401, 1, 0x303, 4),
+    ):
+        assert drive.write(index, sub, value, size) == 0
+    drive.nmt(1)
+    drive.after(0x303, "060000")
+    assert drive.frames(0x083) == [LONG]
+    assert drive.node.state is State.READY_TO_SWITCH_ON
+    drive.after(0x303, "070000")
+    assert drive.frames(0x083) == [LONG]
+    drive.after(0x303, "0600")
+    assert drive.frames(0x083) == [LONG, GONE]
+
+
+def test_errors_of_two_rpdos_are_one_until_both_are_gone(stranger: Make) -> None:
+    drive = stranger()
+    for index, sub, value, size in (
+        (0x1601, 1, 0x60400010, 4),
+        (0x1601, 0, 1, 1),
+        (0x1401, 1, 0x303, 4),
+    ):
+        assert drive.write(index, sub, value, size) == 0
+    drive.nmt(1)
+    for can_id, data in ((0x203, "00"), (0x303, "00"), (0x203, RPDO)):
+        drive.after(can_id, data)
+    assert drive.frames(0x083) == [SHORT]
+    drive.after(0x303, "0600")
+    assert drive.frames(0x083) == [SHORT, GONE]
+
+
+def test_deadline_of_an_rpdo(stranger: Make) -> None:
+    """Event timer 5 ms: watched from the first message on; late = 8250, and the drive stops."""
+    drive = stranger()
+    drive.write(0x1400, 5, 5, 2)
+    drive.nmt(1)
+    drive.run_ms(100)
+    assert drive.frames(0x083) == []
+    drive.enable()
+    for _ in range(3):
+        drive.send(0x203, "0f00000000000000")
+        drive.run_ms(4.9)
+    assert drive.frames(0x083) == []
+    drive.run_ms(0.5)
+    assert drive.frames(0x083)[0] == LATE
+    assert drive.node.state is not State.OPERATION_ENABLED
+    drive.after(0x203, RPDO)
+    assert drive.frames(0x083)[-1] == "0000" + f"{drive.read(0x1001):02x}" + "0000000000"
+
+
+def test_a_pdo_that_is_taken_out_takes_its_error_along(stranger: Make) -> None:
+    drive = stranger()
+    drive.nmt(1)
+    drive.after(0x203, "00")
+    drive.write(0x1400, 1, 0x8000_0203, 4)
+    assert drive.frames(0x083) == [SHORT, GONE]
