@@ -296,6 +296,40 @@ def replay(
 
 @app.command()
 @rejecting
+def bus(
+    place: Annotated[
+        Path, typer.Argument(metavar="LOG", help="Results folder, or a .blf, .log or .asc file.")
+    ],
+    run_id: Annotated[
+        str | None, typer.Argument(metavar="RUN", help="Run id, where LOG is a folder.")
+    ] = None,
+    rig: Annotated[
+        Path | None, typer.Option("--rig", help="Rig of a file: names of axes, values of PDOs.")
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", help="Lines with this text: Z., SDO, EMCY; several allowed."),
+    ] = None,
+    from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
+    to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
+    is_all: Annotated[
+        bool, typer.Option("--all", help="SYNCs and PDOs that bring nothing new as well.")
+    ] = False,
+) -> None:
+    """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
+    from bench.rig.file import read_rig
+    from bench.rig.settings import read_settings
+    from bench.run.bus_words import Selection, find_log, tell_log
+
+    path, settings = find_log(place, run_id)
+    if rig is not None:
+        settings = read_settings(*read_rig(rig), [])
+    for line in tell_log(path, settings, Selection(tuple(only or ()), from_ms, to_ms, is_all)):
+        print(line)
+
+
+@app.command()
+@rejecting
 def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
 ) -> None:

@@ -30,6 +30,15 @@ def replay(folder: Path, run: str, bus_logs: Sequence[Path]) -> Replay:
 
     Raises UserError when the folder, the run or its plan cannot be found.
     """
+    case, row = recorded_case(folder, run)
+    return Replay(run_case(case, bus_logs), row["frame_log_sha256"])
+
+
+def recorded_case(folder: Path, run: str) -> tuple[Case, Mapping[str, str]]:
+    """Return the case of a run with the inputs that were recorded for it, and its row.
+
+    Raises UserError when the folder, the run or its plan cannot be found.
+    """
     row = _recorded(folder, run)
     plan = read_plan(_plan_path(folder, row["plan"]))
     inputs = {
@@ -37,8 +46,7 @@ def replay(folder: Path, run: str, bus_logs: Sequence[Path]) -> Replay:
         for column, value in row.items()
         if value and ":" in column and column.partition(":")[0] in INPUT_KINDS
     }
-    case = _find(plan.cases, run, inputs)
-    return Replay(run_case(case, bus_logs), row["frame_log_sha256"])
+    return _find(plan.cases, run, inputs), row
 
 
 def _recorded(folder: Path, run: str) -> Mapping[str, str]:

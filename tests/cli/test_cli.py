@@ -24,7 +24,7 @@ Call = Callable[..., Outcome]
 ROOT = Path(__file__).parents[2]
 HEADER = "case,program,rig,plc:V.E.FEED,check:msg:N30,check:alarms"
 COMMANDS = [
-    ["run"], ["demo"], ["nc"], ["check"], ["replay"], ["report"], ["metrics"], ["perf"],
+    ["run"], ["demo"], ["nc"], ["check"], ["replay"], ["report"], ["metrics"], ["perf"], ["bus"],
     ["doctor"], ["fmu"], ["fmu", "list"], ["fmu", "show"], ["fmu", "check"], ["fmu", "build"],
 ]  # fmt: skip
 

@@ -125,3 +125,40 @@ def test_run_writes_the_kinds_of_logs_that_are_asked_for(
     code, _, err = axisrig("run", plan, "-o", "out", "--bus-log", "mf4")
     assert code == 2
     assert "blf, candump, asc, pcap" in err
+
+
+def test_a_log_is_told_in_words(place: Path, axisrig: Call, plan: Path) -> None:
+    assert axisrig("run", plan, "-o", "out", "--bus-log", "blf,candump")[0] == 0
+    code, out, err = axisrig("bus", "out", "plan-a")
+    assert (code, err) == (0, "")
+    lines = out.splitlines()
+    assert "reset communication, node 3" in lines[0]
+    assert any("Z.heartbeat" in line and "boot-up" in line for line in lines)
+    assert any(line.endswith("Device type = 131474 (0x00020192)") for line in lines)
+    states = [line.partition("(")[2].partition(")")[0] for line in lines if "Statusword 0x" in line]
+    climbed = ["switch on disabled", "ready to switch on", "switched on", "operation enabled"]
+    assert [state for state in dict.fromkeys(states) if state in climbed] == climbed
+    # The same from the file, by the names of its rig; without a rig by numbers
+    _, told, _ = axisrig("bus", "out/bus/plan-a.log", "--rig", "rig.toml", "--only", "SDO")
+    assert told
+    assert all(" Z.SDO " in line for line in told.splitlines())
+    _, bare, _ = axisrig("bus", "out/bus/plan-a.blf", "--from", "1", "--to", "2")
+    assert "3.SDO request" in bare
+    assert all(1.0 <= float(line.split()[0]) <= 2.0 for line in bare.splitlines())
+    everything = axisrig("bus", "out", "plan-a", "--all")[1].splitlines()
+    with can.BLFReader(place / "out" / "bus" / "plan-a.blf") as reader:
+        assert len(everything) == len(list(reader))
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [(("out",), "plan-a"), (("plan.csv",), ".blf"), (("nowhere.blf",), ".blf")],
+)
+def test_a_log_that_is_none_is_refused(
+    place: Path, axisrig: Call, plan: Path, words: tuple[str, ...], told: str
+) -> None:
+    if words == ("out",):
+        axisrig("run", plan, "-o", "out")
+    code, out, err = axisrig("bus", *words)
+    assert (code, out) == (2, "")
+    assert told in err
