@@ -9,7 +9,7 @@ min, max   blank = the range of the type
 values     what a STRING may hold, blank = any word
 fallback   paths that decide while the value is unset: equal to its default, or negative where the
            default is; of several the smallest counts; a number picks from `values` by position
-acts       yes, no, or the only values that have an effect now
+acts       yes, no, or the only values that have an effect now; `indexed`: of every index, else of 0
 """
 
 import csv
@@ -318,9 +318,13 @@ def _known(known: Table, kind: Kind, path: str, origin: Origin) -> tuple[Paramet
 
 
 def _effective(parameter: Parameter, key: str, text: str, origin: Origin) -> Value:
-    """Accept a written value that also has an effect; of an index only 0 acts."""
+    """Accept a written value that also has an effect; of most indices only 0 acts."""
     value = parameter.accept(text, origin)
-    acting = parameter.acts.split() if not any(map(int, _INDEX.findall(key))) else ["no"]
+    acting = parameter.acts.split()
+    if "indexed" in acting:
+        acting.remove("indexed")
+    elif any(map(int, _INDEX.findall(key))):
+        acting = ["no"]
     if value == parameter.default or "yes" in acting or _written(value) in acting:
         return value
     only = acting if acting != ["no"] else [_written(parameter.default)]

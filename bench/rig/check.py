@@ -8,9 +8,11 @@ from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arit
 from bench.rig.file import DriveTable, rig_error
 from bench.rig.outside import check_outside
 from bench.rig.settings import Settings
-from bench.rig.startup import drive_steps
+from bench.rig.startup import drive_dictionary, drive_steps
 from kernel.clock import US
+from kernel.drives.dictionary import check_functions
 from kernel.drives.ds402 import latch_object
+from kernel.drives.functions import read_functions
 from kernel.drives.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
 from kernel.drives.startup_steps import BusSettings, Step
 from kernel.errors import UserError
@@ -198,6 +200,25 @@ def _check_start_up(settings: Settings) -> None:
             ) from error
 
 
+def _check_functions(settings: Settings) -> None:
+    """Check the drive functions of every axis against its drive and its telegrams."""
+    for name, axis in settings.rig.axis.items():
+        keys = settings.rig.drive[axis.drive]
+        od = drive_dictionary(keys, axis.node, keys.make())
+        try:
+            functions, _ = read_functions(name, settings.axis[name])
+            check_functions(name, functions, od, axis_telegrams(settings, name))
+        except UserError as error:
+            raise rig_error(
+                settings.files,
+                ("axis", name, "list"),
+                error.message,
+                value=error.value,
+                allowed=error.allowed,
+                hint=error.hint,
+            ) from error
+
+
 def check_rig(settings: Settings) -> None:
     """Check references, node ids, measuring source and bus time.
 
@@ -209,6 +230,7 @@ def check_rig(settings: Settings) -> None:
     check_outside(settings)
     _check_drives(settings)
     _check_start_up(settings)
+    _check_functions(settings)
     cycle = settings.rig.cycle
     if cycle.cycle_offset_us >= cycle.period_us:
         raise rig_error(

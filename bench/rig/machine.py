@@ -16,7 +16,7 @@ from bench.bus.paced import PacedScheduler
 from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
 from bench.rig.injection import inject
-from bench.rig.master import build_link, build_monitor, build_start_up
+from bench.rig.master import build_accesses, build_link, build_monitor, build_start_up
 from bench.rig.outside import is_paced, outside_axes
 from bench.rig.pacing import Hardware, master_scheduler, power_down
 from bench.rig.parts import build_nodes, build_segments
@@ -24,6 +24,7 @@ from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
 from kernel.channel import AxisSettings, Channel, CycleTiming
+from kernel.channel.drive_functions import DriveFunctions
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler
 from kernel.errors import Alarm, UserError
@@ -132,7 +133,10 @@ class Machine:
                 )
 
     def _build_channel(self) -> Channel:
-        return Channel(
+        self._accesses, warnings = build_accesses(
+            self.settings, self.links, self.networks, self.scheduler
+        )
+        channel = Channel(
             self.scheduler,
             self.timing,
             [
@@ -145,6 +149,10 @@ class Machine:
             put_out=self._message,
             monitor=build_monitor(self.settings, self.links, self.networks, self.scheduler),
         )
+        channel.functions = DriveFunctions(self._accesses)
+        for warning in warnings:
+            channel.warn(warning)
+        return channel
 
     def _message(self, message: Message) -> None:
         self.messages.append(message)
@@ -171,8 +179,8 @@ class Machine:
     def _run(self) -> TimeNs:
         self.channel.start_up(
             [
-                build_start_up(self.settings, name, self.networks[axis.segment], self.scheduler)
-                for name, axis in self.settings.rig.axis.items()
+                build_start_up(self.settings, name, access, self.scheduler)
+                for name, access in self._accesses.items()
             ]
         )
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns

@@ -6,12 +6,15 @@ from typing import Any
 from bench.rig.check import axis_steps, has_inputs, has_latch_counter
 from bench.rig.settings import Settings
 from bench.rig.startup import start_up_settings, watch_settings
+from kernel.channel.drive_functions import DriveAccess
 from kernel.channel.monitor import Monitor
 from kernel.clock import US, Clock, ns_to_seconds
+from kernel.drives.functions import read_functions
 from kernel.drives.link import AxisLink, LinkSettings
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.watch import HeartbeatProducer
+from kernel.errors import Alarm
 
 
 def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
@@ -51,16 +54,31 @@ def build_monitor(
     return Monitor(list(links.values()), everything, clock, watches, heartbeat)
 
 
-def build_start_up(settings: Settings, name: str, network: Any, clock: Clock) -> StartUp:
+def build_accesses(
+    settings: Settings, links: Mapping[str, AxisLink], networks: Mapping[str, Any], clock: Clock
+) -> tuple[dict[str, DriveAccess], list[Alarm]]:
+    """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
+    accesses: dict[str, DriveAccess] = {}
+    warnings: list[Alarm] = []
+    for name, axis in settings.rig.axis.items():
+        declared = start_up_settings(settings.rig.drive[axis.drive])
+        sdo = SdoClient(
+            networks[axis.segment],
+            clock,
+            axis.node,
+            timeout_ns=declared.sdo_timeout_ns,
+            attempts=declared.sdo_attempts,
+        )
+        functions, found = read_functions(name, settings.axis[name])
+        warnings += found
+        accesses[name] = DriveAccess(links[name], sdo, functions)
+    return accesses, warnings
+
+
+def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Clock) -> StartUp:
     """Make the start-up of the drive of one axis."""
-    axis = settings.rig.axis[name]
+    axis, link = settings.rig.axis[name], access.link
     declared = start_up_settings(settings.rig.drive[axis.drive])
-    sdo = SdoClient(
-        network,
-        clock,
-        axis.node,
-        timeout_ns=declared.sdo_timeout_ns,
-        attempts=declared.sdo_attempts,
-    )
     steps = axis_steps(settings, name)
-    return StartUp(DriveAddress(name, axis.node), network, clock, sdo, steps, declared)
+    address = DriveAddress(name, axis.node)
+    return StartUp(address, link.network, clock, access.sdo, steps, declared, keep=link.set_object)

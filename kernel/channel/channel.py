@@ -10,6 +10,7 @@ from enum import Enum, auto
 from math import dist
 from typing import Any
 
+from kernel.channel.drive_functions import DriveFunctions
 from kernel.channel.lookahead import Lookahead
 from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.settings import AxisSettings, CycleTiming
@@ -44,6 +45,7 @@ class Channel:
 
     networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
     monitor: the watch over drives and buses; without one drives are watched by their telegrams.
+    functions: what #DRIVE acts on; to be set before a program that has it is loaded.
     put_out: takes every message as soon as it is due. It is the `MachineView` of its own
     interpreter; the program is handed over by `load`.
     """
@@ -80,6 +82,7 @@ class Channel:
         self._measured: dict[str, float | None] = {}
         self._stop_dynamics: Dynamics | None = None
         self._monitor = monitor or Monitor(self.links, self._networks, clock)
+        self.functions = DriveFunctions({})
         self._power_up = PowerUp(self.links, timing)
         self._settling_since_ns: TimeNs | None = None
         self._inside_since_ns: TimeNs | None = None
@@ -107,7 +110,7 @@ class Channel:
             self._register(alarm)
         if self._starting:
             return
-        if self.alarms:
+        if any(known.ends_program for known in self.alarms):
             self._monitor.end()
             self.state = ChannelState.ENDED
         else:
@@ -117,6 +120,7 @@ class Channel:
         """Begin the cyclic exchange at the next whole period."""
         self.state = ChannelState.POWERING
         self._monitor.begin()
+        self.functions.start()
         period = self.timing.period_ns
         self._next_sync_ns = -(-self._clock.now_ns // period) * period
         self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
@@ -176,6 +180,10 @@ class Channel:
         """Tell whether the axis' last run had a signal (V.A.MERF)."""
         return self._measured.get(axis) is not None
 
+    def drive_value(self, axis: str, key: str) -> float:
+        """Return what the last #DRIVE RD of this function brought."""
+        return self.functions.value(axis, key)
+
     # Steps of the cycle
 
     def _measure(self) -> None:
@@ -196,6 +204,7 @@ class Channel:
     def _watch(self) -> None:
         if self.state is ChannelState.RUNNING:
             self._monitor.check_drives()
+            self.functions.check()
         elif self.state is ChannelState.POWERING:
             actual = tuple(link.actual_mm for link in self.links)
             self.interpolator.hold(actual)
@@ -213,7 +222,7 @@ class Channel:
                 if not self._buffer.is_settled:
                     return
             elif isinstance(command, canon.EndOfProgram):
-                if not self._is_in_position():
+                if not self._is_in_position() or self.functions.is_busy:
                     return
                 self.state = ChannelState.ENDED
             elif isinstance(command, canon.Message):
@@ -229,7 +238,8 @@ class Channel:
             self._lookahead.pop()
 
     def _is_busy(self) -> bool:
-        return self._run is not None or not self.interpolator.is_standing
+        moves = self._run is not None or not self.interpolator.is_standing
+        return moves or self.functions.is_waiting
 
     def _send(self, positions_mm: Positions) -> None:
         for link, position_mm in zip(self.links, self._buffer.shift(positions_mm), strict=True):
@@ -237,11 +247,13 @@ class Channel:
 
     # Beginning things
 
-    def _begin(self, command: canon.LinearMove | canon.MeasuringRun) -> None:
+    def _begin(self, command: canon.LinearMove | canon.MeasuringRun | canon.DriveCommand) -> None:
         if isinstance(command, canon.LinearMove):
             self._begin_move(command)
-        else:
+        elif isinstance(command, canon.MeasuringRun):
             self._begin_run(command)
+        else:
+            self.functions.begin(command)
 
     def _begin_move(self, command: canon.LinearMove) -> None:
         motion = Motion.RAPID if command.rapid else Motion.FEED
@@ -370,6 +382,10 @@ class Channel:
         """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""
         if not self.has_ended:
             self._come_up(alarm)
+
+    def warn(self, alarm: Alarm) -> None:
+        """Note an alarm of class 1 that stood before the program began."""
+        self._register(alarm)
 
     def _register(self, alarm: Alarm) -> None:
         self.alarms.append(alarm)

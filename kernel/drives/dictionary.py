@@ -4,12 +4,13 @@ canopen reads the EDS; here its dictionary is asked for types, and a mapping or 
 drive cannot take is a `UserError` before the machine runs.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes, import_od
 
+from kernel.drives.functions import Functions
 from kernel.drives.mapping import Telegram
 from kernel.drives.sdo import object_name
 from kernel.errors import UserError
@@ -96,6 +97,47 @@ def _check_object(od: ObjectDictionary, telegram: Telegram, mapped: Any) -> None
             value=_type(mapped.bits, mapped.signed),
             allowed=_type(len(found), is_signed(found)),
         )
+
+
+def check_functions(
+    axis: str,
+    functions: Functions,
+    od: ObjectDictionary,
+    telegrams: Mapping[str, Telegram],
+) -> None:
+    """Check the drive functions of an axis against its drive; raises UserError."""
+    sent = {
+        (mapped.index, mapped.sub): mapped
+        for telegram in telegrams.values()
+        for mapped in telegram.objects
+        if telegram.is_received
+    }
+    for function in functions.values():
+        place = (function.index, function.sub)
+        found = variable(od, *place)
+        title = f"drive function {function.key} of axis {axis}"
+        if found is None:
+            raise UserError(f"{title}: the drive has no such object", value=object_name(*place))
+        if not found.writable:
+            raise UserError(f"{title}: the drive does not let it be written", value=_named(found))
+        if (len(found), is_signed(found)) != (function.bits, function.is_signed):
+            raise UserError(
+                f"{title}: {_named(found)} has another data type",
+                value=function.data_type,
+                allowed=_type(len(found), is_signed(found)),
+            )
+        if variable(od, function.read_index, function.read_sub) is None:
+            raise UserError(
+                f"{title}: the drive has no such object to read",
+                value=object_name(function.read_index, function.read_sub),
+            )
+        if function.communication == "CYCLIC" and (place not in sent or sent[place].field):
+            raise UserError(
+                f"{title} is CYCLIC and no RPDO carries its object freely",
+                value=object_name(*place),
+                allowed="objects of RPDOs without a field in the mapping table",
+                hint="map it in the table of pdo_map, or use ACYCLIC",
+            )
 
 
 def _type(bits: int, signed: bool) -> str:

@@ -194,6 +194,22 @@ class AxisLink:
             if missing > self.settings.missing_cycles:
                 raise Alarm(cause, axis=self.name, pdo=name, cycles=missing)
 
+    def get_object(self, index: int, sub: int) -> int:
+        """Return the value that an RPDO carries for an object; KeyError when none carries it."""
+        values, position = self._object(index, sub)
+        return values[position]
+
+    def set_object(self, index: int, sub: int, value: int) -> None:
+        """Let the RPDOs carry a value from the next one on; KeyError when none carries it."""
+        values, position = self._object(index, sub)
+        values[position] = value
+
+    def _object(self, index: int, sub: int) -> tuple[list[int], int]:
+        found = self._pdos.sent_object(index, sub)
+        if found is None:
+            raise KeyError(f"0x{index:04X}:{sub:X} is in no RPDO of axis {self.name}")
+        return found
+
     def forget(self) -> None:
         """Forget latch and state: the drive has restarted, its positions mean something else."""
         self._function_word = 0

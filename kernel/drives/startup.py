@@ -15,6 +15,7 @@ from kernel.drives.startup_steps import (
     BootUp,
     Check,
     CheckScaling,
+    Keep,
     Nmt,
     Scaling,
     StartUpSettings,
@@ -42,6 +43,8 @@ class DriveAddress:
 class StartUp:
     """The start-up of one drive. `step` tells where it is.
 
+    keep(index, sub, value): takes the values of objects that RPDOs will carry for drive functions.
+
     Raises nothing; `ended` gets Alarm 900011 (an object was not taken), 900020 (no boot-up),
     900021 (another device) or 900022 (another scaling).
     """
@@ -54,12 +57,14 @@ class StartUp:
         sdo: SdoClient,
         steps: Sequence[Step],
         settings: StartUpSettings,
+        keep: Callable[[int, int, int], None] | None = None,
     ) -> None:
         self.drive, self._network, self._clock, self._sdo = drive, network, clock, sdo
         self._steps, self._settings = list(steps), settings
         self._next = 0
         self._attempts = 0
         self._waits_for_boot = False
+        self._keep = keep
         self._read: dict[tuple[int, int], int] = {}
         self._ended: Ended | None = None
         network.subscribe(HEARTBEAT_BASE + drive.node_id, self._on_heartbeat)
@@ -87,7 +92,7 @@ class StartUp:
                 self._advance()
             case Write(_, index, sub, data):
                 self._sdo.write(index, sub, data, self._on_answer)
-            case Check(_, index, sub):
+            case Check(_, index, sub) | Keep(_, index, sub):
                 self._sdo.read(index, sub, self._on_answer)
             case CheckScaling():
                 self._sdo.read(*SCALING[0], self._on_answer)
@@ -153,6 +158,11 @@ class StartUp:
             )
         elif isinstance(step, Check):
             self._compare(step, int.from_bytes(result, "little"))
+        elif isinstance(step, Keep):
+            if self._keep is not None:
+                value = int.from_bytes(result, "little", signed=step.signed)
+                self._keep(step.index, step.sub, value)
+            self._advance()
         elif isinstance(step, CheckScaling):
             self._read[SCALING[len(self._read)]] = int.from_bytes(result, "little")
             if len(self._read) < len(SCALING):

@@ -123,6 +123,16 @@ class Check:
 
 
 @dataclass(frozen=True)
+class Keep:
+    """Read an object that an RPDO will carry, so that the first one changes nothing."""
+
+    name: str
+    index: int
+    sub: int
+    signed: bool
+
+
+@dataclass(frozen=True)
 class CheckScaling:
     """Read the objects of `SCALING` and compare what they say with the rig."""
 
@@ -138,7 +148,7 @@ class Nmt:
     command: int
 
 
-Step = BootUp | Write | Check | CheckScaling | Nmt
+Step = BootUp | Write | Check | Keep | CheckScaling | Nmt
 
 
 def start_up_steps(
@@ -181,6 +191,11 @@ def _steps(
         yield _write(od, index, 0, value)
     for index, sub, value in settings.writes:
         yield _write(od, index, sub, value)
+    for telegram in telegrams.values():
+        for mapped in telegram.objects if telegram.is_received else ():
+            if not mapped.field:
+                name = f"{object_name(mapped.index, mapped.sub)} as it stands"
+                yield Keep(name, mapped.index, mapped.sub, mapped.signed)
     yield from _guarding(settings, bus, od)
     yield Nmt("NMT start", NMT_START)
 

@@ -71,6 +71,37 @@ class Message:
 
 
 @dataclass(frozen=True)
+class DriveWrite:
+    """A value for a drive function (#DRIVE WR SYN), given out when the machining has got here.
+
+    waits: nothing goes on before the drive has taken it.
+    """
+
+    block: Block
+    axis: str
+    key: str
+    value: float
+    waits: bool
+
+
+@dataclass(frozen=True)
+class DriveRead:
+    """The value of a drive function is asked for (#DRIVE RD); nothing goes on before it is here."""
+
+    block: Block
+    axis: str
+    key: str
+
+
+@dataclass(frozen=True)
+class DriveWait:
+    """Nothing goes on before the drive has taken every earlier `DriveWrite`."""
+
+    block: Block
+    axis: str
+
+
+@dataclass(frozen=True)
 class Wait:
     """The interpreter goes on only after everything before this has been executed."""
 
@@ -84,4 +115,5 @@ class EndOfProgram:
     block: Block
 
 
-Command = LinearMove | MeasuringRun | Message | Wait | EndOfProgram
+DriveCommand = DriveWrite | DriveRead | DriveWait
+Command = LinearMove | MeasuringRun | Message | DriveCommand | Wait | EndOfProgram

@@ -12,6 +12,9 @@ from kernel.nc.coordinates import Coordinates, Frame, Measured
 from kernel.nc.expressions import NoValue, evaluate
 from kernel.nc.measuring_types import measuring_types
 from kernel.nc.syntax import (
+    DriveRead,
+    DriveWait,
+    DriveWrite,
     Expression,
     MeasuringMode,
     MessageOut,
@@ -53,6 +56,10 @@ class MachineView(Protocol):
         """Tell whether the signal of the last run came before the target."""
         ...
 
+    def drive_value(self, axis: str, key: str) -> float:
+        """Give what the last `DriveRead` of this axis and function brought."""
+        ...
+
 
 class Interpreter:
     """Decodes a program for one channel.
@@ -86,6 +93,7 @@ class Interpreter:
         self._feed_mm_min: float | None = None
         self._coordinates = Coordinates(program.axes, dict.fromkeys(program.axes, 0.0))
         self._measured: dict[str, Measured] = {}
+        self._own: dict[str, float] = {}
         self._signalled = dict.fromkeys(program.axes, False)
 
     def commands(self) -> Iterator[canon.Command]:
@@ -121,6 +129,15 @@ class Interpreter:
                 self._switch_off(part.block, all_systems)
             case MessageOut():
                 yield from self._put_out(part.block, statement)
+            case DriveWrite(axis, key, value, waits):
+                number = self._value(part.block, value)
+                yield canon.DriveWrite(part.block, axis, key, number, waits)
+            case DriveWait(axis):
+                yield canon.DriveWait(part.block, axis)
+            case DriveRead(axis, key, variable):
+                yield canon.DriveRead(part.block, axis, key)
+                yield canon.Wait(part.block)
+                self._own[variable] = self._machine.drive_value(axis, key)
 
     def _decode_words(self, block: Block, words: Words) -> Iterator[canon.Command]:
         if "G90" in words.g or "G91" in words.g:
@@ -256,6 +273,10 @@ class Interpreter:
             return float(self._type)
         if name.startswith("V.E."):
             return float(self._external[self._external_names[name.removeprefix("V.E.")]])
+        if name.startswith("V.P."):
+            if name not in self._own:
+                raise self._alarm(900113, block, name=name)
+            return self._own[name]
         stem, _, axis_upper = name.rpartition(".")
         axis = next(axis for axis in self._program.axes if axis.upper() == axis_upper)
         if stem == "V.A.MERF":

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
+from typing import Any
 
 from lark import Lark, TextSlice
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
@@ -17,8 +18,9 @@ from kernel.errors import UserError, nearest
 from kernel.nc.builder import Builder
 from kernel.nc.canon import Block
 from kernel.nc.commands import command_name, not_acting
+from kernel.nc.options import drive_statement, find_options_command
 from kernel.nc.source import Source
-from kernel.nc.syntax import Program, ProgramBlock, Statement
+from kernel.nc.syntax import Expression, Program, ProgramBlock, Statement
 from kernel.nc.words import words
 
 _OPENING = re.compile(r"(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<sign>[#$/%])")
@@ -102,14 +104,36 @@ def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[s
 @cache
 def _grammar() -> Lark:
     text = resources.files(__package__).joinpath("grammar.lark").read_text(encoding="utf-8")
-    return Lark(text, start="block", parser="lalr", lexer="contextual", propagate_positions=True)
+    return Lark(
+        text,
+        start=["block", "sum"],
+        parser="lalr",
+        lexer="contextual",
+        propagate_positions=True,
+    )
 
 
 def _build(
     source: Source, builder: Builder, axes: Sequence[str], begin: int, end: int
 ) -> tuple[int | None, Statement | None]:
+    command = find_options_command(source, begin, end)
+    if command is not None:
+
+        def expression(first: int, last: int) -> Expression:
+            value: Expression = _parse(source, builder, axes, "sum", first, last)
+            return value
+
+        return command.number, drive_statement(source, axes, command, expression)
+    block: tuple[int | None, Statement | None]
+    block = _parse(source, builder, axes, "block", begin, end)
+    return block
+
+
+def _parse(
+    source: Source, builder: Builder, axes: Sequence[str], start: str, begin: int, end: int
+) -> Any:
     try:
-        tree = _grammar().parse(TextSlice(source.code, begin, end))
+        tree = _grammar().parse(TextSlice(source.code, begin, end), start=start)
     except UnexpectedInput as error:
         raise _syntax_error(source, axes, error, begin, end) from None
     try:

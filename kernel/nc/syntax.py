@@ -99,6 +99,32 @@ class MessageOut:
 
 
 @dataclass(frozen=True)
+class DriveWrite:
+    """#DRIVE WR SYN: the value VAL for the function KEY of an axis; waits: WAIT."""
+
+    axis: str
+    key: str
+    value: Expression
+    waits: bool
+
+
+@dataclass(frozen=True)
+class DriveRead:
+    """#DRIVE RD: the value of the function KEY of an axis into a variable V.P.<name>."""
+
+    axis: str
+    key: str
+    variable: str
+
+
+@dataclass(frozen=True)
+class DriveWait:
+    """#DRIVE WAIT SYN: until the drive of an axis has taken what was written before."""
+
+    axis: str
+
+
+@dataclass(frozen=True)
 class Format:
     """One format element of a message: flags, width and precision as written, and the letter."""
 
@@ -106,7 +132,9 @@ class Format:
     letter: str
 
 
-Statement = Words | MeasuringMode | SystemOn | SystemOff | MessageOut
+Statement = (
+    Words | MeasuringMode | SystemOn | SystemOff | MessageOut | DriveWrite | DriveRead | DriveWait
+)
 
 
 @dataclass(frozen=True)

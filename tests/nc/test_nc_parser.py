@@ -61,7 +61,7 @@ ERRORS = [
     ("$IF 3", 1, 1, "not acting yet", "$"),
     ("/N10 G0", 1, 1, "not acting yet", "/"),
     ("X=ROUND[3]", 1, 3, "not acting yet", "ROUND"),
-    ("X=V.P.A", 1, 3, "not acting yet", "V.P.A"),
+    ("X=V.L.A", 1, 3, "not acting yet", "V.L.A"),
     ("V.E.A=3", 1, 1, "not written", "V.E.A"),
     # commands
     ("N10 #MES MODE[1]", 1, 5, "unknown # command", "#MES MODE"),

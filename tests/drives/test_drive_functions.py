@@ -1,0 +1,144 @@
+"""Drive functions as an axis list declares them: identifiers, scaling, limits, masks."""
+
+from pathlib import Path
+
+import pytest
+
+from bench.drive.eds import object_dictionary
+from bench.drive.profile import DriveProfile
+from kernel.drives.dictionary import check_functions
+from kernel.drives.functions import DriveFunction, read_functions
+from kernel.drives.mapping import telegrams
+from kernel.errors import Alarm, UserError
+from kernel.parameters import read_list
+
+# FCT-C4 section 7.3.2, read as meant: MON WINDOW = MON_WINDOW, 6065 00 = 6065_00
+PRINTED = """
+antr.function[0].id             MON_WINDOW
+antr.function[0].wr_ident[0]    6065_00
+antr.function[0].commu          ACYCLIC
+antr.function[0].data_type      UNS32
+antr.function[0].mask           NOT_USED
+antr.function[0].scaling_type   UNSCALED
+antr.function[0].scaling_factor 1.0
+antr.function[0].min_limit      0.0
+antr.function[0].max_limit      4294967295
+antr.function[1].id             TORQUE_LIMIT
+antr.function[1].wr_ident[0]    6072_00
+antr.function[1].commu          ACYCLIC
+antr.function[1].data_type      UNS16
+antr.function[1].mask           NOT_USED
+antr.function[1].scaling_type   LINEAR
+antr.function[1].scaling_factor 10.0
+"""
+
+
+def _read(tmp_path: Path, text: str) -> tuple[dict[str, DriveFunction], list[Alarm]]:
+    path = tmp_path / "axis.lst"
+    path.write_text(text, encoding="utf-8")
+    return read_functions("Z", read_list(path, "axis"))
+
+
+def test_the_printed_list_declares_both_functions(tmp_path: Path) -> None:
+    functions, warnings = _read(tmp_path, PRINTED)
+    assert warnings == []
+    window, torque = functions["MON_WINDOW"], functions["TORQUE_LIMIT"]
+    assert (window.index, window.sub, window.data_type) == (0x6065, 0, "UNS32")
+    assert (torque.index, torque.sub, torque.data_type) == (0x6072, 0, "UNS16")
+    assert window.encode(window.raw(4294967295, "Z")) == b"\xff\xff\xff\xff"
+    assert window.encode(window.raw(1048575, "Z")) == b"\xff\xff\x0f\x00"
+    assert torque.encode(torque.raw(10, "Z")) == b"\x64\x00"  # 100 per mille
+    assert torque.encode(torque.raw(5000, "Z")) == b"\x50\xc3"  # 50000
+    assert torque.value(b"\x64\x00") == 10.0
+
+
+def test_a_value_beyond_a_limit_is_moved_to_it_without_a_message(tmp_path: Path) -> None:
+    """TF5200 225959307; the limits are those of VAL, before the scaling."""
+    text = PRINTED + "antr.function[1].min_limit 2\nantr.function[1].max_limit 300\n"
+    functions, warnings = _read(tmp_path, text)
+    torque = functions["TORQUE_LIMIT"]
+    assert [torque.raw(value, "Z") for value in (0, 2, 150, 300, 5000)] == [
+        20,
+        20,
+        1500,
+        3000,
+        3000,
+    ]
+    assert warnings == []
+
+
+@pytest.mark.parametrize(
+    ("lines", "alarm_id", "values"),
+    [
+        ("max_limit 7000", 70383, {"high": "7000", "corrected": "6553.5"}),
+        ("min_limit -1", 70384, {"low": "-1", "corrected": "0"}),
+        ("min_limit 300;max_limit 2", 70385, {"low": "300", "high": "2"}),
+    ],
+)
+def test_limits_that_cannot_be_are_corrected_with_a_warning(
+    tmp_path: Path, lines: str, alarm_id: int, values: dict[str, str]
+) -> None:
+    added = "".join(f"antr.function[1].{line}\n" for line in lines.split(";"))
+    _, (warning,) = _read(tmp_path, PRINTED + added)
+    assert (warning.id, warning.ends_program) == (alarm_id, False)
+    assert {name: warning.values[name] for name in values} == values
+
+
+def test_900111_and_900112(tmp_path: Path) -> None:
+    functions, _ = _read(tmp_path, PRINTED)
+    with pytest.raises(Alarm) as caught:
+        functions["TORQUE_LIMIT"].raw(0.5, "Z")
+    assert caught.value.id == 900111
+    with pytest.raises(Alarm) as caught:
+        functions["TORQUE_LIMIT"].raw(-1, "Z")
+    assert caught.value.id == 900112
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("6072_00", "S-0-0092", "no object of a CANopen drive"),
+        ("TORQUE_LIMIT", "mon_window", "two drive functions have one name"),
+        ("10.0", "0", "must not be 0"),
+        ("NOT_USED", "some", "no whole number"),
+        ("LINEAR", "TORQUE_DRIVE_SIDE", "does not act yet"),
+    ],
+)
+def test_a_list_that_cannot_be_is_refused(tmp_path: Path, old: str, new: str, message: str) -> None:
+    with pytest.raises(UserError, match=message):
+        _read(tmp_path, PRINTED.replace(old, new))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("6072_00", "5FFF_00", "no such object"),
+        ("6072_00", "6041_00", "does not let it be written"),
+        ("UNS16", "UNS32", "another data type"),
+        ("ACYCLIC", "CYCLIC", "no RPDO carries its object freely"),
+    ],
+)
+def test_a_function_that_the_drive_does_not_have_is_refused(
+    tmp_path: Path, old: str, new: str, message: str
+) -> None:
+    functions, _ = _read(tmp_path, PRINTED.replace(old, new))
+    od = object_dictionary(3, DriveProfile())
+    with pytest.raises(UserError, match=message):
+        check_functions("Z", functions, od, telegrams(0x60BA))
+
+
+@pytest.mark.parametrize(
+    ("mask", "data_type", "raw", "present", "merged"),
+    [
+        (0x0F, "UNS08", 0xFF, 0xA0, 0xAF),
+        (0x8000, "SGN16", -32768, 0x0001, -32767),
+        (0x00FF, "SGN16", 0x12, -1, -238),  # 0xFF12
+    ],
+)
+def test_only_the_bits_of_the_mask_change(
+    mask: int, data_type: str, raw: int, present: int, merged: int
+) -> None:
+    function = DriveFunction(
+        "BITS", "ACYCLIC", 0x6072, 0, 0x6072, 0, data_type, mask, 1.0, -1e199, 1e199, None
+    )
+    assert function.merged(raw, function.encode(present)) == merged
