@@ -209,9 +209,10 @@ def link_bench() -> Iterator[Callable[..., LinkBench]]:
             level: bool = False,
             silent: bool = False,
             counter: bool = False,
+            profile: DriveProfile | None = None,
         ) -> LinkBench:
             axis = TrailingAxis(start_mm * 1e-3, behind_mm * 1e-3)
-            profile = DriveProfile(input_delay_ns=0)
+            profile = profile or DriveProfile(input_delay_ns=0)
             signal = Signal(axis, edges_ns, level)
             drive_network = SimNetwork(segment.port("drive")).connect()
             node = DriveNode(

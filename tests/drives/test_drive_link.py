@@ -8,6 +8,7 @@ import pytest
 from bench.bus.faults import Drop, DropById, ErrorAtBit, FaultAction
 from bench.bus.frame import Frame
 from bench.bus.simbus import SimBus
+from bench.drive.profile import DriveProfile
 from kernel.drives.ds402 import State
 from kernel.errors import Alarm
 
@@ -111,6 +112,25 @@ def test_the_old_position_is_not_taken_for_the_new_edge(link_bench: Make) -> Non
         assert bench.link.latched_mm is None
     bench.cycle()
     assert bench.link.latched_mm == pytest.approx(9.0, abs=INCREMENT_MM / 2)
+
+
+@pytest.mark.parametrize(("pulse_us", "latches"), [(299, False), (300, True)])
+def test_a_pulse_shorter_than_the_filter_is_no_latch_and_no_value(
+    link_bench: Make, pulse_us: int, latches: bool
+) -> None:
+    bench = link_bench(
+        start_mm=5.0,
+        counter=True,
+        edges_ns=[60 * MS, 60 * MS + pulse_us * US],
+        profile=DriveProfile(input_delay_ns=0, input_filter_ns=300 * US),
+    )
+    bench.commission()
+    _armed(bench)
+    while bench.scheduler.now_ns < 70 * MS:
+        bench.cycle()
+        assert bench.link.is_actuated is False  # both levels came and went between two SYNCs
+    assert bench.link.has_latched is latches
+    assert (bench.link.latched_mm is not None) is latches
 
 
 class _Disturbance:
