@@ -91,6 +91,8 @@ class ProcessImage:
     positive_torque_limit: int = 0
     negative_torque_limit: int = 0
     second_position: int = 0
+    second_increments: int = 0
+    second_revolutions: int = 0
     following_error: int = 0
     position_demand_internal: int = 0
     digital_inputs: int = 0

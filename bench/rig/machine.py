@@ -107,8 +107,7 @@ class Machine:
             self._expect_answers()
             self.channel = self._build_channel()
             inject(self, seed)
-            axes = [(n, self.plant.axes.get(a.plant)) for n, a in settings.rig.axis.items()]
-            self.recorder = Recorder(self.plant, axes, self.plant.probes)
+            self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
             interpreter = Interpreter(
                 program,
@@ -131,6 +130,14 @@ class Machine:
                     for telegram in link.telegrams.values()
                     if telegram.is_cyclic and telegram.name.startswith("TPDO")
                 )
+
+    def _build_recorder(self) -> Recorder:
+        servos = {name: node.servo for name, node in self.nodes.items()}
+        axes = [
+            (name, self.plant.axes.get(axis.plant), servos.get(name))
+            for name, axis in self.settings.rig.axis.items()
+        ]
+        return Recorder(self.plant, axes, self.plant.probes)
 
     def _build_channel(self) -> Channel:
         self._accesses, warnings = build_accesses(

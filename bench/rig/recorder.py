@@ -10,6 +10,8 @@ from collections.abc import Sequence
 import numpy as np
 import pyarrow as pa
 
+from bench.drive.application.servo import NEVER, Servo
+from bench.rig.lag import largest_lag
 from kernel.channel import Channel
 from kernel.cosim.axis import PlantAxis
 from kernel.cosim.distance import PlantDistance
@@ -25,7 +27,10 @@ AXIS_COLUMNS = (
     "velocity_mm_s",
     "cnc_lag_mm",
     "drive_lag_mm",
+    "drive_lag_peak_mm",
 )
+# Of the axis at the SYNC, kept to reckon the last column: demand, motor position, its velocity (m)
+KEPT = 3
 # Column -> role that the FMU of a distance sensor must fill for it
 DISTANCE_COLUMNS = {
     "distance_mm": "distance",
@@ -38,7 +43,9 @@ DISTANCE_COLUMNS = {
 class Recorder:
     """Collects the trace of one run.
 
-    axes: (axis name, its plant; None for a drive outside); probes: instance name -> plant.
+    axes: (axis name, its plant, the drive in front of it; None for a drive outside); probes:
+    instance name -> plant. drive_lag_peak_mm is the largest magnitude of the lag at the ticks of
+    the drive since the row before.
     `table()` gives one column `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64;
     KERNEL_COLUMNS without a plant), per probe its signal and per distance sensor those of
     DISTANCE_COLUMNS that it tells.
@@ -47,12 +54,13 @@ class Recorder:
     def __init__(
         self,
         plant: Plant,
-        axes: Sequence[tuple[str, PlantAxis | None]],
+        axes: Sequence[tuple[str, PlantAxis | None, Servo | None]],
         probes: dict[str, PlantProbe],
     ) -> None:
         self._plant = plant
-        self._axes = [axis for _, axis in axes]
-        self._names = [name for name, _ in axes]
+        self._axes = [axis for _, axis, _ in axes]
+        self._servos = [servo for _, _, servo in axes]
+        self._names = [name for name, _, _ in axes]
         self._signals = [probe.signal for probe in probes.values()]
         self._probe_names = list(probes)
         self._has_plant = any(axis is not None for axis in self._axes)
@@ -65,13 +73,17 @@ class Recorder:
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
         # Without a plant nothing tells the SYNC on the wire: the instant of its request stands in
-        self._times.append(self._plant.now_ns if self._has_plant else channel.sync_ns)
+        plant_ns = self._plant.now_ns
+        time_ns = plant_ns if self._has_plant else channel.sync_ns
         row: list[float] = []
-        for link, axis in zip(channel.links, self._axes, strict=True):
-            if axis is None:
+        for link, axis, servo in zip(channel.links, self._axes, self._servos, strict=True):
+            if axis is None or servo is None:
                 row += (link.set_mm, link.actual_mm, link.lag_mm)
                 continue
-            position, velocity, motor, _, demand = axis.motion
+            motion = axis.motion
+            if servo.sync_ns not in (plant_ns, NEVER):  # a tick or an SDO has moved the plant on
+                time_ns, motion = servo.sync_ns, axis.motion_at(servo.sync_ns)
+            position, velocity, motor, motor_velocity, demand = motion
             row += (
                 link.set_mm,
                 link.actual_mm,
@@ -79,7 +91,11 @@ class Recorder:
                 velocity * 1e3,
                 link.lag_mm,
                 (demand - motor) * 1e3,
+                demand,
+                motor,
+                motor_velocity,
             )
+        self._times.append(time_ns)
         self._rows.append(tuple(row))
         self._levels.append(tuple([signal.level for signal in self._signals]))
         if self._sensors:
@@ -94,14 +110,22 @@ class Recorder:
     def table(self) -> pa.Table:
         """Return the trace; columns in the order of the axes."""
         columns: dict[str, pa.Array] = {"time_ns": pa.array(self._times, pa.int64())}
-        names = [
-            f"{name}.{column}"
-            for name, axis in zip(self._names, self._axes, strict=True)
-            for column in (KERNEL_COLUMNS if axis is None else AXIS_COLUMNS)
+        widths = [
+            len(KERNEL_COLUMNS) if axis is None else len(AXIS_COLUMNS) - 1 + KEPT
+            for axis in self._axes
         ]
-        values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), len(names))
-        for index, name in enumerate(names):
-            columns[name] = pa.array(values[:, index])
+        values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), sum(widths))
+        places = np.split(values, np.cumsum(widths)[:-1], axis=1)
+        for name, servo, place in zip(self._names, self._servos, places, strict=True):
+            told = list(place.T)
+            if servo is not None:
+                demand, motor, velocity = told[-KEPT:]
+                del told[-KEPT:]
+                times = np.array(self._times, dtype=np.int64)
+                told.append(largest_lag(times, (demand, motor, velocity), servo.tick_ns) * 1e3)
+            known = KERNEL_COLUMNS if servo is None else AXIS_COLUMNS
+            for column, told_column in zip(known, told, strict=True):
+                columns[f"{name}.{column}"] = pa.array(told_column)
         levels = np.array(self._levels, dtype=np.int8).reshape(
             len(self._levels), len(self._probe_names)
         )

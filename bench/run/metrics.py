@@ -167,7 +167,7 @@ def _largest(column: str) -> MetricFunction:
 
 
 _METRICS["lag_mm_max"] = _largest("cnc_lag_mm")
-_METRICS["drive_lag_mm_max"] = _largest("drive_lag_mm")
+_METRICS["drive_lag_mm_max"] = _largest("drive_lag_peak_mm")
 _METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")
 
 

@@ -380,6 +380,16 @@ class PlantAxis:
             return self.motion[2]
         return self.motion[4]
 
+    def motion_at(self, time_ns: TimeNs) -> list[float]:
+        """Return `motion` as it was at the end of a step: AXIS_OUTPUTS.
+
+        Raises PlantError when no step that is still kept ended at `time_ns`.
+        """
+        after = bisect_right(self._times, time_ns)
+        if after == 0 or self._times[after - 1] != time_ns:
+            raise PlantError(self.slave.name, time_ns, "no step ended at this instant")
+        return self._past[after - 1]
+
     def motor_position_m_at(self, time_ns: TimeNs) -> float:
         """Return the motor position at a past instant, by cubic Hermite inside its step."""
         after = bisect_right(self._times, time_ns)

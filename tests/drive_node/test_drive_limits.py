@@ -177,6 +177,9 @@ def test_second_encoder_and_demand_values(drive_bench: Make, fake_axis: Any) -> 
     bench = drive_bench(fake_axis(start_m=0.01, encoder_2_m=0.003))
     sdo = bench.remote.sdo
     assert sdo[0x60E4][1].raw == round(0.013 * PER_M)
+    sdo[0x60E6][1].raw, sdo[0x60EB][1].raw = 1 << 18, 3
+    assert sdo[0x60E4][1].raw == round(0.013 * PER_M) * 12
+    assert sdo[0x6064].raw == round(0.01 * PER_M)
     bench.operational(4)
     bench.enable(5)
     bench.axis.motion = lambda t: 0.01

@@ -159,6 +159,15 @@ def hm(method: int) -> Scene:
     return scene
 
 
+def second_encoder(bench: Any, write: Write) -> None:
+    """60E4:1 in TPDO4; the second encoder stands at 3 mm."""
+    bench.axis.encoder_2_m = 0.003
+    sdo = bench.remote.sdo
+    sdo[0x1A03][1].raw, sdo[0x1A03][0].raw = 0x60E40120, 1
+    sdo[0x1803][2].raw, sdo[0x1803][1].raw = 1, 0x483
+    csp(bench, write)
+
+
 EFFECTS: dict[tuple[int, int], tuple[int, Scene]] = {
     (0x6007, 0): (2, csp_and_silence),
     (0x6040, 0): (0x06, switching_on),
@@ -208,6 +217,8 @@ EFFECTS: dict[tuple[int, int], tuple[int, Scene]] = {
     (0x60C6, 0): (50_000_000, pp),
     (0x60E0, 0): (80, cst),
     (0x60E1, 0): (80, cst_back),
+    (0x60E6, 1): (1 << 19, second_encoder),
+    (0x60EB, 1): (3, second_encoder),
     (0x60FF, 0): (1_000_000, csv),
 }
 # Objects of the touch probe: their effects are shown in test_touch_probe*.py

@@ -61,4 +61,4 @@ class Sampler:
         image.position_internal = units.increments(motion.axis.motor_position_m())
         image.torque_actual = image.current_actual = self._limits.torque_per_mille()
         second_m = motion.axis.second_encoder_m()
-        image.second_position = 0 if second_m is None else units.position_units(second_m)
+        image.second_position = 0 if second_m is None else units.second_units(second_m)

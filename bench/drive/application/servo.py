@@ -36,6 +36,7 @@ from kernel.drives.ds402 import STATES, State, Status, automatic
 FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
 OVERSPEED = 0x8400  # emergency code of CiA 402: velocity controller
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
+NEVER = -1  # before the first SYNC
 HALT = 1 << 8  # bit of the controlword
 INVALID_VALUE, NOT_NOW = 0x06090030, 0x08000022  # abort codes of CiA 301
 POWERED = frozenset(
@@ -46,7 +47,7 @@ POWERED = frozenset(
         State.FAULT_REACTION_ACTIVE,
     }
 )
-_SCALING = (0x608F, 0x6091, 0x6092)
+_SCALING = (0x608F, 0x6091, 0x6092, 0x60E6, 0x60EB)
 _OPTION_CODES = frozenset(index for index, _ in OPTIONS)
 _STATUSWORD = {
     state: pattern.value | Status.VOLTAGE_ENABLED.value | Status.REMOTE.value
@@ -60,6 +61,7 @@ class Servo:
     One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register)
     sends an emergency message; changed() is called when a tick has changed the statusword.
     switches: limit and home switches by their names (`switches.SWITCHES`).
+    sync_ns: instant of the last SYNC, NEVER before the first one.
     """
 
     def __init__(
@@ -75,6 +77,8 @@ class Servo:
     ) -> None:
         self.axis, self._profile = axis, profile
         self._clock, self._changed = clock, changed
+        self.sync_ns: TimeNs = NEVER
+        self.tick_ns = profile.tick_ns
         self.image = image = ProcessImage()
         image.set_defaults(profile)
         self.emergency = Emergency(image, send_emergency)
@@ -158,6 +162,7 @@ class Servo:
 
     def cycle(self, now_ns: TimeNs) -> None:
         """Act on the object values, give the axis its demand of this SYNC period, sample."""
+        self.sync_ns = now_ns
         self._step(now_ns, at_sync=True)
         self._ticker.lock()
 
@@ -234,7 +239,7 @@ class Servo:
         if at_sync:
             self.touch_probe.cycle(self.image.probe_function, now_ns)
         if self._stop is not None:
-            self._stop.go_on(now_ns, self._profile.tick_ns)
+            self._stop.go_on(now_ns, self.tick_ns)
         elif self._is_operating and self._began_ns != now_ns:
             if at_sync:
                 self.mode.cycle(now_ns)
@@ -369,7 +374,7 @@ class Servo:
         self._leave(now_ns)
         self._halted = self._goes_on = False
         self._stop = Stop(self.motion, self.limits, self._standstill, reaction)
-        self._stop.begin(now_ns, self._profile.tick_ns, at_actual)
+        self._stop.begin(now_ns, self.tick_ns, at_actual)
 
     def _need_ticks(self) -> None:
         state = self.machine.state

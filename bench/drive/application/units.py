@@ -21,6 +21,7 @@ class Units:
     __slots__ = (
         "_factor",
         "_image",
+        "_second_factor",
         "_units_per_m",
         "home_units",
         "increments_per_m",
@@ -51,6 +52,10 @@ class Units:
             image.feed_shaft * image.encoder_increments * image.gear_motor,
         )
         self._factor = None if factor == 1 else factor
+        self._second_factor = Fraction(
+            image.feed * image.second_revolutions * image.gear_shaft,
+            image.feed_shaft * image.second_increments * image.gear_motor,
+        )
         self._units_per_m = self.increments_per_m * float(factor)
 
     def position_units(self, position_m: float) -> int:
@@ -59,6 +64,11 @@ class Units:
         if self._factor is not None:
             units = round(units * self._factor)
         return (units + self.origin_units + 0x8000_0000 & 0xFFFF_FFFF) - 0x8000_0000
+
+    def second_units(self, position_m: float) -> int:
+        """Return what the second encoder tells: with 60E6 and 60EB in the place of 608F."""
+        units = round(self.increments(position_m) * self._second_factor)
+        return (units + 0x8000_0000 & U32_MAX) - 0x8000_0000
 
     def increments(self, position_m: float) -> int:
         """Return a position in increments of the encoder; wraps at 32 bits."""

@@ -1,0 +1,68 @@
+"""The largest lag of a drive lies between two SYNCs: witnesses at each tick of the drive."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from bench.rig.lag import largest_lag
+from bench.rig.machine import Machine
+
+
+def test_peak_of_a_parabola_between_two_rows() -> None:
+    """Demand at rest, motor v t (T - t): v T^2/4 half way; ticks at T/4, T/2, 3T/4."""
+    period, speed = 1e-3, 2.0
+    times = np.array([0, 1_000_000, 2_000_000])
+    zero = np.zeros(3)
+    slope = np.array([speed * period, -speed * period, -speed * period])
+    lag = largest_lag(times, (zero, zero, slope), 250_000)
+    # In the second period the motor is the cubic with slope -vT at both ends: -vT t(1-t)(1-2t)
+    assert lag == pytest.approx([0.0, speed * period**2 / 4, speed * period**2 * 3 / 32])
+
+
+def test_a_tick_longer_than_the_period_sees_the_rows_only() -> None:
+    times = np.array([0, 1_000_000])
+    lag = largest_lag(times, (np.array([1.0, -2.0]), np.zeros(2), np.ones(2)), 1_000_000)
+    assert lag == pytest.approx([1.0, 2.0])
+    assert largest_lag(times[:1], (zero := np.zeros(1), zero, zero), 250_000) == pytest.approx([0])
+
+
+@pytest.mark.parametrize("period_us", [1000, 4000])
+def test_metric_is_the_largest_lag_at_the_ticks_of_the_drive(
+    run_nc: Any, monkeypatch: pytest.MonkeyPatch, period_us: int
+) -> None:
+    """Witness: another run of the program whose plant is looked at in each tick after a SYNC."""
+    program = "N10 G1 Z110 F3000\nN20 G1 Z120 F6000"
+    rig = f"[cycle]\nperiod_us = {period_us}"
+    out = run_nc(program, rig, base="probe-z.toml")
+    peak = out.column("Z.drive_lag_peak_mm")
+
+    seen: list[float] = []
+
+    def look(machine: Machine) -> None:
+        axis = next(iter(machine.plant.axes.values()))
+        axis.advance_to(machine.scheduler.now_ns)
+        seen.append(abs(axis.motion[4] - axis.motion[2]) * 1e3)
+
+    build = Machine.run
+
+    def run(machine: Machine) -> Any:
+        servo = machine.nodes["Z"].servo
+        cycle = servo.cycle
+
+        def witnessed(now_ns: int) -> None:
+            seen.append(abs(servo.axis.motion[4] - servo.axis.motion[2]) * 1e3)
+            cycle(now_ns)
+            for tick in range(1, period_us // 250):
+                machine.scheduler.call_at(now_ns + tick * 250_000, 1, lambda: look(machine))
+
+        servo.cycle = witnessed  # type: ignore[method-assign]
+        return build(machine)
+
+    monkeypatch.setattr(Machine, "run", run)
+    again = run_nc(program, rig, base="probe-z.toml")
+    assert np.max(peak) == pytest.approx(max(seen), abs=1e-5)
+    assert np.max(peak) >= np.max(np.abs(out.column("Z.drive_lag_mm")))
+    # Ticks that move the plant on do not move the rows: they stay at the SYNC
+    for name in ("time_ns", "Z.truth_mm", "Z.drive_lag_mm", "Z.set_mm"):
+        assert again.column(name).tolist() == out.column(name).tolist(), name
