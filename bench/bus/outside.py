@@ -6,6 +6,8 @@ out at once, the lowest identifier first; the order on the wire and all times th
 interface's. Frames from outside are polled by the paced scheduler in its one thread.
 """
 
+import os
+import select
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from functools import partial
@@ -45,6 +47,7 @@ class OutsideSegment(Segment):
     ) -> None:
         self._open_bus = open_bus
         self._bus: can.BusABC | None = open_bus()
+        self._file = _file_of(self._bus)
         super().__init__(name, bitrate, scheduler)
         self._paced = scheduler
         self._expected: frozenset[int] = frozenset()
@@ -84,6 +87,7 @@ class OutsideSegment(Segment):
                 self._bus = self._open_bus()
             except UserError:
                 return False
+            self._file = _file_of(self._bus)
             self.lost, self._send_errors = None, 0
         return True
 
@@ -164,8 +168,12 @@ class OutsideSegment(Segment):
             self._paced.pause(timeout_s)
             return None
         try:
+            if timeout_s > 0 and self._file is not None:
+                # Some interfaces wait by asking again and again, which keeps the other side waiting
+                select.select([self._file], [], [], timeout_s)
+                timeout_s = 0.0
             received = self._bus.recv(timeout_s)
-        except (can.CanError, OSError) as error:
+        except (can.CanError, OSError, ValueError) as error:
             self._lose(error)
             return None
         if received is None or received.is_fd:
@@ -190,3 +198,11 @@ class OutsideSegment(Segment):
         self._count(frame)
         self._record(frame, self.now_ns, is_error=False)
         self._deliver(frame, None)
+
+
+def _file_of(bus: can.BusABC) -> int | None:
+    """Return what `select` can wait for, None where an interface has no such thing."""
+    try:
+        return bus.fileno() if os.name == "posix" else None
+    except (NotImplementedError, can.CanError, OSError):
+        return None

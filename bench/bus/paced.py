@@ -82,7 +82,7 @@ class PacedScheduler(Scheduler):
         super().__init__()
         self.monotonic_ns, self.pause = real_time.monotonic_ns, real_time.pause
         self.pacing, self.deadlines = pacing, deadlines
-        self.answers_due_ns: TimeNs = 0
+        self.answers_due_ns: TimeNs | None = None
         self._sources: tuple[Source, ...] = ()
         self._origin_ns: TimeNs | None = None
         self._planned_ns: TimeNs = 0
@@ -97,6 +97,7 @@ class PacedScheduler(Scheduler):
     @property
     def planned_ns(self) -> TimeNs:
         """Real time at which the present instant was to be."""
+        self._origin()
         return self._planned_ns
 
     @property
@@ -107,7 +108,8 @@ class PacedScheduler(Scheduler):
     def _origin(self) -> TimeNs:
         """Real time of instant 0."""
         if self._origin_ns is None:
-            self._origin_ns = self.monotonic_ns() - self._now_ns
+            self._planned_ns = self.monotonic_ns()
+            self._origin_ns = self._planned_ns - self._now_ns
         return self._origin_ns
 
     def run_until(self, time_ns: TimeNs) -> None:
@@ -145,7 +147,8 @@ class PacedScheduler(Scheduler):
             has_event = bool(events) and (end_ns is None or events[0][0] <= end_ns)
             limit_ns = self._now_ns + LISTEN_NS if end_ns is None else end_ns
             target_ns = events[0][0] if has_event else limit_ns
-            if target_ns > self._now_ns and self._wait(target_ns):
+            # What has arrived is let in at once, whatever real time has become
+            if target_ns > max(self._now_ns, self._arrived_ns) and self._wait(target_ns):
                 continue  # frames came: look again what is next
             return heapq.heappop(events) if has_event else None
 
@@ -155,8 +158,9 @@ class PacedScheduler(Scheduler):
         """Wait for an instant; return True, before it has come, when frames were received."""
         timeout_s = 0.0
         while not self._take(target_ns, timeout_s):
+            is_held = self._is_held(target_ns)
             left_ns = target_ns - self.real_ns
-            if self._is_held(target_ns):
+            if is_held:
                 timeout_s = LISTEN_NS / S
             elif left_ns > 0:
                 timeout_s = max(left_ns - SPIN_NS, 0) / S
@@ -169,9 +173,10 @@ class PacedScheduler(Scheduler):
 
     def _lacks_answers(self, target_ns: TimeNs, late_ns: TimeNs) -> bool:
         """Whether the cycle at `target_ns` should wait on for the answers of the drives."""
-        if late_ns >= self.pacing.wait_ns or target_ns < self.answers_due_ns:
+        if self.answers_due_ns is None or target_ns < self.answers_due_ns:
             return False
-        if not any(source.is_waiting for source in self._sources):
+        if late_ns >= self.pacing.wait_ns or not any(s.is_waiting for s in self._sources):
+            self.answers_due_ns = None  # until the next SYNC
             return False
         self._waits_ns = target_ns
         return True

@@ -23,7 +23,7 @@ from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.settings import Settings
-from kernel.channel import AxisSettings, Channel, CycleTiming
+from kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler
@@ -217,6 +217,7 @@ class Machine:
 
     def _leave(self) -> None:
         """Power the drives outside down, whatever has happened before."""
+        self.channel.state = ChannelState.ENDED  # after a defect it would go on
         links = [link for name, link in self.links.items() if name in self.outside]
         networks = list({id(link.network): link.network for link in links}.values())
         timing = self.timing

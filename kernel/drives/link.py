@@ -217,7 +217,10 @@ class AxisLink:
         self.statusword, self.state = 0, State.NOT_READY_TO_SWITCH_ON
 
     def hold_back(self) -> None:
-        """Never lead the drive into operation again: it may go on with what it does, or stop."""
+        """Never lead the drive into operation again: it may go on with what it does, or stop.
+
+        Without `power` it is led out of operation.
+        """
         self._is_held_back = True
 
     @property
@@ -280,8 +283,10 @@ class AxisLink:
         if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             return STATES[State.FAULT].hold
         if self._is_held_back:
-            keeps = state in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)
-            return STATES[state].hold if keeps else 0
+            if state not in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE):
+                return 0
+            if self.power:
+                return STATES[state].hold
         wanted = State.OPERATION_ENABLED if self.power else State.READY_TO_SWITCH_ON
         return controlword_towards(state, wanted)
 

@@ -1,0 +1,144 @@
+"""A segment on a real interface: what goes out, what comes in, what is written down."""
+
+import hashlib
+import struct
+from typing import Any
+
+import can
+import pytest
+
+from bench.bus.faults import DropById
+from bench.bus.hardware import interface_names, open_bus, parse_options
+from bench.bus.record import FrameHash
+from kernel.clock import Phase
+from kernel.errors import UserError
+
+MS = 1_000_000
+
+
+def test_what_is_requested_at_one_instant_goes_out_by_identifier(make_bench: Any) -> None:
+    bench = make_bench()
+    master, drive = bench.segment.port("cnc"), bench.segment.port("drive")
+
+    def both() -> None:
+        master.send_raw(0x203, b"\x01\x02")
+        drive.send_raw(0x183, b"\x03")
+        master.send_raw(0x080, b"")
+
+    bench.scheduler.call_at(MS, Phase.APPLICATION, both)
+    bench.scheduler.run_until(2 * MS)
+    # The queue of one port is a FIFO: 0x203 stands before the SYNC of the same port
+    assert bench.sent_ids() == [0x183, 0x203, 0x080]
+    assert [bytes(msg.data) for _, msg in bench.adapter.sent] == [b"\x03", b"\x01\x02", b""]
+
+
+def test_ports_of_this_process_hear_each_other_and_the_outside(
+    make_bench: Any, make_frame: Any
+) -> None:
+    bench = make_bench()
+    ports = {name: bench.segment.port(name) for name in ("cnc", "x", "y")}
+    heard: dict[str, list[int]] = {name: [] for name in ports}
+    for name, port in ports.items():
+        port.attach_data(lambda can_id, _data, _time, name=name: heard[name].append(can_id))
+    bench.scheduler.call_at(MS, Phase.APPLICATION, lambda: ports["x"].send_raw(0x181, b"1"))
+    bench.adapter.coming.append((bench.wall.now_ns + 3 * MS, make_frame(0x300, 7)))
+    bench.scheduler.run_until(5 * MS)
+    assert heard == {"cnc": [0x181, 0x300], "x": [0x300], "y": [0x181, 0x300]}
+    assert bench.sent_ids() == [0x181]
+
+
+def test_remote_extended_and_error_frames_come_in_as_what_they_are(make_bench: Any) -> None:
+    bench = make_bench()
+    seen: list[tuple[int, bool, bool, int, bool]] = []
+    bench.segment.observe(lambda _t, _n, f, e: seen.append((f[0], f[2], f[3], f[4], e)))
+    now_ns = bench.wall.now_ns
+    for k, msg in enumerate(
+        [
+            can.Message(arbitration_id=0x703, is_extended_id=False, is_remote_frame=True, dlc=1),
+            can.Message(arbitration_id=0x1ABCDEF0, is_extended_id=True, data=b"12"),
+            can.Message(arbitration_id=0, is_error_frame=True, dlc=8, data=bytes(8)),
+        ]
+    ):
+        bench.adapter.coming.append((now_ns + (k + 1) * MS, msg))
+    bench.scheduler.run_until(6 * MS)
+    assert [item[:3] for item in seen[:2]] == [(0x703, False, True), (0x1ABCDEF0, True, False)]
+    assert [item[4] for item in seen] == [False, False, True]
+    assert bench.segment.load().error_frames == 1
+
+
+def test_the_hash_is_that_of_the_documented_bytes(make_bench: Any, make_frame: Any) -> None:
+    bench = make_bench()
+    frame_hash, times = FrameHash(), []
+    bench.segment.observe(frame_hash)
+    bench.segment.observe(lambda time_ns, *_: times.append(time_ns))
+    bench.adapter.coming.append((bench.wall.now_ns + MS, make_frame(0x183, 1, 2)))
+    bench.scheduler.run_until(2 * MS)
+    expected = (
+        struct.pack("<q", times[0]) + b"\x03out" + struct.pack("<IBB8s", 0x183, 0, 2, b"\1\2")
+    )
+    assert frame_hash.hexdigest() == hashlib.sha256(expected).hexdigest()
+
+
+def test_a_bus_that_breaks_is_told_and_opened_again(make_bench: Any, make_frame: Any) -> None:
+    bench = make_bench()
+    port = bench.segment.port("drive")
+    bench.scheduler.run_until(MS)
+    bench.adapter.broken = can.CanOperationError("cable pulled")
+    bench.scheduler.run_until(2 * MS)
+    assert bench.segment.lost == "cable pulled"
+    port.send_raw(0x183, b"lost")  # nobody falls over it
+    bench.scheduler.run_until(3 * MS)
+    bench.adapter.broken = None
+    assert bench.segment.reopen()
+    assert bench.segment.lost is None
+    port.send_raw(0x184, b"there")
+    bench.scheduler.run_until(4 * MS)
+    assert bench.sent_ids() == [0x184]
+    assert bench.openings == 2
+
+
+def test_a_frame_that_the_interface_does_not_take_is_counted(make_bench: Any) -> None:
+    bench = make_bench()
+    port = bench.segment.port("drive")
+    bench.scheduler.run_until(MS)
+    send = bench.adapter.send
+    bench.adapter.send = lambda *_: (_ for _ in ()).throw(can.CanOperationError("buffer full"))
+    for _ in range(5):
+        port.send_raw(0x183, b"")
+    bench.scheduler.run_until(2 * MS)
+    bench.adapter.send = send
+    assert bench.deadlines.send_errors == 5
+    assert bench.segment.lost is None
+
+
+def test_faults_of_the_wire_are_refused(make_bench: Any) -> None:
+    with pytest.raises(UserError, match="simulated"):
+        make_bench().segment.add_fault(DropById(0x183, seed=1))
+
+
+def test_an_unknown_interface_is_refused_with_the_nearest_names() -> None:
+    with pytest.raises(UserError, match="socketcan") as caught:
+        open_bus("socketcn", "can0", 1_000_000, {})
+    assert caught.value.value == "socketcn"
+
+
+def test_an_interface_that_cannot_be_opened_says_what_to_do() -> None:
+    with pytest.raises(UserError) as caught:
+        open_bus("slcan", "/dev/no-such-adapter", 1_000_000, {})
+    assert "slcan /dev/no-such-adapter" in str(caught.value)
+    assert "docs/hardware.md" in str(caught.value)
+
+
+def test_options_are_numbers_truth_values_or_texts() -> None:
+    read = parse_options("host=127.0.0.1 port=29536 tcp_tune=true timeout=0.5 name=can0")
+    assert read == {
+        "host": "127.0.0.1", "port": 29536, "tcp_tune": True, "timeout": 0.5, "name": "can0"
+    }  # fmt: skip
+    with pytest.raises(UserError, match="key=value"):
+        parse_options("tcp_tune")
+
+
+def test_every_interface_of_python_can_and_ours_may_stand_in_a_rig() -> None:
+    assert {"axisrig", "axisrig_tcp", "socketcan", "slcan", "pcan", "vector"} <= {
+        *interface_names()
+    }

@@ -1,0 +1,176 @@
+"""Simulated time tied to real time, against a clock that the test moves."""
+
+from typing import Any
+
+from bench.bus.deadlines import BINS_US, Deadlines
+from kernel.clock import Phase
+
+US, MS = 1_000, 1_000_000
+SYNC, TPDO = 0x80, 0x183
+
+
+def _instants(bench: Any, times_ns: list[int]) -> list[int]:
+    """Run events at these instants; return at which real time (from the start) each ran."""
+    ran: list[int] = []
+    begin_ns = bench.wall.now_ns
+    for time_ns in times_ns:
+        bench.scheduler.call_at(
+            time_ns, Phase.APPLICATION, lambda: ran.append(bench.wall.now_ns - begin_ns)
+        )
+    bench.scheduler.run_until(times_ns[-1] + 1)
+    return ran
+
+
+def test_an_event_runs_at_its_instant_of_real_time(make_bench: Any) -> None:
+    ran = _instants(make_bench(), [1 * MS, 2 * MS, 7 * MS])
+    for planned_ns, ran_ns in zip([1 * MS, 2 * MS, 7 * MS], ran, strict=True):
+        assert planned_ns <= ran_ns <= planned_ns + 20 * US
+
+
+def test_a_small_delay_is_made_good_by_the_next_event(make_bench: Any) -> None:
+    bench = make_bench(slip_ns=250 * US)
+    bench.wall.stall(after_ns=900 * US, for_ns=300 * US)
+    ran = _instants(bench, [1 * MS, 2 * MS])
+    assert 1.15 * MS <= ran[0] <= 1.25 * MS
+    assert 2 * MS <= ran[1] <= 2.02 * MS
+    assert bench.deadlines.slips == 0
+
+
+def test_a_long_delay_moves_the_plan_so_that_no_events_come_in_a_burst(make_bench: Any) -> None:
+    bench = make_bench(slip_ns=250 * US)
+    bench.wall.stall(after_ns=900 * US, for_ns=5 * MS)
+    ran = _instants(bench, [1 * MS, 2 * MS, 3 * MS])
+    assert 5.8 * MS <= ran[0] <= 6 * MS
+    assert ran[1] - ran[0] >= 0.98 * MS
+    assert ran[2] - ran[1] >= 0.98 * MS
+    assert bench.deadlines.slips == 1
+    assert 4.8 * MS <= bench.deadlines.slipped_ns <= 5 * MS
+
+
+def test_a_frame_comes_in_at_the_instant_it_was_seen(make_bench: Any, make_frame: Any) -> None:
+    bench = make_bench()
+    seen: list[tuple[int, int]] = []
+    bench.segment.observe(lambda time_ns, _name, f, _e: seen.append((time_ns, f.arbitration_id)))
+    bench.adapter.coming.append((bench.wall.now_ns + 3 * MS, make_frame(0x123, 1, 2)))
+    bench.scheduler.run_until(10 * MS)
+    ((time_ns, can_id),) = seen
+    assert can_id == 0x123
+    assert 2.99 * MS <= time_ns <= 3.05 * MS
+
+
+def test_a_frame_that_waited_while_the_computer_was_away_comes_before_the_late_event(
+    make_bench: Any, make_frame: Any
+) -> None:
+    """The order is that of what happened: the answer had come when the late cycle began."""
+    bench = make_bench()
+    order: list[str] = []
+    bench.segment.observe(lambda *_: order.append("frame"))
+    bench.scheduler.call_at(2 * MS, Phase.APPLICATION, lambda: order.append("cycle"))
+    bench.adapter.coming.append((bench.wall.now_ns + 1 * MS, make_frame(TPDO)))
+    bench.wall.stall(after_ns=500 * US, for_ns=4 * MS)
+    bench.scheduler.run_until(3 * MS)
+    assert order == ["frame", "cycle"]
+
+
+def _cycles(bench: Any, count: int) -> list[int]:
+    """Send SYNC at k ms and note how many frames had come by the cycle 0.6 ms later."""
+    port = bench.segment.port("cnc")
+    port.attach_data(lambda *_: came.append(1))
+    came: list[int] = []
+    noted: list[int] = []
+    for k in range(count):
+        bench.scheduler.call_at(k * MS, Phase.APPLICATION, lambda: port.send_raw(SYNC, b""))
+        bench.scheduler.call_at(
+            k * MS + 600 * US, Phase.APPLICATION, lambda: noted.append(len(came))
+        )
+    bench.scheduler.run_until(count * MS)
+    return noted
+
+
+def test_a_cycle_waits_for_slow_answers_where_the_line_is_slow(
+    make_bench: Any, make_frame: Any
+) -> None:
+    """Answers 2 ms after the SYNC, a cycle 0.6 ms after it: time is stretched, nothing is lost."""
+    bench = make_bench(wait_ns=50 * MS, answer_ns=600 * US)
+    bench.segment.expect([TPDO])
+    bench.adapter.answer = lambda msg: [(2 * MS, make_frame(TPDO))] * (msg.arbitration_id == SYNC)
+    assert _cycles(bench, 5) == [1, 2, 3, 4, 5]
+    assert bench.deadlines.waits == 5
+    assert bench.deadlines.slips == 0
+    assert 5 * 1.3 * MS <= bench.deadlines.waited_ns <= 5 * 1.7 * MS
+
+
+def test_a_cycle_does_not_wait_where_the_line_is_fast(make_bench: Any, make_frame: Any) -> None:
+    bench = make_bench(wait_ns=0, answer_ns=600 * US)
+    bench.segment.expect([TPDO])
+    bench.adapter.answer = lambda msg: [(2 * MS, make_frame(TPDO))] * (msg.arbitration_id == SYNC)
+    assert _cycles(bench, 3) == [0, 0, 1]
+    assert bench.deadlines.waits == 0
+
+
+def test_a_drive_that_does_not_answer_is_waited_for_so_long_and_no_longer(make_bench: Any) -> None:
+    bench = make_bench(wait_ns=20 * MS, answer_ns=600 * US)
+    bench.segment.expect([TPDO])
+    begin_ns = bench.wall.now_ns
+    assert _cycles(bench, 3) == [0, 0, 0]
+    assert 3 * 20 * MS <= bench.wall.now_ns - begin_ns <= 3 * 22 * MS
+
+
+def _sync_times(bench: Any, arrivals_ns: list[int], make_frame: Any) -> list[int]:
+    """Let SYNCs arrive at these instants of real time; return their instants of the run."""
+    seen: list[int] = []
+    bench.segment.observe(lambda time_ns, *_: seen.append(time_ns))
+    for time_ns in arrivals_ns:
+        bench.adapter.coming.append((bench.wall.now_ns + time_ns, make_frame(SYNC)))
+    bench.scheduler.run_until(arrivals_ns[0] + len(arrivals_ns) * MS)
+    return seen
+
+
+def test_time_by_sync_makes_each_sync_one_period(make_bench: Any, make_frame: Any) -> None:
+    """Late, early, three at a time: for drives and plants one period has passed."""
+    bench = make_bench(slip_ns=100 * MS, sync_period_ns=lambda: MS)
+    arrivals = [5 * MS, 6.3 * MS, 9 * MS, 9 * MS, 9 * MS, 60 * MS, 60.1 * MS]
+    times = _sync_times(bench, [round(t) for t in arrivals], make_frame)
+    assert [time_ns - times[0] for time_ns in times] == [k * MS for k in range(7)]
+
+
+def test_time_by_sync_goes_on_by_real_time_when_no_sync_comes(
+    make_bench: Any, make_frame: Any
+) -> None:
+    bench = make_bench(slip_ns=100 * MS, sync_period_ns=lambda: MS)
+    ran: list[int] = []
+    bench.adapter.coming.append((bench.wall.now_ns + 5 * MS, make_frame(SYNC)))
+    begin_ns = bench.wall.now_ns
+    bench.scheduler.call_at(
+        30 * MS, Phase.APPLICATION, lambda: ran.append(bench.wall.now_ns - begin_ns)
+    )
+    bench.scheduler.run_until(31 * MS)
+    assert 220 * MS <= ran[0] <= 240 * MS  # held at 6 ms for 200 ms, then by real time
+
+
+def test_late_syncs_are_counted_from_the_plan_before_it_moved(make_bench: Any) -> None:
+    bench = make_bench(slip_ns=250 * US)
+    bench.wall.stall(after_ns=1900 * US, for_ns=3 * MS)
+    _cycles(bench, 4)
+    told = bench.deadlines.as_data(MS)
+    assert told["cycles"] == 4
+    assert told["late_cycles"] == 1
+    assert 2800 <= told["lateness_us"]["most_us"] <= 3000
+    assert told["interval_us"]["least_us"] >= 980
+    assert sum(told["histogram"]) == 4
+    assert told["histogram"][BINS_US.index(2000)] == 1
+
+
+def test_figures_of_deadlines_against_numbers_counted_by_hand() -> None:
+    deadlines = Deadlines(late_ns=100 * US)
+    for k, late_us in enumerate([0, 5, 10, 99, 101, 5000]):
+        deadlines.sync_sent(k * MS, k * MS + late_us * US)
+    told = deadlines.as_data(MS)
+    assert (told["cycles"], told["late_cycles"]) == (6, 2)
+    assert told["lateness_us"] == {
+        "least_us": 0.0, "median_us": 10.0, "p99_us": 5000.0, "most_us": 5000.0
+    }  # fmt: skip
+    assert told["histogram"] == [2, 1, 0, 1, 1, 0, 0, 0, 0, 1, 0, 0]
+    assert told["interval_us"] == {
+        "least_us": 1002.0, "median_us": 1005.0, "p99_us": 5899.0, "most_us": 5899.0
+    }  # fmt: skip

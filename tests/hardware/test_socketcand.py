@@ -1,0 +1,130 @@
+"""The TCP bus as its clients see it: the texts of socketcand's raw mode, written out by hand."""
+
+import socket
+from collections.abc import Iterator
+
+import can
+import pytest
+
+from bench.bus.socketcand import SocketcandServer
+
+
+@pytest.fixture
+def server() -> Iterator[SocketcandServer]:
+    with SocketcandServer("127.0.0.1:0") as opened:
+        yield opened
+
+
+class Client:
+    """A stranger with a socket."""
+
+    def __init__(self, server: SocketcandServer) -> None:
+        self.server = server
+        self.socket = socket.create_connection(server.address, timeout=5)
+        assert self.read() == "< hi >"
+
+    def read(self) -> str:
+        self.server.recv(0.05)
+        return self.socket.recv(4096).decode()
+
+    def write(self, text: str) -> None:
+        self.socket.sendall(text.encode())
+
+    def ask(self, text: str) -> str:
+        self.write(text)
+        return self.read()
+
+
+@pytest.fixture
+def client(server: SocketcandServer) -> Iterator[Client]:
+    made = Client(server)
+    assert made.ask("< open can0 >") == "< ok >"
+    assert made.ask("< rawmode >") == "< ok >"
+    yield made
+    made.socket.close()
+
+
+def test_a_frame_of_the_server_reaches_a_client(server: SocketcandServer, client: Client) -> None:
+    server.send(can.Message(arbitration_id=0x83, is_extended_id=False, data=b"\x11\xab"))
+    assert client.socket.recv(100) == b"< frame 083 0.000000 11AB >"
+    server.send(can.Message(arbitration_id=0x80, is_extended_id=False))
+    assert client.socket.recv(100) == b"< frame 080 0.000000  >"
+    server.send(can.Message(arbitration_id=0x83, is_extended_id=True, data=b"\x01"))
+    assert client.socket.recv(100) == b"< frame 00000083 0.000000 01 >"
+
+
+def test_a_frame_of_a_client_reaches_server_and_other_clients(
+    server: SocketcandServer, client: Client
+) -> None:
+    other = Client(server)
+    other.ask("< open can0 >")
+    other.ask("< rawmode >")
+    client.write("< send 603 8 40 41 60 0 0 0 0 0 >")
+    received = server.recv(1.0)
+    assert received is not None
+    assert (received.arbitration_id, received.is_extended_id) == (0x603, False)
+    assert bytes(received.data) == bytes.fromhex("4041600000000000")
+    assert other.socket.recv(100) == b"< frame 603 0.000000 4041600000000000 >"
+    other.socket.close()
+
+
+def test_frames_that_come_in_pieces_and_in_heaps_are_put_together(
+    server: SocketcandServer, client: Client
+) -> None:
+    client.write("< send 080 0 >< send 1 1 ")
+    first = server.recv(1.0)
+    assert first is not None
+    assert (first.arbitration_id, first.dlc) == (0x80, 0)
+    assert server.recv(0.01) is None
+    client.write("f >< send 00000001 0 >")
+    second, third = server.recv(1.0), server.recv(1.0)
+    assert second is not None
+    assert third is not None
+    assert (second.arbitration_id, bytes(second.data)) == (1, b"\x0f")
+    assert (third.arbitration_id, third.is_extended_id) == (1, True)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "< send 800 0 >",
+        "< send 83 9 0 0 0 0 0 0 0 0 0 >",
+        "< send 83 2 1 >",
+        "< send 83 1 100 >",
+        "< send 83 >",
+        "< send >",
+        "< send xyz 0 >",
+    ],
+)
+def test_what_is_no_frame_is_refused_and_the_client_stays(client: Client, text: str) -> None:
+    assert client.ask(text).startswith("< error")
+    assert client.ask("< echo >") == "< echo >"
+
+
+def test_a_client_that_talks_nonsense_without_end_is_put_out(
+    server: SocketcandServer, client: Client
+) -> None:
+    client.write("<" * 5000)
+    server.recv(0.05)
+    assert client.socket.recv(100) == b""
+
+
+def test_nobody_gets_frames_before_raw_mode(server: SocketcandServer) -> None:
+    made = Client(server)
+    server.send(can.Message(arbitration_id=1, is_extended_id=False))
+    assert made.ask("< open can0 >") == "< ok >"
+    made.socket.close()
+
+
+def test_the_bus_lives_on_when_a_client_has_gone(server: SocketcandServer, client: Client) -> None:
+    client.socket.close()
+    for _ in range(3):
+        server.send(can.Message(arbitration_id=1, is_extended_id=False, data=b"1"))
+        assert server.recv(0.01) is None
+
+
+def test_an_address_in_use_is_told(server: SocketcandServer) -> None:
+    with pytest.raises(can.CanInitializationError, match="cannot be served"):
+        SocketcandServer(f"127.0.0.1:{server.address[1]}")
+    with pytest.raises(can.CanInitializationError, match="cannot be served"):
+        SocketcandServer("127.0.0.1:port")

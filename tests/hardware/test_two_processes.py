@@ -1,0 +1,303 @@
+"""Drives in one process, their master in another: over TCP and over a serial line.
+
+Both run in real time on whatever machine this is, so values are asserted and no times: the drives'
+time goes on by SYNC, and the published latch is compared with the truth that the drives wrote down.
+"""
+
+import csv
+import os
+import subprocess
+import sys
+import textwrap
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import can
+import pytest
+
+ROOT = Path(__file__).parents[2]
+RIG = ROOT / "testplans" / "rigs" / "probe-z.toml"
+PLAN = ROOT / "testplans" / "latch_accuracy.csv"
+PAIR = ROOT / "tests" / "tools" / "slcan_pair.py"
+LIMIT_S = 120.0
+INCREMENTS_PER_MM = 1_048_576 / 10.0
+
+
+class Drives:
+    """`axisrig drive` in a process of its own; `lines` are what it has printed."""
+
+    def __init__(self, folder: Path, *words: str) -> None:
+        self.folder = folder
+        command = [sys.executable, "-m", "bench.cli", "drive", str(RIG), "-o", str(folder), *words]
+        self.process = subprocess.Popen(
+            command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        )
+        self.lines: list[str] = []
+
+    def wait_for(self, text: str) -> str:
+        """Read on until a line holds the text."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            self.lines.append(line)
+            if text in line:
+                return line
+        raise AssertionError(f"no {text!r} in {self.lines}, {self.process.communicate()[1]}")
+
+    def stop(self) -> None:
+        """Press Ctrl-C, once."""
+        self.process.terminate()
+        out, err = self.process.communicate(timeout=LIMIT_S)
+        self.lines += out.splitlines()
+        assert self.process.returncode == 0, err
+
+    def latches(self) -> list[dict[str, str]]:
+        with (self.folder / "latches.csv").open(encoding="utf-8", newline="") as file:
+            return list(csv.DictReader(file))
+
+
+@contextmanager
+def _drives(folder: Path, *words: str) -> Iterator[Drives]:
+    made = Drives(folder, *words)
+    try:
+        yield made
+    finally:
+        if made.process.poll() is None:
+            made.process.kill()
+            made.process.communicate()
+
+
+def _axisrig(*words: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "bench.cli", *words]
+    return subprocess.run(
+        command, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT_S, check=False
+    )
+
+
+def _serve(drives: Drives) -> tuple[str, str]:
+    """Return host and port that the drives serve."""
+    line = drives.wait_for("socketcand server on")
+    drives.wait_for("axis Z")
+    host, _, port = line.split()[-1].rpartition(":")
+    return host, port
+
+
+def _socketcand(drives: Drives) -> list[str]:
+    host, port = _serve(drives)
+    options = ["--option", f"host={host}", "--option", f"port={port}"]
+    return ["--interface", "socketcand", "--channel", "can0", *options]
+
+
+def _rows(folder: Path, name: str) -> list[dict[str, str]]:
+    with (folder / name).open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def _check_latch_plan(drives: Drives, out: Path, *interface: str) -> None:
+    """Run the row f600 against the drives and compare both sides."""
+    done = _axisrig("run", str(PLAN), "-k", "f600", "-o", str(out), "--yes", *interface)
+    drives.stop()
+    assert done.returncode == 3, done.stdout + done.stderr
+    verdicts = {row["metric"]: row["verdict"] for row in _rows(out, "results.csv")}
+    assert verdicts["msg:N30"] == "pass"
+    assert verdicts["alarms"] == "pass"
+    assert verdicts["latch_error_um"] == "inconclusive"
+    assert verdicts["overtravel_mm"] == "inconclusive"
+    (case,) = _rows(out, "cases.csv")
+    assert case["bus:can1.interface"] == interface[1]
+    (latch,) = drives.latches()
+    # The surface is at 100 mm; 4 us of the input at 10 mm/s are 0.04 um, an increment is 0.01 um
+    assert abs(float(latch["contact_mm"]) - 100.0) < 1e-6
+    assert -0.00025 < float(latch["latched_mm"]) - 100.0 < 0.0
+    assert float(latch["latched_mm"]) == int(latch["units"]) / INCREMENTS_PER_MM
+    assert (out / "bus" / "latch_accuracy-f600.blf").stat().st_size > 1000
+    assert (drives.folder / "bus.blf").stat().st_size > 1000
+
+
+def test_plan_against_drives_over_tcp(tmp_path: Path) -> None:
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"
+    ) as drives:
+        _check_latch_plan(drives, tmp_path / "out", *_socketcand(drives))
+    text = "".join(drives.lines)
+    for what in ("NMT     start, node 3", "-> OPERATION_ENABLED", "latch   probe 1, 0x60BA"):
+        assert what in text
+
+
+@pytest.fixture
+def slcan_pair() -> Iterator[tuple[str, str]]:
+    """Two adapters on one bus: the names of their devices."""
+    pytest.importorskip("serial")
+    if not hasattr(os, "openpty"):
+        pytest.skip("no pseudo-terminals here")
+    process = subprocess.Popen(
+        [sys.executable, str(PAIR)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    assert process.stdout is not None
+    left, right = process.stdout.readline().split()
+    yield left, right
+    process.communicate(timeout=LIMIT_S)
+
+
+def test_plan_against_drives_over_a_serial_line(
+    tmp_path: Path, slcan_pair: tuple[str, str]
+) -> None:
+    left, right = slcan_pair
+    quick = ["--interface", "slcan", "--option", "sleep_after_open=0"]
+    with _drives(tmp_path / "drives", *quick, "--channel", left, "--by-sync") as drives:
+        drives.wait_for("axis Z")
+        # A serial line carries the cycle of 1 ms, in its own time
+        _check_latch_plan(drives, tmp_path / "out", *quick, "--channel", right)
+
+
+def test_nc_program_against_drives_outside(tmp_path: Path) -> None:
+    program = tmp_path / "part.nc"
+    program.write_text(
+        '%p\nN10 G01 Z120 F3000\nN20 G100 Z90 F600\nN30 #MSG["Z=%f", V.A.MESS.Z]\nN40 M30\n'
+    )
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"
+    ) as drives:
+        done = _axisrig("nc", str(program), "--rig", str(RIG), "--yes", *_socketcand(drives))
+        drives.stop()
+    assert done.returncode == 0, done.stderr
+    (latch,) = drives.latches()
+    printed = float(done.stdout.strip().removeprefix("Z="))
+    assert abs(printed - float(latch["latched_mm"])) < 1e-5
+    assert "these axes will move" in done.stderr
+    assert "real time: " in done.stderr
+
+
+STRANGER = '''
+    """A master as somebody writes it who has canopen and a manual."""
+    import struct, sys, time
+    import can, canopen
+
+    eds, host, port = sys.argv[1:]
+    network = canopen.Network(
+        can.Bus(interface="socketcand", host=host, port=int(port), channel="can0", tcp_tune=True)
+    )
+    network.connect()
+    node = network.add_node(3, eds)
+    node.sdo.RESPONSE_TIMEOUT = 10.0
+    node.nmt.state = "PRE-OPERATIONAL"
+    assert node.sdo[0x1000].raw & 0xFFFF == 402
+    try:
+        node.sdo[0x6060].raw = 100
+    except canopen.SdoAbortedError as abort:
+        print("abort", hex(abort.code))
+    node.sdo[0x6060].raw = 8
+    node.sdo[0x60B8].raw = 0
+    node.tpdo.read(); node.rpdo.read()
+    node.tpdo[1].clear()
+    node.tpdo[1].add_variable(0x6041); node.tpdo[1].add_variable(0x6064)
+    node.tpdo[1].trans_type = 1; node.tpdo[1].enabled = True; node.tpdo[1].save()
+    node.rpdo[1].clear()
+    node.rpdo[1].add_variable(0x6040); node.rpdo[1].add_variable(0x607A)
+    node.rpdo[1].trans_type = 1; node.rpdo[1].enabled = True; node.rpdo[1].save()
+    node.nmt.state = "OPERATIONAL"
+    got = []
+    network.subscribe(0x183, lambda _id, data, _t: got.append(struct.unpack("<Hi", data[:6])))
+
+    def cycle(controlword, target):
+        seen = len(got)
+        network.send_message(0x203, struct.pack("<Hi", controlword, target))
+        network.sync.transmit()
+        end = time.monotonic() + 10.0
+        while len(got) == seen and time.monotonic() < end:
+            time.sleep(0.0005)
+        return got[-1]
+
+    status, here = cycle(0x80, 0)
+    for word, want in ((0x06, 0x21), (0x07, 0x23), (0x0F, 0x27)):
+        for _ in range(50):
+            status, here = cycle(word, here)
+            if status & 0x6F == want:
+                break
+        print("state", hex(status & 0x6F))
+    start = here
+    for k in range(1, 301):
+        status, here = cycle(0x0F, start - round(k * 100))
+    for _ in range(300):
+        status, here = cycle(0x0F, start - 30000)
+    print("moved", here - start)
+    cycle(0x00, here)
+    network.disconnect()
+'''
+
+
+def test_a_stranger_with_canopen_leads_a_drive(tmp_path: Path) -> None:
+    eds, script = tmp_path / "drive.eds", tmp_path / "stranger.py"
+    script.write_text(textwrap.dedent(STRANGER))
+    made = _axisrig("drive", str(RIG), "--eds", str(eds))
+    assert made.returncode == 0, made.stderr
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"
+    ) as drives:
+        host, port = _serve(drives)
+        done = subprocess.run(
+            [sys.executable, str(script), str(eds), host, port],
+            capture_output=True, text=True, timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+        drives.stop()
+    assert done.returncode == 0, done.stderr
+    states = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("state")]
+    assert states == ["0x21", "0x23", "0x27"]
+    assert "abort 0x6090030" in done.stdout
+    moved = int(done.stdout.split("moved ")[1].split()[0])
+    assert abs(moved + 30_000) < 100  # increments, 1 um
+    text = "".join(drives.lines)
+    assert "SDO     abort of 0x6060:00 with 0x06090030" in text
+    assert "OPERATION_ENABLED -> SWITCH_ON_DISABLED" in text
+
+
+Interrupt = Callable[[Any], None]
+
+
+def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"
+    ) as drives:
+        words = ["run", str(PLAN), "-k", "f60", "-o", str(out), "--yes", *_socketcand(drives)]
+        kernel = subprocess.Popen(
+            [sys.executable, "-m", "bench.cli", *words],
+            cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        drives.wait_for("-> OPERATION_ENABLED")
+        kernel.terminate()
+        _, err = kernel.communicate(timeout=LIMIT_S)
+        drives.stop()
+    assert kernel.returncode == 4, err
+    (case,) = _rows(out, "cases.csv")
+    assert case["verdict"] == "aborted"
+    assert case["alarms"] == "900070"
+    assert (out / "traces" / "latch_accuracy-f60.parquet").exists()
+    text = "".join(drives.lines)
+    assert "OPERATION_ENABLED -> READY_TO_SWITCH_ON" in text
+    assert "enter pre-operational, node 3" in text
+
+
+def test_drives_stay_when_their_bus_goes(tmp_path: Path, slcan_pair: tuple[str, str]) -> None:
+    """The far end closes and opens again; the drives answer as before."""
+    left, right = slcan_pair
+    quick = ["--interface", "slcan", "--option", "sleep_after_open=0"]
+    with _drives(tmp_path / "drives", *quick, "--channel", left) as drives:
+        drives.wait_for("axis Z")
+        for _ in range(2):
+            with can.Bus(interface="slcan", channel=right, bitrate=1_000_000,
+                         sleep_after_open=0, timeout=0) as bus:  # fmt: skip
+                bus.send(
+                    can.Message(
+                        arbitration_id=0x603,
+                        is_extended_id=False,
+                        data=bytes.fromhex("4000100000000000"),
+                    )
+                )
+                answer = bus.recv(LIMIT_S)
+                while answer is not None and answer.arbitration_id != 0x583:
+                    answer = bus.recv(LIMIT_S)
+                assert answer is not None
+                assert int.from_bytes(answer.data[4:8], "little") & 0xFFFF == 402
+        drives.stop()
