@@ -78,6 +78,7 @@ class Machine:
             period_ns=settings.rig.cycle.period_us * US,
             offset_ns=settings.rig.cycle.cycle_offset_us * US,
             buffer_cycles=settings.rig.cycle.buffer_cycles,
+            sync_counter=settings.rig.cycle.sync_counter,
         )
         self._open = ExitStack()
         with ExitStack() as guard:  # frees what was opened when building fails half way
@@ -221,7 +222,14 @@ class Machine:
         links = [link for name, link in self.links.items() if name in self.outside]
         networks = list({id(link.network): link.network for link in links}.values())
         timing = self.timing
-        power_down(self.scheduler, links, networks, timing.period_ns, timing.offset_ns)
+        power_down(
+            self.scheduler,
+            links,
+            networks,
+            timing.period_ns,
+            timing.offset_ns,
+            self.channel.next_sync_data,
+        )
 
     def real_time(self) -> dict[str, Any] | None:
         """Tell how well real time was kept (`Deadlines.as_data`); None for simulated time."""

@@ -68,6 +68,7 @@ def power_down(
     networks: Iterable[SimNetwork],
     period_ns: TimeNs,
     offset_ns: TimeNs,
+    next_sync_data: Callable[[], bytes] = bytes,
 ) -> None:
     """Lead the drives out of operation where they stand, then to NMT pre-operational.
 
@@ -82,8 +83,9 @@ def power_down(
         start_ns = scheduler.now_ns
         for link in links:
             link.begin_cycle()
+        data = next_sync_data()
         for network in networks:
-            network.send_message(SYNC_COB_ID, b"")
+            network.send_message(SYNC_COB_ID, data)
         scheduler.run_until(start_ns + offset_ns)
         for link in links:
             try:

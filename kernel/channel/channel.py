@@ -87,6 +87,7 @@ class Channel:
         self._settling_since_ns: TimeNs | None = None
         self._inside_since_ns: TimeNs | None = None
         self._next_sync_ns: TimeNs = 0
+        self._sync_count = 0
 
     # Life of a program
 
@@ -142,13 +143,22 @@ class Channel:
         self._monitor.before_sync()
         for link in self.links:
             link.begin_cycle()
+        data = self.next_sync_data()
         for network in self._networks:
-            network.send_message(SYNC_COB_ID, b"")
+            network.send_message(SYNC_COB_ID, data)
         self._clock.call_at(
             self._next_sync_ns + self.timing.offset_ns, Phase.APPLICATION, self.cycle
         )
         self._next_sync_ns += self.timing.period_ns
         self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
+
+    def next_sync_data(self) -> bytes:
+        """Return what the next SYNC carries: nothing, or its counter."""
+        overflow = self.timing.sync_counter
+        if not overflow:
+            return b""
+        self._sync_count = self._sync_count % overflow + 1
+        return bytes((self._sync_count,))
 
     def cycle(self) -> None:
         """Run one NC cycle. The order is the design's; each step uses this cycle's values."""

@@ -205,10 +205,12 @@ class ChannelBench:
         input_delay_ns: int = 0,
         buffer_cycles: int = 0,
         error_no_signal: bool = False,
+        sync_counter: int = 0,
         missing_cycles: int = 3,
         watches: tuple[WatchSettings, ...] = (),
         start_up: StartUpSettings | None = None,
     ) -> None:
+        self.bus = BusSettings(sync_counter=sync_counter)
         self.start_up = start_up or StartUpSettings()
         self.scheduler = Scheduler()
         self.segment = Segment(f"channel bus {next(_NUMBERS)}", 1_000_000, self.scheduler)
@@ -247,7 +249,7 @@ class ChannelBench:
             self.remotes[spec.name] = remote
         self.messages: list[tuple[int, str]] = []
         self.samples: list[Sample] = []
-        timing = CycleTiming(MS, OFFSET_NS, buffer_cycles)
+        timing = CycleTiming(MS, OFFSET_NS, buffer_cycles, sync_counter)
         self.channel = Channel(
             self.scheduler,
             timing,
@@ -293,7 +295,7 @@ class ChannelBench:
             self.profile.encoder_increments, Fraction(self.profile.units_per_revolution)
         )
         od = object_dictionary(node_id, self.profile)
-        steps = start_up_steps(settings, BusSettings(), link.telegrams, node_id, scaling, od)
+        steps = start_up_steps(settings, self.bus, link.telegrams, node_id, scaling, od)
         sdo = SdoClient(self.network, self.scheduler, node_id)
         address = DriveAddress(link.name, node_id)
         return StartUp(address, self.network, self.scheduler, sdo, steps, settings)

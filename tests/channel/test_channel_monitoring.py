@@ -181,6 +181,50 @@ def test_900031_when_the_bus_takes_no_sync(trouble: Any) -> None:
     assert case.only_alarm(2).id == 900031
 
 
+def test_a_sync_counter_runs_from_one_to_its_end(channel_bench: Make, words: Any) -> None:
+    """CiA 301, object 1019: the counter begins with 1 and starts over behind its overflow value."""
+    bench = channel_bench(words.axis("Z"), sync_counter=5)
+    bench.run([words.move(1, 3000.0, Z=2.0), words.end()])
+    counted = [data for _, can_id, data in bench.frames if can_id == 0x080]
+    assert bench.alarm_ids == []
+    assert counted[:7] == [bytes((n,)) for n in (1, 2, 3, 4, 5, 1, 2)]
+
+
+# Node guarding
+
+
+def _guarding(life_factor: int = 2) -> dict[str, Any]:
+    watch = WatchSettings(guard_ns=10 * MS, life_factor=life_factor)
+    start_up = StartUpSettings(guard_time_ms=10, life_factor=life_factor)
+    return {"start_up": start_up, "watches": (watch, watch)}
+
+
+def test_node_guarding_is_answered_with_a_toggle(trouble: Any) -> None:
+    """CiA 301 section 7.2.8.3.2.1: bit 7 alternates, the rest is the NMT state."""
+    case = trouble(**_guarding())
+    case.bench.finish()
+    assert case.bench.alarm_ids == []
+    start_ns = case.bench.channel.start_ns
+    said = [data[0] for t, i, data in case.bench.frames if i == HEARTBEAT and data and t > start_ns]
+    assert len(said) > 10
+    assert set(said) == {0x05, 0x85}
+    assert all(a != b for a, b in pairwise(said))
+
+
+def test_900023_when_node_guarding_is_not_answered(trouble: Any) -> None:
+    case = trouble(**_guarding())
+    case.change(HEARTBEAT, lambda frame: Drop() if frame.data else None)
+    alarm = case.only_alarm(32)
+    assert (alarm.id, alarm.values["what"]) == (900023, "node guarding")
+
+
+def test_900023_when_the_toggle_bit_stands_still(trouble: Any) -> None:
+    case = trouble(**_guarding())
+    case.change(HEARTBEAT, lambda frame: Alter(b"\x05") if frame.data else None)
+    alarm = case.only_alarm(32)
+    assert (alarm.id, alarm.values["what"]) == (900023, "node guarding")
+
+
 # Heartbeat
 
 
