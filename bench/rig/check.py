@@ -5,7 +5,7 @@ from collections import Counter
 from collections.abc import Mapping
 
 from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
-from bench.rig.file import DriveTable, rig_error
+from bench.rig.file import LOAD, DriveTable, rig_error
 from bench.rig.outside import check_outside
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_dictionary, drive_steps
@@ -262,11 +262,9 @@ def _check_references(settings: Settings) -> None:
             ("drive", axis.drive, rig.drive),
             ("plant", axis.plant, rig.plant),
         ]
-        wanted += [
-            (key, probe, rig.plant)
-            for key, probe in (("probe_1", axis.probe_1), ("probe_2", axis.probe_2))
-            if probe is not None
-        ]
+        wanted += [(key, probe, rig.plant) for key, probe in axis.signals.items()]
+        if axis.encoder_2 not in (None, LOAD):
+            wanted.append(("encoder_2", axis.encoder_2, rig.plant))
         for key, value, known in wanted:
             if value not in known:
                 raise rig_error(

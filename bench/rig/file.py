@@ -163,10 +163,16 @@ class RealtimeTable(Table):
     wait_ms: Annotated[float, Field(ge=0, le=1000)] | None = None
 
 
+SIGNAL_KEYS = ("probe_1", "probe_2", "limit_negative", "limit_positive", "home_switch")
+LOAD = "load"  # encoder_2: an ideal scale at the load
+
+
 class AxisTable(Table):
     """`[axis.NAME]`: one axis of the channel; the tables stand in the order of the axes.
 
-    outside: whether its drive stands outside this process; not said = where its segment is real.
+    probe_1 to home_switch: sensors wired to the inputs of the drive. encoder_2: "load", or the
+    distance sensor that its second encoder is. outside: whether its drive stands outside this
+    process; not said = where its segment is real.
     """
 
     list: str
@@ -176,7 +182,17 @@ class AxisTable(Table):
     plant: Name
     probe_1: Name | None = None
     probe_2: Name | None = None
+    limit_negative: Name | None = None
+    limit_positive: Name | None = None
+    home_switch: Name | None = None
+    encoder_2: Name | None = None
     outside: bool | None = None
+
+    @property
+    def signals(self) -> dict[str, str]:
+        """The sensors that are wired to inputs of the drive, by key."""
+        named = {key: getattr(self, key) for key in SIGNAL_KEYS}
+        return {key: name for key, name in named.items() if name is not None}
 
 
 class MapTable(Table):

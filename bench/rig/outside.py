@@ -63,7 +63,7 @@ def check_outside(settings: Settings) -> None:
                 f"axis {name} cannot stand outside: segment {axis.segment} is simulated",
                 hint=f"give segment {axis.segment} an interface and a channel",
             )
-        for key, probe in (("probe_1", axis.probe_1), ("probe_2", axis.probe_2)):
+        for key, probe in axis.signals.items():
             if name not in outside and probe in settings.rig.plant and probe not in plants:
                 raise rig_error(
                     settings.files,

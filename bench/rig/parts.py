@@ -8,7 +8,9 @@ from bench.bus.canopen_sim import SimNetwork
 from bench.bus.logs import open_log
 from bench.bus.record import FrameHash
 from bench.bus.segment import Segment
+from bench.drive.application.switches import HOME, NEGATIVE, POSITIVE
 from bench.drive.node import DriveNode
+from bench.rig.file import LOAD, AxisTable
 from bench.rig.outside import is_real, outside_axes
 from bench.rig.pacing import open_segment
 from bench.rig.settings import Settings
@@ -51,6 +53,9 @@ def build_segments(
     return segments
 
 
+SWITCH_KEYS = {"limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME}
+
+
 def build_nodes(
     settings: Settings,
     scheduler: Scheduler,
@@ -68,6 +73,8 @@ def build_nodes(
         queue = settings.segment[axis.segment].drive_queue
         network = SimNetwork(segments[axis.segment].port(name, queue))
         network.connect()
+        _connect_second_encoder(axis, plant)
+        wired = axis.signals
         nodes[name] = DriveNode(
             name,
             axis.node,
@@ -80,5 +87,18 @@ def build_nodes(
             ),
             settings.rig.drive[axis.drive].make(),
             seed + DRIVE_SEED_STRIDE * len(nodes),
+            switches={
+                switch: signals[wired[key]] for key, switch in SWITCH_KEYS.items() if key in wired
+            },
         )
     return nodes
+
+
+def _connect_second_encoder(axis: AxisTable, plant: Plant) -> None:
+    """Let an axis read its second encoder."""
+    port, name = plant.axes[axis.plant], axis.encoder_2
+    if name == LOAD:
+        port.second_encoder = port.position_m
+    elif name is not None:
+        sensor = plant.distances[name]
+        port.second_encoder = lambda: sensor.distance_m

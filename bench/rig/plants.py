@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 from bench.rig.check import check_rig
-from bench.rig.file import MapTable, PlantTable, rig_error
+from bench.rig.file import LOAD, MapTable, PlantTable, rig_error
 from bench.rig.outside import outside_axes, simulated_plants
 from bench.rig.settings import Settings
 from bench.rig.start_values import set_start_values
@@ -238,9 +238,13 @@ def check_plants(settings: Settings, plant: Plant) -> None:
             continue
         wanted: list[tuple[str, str | None, Mapping[str, object], str]] = [
             ("plant", axis.plant, plant.axes, "an axis plant"),
-            ("probe_1", axis.probe_1, plant.probes, "a probe"),
-            ("probe_2", axis.probe_2, plant.probes, "a probe"),
+            *(
+                (key, instance, plant.probes, "a probe or a switch")
+                for key, instance in axis.signals.items()
+            ),
         ]
+        if axis.encoder_2 not in (None, LOAD):
+            wanted.append(("encoder_2", axis.encoder_2, plant.distances, "a distance sensor"))
         for key, instance, known, kind in wanted:
             if instance is not None and instance not in known:
                 raise rig_error(

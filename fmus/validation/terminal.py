@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from edges import Vector, sine_edges, uniform, within
+from edges import Vector, last_edge, sine_edges, uniform, within
 from paths import cubic
 
 
@@ -69,4 +69,24 @@ def second_encoder(time_s: Vector) -> Mapping[str, Vector]:
     return {
         "position": 50e-9 * np.rint(reading / 50e-9),
         "velocity": 1.00003 * x.deriv()(time_s) * slope,
+    }
+
+
+def position_switch(time_s: Vector) -> Mapping[str, Vector]:
+    """A cam from 5 to 15 mm that lets go 1 mm outside; the way is 0.2 t - 0.5 t2, up to 20 mm.
+
+    Places are passed at t = 0.2 -+ sqrt(0.04 - 2 x).
+    """
+    places = {"close": 5e-3, "leave": 16e-3, "enter": 15e-3, "open": 4e-3}
+    back = {name: 0.2 + np.sqrt(0.04 - 2 * x) for name, x in places.items()}
+    up = {name: 0.4 - t for name, t in back.items()}
+    spans = [(up["close"], up["leave"]), (back["enter"], back["open"])]
+    edges = [(t, to) for span in spans for t, to in zip(span, (True, False), strict=True)]
+    x = 0.2 * time_s - 0.5 * time_s**2
+    ends = np.array(sorted(places.values()))
+    return {
+        "signal": within(spans, time_s),
+        "rising_time": last_edge(edges, True, time_s),
+        "falling_time": last_edge(edges, False, time_s),
+        "clearance": np.abs(x[:, None] - ends).min(axis=1),
     }

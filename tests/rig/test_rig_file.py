@@ -224,7 +224,10 @@ def test_an_unknown_kind_of_table_is_told_with_its_line(rig_file: Write) -> None
 def test_a_key_like_no_other_is_told_with_all_that_may_stand_there(rig_file: Write) -> None:
     error = _refused(rig_file(("node = 3", "node = 3\nqqqqqq = 1")))
     assert error.hint is None
-    assert error.allowed == "list, segment, node, drive, plant, probe_1, probe_2, outside"
+    assert error.allowed == (
+        "list, segment, node, drive, plant, probe_1, probe_2, limit_negative, limit_positive,"
+        " home_switch, encoder_2, outside"
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,133 @@
+"""A plain master homes the axis of the shipped rig; compared with the truth of the plant."""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from pathlib import Path
+
+import pytest
+
+from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from bench.bus.record import FrameHash
+from bench.drive.eds import object_dictionary
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.parts import build_nodes, build_segments
+from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.settings import as_written, read_settings
+from kernel.clock import MS
+from kernel.cosim.scheduler import Scheduler
+
+RIG = Path("testplans/rigs/homing-z.toml")
+UNITS_PER_MM = 2**20 / 10
+SLOW_MM_S = 5.0
+# From the edge to the tick that sees it, at the slow speed: tick and input delay
+SEEN_MM = SLOW_MM_S * (250e-6 + 4e-6) + 1 / UNITS_PER_MM
+ATTAINED, REACHED, ERROR, LIMITED = 1 << 12, 1 << 10, 1 << 13, 1 << 11
+
+
+class Master:
+    """A master that knows canopen alone; it reads the plant's truth beside the bus."""
+
+    def __init__(self, assignments: tuple[str, ...], opened: ExitStack) -> None:
+        table, files = read_rig(RIG)
+        changes = [(parse_assignment(text), as_written) for text in assignments]
+        settings = read_settings(table, files, changes)
+        self.scheduler = Scheduler()
+        self.plant = build_plant(settings)
+        opened.callback(self.plant.close)
+        check_plants(settings, self.plant)
+        start_plant(settings, self.plant)
+        segments = build_segments(settings, self.scheduler, FrameHash(), (), opened)
+        self.node = build_nodes(settings, self.scheduler, segments, self.plant, 0)["Z"]
+        network = SimNetwork(segments["can1"].port("master")).connect()
+        remote = SimRemoteNode(3, object_dictionary(3, self.node.profile))
+        network.add_node(remote)
+        self.sdo = remote.sdo
+        self.run_ms(2)
+
+    def run_ms(self, time_ms: float) -> None:
+        self.scheduler.run_until(self.scheduler.now_ns + round(time_ms * MS))
+
+    def enable(self, mode: int) -> None:
+        self.sdo[0x6060].raw = mode
+        for word in (0x06, 0x07, 0x0F):
+            self.sdo[0x6040].raw = word
+        self.run_ms(5)
+
+    @property
+    def truth_mm(self) -> float:
+        return self.plant.axes["z"].position_m() * 1e3
+
+    def home(self, method: int) -> float:
+        """Home; return the place of the plant that the drive calls 0 (mm)."""
+        self.enable(6)
+        self.sdo[0x6098].raw = method
+        self.sdo[0x6099][1].raw = round(50 * UNITS_PER_MM)
+        self.sdo[0x6099][2].raw = round(SLOW_MM_S * UNITS_PER_MM)
+        self.sdo[0x6040].raw = 0x1F
+        for _ in range(1000):
+            self.run_ms(20)
+            if self.sdo[0x6041].raw & REACHED:
+                break
+        units = self.sdo[0x6064].raw
+        return self.truth_mm - units / UNITS_PER_MM
+
+
+@pytest.fixture
+def master() -> Iterator[Callable[..., Master]]:
+    with ExitStack() as opened:
+        yield lambda *assignments: Master(assignments, opened)
+
+
+@pytest.mark.parametrize(
+    ("method", "home_mm", "seen_mm"),
+    [
+        (24, 12.0, SEEN_MM), (26, 18.0 + 0.02, SEEN_MM), (18, 60.0 - 0.02, SEEN_MM),
+        (17, -50.0 + 0.02, SEEN_MM), (8, 12.5, 0.0), (10, 22.5, 0.0), (1, -47.5, 0.0),
+        (33, -7.5, 0.0),
+    ],
+)  # fmt: skip
+def test_home_is_where_the_plant_has_it(
+    master: Callable[..., Master], method: int, home_mm: float, seen_mm: float
+) -> None:
+    """Edges of switches (which open 20 um off their cam) to speed times tick, marks exactly."""
+    made = master()
+    found_mm = made.home(method)
+    assert made.sdo[0x6041].raw & (ATTAINED | REACHED | ERROR) == ATTAINED | REACHED
+    assert found_mm == pytest.approx(home_mm, abs=max(seen_mm, 1.01 / UNITS_PER_MM))
+
+
+@pytest.mark.parametrize(("method", "home_mm"), [(-3, None), (-1, 62.5)])
+def test_home_is_the_stop_of_the_plant(
+    master: Callable[..., Master], method: int, home_mm: float | None
+) -> None:
+    """Pressed with 0.5 of the rated torque against 20 N/um; the friction holds some of it back."""
+    made = master("plant:positive.low_mm=1000", "plant:home.low_mm=900", "plant:home.high_mm=901")
+    found_mm = made.home(method)
+    assert made.sdo[0x6041].raw & (ATTAINED | REACHED | ERROR) == ATTAINED | REACHED
+    if home_mm is None:
+        rated_n = 2.2 * 2 * 3.141592653589793 / 0.01
+        pressed_mm = 0.5 * rated_n / 20e6 * 1e3
+        friction_mm = 160 / 20e6 * 1e3
+        assert 70.0 + 0.9 * pressed_mm - friction_mm < found_mm < 70.0 + pressed_mm
+    else:
+        assert found_mm == pytest.approx(home_mm, abs=1.01 / UNITS_PER_MM)
+
+
+def test_limit_switch_before_the_stop_is_an_error(master: Callable[..., Master]) -> None:
+    made = master()
+    made.home(-3)
+    assert made.sdo[0x6041].raw & (ATTAINED | REACHED | ERROR) == ERROR | REACHED
+    assert 60.0 < made.truth_mm < 65.0
+
+
+@pytest.mark.parametrize(("start_mm", "word"), [(-60, 0b001), (0, 0), (15, 0b100), (65, 0b010)])
+def test_inputs_tell_the_switches(master: Callable[..., Master], start_mm: int, word: int) -> None:
+    """60FD: bit 0 negative, 1 positive, 2 home."""
+    assert master(f"plant:z.position_start_mm={start_mm}").sdo[0x60FD].raw == word
+
+
+def test_second_encoder_is_the_sensor_that_the_rig_names(master: Callable[..., Master]) -> None:
+    """5 mm of offset, counts of 0.1 um."""
+    made = master("plant:z.position_start_mm=1.23456")
+    assert made.sdo[0x60E4][1].raw == round(6.2346 * UNITS_PER_MM)
