@@ -76,6 +76,10 @@ class AxisPort(Protocol):
         """Return what an encoder at the load sees now; None: there is none."""
         ...
 
+    def second_encoder_m_at(self, time_ns: TimeNs) -> float:
+        """Return what the encoder at the load saw at a past instant; only where there is one."""
+        ...
+
     def motor_position_m(self) -> float:
         """Return what the motor encoder sees now, in load units."""
         ...

@@ -392,13 +392,26 @@ class PlantAxis:
 
     def motor_position_m_at(self, time_ns: TimeNs) -> float:
         """Return the motor position at a past instant, by cubic Hermite inside its step."""
+        return self._past_m(time_ns, 2)
+
+    def second_encoder_m_at(self, time_ns: TimeNs) -> float:
+        """Return what the second encoder saw at a past instant; only where there is one.
+
+        That is the load then and the error of the encoder now: how the error changed since (within
+        one SYNC period) is not in it.
+        """
+        assert self.second_encoder is not None
+        return self._past_m(time_ns, 0) + (self.second_encoder() - self.motion[0])
+
+    def _past_m(self, time_ns: TimeNs, index: int) -> float:
+        """Return a position of AXIS_OUTPUTS at a past instant; its rate is the next output."""
         after = bisect_right(self._times, time_ns)
         if after == 0 or time_ns > self._times[-1]:
             raise PlantError(self.slave.name, time_ns, "no motion is recorded for this instant")
         begin_ns, begin = self._times[after - 1], self._past[after - 1]
         if after == len(self._times) or begin_ns == time_ns:
-            return begin[2]
+            return begin[index]
         end = self._past[after]
         step_s = (self._times[after] - begin_ns) * 1e-9
-        ends = (begin[2], begin[3], end[2], end[3])
+        ends = (begin[index], begin[index + 1], end[index], end[index + 1])
         return hermite((time_ns - begin_ns) * 1e-9, step_s, ends)

@@ -92,6 +92,10 @@ class FakeAxis:
     def second_encoder_m(self) -> float | None:
         return None if self.encoder_2_m is None else self.motor_position_m() + self.encoder_2_m
 
+    def second_encoder_m_at(self, time_ns: int) -> float:
+        assert self.encoder_2_m is not None
+        return self.motor_position_m_at(time_ns) + self.encoder_2_m
+
     def _spans_s(self) -> tuple[float, float]:
         """How long the last command has been moving, and how long it has rested since."""
         last = self.commands[-1]

@@ -221,7 +221,7 @@ EFFECTS: dict[tuple[int, int], tuple[int, Scene]] = {
     (0x60EB, 1): (3, second_encoder),
     (0x60FF, 0): (1_000_000, csv),
 }
-# Objects of the touch probe: their effects are shown in test_touch_probe*.py
+# Objects of the touch probe: their effects are shown in test_probe_on_bus.py
 OF_THE_PROBE = [(0x60B8, 0), (0x60D0, 1), (0x60D0, 2)]
 
 

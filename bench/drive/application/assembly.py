@@ -25,8 +25,14 @@ def make_touch_probe(
     """Make the touch probe unit on the encoders of an axis."""
     position_m_at = axis.motor_position_m_at
     motor = LatchPosition(profile, lambda time_ns: scaling.position_units(position_m_at(time_ns)))
+    second = None
+    if profile.latch_encoder != "motor" and axis.second_encoder_m() is not None:
+        second_m_at = axis.second_encoder_m_at
+        second = LatchPosition(
+            profile, lambda time_ns: scaling.position_units(second_m_at(time_ns))
+        )
     pulses = {
         HARDWARE_INDEX: IndexPulse(profile, position_m_at),
         SOFTWARE_INDEX: IndexPulse(profile, position_m_at, angle_deg=0.0),
     }
-    return TouchProbe(signals, profile, Encoders(motor), image, pulses, seed)
+    return TouchProbe(signals, profile, Encoders(motor, second), image, pulses, seed)
