@@ -33,6 +33,7 @@ class DriveFunctions:
         self._awaited: str | None = None
         self._values: dict[tuple[str, str], float] = {}
         self._failed: Alarm | None = None
+        self._cyclic: list[str] = []  # axes whose RPDO goes out in this cycle
 
     @property
     def is_waiting(self) -> bool:
@@ -51,7 +52,13 @@ class DriveFunctions:
         return self._values[axis, key.upper()]
 
     def check(self) -> None:
-        """Raise what has gone wrong with a command that ran beside the program."""
+        """Begin a cycle: raise what has gone wrong with a command that ran beside the program.
+
+        What went out with the RPDO of the cycle before has acted at the SYNC of this one.
+        """
+        if self._cyclic:
+            self._open.subtract(self._cyclic)
+            self._cyclic.clear()
         failed, self._failed = self._failed, None
         if failed is not None:
             raise failed
@@ -93,6 +100,8 @@ class DriveFunctions:
             present = access.link.get_object(function.index, function.sub)
             whole = function.merged(raw, function.encode(present))
             access.link.set_object(function.index, function.sub, whole)
+            self._open[command.axis] += 1
+            self._cyclic.append(command.axis)
         elif function.communication == "ACYCLIC":
             self._open[command.axis] += 1
             if function.mask is None:

@@ -1,0 +1,88 @@
+"""Start-up and drive functions on whole rigs: parallel start, what the limits do to the plant."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+FUNCTIONS = """
+antr.function[0].id TORQUE
+antr.function[0].wr_ident[0] 6072_00
+antr.function[0].data_type UNS16
+antr.function[0].commu {commu}
+antr.function[0].scaling_type LINEAR
+antr.function[0].scaling_factor 10
+"""
+MAP = """\
+pdo,transmission,inhibit_100us,index,sub,bits,signed,field,note
+RPDO1,1,0,0x6040,0,16,no,controlword,
+RPDO1,1,0,0x607A,0,32,yes,target,
+RPDO1,1,0,0x60B8,0,16,no,probe_function,
+RPDO2,1,0,0x6072,0,16,no,,torque limit for #DRIVE
+TPDO1,1,0,0x6041,0,16,no,statusword,
+TPDO1,1,0,0x6064,0,32,yes,actual,
+TPDO1,1,0,0x60B9,0,16,no,probe_status,
+"""
+
+
+def _list(tmp_path: Path, commu: str) -> Path:
+    path = tmp_path / f"axis-{commu}.lst"
+    shipped = (RIGS / "lists" / "axis-z-fine.lst").read_text(encoding="utf-8")
+    path.write_text(shipped + FUNCTIONS.format(commu=commu), encoding="utf-8")
+    return path
+
+
+def test_three_drives_on_two_segments_start_at_the_same_time(run_nc: Callable[..., Any]) -> None:
+    """One drive takes as long as all three do, but for what they wait for on a shared bus."""
+    one = run_nc('N10 #MSG SYN["here"]', "", base="probe-z.toml")
+    three = run_nc('N10 #MSG SYN["here"]', "")
+    assert (one.alarms, three.alarms) == ([], [])
+    start_one = one.machine.channel.start_ns
+    start_three = three.machine.channel.start_ns
+    assert start_three < 2 * start_one
+
+
+def test_a_cyclic_function_acts_like_one_over_sdo(
+    run_nc: Callable[..., Any], tmp_path: Path
+) -> None:
+    """With a torque limit of 1 % the axis does the same whichever way the limit came."""
+    table = tmp_path / "map.csv"
+    table.write_text(MAP, encoding="utf-8")
+    reached = {}
+    for commu, own_map in (("ACYCLIC", False), ("CYCLIC", True)):
+        rig = f'[axis.Z]\nlist = "{_list(tmp_path, commu).as_posix()}"\n'
+        if own_map:
+            rig += f'[drive.servo]\npdo_map = "{table.as_posix()}"\n'
+        outcome = run_nc(
+            "N10 G1 G90 F600 Z129\n"
+            "N20 #DRIVE WR SYN [AX=Z KEY=TORQUE VAL=1 WAIT]\n"
+            "N25 #DRIVE RD [AX=Z KEY=TORQUE P=V.P.T]\n"
+            'N26 #MSG SYN["torque=%d", V.P.T]\n'
+            "N30 G1 F6000 Z125\n",
+            rig,
+            "set:Z.getriebe[0].position_settling_time=100000",
+            base="probe-z.toml",
+        )
+        assert outcome.printed("torque") == [1.0], outcome.machine.channel.alarms
+        truth = outcome.column("Z.truth_mm")
+        reached[commu] = float(np.min(truth))
+        assert outcome.machine.nodes["Z"].image.max_torque == 10
+    assert abs(reached["ACYCLIC"] - reached["CYCLIC"]) < 0.05
+
+
+def test_the_first_rpdo_leaves_a_cyclic_object_as_it_was(
+    run_nc: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Before any #DRIVE the RPDO carries what start-up has read from the drive."""
+    table = tmp_path / "map.csv"
+    table.write_text(MAP, encoding="utf-8")
+    rig = (
+        f'[axis.Z]\nlist = "{_list(tmp_path, "CYCLIC").as_posix()}"\n'
+        f'[drive.servo]\npdo_map = "{table.as_posix()}"\nsdo = [["0x6072:0", 777]]\n'
+    )
+    outcome = run_nc("N10 G1 G90 F600 Z129", rig, base="probe-z.toml")
+    assert outcome.alarms == []
+    assert outcome.machine.nodes["Z"].image.max_torque == 777

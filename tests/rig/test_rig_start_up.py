@@ -1,0 +1,157 @@
+"""How drives are started stands in the rig; what a drive cannot do is told with file and line."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.drive.eds import eds_text
+from bench.drive.profile import DriveProfile
+from bench.rig.check import axis_steps, axis_telegrams, check_rig
+from bench.rig.file import read_rig
+from bench.rig.settings import Settings
+from kernel.drives.startup_steps import Write as WriteStep
+from kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+DRIVE = "[drive.servo]\nlead_mm = 10.0\n"
+MAP = """\
+pdo,transmission,inhibit_100us,index,sub,bits,signed,field,note
+RPDO1,1,0,0x6040,0,16,no,controlword,
+RPDO1,1,0,0x607A,0,32,yes,target,
+RPDO1,1,0,0x60B8,0,16,no,probe_function,
+RPDO2,1,0,0x6072,0,16,no,,torque limit for #DRIVE
+TPDO1,1,0,0x6041,0,16,no,statusword,
+TPDO1,1,0,0x6064,0,32,yes,actual,
+TPDO1,1,0,0x60B9,0,16,no,probe_status,
+TPDO2,1,0,latch,0,32,yes,latch,
+"""
+CYCLIC = """\
+antr.function[0].id TORQUE
+antr.function[0].wr_ident[0] 6072_00
+antr.function[0].data_type UNS16
+antr.function[0].commu CYCLIC
+"""
+
+
+def _refused(settings: Settings) -> UserError:
+    with pytest.raises(UserError) as caught:
+        check_rig(settings)
+    return caught.value
+
+
+def _written(settings: Settings) -> list[tuple[int, int, int]]:
+    return [
+        (step.index, step.sub, int.from_bytes(step.data, "little"))
+        for step in axis_steps(settings, "Z")
+        if isinstance(step, WriteStep)
+    ]
+
+
+def test_every_key_becomes_a_write(rig_file: Write, settings_of: Read) -> None:
+    keys = """
+sdo = [["0x6065:0", 0xFFFFFFFF], ["0x6066:0", 9]]
+options = { quick_stop = 2, fault_reaction = 2, abort_connection = 1 }
+heartbeat_ms = 100
+consumer_ms = 300
+sync_window_us = 900
+mode = 8
+"""
+    cycle = ("cycle_offset_us = 600", "cycle_offset_us = 600\nheartbeat_ms = 50\nsync_counter = 10")
+    settings = settings_of(rig_file((DRIVE, DRIVE + keys), cycle))
+    check_rig(settings)
+    written = _written(settings)
+    for expected in (
+        (0x6065, 0, 0xFFFFFFFF), (0x6066, 0, 9), (0x605A, 0, 2), (0x605E, 0, 2), (0x6007, 0, 1),
+        (0x1017, 0, 100), (0x1016, 1, 127 << 16 | 300), (0x1007, 0, 900), (0x1019, 0, 10),
+        (0x6060, 0, 8), (0x1005, 0, 0x80),
+    ):  # fmt: skip
+        assert expected in written, expected
+    periods = [entry for entry in written if entry[0] in (0x1006, 0x1019)]
+    # The counter may change only while the period is 0 (CiA 301, object 1019)
+    assert periods == [(0x1006, 0, 0), (0x1019, 0, 10), (0x1006, 0, 1000)]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('sdo = [["0x5FFF:0", 1]]', "drive servo of axis Z: the drive has no such object"),
+        ('sdo = [["0x6041:0", 1]]', "does not let the object be written"),
+        ('sdo = [["6065", 1]]', "write index and sub-index as in 0x6065:0"),
+        ('sdo = [["0x6065:0"]]', "each write is an object and a whole number"),
+        ("consumer_ms = 100", "the kernel sends no heartbeat"),
+        ("heartbeat_ms = 100\nguard_time_ms = 100", "not by both"),
+        ('eds = "none.eds"', "the EDS is no file"),
+        ('pdo_map = "none.csv"', "the mapping table cannot be read"),
+        ('boot = "perhaps"', "boot"),
+        ("options = { brake = 1 }", "options"),
+    ],
+)
+def test_what_cannot_be_is_told_with_its_place(
+    rig_file: Write, settings_of: Read, line: str, message: str
+) -> None:
+    path = rig_file((DRIVE, f"{DRIVE}{line}\n"))
+    with pytest.raises(UserError) as caught:
+        check_rig(settings_of(path))
+    error = caught.value
+    assert message in error.message
+    assert error.file is not None
+
+
+def test_a_foreign_drive_is_checked_against_its_own_eds(rig_file: Write, settings_of: Read) -> None:
+    """The same drive whose maker lets 6065 be read only."""
+    text = eds_text(DriveProfile())
+    section = text.index("[6065]")
+    access = text.index("AccessType=rw", section)
+    foreign = text[:access] + "AccessType=ro" + text[access + len("AccessType=rw") :]
+    keys = 'eds = "foreign.eds"\nsdo = [["0x6065:0", 1000]]\n'
+    path = rig_file((DRIVE, DRIVE + keys))
+    (path.parent / "foreign.eds").write_text(text, encoding="utf-8")
+    check_rig(settings_of(path))
+    (path.parent / "foreign.eds").write_text(foreign, encoding="utf-8")
+    error = _refused(settings_of(path))
+    assert "does not let the object be written" in error.message
+    assert (error.file, error.line) == (str(path), 12)
+
+
+def test_a_file_that_is_no_eds_is_told(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file((DRIVE, DRIVE + 'eds = "foreign.eds"\n'))
+    (path.parent / "foreign.eds").write_text("<xml/>", encoding="utf-8")
+    error = _refused(settings_of(path))
+    assert "the EDS cannot be read" in error.message
+    assert error.file == str(path.parent / "foreign.eds")
+
+
+def test_own_telegrams_count_on_the_bus_and_carry_cyclic_functions(
+    rig_file: Write, settings_of: Read
+) -> None:
+    path = rig_file((DRIVE, DRIVE + 'pdo_map = "map.csv"\n'))
+    (path.parent / "map.csv").write_text(MAP, encoding="utf-8")
+    with (path.parent / "lists" / "axis-z.lst").open("a", encoding="utf-8") as file:
+        file.write(CYCLIC)
+    settings = settings_of(path)
+    check_rig(settings)
+    assert list(axis_telegrams(settings, "Z")) == ["RPDO1", "RPDO2", "TPDO1", "TPDO2"]
+
+
+def test_a_cyclic_function_that_no_rpdo_carries_is_refused(
+    rig_file: Write, settings_of: Read
+) -> None:
+    path = rig_file()
+    with (path.parent / "lists" / "axis-z.lst").open("a", encoding="utf-8") as file:
+        file.write(CYCLIC)
+    error = _refused(settings_of(path))
+    assert "no RPDO carries its object freely" in error.message
+    assert (error.file, error.value) == (str(path), "0x6072:0")
+
+
+def test_paths_of_a_base_are_relative_to_the_base(rig_file: Write, tmp_path: Path) -> None:
+    folder = tmp_path / "upper"
+    folder.mkdir()
+    rig_file((DRIVE, DRIVE + 'pdo_map = "map.csv"\neds = "foreign.eds"\n'), name="base.toml")
+    upper = folder / "upper.toml"
+    upper.write_text('base = "../base.toml"\ntitle = "above"\n', encoding="utf-8")
+    rig, _ = read_rig(upper)
+    assert rig.drive["servo"].pdo_map == str(tmp_path / "map.csv")
+    assert rig.drive["servo"].eds == str(tmp_path / "foreign.eds")
