@@ -1,11 +1,7 @@
 """The object table, the EDS made from it, and two foreign readers of that EDS."""
 
-import subprocess
-import sys
 from dataclasses import fields
 from fractions import Fraction
-from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 from canopen.objectdictionary import ODVariable
@@ -115,18 +111,3 @@ def test_vendor_fields_are_numbers_and_signed_defaults_decimal() -> None:
 def test_equal_profiles_give_equal_text() -> None:
     assert eds_text(DriveProfile()) == eds_text(DriveProfile())
     assert eds_text(DriveProfile()) != eds_text(PROFILE)
-
-
-def test_foreign_checker_has_no_complaint(tmp_path: Path) -> None:
-    if find_spec("dcf") is None:
-        pytest.skip("dcf-tools is not installed (pip install dcf-tools)")
-    eds = tmp_path / "drive.eds"
-    eds.write_text(eds_text(PROFILE), encoding="ascii")
-    check = "import sys; from dcf.cli import main; sys.exit(main())"
-    done = subprocess.run(
-        [sys.executable, "-c", check, "-n", "5", str(eds)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")

@@ -1,0 +1,104 @@
+"""The EDS tells the truth: foreign readers accept it, and the drive has what it says."""
+
+import io
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from canopen.objectdictionary import ODVariable, datatypes
+from canopen.objectdictionary.eds import import_eds
+from canopen.sdo.exceptions import SdoAbortedError
+
+from bench.drive.eds import eds_text
+from bench.drive.profiles import named_profile, profile_names
+
+Make = Callable[..., Any]
+
+READ_ONLY, WRITE_ONLY = 0x06010002, 0x06010001
+# Values of the running drive; the EDS gives a default that need not be theirs
+LIVE = {0x1001, 0x1003, 0x1018, 0x6041, 0x6061, 0x6502, 0x606C, 0x6077, 0x6078, 0x60FD}
+
+
+@pytest.mark.parametrize("name", profile_names())
+def test_foreign_checker_has_no_complaint_about_any_profile(name: str, tmp_path: Path) -> None:
+    """`dcfchk` of lely's dcf-tools, by its own command line."""
+    if find_spec("dcf") is None:
+        pytest.skip("dcf-tools is not installed (pip install dcf-tools)")
+    eds = tmp_path / "drive.eds"
+    eds.write_text(eds_text(named_profile(name)), encoding="ascii", newline="\r\n")
+    check = "import sys; from dcf.cli import main; sys.exit(main())"
+    done = subprocess.run(
+        [sys.executable, "-c", check, "-n", "5", str(eds)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
+
+
+def variables_of(text: str) -> Iterator[ODVariable]:
+    for entry in import_eds(io.StringIO(text), 3).values():
+        if entry.index >= 0x1000:
+            yield from [entry] if isinstance(entry, ODVariable) else entry.values()
+
+
+@pytest.mark.parametrize("name", ["generic", "epos4-like", "steppeonline-like"])
+def test_the_drive_has_what_its_eds_says(drive_bench: Make, name: str) -> None:
+    """Every variable: length, default, access rights, and nothing beside them in its object."""
+    profile = named_profile(name)
+    bench = drive_bench(profile=profile)
+    sdo, text = bench.remote.sdo, eds_text(profile)
+    for variable in variables_of(text):
+        where = f"{variable.index:04X}:{variable.subindex}"
+        data, code = b"", 0
+        try:
+            data = sdo.upload(variable.index, variable.subindex)
+        except SdoAbortedError as refusal:
+            code = refusal.code
+        assert code == (0x08000024 if variable.index == 0x1003 and variable.subindex else 0), where
+        is_number = variable.data_type in datatypes.NUMBER_TYPES
+        if is_number and not code:
+            assert 8 * len(data) == len(variable), where
+            if variable.index not in LIVE and variable.access_type != "ro":
+                assert variable.decode_raw(data) == variable.default, where
+        if not variable.writable:
+            with pytest.raises(SdoAbortedError) as caught:
+                sdo.download(variable.index, variable.subindex, data or b"\0\0\0\0")
+            assert caught.value.code == READ_ONLY, where
+
+
+def test_the_drive_hands_out_its_own_eds(drive_bench: Make) -> None:
+    """1021, by canopen's client in segments and in blocks: the same text as `eds_text`."""
+    bench = drive_bench()
+    text = eds_text(named_profile("generic")).encode("ascii")
+    assert len(text) > 20_000
+    assert bench.remote.sdo.upload(0x1021, 0) == text
+    with bench.remote.sdo[0x1021].open("rb", block_transfer=True) as stream:
+        assert stream.read() == text
+
+
+def test_canopen_writes_by_block_transfer(drive_bench: Make) -> None:
+    bench = drive_bench()
+    with bench.remote.sdo[0x1017].open("wb", size=2, block_transfer=True) as stream:
+        stream.write((750).to_bytes(2, "little"))
+    assert bench.remote.sdo[0x1017].raw == 750
+
+
+def test_segments_of_a_block_let_the_pdos_pass(drive_bench: Make) -> None:
+    """While the EDS goes out in blocks, every SYNC of 1 ms is answered within the next half."""
+    bench = drive_bench()
+    bench.operational()
+    bench.master.sync.start(0.001)
+    begin_ms = bench.scheduler.now_ns / 1e6
+    with bench.remote.sdo[0x1021].open("rb", block_transfer=True) as stream:
+        stream.read()
+    took_ms = bench.scheduler.now_ns / 1e6 - begin_ms
+    syncs = {int(t // 1_000_000) for t in bench.times_ns(0x183)}
+    assert len(bench.frames(0x183)) >= int(took_ms)
+    late = [t % 1_000_000 for t in bench.times_ns(0x283)]
+    assert max(late) - min(late) < 500_000
+    assert len(syncs) == len(bench.frames(0x183))
