@@ -194,14 +194,14 @@ class Servo:
             return NOT_NOW
         return None
 
-    def connection_lost(self, now_ns: TimeNs) -> None:
-        """Act on a lost connection to the master as 6007 says.
+    def connection_lost(self, now_ns: TimeNs, code: int = CONNECTION_LOST) -> None:
+        """Act on a lost connection to the master as 6007 says. code: of the fault that 1 makes.
 
         Source: CiA 402-2, object 6007: 0 nothing, 1 fault, 2 disable voltage, 3 quick stop.
         """
         option = self.image.abort_option
         if option == 1:
-            self.fault(CONNECTION_LOST, COMMUNICATION_ERROR, now_ns)
+            self.fault(code, COMMUNICATION_ERROR, now_ns)
         elif option in (2, 3):
             self.begin(now_ns)
             self.image.controlword = 0x0000 if option == 2 else 0x0002

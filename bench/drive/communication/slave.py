@@ -20,7 +20,7 @@ from bench.drive.communication.error_control import (
     HeartbeatProducer,
     NodeGuarding,
 )
-from bench.drive.communication.exchange import ExchangeEvents, PdoExchange
+from bench.drive.communication.exchange import TIMED_OUT, ExchangeEvents, PdoExchange
 from bench.drive.communication.nmt import (
     COMMANDS,
     ERROR_BEHAVIOUR,
@@ -33,7 +33,7 @@ from bench.drive.communication.nmt import (
 )
 from bench.drive.communication.sdo_server import SdoServer
 from bench.drive.communication.storage import ParameterStorage
-from bench.drive.communication.sync import SyncConsumer, SyncEvents
+from bench.drive.communication.sync import SYNC_LOST, SyncConsumer, SyncEvents
 from bench.drive.image import ProcessImage
 from bench.drive.profile import DriveProfile
 from bench.drive.store import ObjectStore
@@ -78,8 +78,8 @@ class Application(Protocol):
         """Sample now."""
         ...
 
-    def connection_lost(self, now_ns: TimeNs) -> None:
-        """Act on a lost connection to the master."""
+    def connection_lost(self, now_ns: TimeNs, code: int) -> None:
+        """Act on a lost connection to the master. code: emergency code that says how."""
         ...
 
     def update(self) -> None:
@@ -118,6 +118,7 @@ class CanopenSlave:
         self.node_id = node_id
         self.state = NmtState.INITIALISING
         self.sdo_delay_ns: TimeNs = 0
+        self._error_state = ErrorState.ACTIVE
         self._network, self._clock, self._application = network, clock, application
         self._needs = needs
         self.serial_number = node_id
@@ -135,7 +136,7 @@ class CanopenSlave:
             SyncEvents(
                 self._cycle,
                 self._withdraw_late,
-                self._connection_lost,
+                partial(self._connection_lost, SYNC_LOST),
                 lambda: self.exchange.is_running and needs.sync(),
             ),
             profile.sync_loss_periods,
@@ -149,7 +150,7 @@ class CanopenSlave:
             ExchangeEvents(
                 self._act,
                 self._refresh,
-                self._connection_lost,
+                partial(self._connection_lost, TIMED_OUT),
                 self.sync.is_in_window,
                 application.watch,
             ),
@@ -159,7 +160,8 @@ class CanopenSlave:
         self._lss = self._build_lss()
         for part in (self._storage, self.emergencies, self.sync, self.exchange):
             store.own(part, part.objects)
-        self._watch_bus()
+        if isinstance(network.bus, SimBus):
+            network.bus.on_error_state(self._on_error_state)
 
     def _build_error_control(self) -> None:
         store, clock, network = self.objects, self._clock, self._network
@@ -199,6 +201,7 @@ class CanopenSlave:
         """Do what power on does, with the node number and the bit rate that LSS has stored."""
         settings = self.lss_settings
         self.node_id = settings.node_id = settings.stored_node_id
+        self._error_state = ErrorState.ACTIVE
         settings.bit_rate = settings.stored_bit_rate
         self._lss.reset()
         bus = self._network.bus
@@ -263,10 +266,10 @@ class CanopenSlave:
         if number in COMMANDS:
             self._set_state(COMMANDS[number])
             if self.state is NmtState.STOPPED:
-                self._connection_lost()
+                self._connection_lost(LOST_CONNECTION)
         elif number in (RESET_NODE, RESET_COMMUNICATION):
             if number == RESET_COMMUNICATION:
-                self._connection_lost()
+                self._connection_lost(LOST_CONNECTION)
             self.reset(number)
 
     def _set_state(self, state: NmtState) -> None:
@@ -279,7 +282,7 @@ class CanopenSlave:
             self.sdo.stop()
         elif before in (NmtState.INITIALISING, NmtState.STOPPED):
             self.sync.start()
-        self.emergencies.allow(not is_stopped)
+        self.emergencies.allow(not is_stopped and self._error_state is not ErrorState.BUS_OFF)
         if is_operational and not self.exchange.is_running:
             self._refresh()
             self.exchange.start()
@@ -328,40 +331,37 @@ class CanopenSlave:
 
     # Losses
 
-    def _connection_lost(self) -> None:
+    def _connection_lost(self, code: int) -> None:
         if self._needs.connection():
-            self._application.connection_lost(self._clock.now_ns)
+            self._application.connection_lost(self._clock.now_ns, code)
 
     def _partner_lost(self, source: object) -> None:
         self._application.emergency.report(LOST_CONNECTION, COMMUNICATION_ERROR, source)
-        self._communication_error()
+        self._communication_error(LOST_CONNECTION)
 
-    def _communication_error(self) -> None:
-        self._connection_lost()
+    def _communication_error(self, code: int) -> None:
+        self._connection_lost(code)
         behaviour = self.objects.value(*ERROR_BEHAVIOUR)
         self._set_state(after_communication_error(self.state, behaviour))
 
-    def _watch_bus(self) -> None:
-        bus = self._network.bus
-        if isinstance(bus, SimBus):
-            bus.on_error_state(self._on_error_state)
-        self._error_state = ErrorState.ACTIVE
-
     def _on_error_state(self, state: ErrorState) -> None:
         # Called inside the end of a frame: more than a request is for an event
-        act = partial(self._bus_state, self._error_state, state)
-        self._error_state = state
-        self._clock.call_at(self._clock.now_ns, Phase.APPLICATION, act)
+        self._clock.call_at(self._clock.now_ns, Phase.APPLICATION, partial(self._follow_bus, state))
 
-    def _bus_state(self, before: ErrorState, now: ErrorState) -> None:
+    def _follow_bus(self, now: ErrorState) -> None:
+        """Act on a new error state of the controller; emergencies wait for the end of bus-off."""
+        before, self._error_state = self._error_state, now
         if self.state is NmtState.INITIALISING:
             return
         emergency = self._application.emergency
         if now is ErrorState.BUS_OFF:
-            self._communication_error()
+            self.emergencies.allow(False)
+            self._communication_error(RECOVERED)
             return
         if before is ErrorState.BUS_OFF:
-            emergency.mention(RECOVERED, COMMUNICATION_ERROR)
+            self.emergencies.allow(self.state is not NmtState.STOPPED)
+            if not emergency.stands(RECOVERED):  # the fault of the drive has told it
+                emergency.mention(RECOVERED, COMMUNICATION_ERROR)
         if now is ErrorState.PASSIVE:
             emergency.report(ERROR_PASSIVE, COMMUNICATION_ERROR)
         else:

@@ -153,8 +153,12 @@ def test_recovery_from_bus_off(stranger: Make) -> None:
 
 
 def test_bus_off_stops_an_enabled_drive(stranger: Make) -> None:
+    """The emergency of its fault goes out once the bus is there again."""
     drive = stranger()
     drive.enable()
     destroy(drive, 0x183, 32)
-    drive.after(0x80, wait_ms=10)
+    drive.after(0x80, wait_ms=3)
     assert drive.node.state is not State.OPERATION_ENABLED
+    drive.run_ms(10)
+    assert drive.frames(0x083)[-2:] == ["4081110000000000", "0000110000000000"]
+    assert drive.read(0x603F) == 0x8140

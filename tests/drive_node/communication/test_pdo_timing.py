@@ -190,10 +190,16 @@ def test_deadline_of_an_rpdo(stranger: Make) -> None:
         drive.run_ms(4.9)
     assert drive.frames(0x083) == []
     drive.run_ms(0.5)
-    assert drive.frames(0x083)[0] == LATE
+    assert drive.frames(0x083) == [LATE]  # one message: the fault of the drive has the same code
+    assert drive.read(0x603F) == 0x8250
     assert drive.node.state is not State.OPERATION_ENABLED
     drive.after(0x203, RPDO)
-    assert drive.frames(0x083)[-1] == "0000" + f"{drive.read(0x1001):02x}" + "0000000000"
+    drive.run_ms(500)
+    assert drive.frames(0x083) == [LATE]  # the fault stands until it is reset
+    drive.send(0x203, "8000000000000000")
+    drive.after(0x80, wait_ms=0.5)
+    drive.after(0x80)
+    assert drive.frames(0x083) == [LATE, GONE]
 
 
 def test_a_pdo_that_is_taken_out_takes_its_error_along(stranger: Make) -> None:

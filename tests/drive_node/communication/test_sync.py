@@ -136,7 +136,8 @@ def test_missing_sync_stops_an_enabled_drive(stranger: Make) -> None:
     assert drive.node.state is State.OPERATION_ENABLED
     assert drive.frames(0x083) == []
     drive.run_ms(0.5)
-    assert drive.frames(0x083)[0] == "0087110000000000"
+    assert drive.frames(0x083) == ["0087110000000000"]
+    assert drive.read(0x603F) == 0x8700
     assert drive.node.state is not State.OPERATION_ENABLED
     assert drive.node.nmt_state is NmtState.OPERATIONAL
 
