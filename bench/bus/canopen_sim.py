@@ -19,8 +19,7 @@ from canopen.emcy import EmcyConsumer, EmcyError
 from canopen.nmt import NmtError, NmtMaster
 from canopen.objectdictionary import ObjectDictionary
 from canopen.sdo.client import SdoClient
-from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
-from canopen.sdo.server import SdoServer
+from canopen.sdo.exceptions import SdoCommunicationError
 
 from bench.bus.simbus import SimBus
 
@@ -143,60 +142,6 @@ class SimRemoteNode(canopen.RemoteNode):
                 pdo_map.receive_condition = SimCondition(bus)
 
 
-class SimSdoServer(SdoServer):
-    """SDO server that lets a defect in a read or write callback end the run.
-
-    canopen answers such a defect with an abort and logs it; only SdoAbortedError is meant so.
-    """
-
-    def __init__(self, rx_cobid: int, tx_cobid: int, node: "SimLocalNode") -> None:
-        super().__init__(rx_cobid, tx_cobid, node)  # type: ignore[no-untyped-call]
-        # An abort names the object of the last request; before the first one there is none.
-        self._index = self._subindex = 0
-
-    def on_request(self, can_id: int, data: bytearray, timestamp: float) -> None:
-        """Answer a request; raises what a callback of the node raised, unless it is an abort."""
-        self._node.callback_error = None
-        super().on_request(can_id, data, timestamp)  # type: ignore[no-untyped-call]
-        error = self._node.callback_error
-        if error is not None and isinstance(self.network.bus, SimBus):
-            raise error
-
-
-class SimLocalNode(canopen.LocalNode):
-    """`canopen.LocalNode` whose callbacks may fail loudly; waits for nothing by itself."""
-
-    def __init__(self, node_id: int, object_dictionary: ObjectDictionary | str) -> None:
-        super().__init__(node_id, object_dictionary)
-        self.id: int
-        self.callback_error: Exception | None = None
-        # The PDO maps keep the server made above; they use it only to reach this node's data.
-        self.sdo = SimSdoServer(0x600 + self.id, 0x580 + self.id, self)
-
-    def get_data(self, index: int, subindex: int, check_readable: bool = False) -> bytes:
-        """Read an object, as `LocalNode.get_data`."""
-        try:
-            data: bytes = super().get_data(index, subindex, check_readable)
-        except SdoAbortedError:
-            raise
-        except Exception as error:
-            self.callback_error = error
-            raise
-        return data
-
-    def set_data(
-        self, index: int, subindex: int, data: bytes, check_writable: bool = False
-    ) -> None:
-        """Write an object, as `LocalNode.set_data`."""
-        try:
-            super().set_data(index, subindex, data, check_writable)
-        except SdoAbortedError:
-            raise
-        except Exception as error:
-            self.callback_error = error
-            raise
-
-
 class SimNetwork(canopen.Network):
     """`canopen.Network` that is fed by its `SimBus` directly: no notifier, no thread."""
 
@@ -271,11 +216,3 @@ class SimNetwork(canopen.Network):
         if isinstance(node, int) and not upload_eds:
             node = SimRemoteNode(node, object_dictionary)
         return super().add_node(node, object_dictionary, upload_eds)
-
-    def create_node(
-        self, node: int, object_dictionary: str | ObjectDictionary | None = None
-    ) -> canopen.LocalNode:
-        """Create a local node, as `Network.create_node`, as a `SimLocalNode`."""
-        local = SimLocalNode(node, object_dictionary)  # type: ignore[arg-type]
-        self[local.id] = local
-        return local

@@ -11,8 +11,9 @@ RUN = """
 import hashlib, random, sys, threading
 from pathlib import Path
 import can
+import canopen
 from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
-from bench.bus.canopen_sim import SimLocalNode, SimNetwork, SimRemoteNode
+from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from bench.bus.faults import DropById, ErrorAtBit
 from bench.bus.logs import open_log
 from bench.bus.record import FrameHash
@@ -42,7 +43,7 @@ for name in ("x", "y"):
     master = SimNetwork(segment.port("master")).connect()
     for node_id in (1, 2):
         drive = SimNetwork(segment.port(f"drive {node_id}", "mailbox")).connect()
-        drive[node_id] = SimLocalNode(node_id, dictionary())
+        drive[node_id] = canopen.LocalNode(node_id, dictionary())
         master[node_id] = SimRemoteNode(node_id, dictionary())
         def answer(can_id, data, timestamp, drive=drive, node_id=node_id):
             for base in (0x280, 0x180):

@@ -8,7 +8,7 @@ import canopen
 import pytest
 from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 
-from bench.bus.canopen_sim import SimLocalNode, SimNetwork
+from bench.bus.canopen_sim import SimNetwork
 from bench.bus.segment import Segment
 from kernel.clock import MS
 from kernel.cosim.scheduler import Scheduler
@@ -169,7 +169,7 @@ def test_texts_of_any_length_go_there_and_back_through_canopens_server(length: i
     clock = Scheduler()
     with Segment("sdo bus", 1_000_000, clock) as segment:
         node_network: canopen.Network = SimNetwork(segment.port("node")).connect()
-        node = SimLocalNode(NODE, od)
+        node = canopen.LocalNode(NODE, od)
         node_network[NODE] = node
         client = SdoClient(SimNetwork(segment.port("cnc")).connect(), clock, NODE)
         results: list[Any] = []
