@@ -9,6 +9,7 @@ from pathlib import Path
 
 import platformdirs
 
+from bench.bus.hardware import SIMULATED, interface_names, known_interfaces, usable
 from fmus import MODELS, BuildError, ensure_built
 
 PACKAGES = ("rumoca", "fmpy", "python-can", "canopen", "numpy", "scipy", "pandas", "pyarrow")
@@ -35,8 +36,27 @@ def examine() -> tuple[str, bool]:
         except BuildError as error:
             lines.append(f"LACKS {model}: {error}")
             well = False
+    lines += _interfaces()
     lines.append("info  nothing here needs a network; only pip does, see README")
     return "\n".join(lines), well
+
+
+def _interfaces() -> list[str]:
+    """Which CAN interfaces have their software here; none is opened."""
+    lines = []
+    for name, known in known_interfaces().items():
+        lack = usable(name)
+        if lack is None:
+            lines.append(f"ok    CAN interface {name}: {known.about}")
+        else:
+            needs = f"; needs: {known.needs}" if known.needs else ""
+            lines.append(f"info  CAN interface {name} not here: {lack}{needs}")
+    others = [n for n in interface_names() if n not in known_interfaces() and n != SIMULATED]
+    there = [name for name in others if usable(name) is None]
+    lines.append(
+        f"info  further CAN interfaces, drivers not looked for: {', '.join(there) or 'none'}"
+    )
+    return lines
 
 
 def _compilers() -> tuple[list[str], bool]:

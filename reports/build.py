@@ -19,6 +19,7 @@ from bench.plan.verdict import Verdict
 from bench.results.stored import StoredResults, StoredRun, read_results
 from kernel.errors import UserError
 from reports.bar import bar
+from reports.realtime import real_time
 from reports.signals import chart, table
 
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
@@ -124,6 +125,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "messages": info.get("messages", []),
         "log": info.get("log", []),
         "events": _events(info),
+        "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
         "replay": shlex.join(["axisrig", "replay", output, run.run]),
         "chart": description,

@@ -10,6 +10,7 @@ import importlib
 import io
 import logging
 from collections.abc import Iterator, Mapping
+from ctypes.util import find_library
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -29,11 +30,16 @@ Option = bool | int | float | str
 
 @dataclass(frozen=True)
 class Interface:
-    """What is known of an interface: default options, waiting time, what it needs."""
+    """What is known of an interface.
+
+    options: what it gets when nothing else is said. wait_ns: how long a cycle waits for answers.
+    libraries: names of its driver's library, one of which must be there.
+    """
 
     name: str
     options: Mapping[str, Option]
     wait_ns: TimeNs
+    libraries: tuple[str, ...]
     needs: str
     about: str
 
@@ -47,6 +53,7 @@ def known_interfaces() -> Mapping[str, Interface]:
             row["interface"],
             parse_options(row["options"]),
             int(row["wait_ms"]) * MS,
+            tuple(row["library"].split()),
             row["needs"],
             row["about"],
         )
@@ -147,6 +154,9 @@ def usable(interface: str) -> str | None:
         return str(error) or type(error).__name__
     if interface == "socketcan":
         return _lacks_socketcan()
+    known = known_interfaces().get(interface)
+    if known and known.libraries and not any(find_library(name) for name in known.libraries):
+        return "the library of its driver is not installed"
     if interface in ("slcan", "serial", "robotell") and getattr(loaded, "serial", True) is None:
         return "pyserial is not installed"
     return None

@@ -1,0 +1,196 @@
+"""Runs on real hardware: what is refused before anything moves, and what a report says after."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.bus.deadlines import Deadlines
+from bench.cli import main
+from bench.rig.file import read_rig
+from bench.rig.outside import outside_axes, simulated_plants
+from bench.rig.settings import read_settings
+from reports.realtime import real_time
+
+TESTPLANS = Path(__file__).parents[2] / "testplans"
+Call = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def axisrig(capsys: pytest.CaptureFixture[str]) -> Call:
+    """Return `call(*words) -> (exit code, standard output, standard error)`."""
+
+    def call(*words: str) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as ended:
+            main(words)
+        code = ended.value.code
+        assert isinstance(code, int)
+        return (code, *capsys.readouterr())
+
+    return call
+
+
+@pytest.fixture
+def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a rig and a program of its own."""
+    shutil.copytree(TESTPLANS / "rigs", tmp_path / "rigs")
+    shutil.copytree(TESTPLANS / "programs", tmp_path / "programs")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def _plan(place: Path, columns: str = "", cells: str = "") -> str:
+    head, row = "case,program,rig,plc:V.E.FEED", "a,programs/probe-z.nc,rigs/probe-z.toml,600"
+    (place / "plan.csv").write_text(f"{head}{columns}\n{row}{cells}\n", encoding="utf-8")
+    return "plan.csv"
+
+
+SERIAL = ("--interface", "slcan", "--channel", "/dev/no-such-adapter")
+
+
+def test_nothing_moves_unless_it_is_told_to(place: Path, axisrig: Call) -> None:
+    code, _, err = axisrig("run", _plan(place), *SERIAL, "-o", "out")
+    assert code == 2
+    assert "axis Z: drive with node 3 on slcan /dev/no-such-adapter" in err
+    assert "--yes" in err
+    assert "hardware = true" in err
+    assert not Path("out").exists()
+
+
+def test_a_program_is_asked_for_in_the_same_way(place: Path, axisrig: Call) -> None:
+    program, rig = "programs/probe-z.nc", "rigs/probe-z.toml"
+    words = ["nc", program, "--rig", rig, "--set", "plc:V.E.FEED=600", *SERIAL]
+    code, _, err = axisrig(*words)
+    assert code == 2
+    assert "axis Z: drive with node 3" in err
+    code, _, err = axisrig(*words, "--yes")
+    assert code == 2
+    assert "slcan /dev/no-such-adapter cannot be opened" in err
+
+
+def test_a_rig_of_real_hardware_says_so_itself(place: Path, axisrig: Call) -> None:
+    rig = place / "rigs" / "probe-z.toml"
+    text = rig.read_text(encoding="utf-8")
+    bitrate = "bitrate = 1_000_000"
+    real = f'{bitrate}\ninterface = "slcan"\nchannel = "/dev/no-such-adapter"'
+    rig.write_text("hardware = true\n" + text.replace(bitrate, real), encoding="utf-8")
+    code, _, err = axisrig("run", _plan(place), "-o", "out")
+    assert "--yes" not in err
+    assert code == 4  # it could not be opened: an error of the bench, no verdict on a drive
+    assert "cannot be opened" in (place / "out" / "runs" / "plan-a.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "told"),
+    [
+        ("plant:probe.surface_mm", "90", "probe is not simulated"),
+        ("plant:z.kv", "20", "z is not simulated"),
+        ("fault:drop", "Z.TPDO2", "faults are simulated"),
+    ],
+)
+def test_what_only_a_simulation_can_do_is_refused(
+    place: Path, axisrig: Call, column: str, cell: str, told: str
+) -> None:
+    code, _, err = axisrig("run", _plan(place, f",{column}", f",{cell}"), *SERIAL, "--yes")
+    assert code == 2
+    assert told in err
+    if column.startswith("plant"):
+        assert "plan.csv:2:5" in err
+
+
+@pytest.mark.parametrize("words", [["-j", "2"], ["--timeout", "60"], ["--isolate"]])
+def test_a_bus_is_driven_from_this_process_alone(
+    place: Path, axisrig: Call, words: list[str]
+) -> None:
+    code, _, err = axisrig("run", _plan(place), *SERIAL, "--yes", *words)
+    assert code == 2
+    assert "one case after the other" in err
+
+
+def test_a_rig_with_several_segments_needs_the_segment(place: Path, axisrig: Call) -> None:
+    rig = place / "rigs" / "probe-z.toml"
+    text = rig.read_text(encoding="utf-8")
+    rig.write_text(text + "\n[segment.can2]\nbitrate = 500_000\n", encoding="utf-8")
+    code, _, err = axisrig("run", _plan(place), *SERIAL, "--yes")
+    assert code == 2
+    assert "can1, can2" in err
+    code, _, err = axisrig("run", _plan(place), *SERIAL, "--yes", "--segment", "can3")
+    assert code == 2
+    assert "can3" in err
+
+
+def test_a_drive_outside_needs_a_real_bus(place: Path, axisrig: Call) -> None:
+    rig = place / "rigs" / "probe-z.toml"
+    text = rig.read_text(encoding="utf-8").replace("node = 3", "node = 3\noutside = true")
+    rig.write_text(text, encoding="utf-8")
+    code, _, err = axisrig("check", "rigs/probe-z.toml")
+    assert code == 2
+    assert "axis Z cannot stand outside: segment can1 is simulated" in err
+
+
+def test_drives_need_a_real_bus_too(place: Path, axisrig: Call) -> None:
+    code, _, err = axisrig("drive", "rigs/probe-z.toml")
+    assert code == 2
+    assert "segment can1 is simulated" in err
+    code, _, err = axisrig("drive", "rigs/probe-z.toml", *SERIAL, "--axis", "Q")
+    assert code == 2
+    assert "allowed: Z" in err
+    code, _, err = axisrig("drive", "rigs/probe-z.toml", *SERIAL)
+    assert code == 2
+    assert "cannot be opened" in err
+
+
+def test_the_eds_of_a_drive_can_be_had_without_a_bus(place: Path, axisrig: Call) -> None:
+    code, out, _ = axisrig("drive", "rigs/probe-z.toml", "--eds", "drive.eds")
+    assert (code, out.strip()) == (0, "drive.eds")
+    text = (place / "drive.eds").read_text(encoding="ascii")
+    assert "FileName=drive.eds" in text
+    assert "[60B8]" in text
+
+
+def test_a_replay_does_not_drive_hardware(place: Path, axisrig: Call) -> None:
+    axisrig("run", _plan(place), *SERIAL, "--yes", "-o", "out")
+    code, out, err = axisrig("replay", "out", "plan-a")
+    assert code != 0
+    assert "real CAN interface" in out + err
+
+
+def test_one_axis_can_stand_outside_and_the_others_here() -> None:
+    rig, files = read_rig(TESTPLANS / "rigs" / "probe-xyz.toml")
+    settings = read_settings(rig, files, [])
+    names = list(rig.axis)
+    segment = settings.segment[rig.axis["X"].segment]
+    real = segment.model_copy(update={"interface": "virtual", "channel": "t"})
+    settings.segment[rig.axis["X"].segment] = real
+    away = {name for name in names if rig.axis[name].segment == rig.axis["X"].segment}
+    assert outside_axes(settings) == away
+    plants = simulated_plants(settings)
+    for name in names:
+        assert (rig.axis[name].plant in plants) is (name not in away)
+    # A probe that reads an axis outside cannot be simulated
+    assert "probe" not in plants
+
+
+def test_the_report_says_in_words_what_was_late() -> None:
+    deadlines = Deadlines(late_ns=100_000)
+    for k in range(1000):
+        deadlines.sync_sent(k * 1_000_000, k * 1_000_000 + (250_000 if k == 500 else 20_000))
+    deadlines.slipped(3_000_000)
+    deadlines.waited(12_000_000)
+    section = real_time(deadlines.as_data(1_000_000))
+    assert section is not None
+    rows = dict(section["rows"])
+    assert rows["SYNCs sent"] == "1000"
+    assert rows["later than 100 µs"] == "1 (0.10 %)"
+    assert rows["lateness: median"] == "20 µs"
+    assert rows["lateness: largest"] == "250 µs"
+    assert rows["SYNC interval, asked for 1000 µs"] == "770 µs to 1230 µs"
+    counts = {row["range"]: row["count"] for row in section["histogram"]}
+    assert counts["20 µs to 50 µs"] == "999"
+    assert counts["200 µs to 500 µs"] == "1"
+    words = " ".join(section["words"])
+    assert "does not move a latch" in words
+    assert "3.0 ms" in words
+    assert "12.0 ms" in words
+    assert real_time(None) is None
