@@ -27,6 +27,8 @@ class Limits:
         self._lead_m = profile.lead_um * 1e-6
         self.rated_n = profile.rated_force_n
         self.negative = self.positive = NO_TORQUE_LIMIT
+        self._told = (NO_TORQUE_LIMIT,) * 3
+        self.is_limiting = False
         self.homing_torque: int | None = None
         self.update()
 
@@ -73,20 +75,16 @@ class Limits:
     def limit_torque(self) -> None:
         """Hand the torque limits over to the axis when they have changed."""
         image = self._image
-        most = image.max_torque
-        if self.homing_torque is not None:
-            most = min(most, self.homing_torque)
-        negative = min(most, image.negative_torque_limit)
-        positive = min(most, image.positive_torque_limit)
+        told = (image.max_torque, image.negative_torque_limit, image.positive_torque_limit)
+        if told == self._told:
+            return
+        self._told = told
+        negative, positive = min(told[:2]), min(told[0], told[2])
         if negative != self.negative or positive != self.positive:
             self.negative, self.positive = negative, positive
+            self.is_limiting = min(negative, positive) != NO_TORQUE_LIMIT
             scale = self.rated_n / PER_MILLE
             self._axis.limit_force(negative * scale, positive * scale)
-
-    @property
-    def is_limiting(self) -> bool:
-        """Whether the objects limit the torque."""
-        return min(self.negative, self.positive) != NO_TORQUE_LIMIT
 
     def torque_per_mille(self) -> int:
         """Return the actual torque in per mille of the rated one; 0 where it is not told."""

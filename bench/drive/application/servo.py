@@ -49,6 +49,9 @@ POWERED = frozenset(
 )
 _SCALING = (0x608F, 0x6091, 0x6092, 0x60E6, 0x60EB)
 _OPTION_CODES = frozenset(index for index, _ in OPTIONS)
+# Plain numbers: members of a flag cost ten times as much in each cycle
+INTERNAL_LIMIT, WARNING = int(Status.INTERNAL_LIMIT), int(Status.WARNING)
+TARGET_REACHED = int(Status.TARGET_REACHED)
 _STATUSWORD = {
     state: pattern.value | Status.VOLTAGE_ENABLED.value | Status.REMOTE.value
     for state, pattern in STATES.items()
@@ -119,6 +122,7 @@ class Servo:
         self._stop: Stop | None = None
         self._halted = self._goes_on = self._resumes = False
         self._began_ns = -1
+        self._settled_word = -1  # the controlword that was carried out last
         self._exceeded = Held()
         self._fault_code = 0
         self._following_error = 0  # bit 13 of the statusword
@@ -126,9 +130,20 @@ class Servo:
         self.update()
 
     def update(self) -> None:
-        """Read scaling and limits again, after a write by SDO."""
+        """Read scaling, limits and monitoring again, after a write by SDO."""
         self.scaling.update()
         self.limits.update()
+        self._watch_mode()
+
+    def _watch_mode(self) -> None:
+        """Note whether there is something to monitor in this mode."""
+        if self.mode.limits_speed:
+            self._is_monitored = math.isfinite(self.limits.speed_m_s)
+        else:
+            window = self.image.following_window
+            self._is_monitored = self.mode.follows_position and window != U32_MAX
+        if not self._is_monitored:
+            self._exceeded.since_ns = None
 
     @property
     def state(self) -> State:
@@ -234,21 +249,30 @@ class Servo:
             self._changed()
 
     def _step(self, now_ns: TimeNs, at_sync: bool) -> None:
-        self._settle(now_ns)
-        self._control(now_ns)
+        image = self.image
+        if (
+            self._is_operating
+            and image.controlword == self._settled_word
+            and image.mode == image.mode_display
+        ):  # the usual SYNC: nothing is asked for, nothing follows by itself
+            self.limits.limit_torque()
+        else:
+            self._settle(now_ns)
+            self._control(now_ns)
         if at_sync:
-            self.touch_probe.cycle(self.image.probe_function, now_ns)
-        if self._stop is not None:
+            self.touch_probe.cycle(image.probe_function, now_ns)
+        if self._is_operating:
+            if self._began_ns != now_ns:
+                if at_sync:
+                    self.mode.cycle(now_ns)
+                else:
+                    self.mode.tick(now_ns)
+        elif self._stop is not None:
             self._stop.go_on(now_ns, self.tick_ns)
-        elif self._is_operating and self._began_ns != now_ns:
-            if at_sync:
-                self.mode.cycle(now_ns)
-            else:
-                self.mode.tick(now_ns)
         elif self.motion.kind is None and at_sync:
             self.motion.off(now_ns)
         self._sample()
-        if self._is_operating:
+        if self._is_monitored and self._is_operating:
             self._monitor(now_ns)
         if self._sampler.is_watched:
             self._sampler.sample_seldom()
@@ -281,6 +305,7 @@ class Servo:
             self._change_mode(now_ns)
         if self.state is State.OPERATION_ENABLED and self.machine.waiting is None:
             self._halt_or_go_on(now_ns)
+        self._settled_word = self.image.controlword
 
     def _carry_out(self, number: int, now_ns: TimeNs) -> None:
         machine = self.machine
@@ -341,6 +366,8 @@ class Servo:
         self.image.mode_display = self.mode.number
         self._is_operating, self._began_ns = True, now_ns
         self._exceeded.since_ns = None
+        self._settled_word = -1
+        self._watch_mode()
         if resume:
             self.mode.resume(now_ns)
         else:
@@ -377,27 +404,23 @@ class Servo:
         self._stop.begin(now_ns, self.tick_ns, at_actual)
 
     def _need_ticks(self) -> None:
-        state = self.machine.state
         if self._is_operating:
-            mode = self.mode
-            is_needed = mode.needs_ticks or self._is_monitored
-        elif self._stop is not None:
-            is_waiting = self.machine.waiting is not None or self._goes_on
-            is_needed = is_waiting or not self._stop.is_done
+            is_needed = self._is_monitored or self.mode.needs_ticks
         else:
-            is_needed = False
-        if state is State.FAULT_REACTION_ACTIVE or (
-            state is State.QUICK_STOP_ACTIVE and self.machine.option.then is not state
-        ):
-            is_needed = True
-        self._ticker.need(is_needed)
+            is_needed = self._is_under_way()
+        if is_needed is not self._ticker.is_running:
+            self._ticker.need(is_needed)
 
-    @property
-    def _is_monitored(self) -> bool:
-        mode = self.mode
-        if mode.limits_speed:
-            return math.isfinite(self.limits.speed_m_s)
-        return mode.follows_position and self.image.following_window != U32_MAX
+    def _is_under_way(self) -> bool:
+        """Whether something follows by itself while no mode has the axis."""
+        machine, stop = self.machine, self._stop
+        if machine.state is State.FAULT_REACTION_ACTIVE:
+            return True
+        if machine.state is State.QUICK_STOP_ACTIVE and machine.option.then is not machine.state:
+            return True
+        if stop is None:
+            return False
+        return not stop.is_done or machine.waiting is not None or self._goes_on
 
     def _monitor(self, now_ns: TimeNs) -> None:
         """Fault when |60F4| has been above 6065 for the time 6066, or 606C above 6080 in cst."""
@@ -406,10 +429,7 @@ class Servo:
             if abs(self.axis.motor_velocity_m_s()) > self.limits.speed_m_s:
                 self.fault(OVERSPEED, PROFILE_ERROR, now_ns)
             return
-        window = image.following_window
-        if window == U32_MAX or not self.mode.follows_position:
-            return
-        is_beyond = abs(image.following_error) > window
+        is_beyond = abs(image.following_error) > image.following_window
         if self._exceeded.holds(now_ns, is_beyond, image.following_timeout_ms):
             self._following_error = Status.FOLLOWING_ERROR.value
             self.fault(FOLLOWING_ERROR, PROFILE_ERROR, now_ns)
@@ -423,16 +443,16 @@ class Servo:
         if self._is_operating:
             word |= self.mode.status()
             if self.mode.is_limited:
-                word |= Status.INTERNAL_LIMIT
+                word |= INTERNAL_LIMIT
             if self._exceeded.since_ns is not None:
-                word |= Status.WARNING
+                word |= WARNING
         elif (
             self._stop is not None
             and self._stop.is_done
             and (self._halted or self.machine.state is State.QUICK_STOP_ACTIVE)
         ):
-            word |= Status.TARGET_REACHED
+            word |= TARGET_REACHED
         limits = self.limits
         if limits.is_limiting and limits.is_torque_limited(limits.torque_per_mille()):
-            word |= Status.INTERNAL_LIMIT
+            word |= INTERNAL_LIMIT
         return word

@@ -10,26 +10,26 @@ class Ticker:
     """Calls `action` every `tick_ns` after the last SYNC (or after the first need of a tick).
 
     Ticks hang on the SYNC, as in a drive whose controller is locked to it: then they divide the
-    time between two SYNCs into the same parts in every period.
+    time between two SYNCs into the same parts in every period. is_running: it ticks.
     """
 
     def __init__(self, clock: Clock, tick_ns: TimeNs, action: Callable[[], None]) -> None:
         self._clock, self._action = clock, action
         self.tick_ns = tick_ns
         self._train = 0
-        self._is_running = False
+        self.is_running = False
 
     def need(self, is_needed: bool) -> None:
         """Begin to tick or cease."""
-        if is_needed != self._is_running:
-            self._is_running = is_needed
+        if is_needed != self.is_running:
+            self.is_running = is_needed
             self._train += 1
             if is_needed:
                 self._next(self._train)
 
     def lock(self) -> None:
         """Count from this SYNC on."""
-        if self._is_running:
+        if self.is_running:
             self._train += 1
             self._next(self._train)
 

@@ -93,4 +93,6 @@ class Units:
 
 def limit_i32(value: int) -> int:
     """Limit to the range of INTEGER32."""
+    if -0x8000_0000 <= value <= 0x7FFF_FFFF:
+        return value
     return max(-0x8000_0000, min(value, 0x7FFF_FFFF))

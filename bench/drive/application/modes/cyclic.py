@@ -7,7 +7,7 @@ acts at once.
 from bench.drive.application.limits import PER_MILLE
 from bench.drive.application.modes.base import Mode
 from bench.drive.application.motion import FORCE, POSITION, VELOCITY
-from kernel.clock import S, TimeNs
+from kernel.clock import US, S, TimeNs
 from kernel.drives.ds402 import Status
 
 FOLLOWS_COMMAND = int(Status.FOLLOWS_COMMAND)
@@ -39,11 +39,13 @@ class CyclicPosition(Mode):
         parts = self.parts
         image, limits, motion = parts.image, parts.limits, parts.motion
         demand_m = motion.axis.demand_position_m()
-        period_ns = parts.period_ns()
-        wanted_m = parts.units.position_m(image.target_position + image.position_offset)
-        target_m = max(limits.low_m, min(wanted_m, limits.high_m))
+        period_ns = image.sync_period_us * US or parts.period_ns()
+        target_m = parts.units.position_m(image.target_position + image.position_offset)
+        self.is_limited = False
+        if not limits.low_m <= target_m <= limits.high_m:
+            target_m = limits.position_m(target_m)
+            self.is_limited = True
         velocity = (target_m - demand_m) * S / period_ns
-        self.is_limited = target_m != wanted_m
         if abs(velocity) > limits.speed_m_s:
             velocity = limits.velocity_m_s(velocity)
             self.is_limited = True
