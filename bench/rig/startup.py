@@ -79,6 +79,7 @@ class StartUpKeys(Table):
         I16,
     ] = Field(default_factory=dict)  # fmt: skip
     scaling_check: bool = True
+    fault_reset: bool = False
     missing_cycles: Annotated[int, Field(ge=1, le=1000)] = 3
     heartbeat_timeout_ms: U16 = 0
     jump_factor: Annotated[float, Field(ge=0)] = 2.0

@@ -11,6 +11,7 @@ from kernel.drives.watch import BusWatch, DriveWatch, HeartbeatProducer, WatchSe
 from kernel.errors import Alarm
 
 POWER_UP_CYCLES_MAX = 500
+FAULT_CYCLES_MAX = 50  # long enough for a reset and for a drive that looks once more
 
 
 class Monitor:
@@ -96,12 +97,16 @@ class PowerUp:
     def step(self) -> bool:
         """Do one cycle; return whether every drive is there.
 
-        Raises Alarm 900008 when one takes too long.
+        Raises Alarm 900005 for one that stays in fault, 900008 when one takes too long.
         """
         self._cycles += 1
         waiting = [link for link in self._links if link.state is not State.OPERATION_ENABLED]
         for link in self._links:
-            link.power = True
+            link.power, link.resets_fault = True, link.settings.fault_reset
+            if self._cycles > FAULT_CYCLES_MAX and link.state is State.FAULT:
+                told = "none" if link.emergency is None else str(link.emergency)
+                word = f"0x{link.statusword:04X}"
+                raise Alarm(900005, axis=link.name, statusword=word, emcy=told)
         if waiting and self._cycles > POWER_UP_CYCLES_MAX:
             raise Alarm(
                 900008,
@@ -112,4 +117,5 @@ class PowerUp:
         if not waiting:
             for link in self._links:
                 link.emergency = None  # what led here is over
+                link.resets_fault = False
         return not waiting

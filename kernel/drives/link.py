@@ -10,7 +10,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from kernel.drives.ds402 import (
+    COMMANDS,
     STATES,
+    Command,
     State,
     controlword_towards,
     enabled_bit,
@@ -28,6 +30,7 @@ from kernel.errors import Alarm
 
 # Cyclic telegrams may stay out this often before the drive counts as lost
 MISSING_CYCLES = 3
+RESET = COMMANDS[Command.FAULT_RESET].value
 POSITION_MAX = 1 << 31  # INTEGER32 of 607A and 6064, increments
 
 
@@ -39,6 +42,7 @@ class LinkSettings:
     (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. pdo_map:
     path of a mapping table, None for the kernel's own. missing_cycles: how often in a row a cyclic
     telegram may stay out. jump_mm: largest credible motion from one SYNC to the next.
+    fault_reset: a fault that stands when the drive is switched on is acknowledged.
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
     drive names. has_counter, has_inputs: of the kernel's own mapping.
     """
@@ -52,6 +56,7 @@ class LinkSettings:
     pdo_map: str | None = None
     missing_cycles: int = MISSING_CYCLES
     jump_mm: float = float("inf")
+    fault_reset: bool = False
     trigger_source: str = "CNC_DEFINED"
     has_counter: bool = False
     has_inputs: bool = True
@@ -96,6 +101,7 @@ class AxisLink:
         self.emergency: Emergency | None = None
         self.controlword = 0
         self.power = False
+        self.resets_fault = False
         self._is_held_back = False
         self._function_word = 0
         self.set_mm = 0.0
@@ -280,6 +286,8 @@ class AxisLink:
     def _controlword(self) -> int:
         """Lead the drive on; out of a fault only the operator leads, never a running program."""
         state = self.state
+        if state is State.FAULT and self.resets_fault:
+            return ~self.controlword & RESET  # only a rising edge counts
         if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             return STATES[State.FAULT].hold
         if self._is_held_back:

@@ -207,6 +207,7 @@ class ChannelBench:
         error_no_signal: bool = False,
         sync_counter: int = 0,
         missing_cycles: int = 3,
+        fault_reset: bool = False,
         watches: tuple[WatchSettings, ...] = (),
         start_up: StartUpSettings | None = None,
     ) -> None:
@@ -236,6 +237,7 @@ class ChannelBench:
                     INCREMENTS_PER_MM,
                     lag_delay_cycles=2,
                     missing_cycles=missing_cycles,
+                    fault_reset=fault_reset,
                     jump_mm=2 * s.speed_max_mm_s * 1e-3,
                 ),
                 self.network,

@@ -209,6 +209,33 @@ def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -
     assert set(bench.set_mm("Z")) == {0.0}
 
 
+def _faulty_at_start(channel_bench: Make, words: Any, **options: Any) -> Any:
+    """The drive of Z has a fault before it is switched on."""
+    bench = channel_bench(words.axis("Z"), **options)
+    bench.prepare([words.move(1, 3000.0, Z=2.0), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples, S)
+    bench.nodes["Z"].servo.fault(0x4310, 1 << 3, bench.scheduler.now_ns)
+    bench.finish()
+    return bench
+
+
+def test_900005_for_a_fault_that_stands_at_power_up(channel_bench: Make, words: Any) -> None:
+    bench = _faulty_at_start(channel_bench, words)
+    (alarm,) = bench.channel.alarms
+    assert alarm.id == 900005
+    assert "excess temperature of the drive" in str(alarm)
+    assert bench.scheduler.now_ns < 200 * MS
+
+
+def test_a_rig_may_have_such_a_fault_acknowledged(channel_bench: Make, words: Any) -> None:
+    """By the rising edge of bit 7; the program then runs."""
+    bench = _faulty_at_start(channel_bench, words, fault_reset=True)
+    assert bench.alarm_ids == []
+    assert bench.final_mm("Z") == 2.0
+    sent = [int.from_bytes(d[:2], "little") for _, can_id, d in bench.frames if can_id == 0x201]
+    assert 0x80 in sent
+
+
 def test_an_alarm_of_the_interpreter_ends_the_program_standing(
     channel_bench: Make, words: Any
 ) -> None:
