@@ -151,8 +151,6 @@ def default_text(row: ObjectRow, profile: DriveProfile) -> str:
         if other.index == row.index and other.sub
     ):
         return "0"
-    if row.index == TRIGGER_SOURCE and row.sub:
-        return str(profile.source_1 if row.sub == 1 else profile.source_2)
     if row.index == TRIGGER_SOURCE and row.sub == 0:
         return str(sum(profile.has_object(TRIGGER_SOURCE, sub) for sub in (1, 2)))
     return row.default.format(**profile.object_defaults)

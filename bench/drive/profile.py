@@ -52,6 +52,7 @@ class DriveProfile:
     rearm: Literal["edge", "enable", "zero_first"] = "edge"
     probe_edges: Literal["both", "one"] = "both"
     source_bits: Literal["used", "ignored"] = "used"
+    probe_function: int = 0
     trigger_sources: str = "1 2 5 6"
     source_1: int = 1
     source_2: int = 2
@@ -157,6 +158,9 @@ class DriveProfile:
             "units_per_revolution": self.units_per_revolution,
             "rated_torque_mnm": self.rated_torque_mnm,
             "rated_current_ma": self.rated_current_ma,
+            "probe_function": self.probe_function,
+            "source_1": self.source_1,
+            "source_2": self.source_2,
             "position_window": units(Fraction(1, 100)),
             "velocity_window": units(Fraction(1, 2), 0xFFFF),
             "profile_velocity": units(100),

@@ -21,6 +21,7 @@ from kernel.errors import UserError
 EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
 
 DIGITAL_INPUTS = 0x60FD
+TRIGGER_SOURCE = "antr.canopen.probing_trigger_source"
 
 # The letters of addresses that NC programs give to axes (F, G, M, N, S, T, D mean other things)
 _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
@@ -229,6 +230,7 @@ def check_rig(settings: Settings) -> None:
     _check_names(settings)
     check_outside(settings)
     _check_drives(settings)
+    _check_latches(settings)
     _check_start_up(settings)
     _check_functions(settings)
     cycle = settings.rig.cycle
@@ -288,6 +290,32 @@ def _check_drives(settings: Settings) -> None:
                 value=error.value,
                 allowed=error.allowed,
             ) from error
+
+
+def _check_latches(settings: Settings) -> None:
+    """Refuse an encoder or a trigger source that the drive of an axis does not have."""
+    for name, axis in settings.rig.axis.items():
+        parameters, profile = settings.axis[name], settings.rig.drive[axis.drive].make()
+        if profile.latch_encoder == "second" and axis.encoder_2 is None:
+            raise rig_error(
+                settings.files,
+                ("drive", axis.drive, "latch_encoder"),
+                f"drive {axis.drive} latches its second encoder and axis {name} has none",
+                value=profile.latch_encoder,
+                hint='give the axis one: encoder_2 = "load", or a distance sensor',
+            )
+        number = parameters.integer("kenngr.measure.input")
+        is_drive_defined = parameters.word(TRIGGER_SOURCE) == "DRIVE_DEFINED"
+        has_source = profile.source_bits == "ignored" or profile.has_object(0x60D0, number)
+        if is_drive_defined and not has_source:
+            raise rig_error(
+                settings.files,
+                ("axis", name, "drive"),
+                f"axis {name}: {TRIGGER_SOURCE} (P-AXIS-00702) asks for object 60D0:{number} and"
+                " the drive does not have it",
+                value="DRIVE_DEFINED",
+                allowed="CNC_DEFINED",
+            )
 
 
 def _check_nodes(settings: Settings) -> None:

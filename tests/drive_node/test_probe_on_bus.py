@@ -113,6 +113,8 @@ def test_power_on_sources_are_those_of_the_profile(drive_bench: Make) -> None:
     bench = drive_bench(profile=named_profile("ax8000-like"))
     bench.run_to_ms(5)
     assert [bench.remote.sdo[0x60D0][sub].raw for sub in (1, 2)] == [3, 3]
+    assert bench.remote.sdo[0x60B8].raw == 0x3838  # sources and edges, nothing enabled
+    assert bench.remote.sdo[0x60B9].raw == 0
 
 
 @pytest.mark.parametrize(("latch_encoder", "word", "offset_um"), [

@@ -78,7 +78,18 @@ def test_backlash_lies_between_motor_and_load(run_nc: Run, downwards: bool) -> N
     assert abs(values[0] - values[1]) <= 2 * INCREMENT_MM  # one direction repeats
 
 
-def backlash_run(run_nc: Run, downwards: bool) -> Any:
+@pytest.mark.parametrize("downwards", [True, False])
+def test_the_second_encoder_latches_the_load(run_nc: Run, downwards: bool) -> None:
+    """With a scale at the load the backlash is gone: contact and delay only."""
+    scales = "".join(f'[axis.{axis}]\nencoder_2 = "load"\n' for axis in "XYZ")
+    more = f'latch_encoder = "second"\n{scales}'
+    out = backlash_run(run_nc, downwards, more)
+    expected = 100 + (-10 if downwards else 10) * DELAY_S
+    values = out.printed("A") + out.printed("B")
+    assert values == pytest.approx([expected] * 2, rel=0, abs=INCREMENT_MM)
+
+
+def backlash_run(run_nc: Run, downwards: bool, more: str = "") -> Any:
     sign = -1 if downwards else 1
     begin, target = 100 - sign * 10, 100 + sign * 10
     rig = f"""
@@ -90,6 +101,7 @@ def backlash_run(run_nc: Run, downwards: bool) -> Any:
     "friction.breakaway_n" = 120
     [drive.servo]
     input_delay_us = 4.0
+    {more}
     [plant.probe]
     start = {{ normal_x = 0, normal_y = 0, normal_z = {-sign}, surface_mm = {-sign * 100.0} }}
     """
@@ -101,3 +113,31 @@ def backlash_run(run_nc: Run, downwards: bool) -> Any:
     out = run_nc(program, rig)
     assert out.alarms == []
     return out
+
+
+@pytest.mark.parametrize("latch", ["interpolated", "linear", "sampled"])
+def test_a_fine_encoder_at_full_speed_does_not_overflow(run_nc: Run, latch: str) -> None:
+    """26 bits per revolution at 25 rev/s: 419430 increments between two samples of 250 us."""
+    speed_mm_s = 250.0
+    rig = f"""
+    [drive.servo]
+    encoder_increments = {2**26}
+    latch = "{latch}"
+    sample_us = 250.0
+    [plant.z]
+    start = {{ position_start_mm = 150.0 }}
+    """
+    out = run_nc(
+        f'N10 G01 G90 Z150 F3000\nN20 G100 Z60 F{speed_mm_s * 60}\n#MSG SYN["A=%f", V.A.MESS.Z]',
+        rig,
+        "set:Z.getriebe[0].lslope_profil.a_grenz_stufe_1=20000",
+        "set:Z.getriebe[0].lslope_profil.a_grenz_stufe_2=20000",
+        base="probe-z.toml",
+    )
+    assert out.alarms == []
+    (value,) = out.printed("A")
+    late_mm = 100 - value
+    latch_s = out.edge_ns() * 1e-9 + DELAY_S
+    age_s = latch_s % 250e-6 if latch == "sampled" else 0.0
+    # On its way the axis is at its full speed; what is left of its ramp is below 0.1 um
+    assert late_mm == pytest.approx(speed_mm_s * (DELAY_S - age_s), abs=0.5e-3)

@@ -238,3 +238,25 @@ def test_a_probe_input_that_the_drive_lacks_is_refused(rig_file: Write, settings
     error = _refused(settings_of(path, "set:Z.kenngr.measure.input=2"))
     assert "60BC" in str(error)
     assert error.line is not None
+
+
+def test_a_second_encoder_to_latch_must_be_there(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("lead_mm = 10.0", 'lead_mm = 10.0\nlatch_encoder = "second"'))
+    error = _refused(settings_of(path))
+    assert "axis Z has none" in error.message
+    assert error.line == _line(path, "latch_encoder")
+    path = rig_file(
+        ("lead_mm = 10.0", 'lead_mm = 10.0\nlatch_encoder = "second"'),
+        ('drive = "servo"', 'drive = "servo"\nencoder_2 = "load"'),
+    )
+    check_rig(settings_of(path))
+
+
+def test_drive_defined_needs_60d0(rig_file: Write, settings_of: Read) -> None:
+    path = rig_file(("lead_mm = 10.0", 'lead_mm = 10.0\nlacks = "60D0"'))
+    asked = "set:Z.antr.canopen.probing_trigger_source"
+    error = _refused(settings_of(path, f"{asked}=DRIVE_DEFINED"))
+    assert "60D0:1" in error.message
+    assert error.allowed == "CNC_DEFINED"
+    check_rig(settings_of(path, f"{asked}=CNC_DEFINED"))
+    check_rig(settings_of(path, f"{asked}=DEFAULT"))

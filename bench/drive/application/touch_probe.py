@@ -211,10 +211,11 @@ class TouchProbe:
         )
         self._statuses: deque[int] = deque(maxlen=age + 1)
         self._values: deque[tuple[int, ...]] = deque(maxlen=age + profile.value_delay_cycles + 1)
+        image.source_1, image.source_2 = profile.source_1, profile.source_2
         self.reset()
 
     def reset(self) -> None:
-        """Power on: probes off, no position, counters 0, 60D0 as the drive was set up."""
+        """Power on: probes off, no position, counters 0."""
         self.function = 0
         self._has_index = False
         self._looked_ns: TimeNs = 0
@@ -224,8 +225,6 @@ class TouchProbe:
         self._statuses.clear()
         self._values.clear()
         self._statuses.append(0)
-        self._image.source_1 = self._profile.source_1
-        self._image.source_2 = self._profile.source_2
         self._write()
 
     def take_edges(self, now_ns: TimeNs) -> bool:
