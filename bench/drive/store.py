@@ -40,11 +40,11 @@ class ObjectStore:
 
     def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
         self._profile, self._image = profile, image
-        self._rows = {key: row for key, row in variables().items() if profile.has_object(*key)}
+        self._rows = variables()
         self._signed = {
             key: data_type(row, profile).format.islower() for key, row in self._rows.items()
         }
-        self._indices = frozenset(index for index, _ in self._rows)
+        self._indices = frozenset(row.index for row in self.rows)
         self._values: dict[Key, int | bytes] = {}
         self._owners: dict[int, Owner] = {}
         self._default_owner = Owner()
@@ -52,8 +52,8 @@ class ObjectStore:
 
     @property
     def rows(self) -> Iterable[ObjectRow]:
-        """Every object that has a value."""
-        return self._rows.values()
+        """Every object of the drive that has a value."""
+        return [row for key, row in self._rows.items() if self._profile.has_object(*key)]
 
     def own(self, owner: Owner, indices: Iterable[int]) -> None:
         """Let `owner` answer for these objects."""
@@ -133,7 +133,7 @@ class ObjectStore:
     def row(self, index: int, sub: int) -> ObjectRow:
         """Return the row of an object; raises SdoAbortedError where there is none."""
         row = self._rows.get((index, sub))
-        if row is None:
+        if row is None or not self._profile.has_object(index, sub):
             abort(AbortCode.NO_SUB_INDEX if index in self._indices else AbortCode.NO_OBJECT)
         return row
 

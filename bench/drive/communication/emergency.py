@@ -38,7 +38,8 @@ class Emergency:
     def report(self, code: int, bit: int, source: object = None) -> None:
         """Note an error with its bit of the register; a message only when its code is new.
 
-        source: what tells two errors of one code apart, such as the number of a PDO.
+        source: part of the communication that has the error; it tells two errors of one code
+        apart, such as those of two PDOs. None = the application.
         """
         if (code, source) not in self._bits:
             is_new = not self.stands(code)
@@ -59,9 +60,14 @@ class Emergency:
         """Whether an error with this code stands, from whatever source."""
         return any(known == code for known, _ in self._bits)
 
-    def forget(self, bits: int = 0xFF) -> None:
-        """Drop the errors with one of these bits of the register without a message (reset)."""
-        self._bits = {key: bit for key, bit in self._bits.items() if not bit & bits}
+    def forget(self) -> None:
+        """Drop every error without a message (reset of the node)."""
+        self._bits.clear()
+        self._show()
+
+    def forget_communication(self) -> None:
+        """Drop the errors of the communication without a message (its reset)."""
+        self._bits = {key: bit for key, bit in self._bits.items() if key[1] is None}
         self._show()
 
     def _tell(self, code: int) -> None:

@@ -59,10 +59,12 @@ class LssSlave:
         self._settings, self._clock, self._send = settings, clock, send
         self._identity, self._active_id = identity, active_id
         self._switch, self._set_bit_rate = switch, set_bit_rate
+        self._run = 0  # counts the resets: an event of an older time does nothing
         self.reset()
 
     def reset(self) -> None:
-        """Wait, as after power on."""
+        """Wait, as after power on; a bit rate that is being activated is not."""
+        self._run += 1
         self._is_configuring = False
         self._selected = 0  # numbers of the identity that have matched so far
         self._seen: list[int] = []  # numbers of an identify request so far
@@ -188,5 +190,9 @@ class LssSlave:
         self._clock.call_at(
             self._clock.now_ns + 2 * delay_ms * MS,
             Phase.APPLICATION,
-            partial(self._set_bit_rate, self._settings.bit_rate),
+            partial(self._speak_again, self._run),
         )
+
+    def _speak_again(self, run: int) -> None:
+        if run == self._run and self._set_bit_rate is not None:
+            self._set_bit_rate(self._settings.bit_rate)

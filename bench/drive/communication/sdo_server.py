@@ -6,7 +6,6 @@ and gets no answer.
 """
 
 import struct
-from collections.abc import Callable
 from typing import Final, Protocol
 
 from canopen.sdo.exceptions import SdoAbortedError
@@ -17,10 +16,11 @@ from bench.drive.communication.sdo_transfers import (
     BlockUpload,
     SegmentedDownload,
     SegmentedUpload,
+    SegmentOutlet,
     Transfer,
 )
 from bench.drive.communication.timer import Timer
-from kernel.clock import MS, Clock, TimeNs
+from kernel.clock import MS, Clock
 
 TIMEOUT_NS: Final = 1000 * MS  # how long a transfer waits for its client
 EXPEDITED_MAX = 4
@@ -50,15 +50,11 @@ class Objects(Protocol):
 class SdoServer:
     """Answers one client.
 
-    send: sends an answer of 8 bytes. segment_ns: time between the segments of a block upload, so
-    that they do not queue up in front of the PDOs.
+    outlet: how answers of 8 bytes go out.
     """
 
-    def __init__(
-        self, objects: Objects, clock: Clock, send: Callable[[bytes], None], segment_ns: TimeNs
-    ) -> None:
-        self._objects, self._clock, self._send = objects, clock, send
-        self._segment_ns = segment_ns
+    def __init__(self, objects: Objects, clock: Clock, outlet: SegmentOutlet) -> None:
+        self._objects, self._outlet, self._send = objects, outlet, outlet.send
         self._transfer: Transfer | None = None
         self._key = (0, 0)  # object of the last request; an abort names it
         self._timeout = Timer(clock, self._timed_out)
@@ -140,9 +136,7 @@ class SdoServer:
         if len(value) <= switch_size:
             self._initiate_upload(value)
             return
-        transfer = BlockUpload(value, block_size, has_crc, self._clock, self._segment_ns)
-        transfer.send = self._send
-        self._start(transfer)
+        self._start(BlockUpload(value, block_size, has_crc, self._outlet))
         self._answer(0xC6, size=len(value))
 
     def _checked_size(self, announced: int | None) -> int:

@@ -6,6 +6,7 @@ nor bus: it takes the frames of its client and gives the answers.
 
 import binascii
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from bench.drive.communication.aborts import AbortCode, abort
 from kernel.clock import Clock, Phase, TimeNs
@@ -133,18 +134,27 @@ class BlockDownload(Transfer):
         return b"\xa1".ljust(8, b"\x00")
 
 
+@dataclass(frozen=True)
+class SegmentOutlet:
+    """How the segments of a block go out by themselves: the least time between two of them, and
+    only when nothing else waits to be sent, so that no PDO queues up behind them.
+    """
+
+    clock: Clock
+    gap_ns: TimeNs
+    send: Callable[[bytes], None]
+    is_free: Callable[[], bool]
+
+
 class BlockUpload(Transfer):
-    """Gives `value` in blocks; the segments of a block go out by themselves, `gap_ns` apart."""
+    """Gives `value` in blocks."""
 
     command = 5
-    send: Callable[[bytes], None]
 
-    def __init__(
-        self, value: bytes, block_size: int, has_crc: bool, clock: Clock, gap_ns: TimeNs
-    ) -> None:
+    def __init__(self, value: bytes, block_size: int, has_crc: bool, outlet: SegmentOutlet) -> None:
         super().__init__()
         self._value, self._block_size, self._has_crc = value, block_size, has_crc
-        self._clock, self._gap_ns = clock, gap_ns
+        self._outlet = outlet
         self._begin = 0  # of the block that is under way, in bytes
         self._sent = 0  # segments of this block
         self._block = 0  # counts the blocks: an event of an older one does nothing
@@ -188,14 +198,18 @@ class BlockUpload(Transfer):
     def _send_segment(self, block: int) -> None:
         if self.is_done or block != self._block:
             return
+        if not self._outlet.is_free():
+            self._plan_segment(block)
+            return
         start = self._begin + self._sent * SEGMENT
         part = self._value[start : start + SEGMENT]
         self._sent += 1
         is_last = start + SEGMENT >= len(self._value)
-        self.send(bytes((self._sent | is_last << 7,)) + part.ljust(SEGMENT, b"\x00"))
+        self._outlet.send(bytes((self._sent | is_last << 7,)) + part.ljust(SEGMENT, b"\x00"))
         if not is_last and self._sent < self._block_size:
-            self._clock.call_at(
-                self._clock.now_ns + self._gap_ns,
-                Phase.APPLICATION,
-                lambda: self._send_segment(block),
-            )
+            self._plan_segment(block)
+
+    def _plan_segment(self, block: int) -> None:
+        clock = self._outlet.clock
+        due_ns = clock.now_ns + self._outlet.gap_ns
+        clock.call_at(due_ns, Phase.APPLICATION, lambda: self._send_segment(block))

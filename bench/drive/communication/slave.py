@@ -32,6 +32,7 @@ from bench.drive.communication.nmt import (
     after_communication_error,
 )
 from bench.drive.communication.sdo_server import SdoServer
+from bench.drive.communication.sdo_transfers import SegmentOutlet
 from bench.drive.communication.storage import ParameterStorage
 from bench.drive.communication.sync import SYNC_LOST, SyncConsumer, SyncEvents
 from bench.drive.image import ProcessImage
@@ -49,7 +50,7 @@ SERIAL_NUMBER: Final = (0x1018, 4)
 ERROR_PASSIVE = 0x8120
 LOST_CONNECTION = 0x8130  # life guarding or heartbeat
 RECOVERED = 0x8140  # from bus-off
-_GUARDING = "node guarding"
+_GUARDING, _BUS = "node guarding", "bus"
 
 
 class Application(Protocol):
@@ -155,7 +156,10 @@ class CanopenSlave:
                 application.watch,
             ),
         )
-        self.sdo = SdoServer(store, clock, self._sender(SDO_ANSWER_ID), SEGMENT_NS)
+        bus = network.bus
+        is_free = (lambda: not bus.pending) if isinstance(bus, SimBus) else (lambda: True)
+        outlet = SegmentOutlet(clock, SEGMENT_NS, self._sender(SDO_ANSWER_ID), is_free)
+        self.sdo = SdoServer(store, clock, outlet)
         self._build_error_control()
         self._lss = self._build_lss()
         for part in (self._storage, self.emergencies, self.sync, self.exchange):
@@ -203,7 +207,6 @@ class CanopenSlave:
         self.node_id = settings.node_id = settings.stored_node_id
         self._error_state = ErrorState.ACTIVE
         settings.bit_rate = settings.stored_bit_rate
-        self._lss.reset()
         bus = self._network.bus
         if isinstance(bus, SimBus):
             self._set_bit_rate(settings.bit_rate or bus.segment.bitrate)
@@ -218,6 +221,7 @@ class CanopenSlave:
         for part in (self.sync, self.exchange, self._consumer, self._guarding, self.heartbeat):
             part.stop()
         self.sdo.stop()
+        self._lss.reset()
         self.emergencies.allow(False)
 
     def reset(self, command: int) -> None:
@@ -228,7 +232,7 @@ class CanopenSlave:
             self.emergencies.forget()
             self._application.reset(now_ns)
         else:
-            emergency.forget(COMMUNICATION_ERROR)
+            emergency.forget_communication()
             self.emergencies.drop_waiting()
         self.node_id = self.lss_settings.node_id
         self._storage.apply(self.node_id, *(EVERYTHING if command == RESET_NODE else COMMUNICATION))
@@ -363,9 +367,9 @@ class CanopenSlave:
             if not emergency.stands(RECOVERED):  # the fault of the drive has told it
                 emergency.mention(RECOVERED, COMMUNICATION_ERROR)
         if now is ErrorState.PASSIVE:
-            emergency.report(ERROR_PASSIVE, COMMUNICATION_ERROR)
+            emergency.report(ERROR_PASSIVE, COMMUNICATION_ERROR, _BUS)
         else:
-            emergency.clear(ERROR_PASSIVE)
+            emergency.clear(ERROR_PASSIVE, _BUS)
 
     def _set_bit_rate(self, bit_rate: int | None) -> None:
         """Follow LSS: None = silent, otherwise heard only at the bit rate of the segment."""

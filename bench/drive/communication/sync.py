@@ -63,7 +63,7 @@ class SyncConsumer(Owner):
         self._window_ns: TimeNs = 0
         self._limit_ns: TimeNs = 0
         self._last_ns: TimeNs = 0
-        self._has_error = False
+        self._has_error = self._is_lost = False
         self.counter: int | None = None
 
     def start(self) -> None:
@@ -93,11 +93,11 @@ class SyncConsumer(Owner):
     def _on_sync(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
         if len(data) != self._length:
             self._has_error = True
-            self._emergency.report(LENGTH_ERROR, COMMUNICATION_ERROR)
+            self._emergency.report(LENGTH_ERROR, COMMUNICATION_ERROR, SYNC_ID)
             return
         if self._has_error:
             self._has_error = False
-            self._emergency.clear(LENGTH_ERROR)
+            self._emergency.clear(LENGTH_ERROR, SYNC_ID)
         now_ns = self._clock.now_ns
         if data:
             self.counter = data[0]
@@ -106,13 +106,15 @@ class SyncConsumer(Owner):
             self._late.start(self._window_ns)
         if self._limit_ns:
             self._missing.start(self._limit_ns)
-            if self._emergency.stands(SYNC_LOST):
-                self._emergency.clear(SYNC_LOST)
+            if self._is_lost:
+                self._is_lost = False
+                self._emergency.clear(SYNC_LOST, SYNC_ID)
         self._clock.call_at(now_ns, Phase.APPLICATION, self._events.act)
 
     def _on_missing(self) -> None:
         if self._events.is_watched():
-            self._emergency.report(SYNC_LOST, COMMUNICATION_ERROR)
+            self._is_lost = True
+            self._emergency.report(SYNC_LOST, COMMUNICATION_ERROR, SYNC_ID)
             self._events.lost()
 
     # The objects

@@ -69,7 +69,9 @@ def test_history_holds_8_and_is_emptied_by_0(stranger: Make) -> None:
 
 def test_reset_node_forgets_errors_and_history(stranger: Make) -> None:
     drive = stranger()
-    report(drive, (0x2310, 2), (0x8130, 0x10))
+    report(drive, (0x2310, 2))
+    drive.after(0x80, "01")  # a SYNC with data
+    assert drive.read(0x1001) == 0x13
     drive.nmt(130)
     assert drive.read(0x1001) == 3  # reset communication: the communication errors only
     assert drive.read(0x1003) == 2
@@ -162,3 +164,19 @@ def test_bus_off_stops_an_enabled_drive(stranger: Make) -> None:
     drive.run_ms(10)
     assert drive.frames(0x083)[-2:] == ["4081110000000000", "0000110000000000"]
     assert drive.read(0x603F) == 0x8140
+
+
+def test_reset_of_the_communication_keeps_the_fault_of_the_drive(stranger: Make) -> None:
+    """It is told (8130), stands in 1001, and goes with the fault reset."""
+    drive = stranger()
+    drive.enable()
+    drive.nmt(130)
+    assert drive.frames(0x083) == ["3081110000000000"]
+    assert (drive.read(0x1001), drive.read(0x603F)) == (0x11, 0x8130)
+    drive.run_ms(500)
+    drive.nmt(1)
+    for _ in range(5):
+        drive.after(0x80)
+    drive.write(0x6040, 0, 0x80, 2)
+    assert (drive.read(0x1001), drive.read(0x603F)) == (0, 0)
+    assert drive.frames(0x083)[1:] == ["0000000000000000"]

@@ -5,6 +5,8 @@ from typing import Any
 
 import pytest
 
+from bench.drive.profile import DriveProfile
+
 Make = Callable[..., Any]
 
 OFF, NO_REMOTE = 0x8000_0000, 0x4000_0000
@@ -146,3 +148,14 @@ def test_default_mapping_is_readable(stranger: Make) -> None:
     assert drive.read(0x1600) == 3
     entries = [drive.read(0x1600, sub) for sub in (1, 2, 3, 4)]
     assert entries == [0x60400010, 0x607A0020, 0x60B80010, 0]
+
+
+def test_a_drive_may_lack_objects_of_the_communication(stranger: Make) -> None:
+    """They cannot be read or written; what they would switch on is off."""
+    lacks = "1003 1006 1007 100C 1010 1014 1015 1016 1017 1019 1029 1400.5 1800.5 1802.3"
+    drive = stranger(profile=DriveProfile(lacks=lacks))
+    for index in (0x1003, 0x1006, 0x1014, 0x1016, 0x1017):
+        assert drive.read_code(index) == NO_OBJECT
+    assert drive.read_code(0x1800, 5) == NO_SUB
+    drive.enable()
+    assert [can_id for can_id, _ in drive.after(0x80)] == [0x183, 0x283]
