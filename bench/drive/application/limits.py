@@ -27,7 +27,7 @@ class Limits:
         self._lead_m = profile.lead_um * 1e-6
         self.rated_n = profile.rated_force_n
         self.negative = self.positive = NO_TORQUE_LIMIT
-        self._told = (NO_TORQUE_LIMIT,) * 3
+        self._told: tuple[int, int, int, int | None] = (*(NO_TORQUE_LIMIT,) * 3, None)
         self.is_limiting = False
         self.homing_torque: int | None = None
         self.update()
@@ -75,11 +75,19 @@ class Limits:
     def limit_torque(self) -> None:
         """Hand the torque limits over to the axis when they have changed."""
         image = self._image
-        told = (image.max_torque, image.negative_torque_limit, image.positive_torque_limit)
+        told = (
+            image.max_torque,
+            image.negative_torque_limit,
+            image.positive_torque_limit,
+            self.homing_torque,
+        )
         if told == self._told:
             return
         self._told = told
-        negative, positive = min(told[:2]), min(told[0], told[2])
+        most, negative, positive, homing = told
+        if homing is not None:
+            most = min(most, homing)
+        negative, positive = min(most, negative), min(most, positive)
         if negative != self.negative or positive != self.positive:
             self.negative, self.positive = negative, positive
             self.is_limiting = min(negative, positive) != NO_TORQUE_LIMIT

@@ -1,21 +1,59 @@
-"""What a drive watches at each of its ticks: conditions that hold for a time."""
+"""What a drive watches while a mode has the axis: following error, or speed in cst."""
 
-from kernel.clock import MS, TimeNs
+import math
+
+from bench.drive.application.held import Held
+from bench.drive.application.limits import Limits
+from bench.drive.application.modes import Mode
+from bench.drive.application.units import U32_MAX
+from bench.drive.image import ProcessImage
+from bench.drive.ports import AxisPort
+from kernel.clock import TimeNs
+
+FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
+OVERSPEED = 0x8400  # emergency code of CiA 402: velocity controller
 
 
-class Held:
-    """A condition and since when it holds. since_ns: None = it does not."""
+class Monitor:
+    """Finds the faults of a mode. is_active: there is something to watch, so ticks are needed."""
 
-    __slots__ = ("since_ns",)
+    def __init__(self, image: ProcessImage, limits: Limits, axis: AxisPort) -> None:
+        self._image, self._limits, self._axis = image, limits, axis
+        self._mode: Mode | None = None
+        self._beyond = Held()
+        self.is_active = False
 
-    def __init__(self) -> None:
-        self.since_ns: TimeNs | None = None
+    def begin(self, mode: Mode) -> None:
+        """Watch a mode from now on."""
+        self._mode = mode
+        self._beyond.since_ns = None
+        self.update()
 
-    def holds(self, now_ns: TimeNs, condition: bool, time_ms: int) -> bool:
-        """Note the condition now; return whether it has held for `time_ms` at least."""
-        if not condition:
-            self.since_ns = None
-            return False
-        if self.since_ns is None:
-            self.since_ns = now_ns
-        return now_ns - self.since_ns >= time_ms * MS
+    def update(self) -> None:
+        """Look anew at what 6065 and 6080 ask for."""
+        mode = self._mode
+        if mode is not None and mode.limits_speed:
+            self.is_active = math.isfinite(self._limits.speed_m_s)
+        else:
+            is_followed = mode is not None and mode.follows_position
+            self.is_active = is_followed and self._image.following_window != U32_MAX
+        if not self.is_active:
+            self._beyond.since_ns = None
+
+    @property
+    def is_warning(self) -> bool:
+        """Whether |60F4| is above 6065 and the time 6066 runs."""
+        return self._beyond.since_ns is not None
+
+    def look(self, now_ns: TimeNs) -> int | None:
+        """Return the emergency code of a fault that is there now.
+
+        Source: CiA 402-2: |60F4| above 6065 for the time 6066. In cst 606C above 6080.
+        """
+        if self._mode is not None and self._mode.limits_speed:
+            is_fast = abs(self._axis.motor_velocity_m_s()) > self._limits.speed_m_s
+            return OVERSPEED if is_fast else None
+        image = self._image
+        is_beyond = abs(image.following_error) > image.following_window
+        late = self._beyond.holds(now_ns, is_beyond, image.following_timeout_ms)
+        return FOLLOWING_ERROR if late else None

@@ -4,14 +4,13 @@ Knows object values (`ProcessImage`), the axis and the probe inputs, and nothing
 method gets the present simulated time.
 """
 
-import math
 from collections.abc import Callable, Mapping
 
 from bench.drive.application.assembly import make_touch_probe
 from bench.drive.application.index_pulse import IndexPulse
 from bench.drive.application.limits import Limits
 from bench.drive.application.modes import MODES, Mode, Parts
-from bench.drive.application.monitor import Held
+from bench.drive.application.monitor import FOLLOWING_ERROR, Monitor
 from bench.drive.application.motion import POSITION, Motion
 from bench.drive.application.sampler import SELDOM, Sampler
 from bench.drive.application.states import (
@@ -25,7 +24,7 @@ from bench.drive.application.states import (
 from bench.drive.application.stop import Standstill, Stop
 from bench.drive.application.switches import Switches
 from bench.drive.application.ticks import Ticker
-from bench.drive.application.units import U32_MAX, Units
+from bench.drive.application.units import Units
 from bench.drive.communication.emergency import COMMUNICATION_ERROR, PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
@@ -33,8 +32,6 @@ from bench.drive.profile import DriveProfile
 from kernel.clock import Clock, TimeNs
 from kernel.drives.ds402 import STATES, State, Status, automatic
 
-FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
-OVERSPEED = 0x8400  # emergency code of CiA 402: velocity controller
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
 NEVER = -1  # before the first SYNC
 HALT = 1 << 8  # bit of the controlword
@@ -123,7 +120,7 @@ class Servo:
         self._halted = self._goes_on = self._resumes = False
         self._began_ns = -1
         self._settled_word = -1  # the controlword that was carried out last
-        self._exceeded = Held()
+        self._monitor = Monitor(image, self.limits, self.axis)
         self._fault_code = 0
         self._following_error = 0  # bit 13 of the statusword
         self.scaling.forget_home()
@@ -133,17 +130,7 @@ class Servo:
         """Read scaling, limits and monitoring again, after a write by SDO."""
         self.scaling.update()
         self.limits.update()
-        self._watch_mode()
-
-    def _watch_mode(self) -> None:
-        """Note whether there is something to monitor in this mode."""
-        if self.mode.limits_speed:
-            self._is_monitored = math.isfinite(self.limits.speed_m_s)
-        else:
-            window = self.image.following_window
-            self._is_monitored = self.mode.follows_position and window != U32_MAX
-        if not self._is_monitored:
-            self._exceeded.since_ns = None
+        self._monitor.update()
 
     @property
     def state(self) -> State:
@@ -234,6 +221,8 @@ class Servo:
         self.begin(now_ns)
         option = self.machine.fault()
         self._fault_code = self.image.error_code = code
+        if code == FOLLOWING_ERROR:
+            self._following_error = int(Status.FOLLOWING_ERROR)
         if self.motion.kind is not None:
             self._brake(now_ns, option.reaction, at_actual=code == FOLLOWING_ERROR)
         self._need_ticks()
@@ -272,8 +261,10 @@ class Servo:
         elif self.motion.kind is None and at_sync:
             self.motion.off(now_ns)
         self._sample()
-        if self._is_monitored and self._is_operating:
-            self._monitor(now_ns)
+        if self._monitor.is_active and self._is_operating:
+            code = self._monitor.look(now_ns)
+            if code is not None:
+                self.fault(code, PROFILE_ERROR, now_ns)
         if self._sampler.is_watched:
             self._sampler.sample_seldom()
         self._need_ticks()
@@ -365,9 +356,8 @@ class Servo:
         self._halted = self._goes_on = False
         self.image.mode_display = self.mode.number
         self._is_operating, self._began_ns = True, now_ns
-        self._exceeded.since_ns = None
         self._settled_word = -1
-        self._watch_mode()
+        self._monitor.begin(self.mode)
         if resume:
             self.mode.resume(now_ns)
         else:
@@ -405,7 +395,7 @@ class Servo:
 
     def _need_ticks(self) -> None:
         if self._is_operating:
-            is_needed = self._is_monitored or self.mode.needs_ticks
+            is_needed = self._monitor.is_active or self.mode.needs_ticks
         else:
             is_needed = self._is_under_way()
         if is_needed is not self._ticker.is_running:
@@ -422,18 +412,6 @@ class Servo:
             return False
         return not stop.is_done or machine.waiting is not None or self._goes_on
 
-    def _monitor(self, now_ns: TimeNs) -> None:
-        """Fault when |60F4| has been above 6065 for the time 6066, or 606C above 6080 in cst."""
-        image = self.image
-        if self.mode.limits_speed:
-            if abs(self.axis.motor_velocity_m_s()) > self.limits.speed_m_s:
-                self.fault(OVERSPEED, PROFILE_ERROR, now_ns)
-            return
-        is_beyond = abs(image.following_error) > image.following_window
-        if self._exceeded.holds(now_ns, is_beyond, image.following_timeout_ms):
-            self._following_error = Status.FOLLOWING_ERROR.value
-            self.fault(FOLLOWING_ERROR, PROFILE_ERROR, now_ns)
-
     def _sample(self) -> None:
         self._sampler.sample()
         self.image.statusword = self._status()
@@ -444,7 +422,7 @@ class Servo:
             word |= self.mode.status()
             if self.mode.is_limited:
                 word |= INTERNAL_LIMIT
-            if self._exceeded.since_ns is not None:
+            if self._monitor.is_warning:
                 word |= WARNING
         elif (
             self._stop is not None

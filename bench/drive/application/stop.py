@@ -1,7 +1,7 @@
 """Bringing an axis to rest: ramps, braking with the torque limits, and knowing that it stands."""
 
+from bench.drive.application.held import Held
 from bench.drive.application.limits import Limits
-from bench.drive.application.monitor import Held
 from bench.drive.application.motion import POSITION, Motion
 from bench.drive.application.ramp import Course, to_velocity
 from bench.drive.application.states import BY_LIMIT, Reaction

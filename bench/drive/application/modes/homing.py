@@ -7,11 +7,11 @@ pulse is known to the increment. Source: CiA 402-2, homing mode.
 
 from enum import Enum, auto
 
+from bench.drive.application.held import Held
 from bench.drive.application.homing_methods import METHODS
 from bench.drive.application.limits import PER_MILLE
 from bench.drive.application.modes.base import Mode, Parts
 from bench.drive.application.modes.generator import Generator
-from bench.drive.application.monitor import Held
 from bench.drive.application.ramp import to_velocity
 from bench.drive.application.switches import NEGATIVE, POSITIVE
 from kernel.clock import TimeNs

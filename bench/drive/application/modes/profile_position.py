@@ -5,9 +5,9 @@ Source: CiA 402-2, pp; handshake of bit 4 of the controlword with bit 12 of the 
 
 from dataclasses import dataclass
 
+from bench.drive.application.held import Held
 from bench.drive.application.modes.base import Mode, Parts
 from bench.drive.application.modes.generator import Generator
-from bench.drive.application.monitor import Held
 from bench.drive.application.ramp import Course, to_point, to_velocity
 from bench.drive.application.units import U32_MAX
 from kernel.clock import TimeNs

@@ -5,9 +5,9 @@ Source: CiA 402-2, pv; the drive leads its position demand, so that a steady lag
 
 import math
 
+from bench.drive.application.held import Held
 from bench.drive.application.modes.base import Mode, Parts
 from bench.drive.application.modes.generator import Generator
-from bench.drive.application.monitor import Held
 from bench.drive.application.ramp import Course, to_point, to_velocity
 from kernel.clock import TimeNs
 from kernel.drives.ds402 import Status
