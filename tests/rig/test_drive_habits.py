@@ -137,3 +137,9 @@ def test_a_wrong_column_for_a_drive_is_told(
     with pytest.raises(UserError) as caught:
         settings_of(rig_file(), assignment)
     assert told in str(caught.value)
+
+
+def test_the_documents_describe_every_profile() -> None:
+    text = (Path(__file__).parents[2] / "docs" / "touch-probe.md").read_text("utf-8")
+    described = [line.split("`")[1] for line in text.splitlines() if line.startswith("| `")]
+    assert [name for name in described if name in profile_names()] == list(profile_names())
