@@ -129,9 +129,7 @@ class OutsideSegment(Segment):
             return
         self._send_errors = 0
         if frame.arbitration_id == SYNC_COB_ID and not frame.is_extended_id:
-            paced = self._paced
-            paced.deadlines.sync_sent(paced.planned_ns, paced.monotonic_ns())
-            paced.answers_due_ns = self.now_ns + paced.pacing.answer_ns
+            self._paced.sync_sent()
             self._outstanding = set(self._expected)
 
     def _pass_on(self, frame: Frame, sender: Controller) -> None:

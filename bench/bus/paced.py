@@ -82,7 +82,7 @@ class PacedScheduler(Scheduler):
         super().__init__()
         self.monotonic_ns, self.pause = real_time.monotonic_ns, real_time.pause
         self.pacing, self.deadlines = pacing, deadlines
-        self.answers_due_ns: TimeNs | None = None
+        self._answers_due_ns: TimeNs | None = None
         self._sources: tuple[Source, ...] = ()
         self._origin_ns: TimeNs | None = None
         self._planned_ns: TimeNs = 0
@@ -94,11 +94,15 @@ class PacedScheduler(Scheduler):
         """Poll this interface from now on."""
         self._sources += (source,)
 
-    @property
-    def planned_ns(self) -> TimeNs:
-        """Real time at which the present instant was to be."""
-        self._origin()
-        return self._planned_ns
+    def sync_sent(self) -> None:
+        """Note that the SYNC of this instant is out; what it was late counts, and may slip."""
+        origin_ns, sent_ns = self._origin(), self.monotonic_ns()
+        self.deadlines.sync_sent(self._planned_ns, sent_ns)
+        late_ns = sent_ns - origin_ns - self._now_ns
+        if late_ns > self.pacing.slip_ns:  # else the next one would follow at once
+            self._origin_ns = origin_ns + late_ns
+            self.deadlines.slipped(late_ns)
+        self._answers_due_ns = self._now_ns + self.pacing.answer_ns
 
     @property
     def real_ns(self) -> TimeNs:
@@ -173,10 +177,10 @@ class PacedScheduler(Scheduler):
 
     def _lacks_answers(self, target_ns: TimeNs, late_ns: TimeNs) -> bool:
         """Whether the cycle at `target_ns` should wait on for the answers of the drives."""
-        if self.answers_due_ns is None or target_ns < self.answers_due_ns:
+        if self._answers_due_ns is None or target_ns < self._answers_due_ns:
             return False
         if late_ns >= self.pacing.wait_ns or not any(s.is_waiting for s in self._sources):
-            self.answers_due_ns = None  # until the next SYNC
+            self._answers_due_ns = None  # until the next SYNC
             return False
         self._waits_ns = target_ns
         return True

@@ -161,6 +161,22 @@ def test_late_syncs_are_counted_from_the_plan_before_it_moved(make_bench: Any) -
     assert told["histogram"][BINS_US.index(2000)] == 1
 
 
+def test_a_delay_in_the_interface_itself_brings_no_second_sync_too_early(make_bench: Any) -> None:
+    bench = make_bench(slip_ns=250 * US)
+    send, stalls = bench.adapter.send, [0, 0, 900 * US, 0, 0]
+
+    def slow(msg: Any, timeout: float | None = None) -> None:
+        bench.wall.now_ns += stalls.pop(0)
+        send(msg, timeout)
+
+    bench.adapter.send = slow
+    _cycles(bench, 5)
+    told = bench.deadlines.as_data(MS)
+    assert told["interval_us"]["least_us"] >= 980
+    assert 900 <= told["lateness_us"]["most_us"] <= 920
+    assert (told["late_cycles"], told["slips"]) == (1, 1)
+
+
 def test_figures_of_deadlines_against_numbers_counted_by_hand() -> None:
     deadlines = Deadlines(late_ns=100 * US)
     for k, late_us in enumerate([0, 5, 10, 99, 101, 5000]):
