@@ -31,7 +31,8 @@ class ErrorAtBit:
 
     seen_by: names of the ports that see it, None = every node at the same bit. What follows, error
     frame, counters and retransmission, is told in `bench.bus.segment`. A `bit` beyond the end of
-    frame destroys the last bit. Source: Bosch CAN 2.0 part A, 3.1.3 and 6.1.
+    frame is its last one: the receivers have the frame by then, and the sender repeats it.
+    Source: Bosch CAN 2.0 part A, 3.1.3, 5 and 6.1.
     """
 
     bit: int

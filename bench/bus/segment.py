@@ -12,6 +12,8 @@ Errors (`ErrorAtBit`, collisions, no acknowledgement; docs/can.md has the counte
   than the intermission after each frame of its own.
 - An error that error passive receivers alone see costs them the frame and nobody else.
 - A frame that no other port acknowledges is destroyed behind its acknowledge slot.
+- An error in the last bit of the end of frame comes too late for the receivers: they have the
+  frame and count nothing, the sender sends it again, so it comes twice.
 - Same identifier at once from two ports: `bench.bus.collision`.
 - The counters change at the end of the error frame. Overload frames do not occur.
 A sender does not receive its own frames (unless its port asks for it).
@@ -20,7 +22,7 @@ A sender does not receive its own frames (unless its port asks for it).
 from collections.abc import Container, Sequence
 from functools import partial
 from itertools import count
-from typing import NamedTuple, Self
+from typing import Self
 
 import can
 
@@ -46,37 +48,23 @@ from bench.bus.frame import (
     frame_bits,
     worst_case_bits,
 )
+from bench.bus.held import Held
 from bench.bus.load import LoadFigures, LoadMeter
+from bench.bus.oddity import (
+    AFTER_ACK_BITS,
+    DELIMITER_BITS,
+    FLAG_BITS,
+    SUPERPOSED_FLAG_BITS,
+    SUSPEND_BITS,
+    Oddity,
+)
 from bench.bus.record import FrameObserver
 from bench.bus.simbus import SimBus, message
-from bench.bus.standing import Standing, further_attempt, passive
+from bench.bus.standing import Standing, passive
 from kernel.clock import Phase, S, TimeNs
 from kernel.cosim.scheduler import Event, Scheduler
 
-FLAG_BITS, SUPERPOSED_FLAG_BITS, DELIMITER_BITS = 6, 12, 8
-SUSPEND_BITS = 8
-"""How much longer than the intermission an error passive sender waits."""
-
 _BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
-_AFTER_ACK_BITS = 8
-"""Acknowledge delimiter and end of frame."""
-
-
-class _Oddity(NamedTuple):
-    """What is unusual about a frame on the wire.
-
-    is_error: an error frame cuts it short. partners: further ports that send the same bits.
-    seen_by: names of those who see its error before the others, None = all at once.
-    is_unacknowledged: the error is the missing acknowledgement. is_cut: the sender lost its power.
-    """
-
-    action: FaultAction | None = None
-    partners: tuple[tuple[Controller, Request], ...] = ()
-    missed: Container[str] = ()
-    seen_by: frozenset[str] | None = None
-    is_error: bool = False
-    is_unacknowledged: bool = False
-    is_cut: bool = False
 
 
 class Segment:
@@ -114,10 +102,9 @@ class Segment:
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
         # What is on the wire: sender, request, start of frame, length up to and without the
         # intermission, what is unusual about it.
-        self._wire: tuple[Controller, Request, TimeNs, int, _Oddity | None] | None = None
+        self._wire: tuple[Controller, Request, TimeNs, int, Oddity | None] | None = None
         self._end: Event = []
-        # Requests that wait for the next frame of their port
-        self._held: dict[Controller, Request] = {}
+        self._held = Held(scheduler, self.wake)
         registry.register(self)
 
     # --- building --------------------------------------------------------------------------------
@@ -197,8 +184,7 @@ class Segment:
         """Take note that a port has become silent or speaks again."""
         self._live = tuple(port for port in self.ports if port.takes_part)
         self._is_lone = len(self._live) < 2
-        if self._held:
-            self._held = {port: request for port, request in self._held.items() if port.takes_part}
+        self._held.forget_silent()
 
     def wake(self) -> None:
         """Take note of a new request; a bus at rest arbitrates at the end of this instant."""
@@ -230,7 +216,7 @@ class Segment:
         if sent <= bits - TAIL_BITS:
             self.scheduler.cancel(self._end)
             sent += FLAG_BITS + FLAG_BITS + DELIMITER_BITS
-            self._wire = (port, request, start_ns, sent, _Oddity(is_error=True, is_cut=True))
+            self._wire = (port, request, start_ns, sent, Oddity(is_error=True, is_cut=True))
             end_ns = start_ns + self._duration_ns[sent]
             self._end = self.scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_error)
 
@@ -270,8 +256,10 @@ class Segment:
 
     def _begin_oddly(self, winner: Controller, rivals: tuple[Controller, ...]) -> bool:
         """Begin a frame that may meet with an oddity; return whether one began."""
+        missed: Container[str] = ()
         if rivals:
             collision = collide((winner, *rivals))
+            missed = [port.port_name for port in collision.silenced]
             for port in collision.silenced:
                 self._standing.fail(port, port.take())
                 self._standing.tell((port,))
@@ -288,10 +276,9 @@ class Segment:
             if action is not None:
                 break
         if isinstance(action, Delay | Swap):
-            self._set_aside(winner, request, action)
+            self._held.set_aside(winner, request, action)
             return False
         partners = tuple((port, port.take()) for port in rivals)
-        missed: Container[str] = ()
         if isinstance(action, Alter):
             request = (*request[:4], request[4]._replace(data=action.data))
         elif isinstance(action, Drop):
@@ -302,10 +289,10 @@ class Segment:
                 return True
             missed = action.seen_by or ()
         if len(self._live) == 1 + len(partners):
-            bit = frame_bits(request[4]) - IFS_BITS - _AFTER_ACK_BITS
+            bit = frame_bits(request[4]) - IFS_BITS - AFTER_ACK_BITS
             self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)
             return True
-        odd = _Oddity(action, partners, missed) if action or partners else None
+        odd = Oddity(action, partners, missed) if action or partners or missed else None
         self._start(winner, request, frame_bits(request[4]) - IFS_BITS, odd)
         return True
 
@@ -325,12 +312,23 @@ class Segment:
         is_unacknowledged: bool = False,
     ) -> None:
         """Put a frame on the wire that ends with an error frame behind its bit `bit`."""
-        bits = min(bit, frame_bits(request[4]) - IFS_BITS)
+        whole = frame_bits(request[4]) - IFS_BITS
+        bits = min(bit, whole)
+        is_late = bits == whole
+        if is_late:
+            senders = (sender, *(port for port, _ in partners))
+            end_ns = self.scheduler.now_ns + self._duration_ns[whole]
+            deliver = partial(self._deliver_only, senders, request)
+            self.scheduler.call_at(end_ns, Phase.DELIVERY, deliver)
         if seen_by is not None and all(port.port_name in seen_by for port in self._live):
             seen_by = None
-        bits += FLAG_BITS if seen_by is None else SUPERPOSED_FLAG_BITS
-        odd = _Oddity(
-            is_error=True, partners=partners, seen_by=seen_by, is_unacknowledged=is_unacknowledged
+        bits += FLAG_BITS if seen_by is None or is_late else SUPERPOSED_FLAG_BITS
+        odd = Oddity(
+            is_error=True,
+            is_late=is_late,
+            partners=partners,
+            seen_by=seen_by,
+            is_unacknowledged=is_unacknowledged,
         )
         self._start(sender, request, bits + DELIMITER_BITS, odd)
 
@@ -341,7 +339,7 @@ class Segment:
         sender: Controller,
         request: Request,
         bits: int,
-        odd: _Oddity | None = None,
+        odd: Oddity | None = None,
     ) -> None:
         """Put a frame on the wire; bits: of all it will occupy, without the intermission."""
         scheduler = self.scheduler
@@ -352,6 +350,18 @@ class Segment:
         self._wire = (sender, request, start_ns, bits, odd)
         end = self._end_of_error if odd is not None and odd.is_error else self._end_of_frame
         self._end = scheduler.call_at(start_ns + self._duration_ns[bits], Phase.DELIVERY, end)
+
+    def _deliver_only(self, senders: Sequence[Controller], request: Request) -> None:
+        """Deliver a frame whose sender sees an error in its very last bit, and will repeat it."""
+        if self._wire is None or self._wire[1] is not request:
+            return  # cut short meanwhile
+        frame, now_ns = request[4], self.scheduler.now_ns
+        self._meter.count_frame(frame[0], frame[2], self._wire[2] - request[2])
+        self._record(frame, now_ns, is_error=False)
+        receivers = [port for port in self._live if port not in senders]
+        self._standing.frame_passed(receivers, (), (), ())
+        for port in receivers:
+            port.deliver(frame, now_ns, False)
 
     def _end_of_frame(self) -> None:
         """Deliver the frame on the wire."""
@@ -376,9 +386,9 @@ class Segment:
             elif port.receive_own_messages:
                 port.deliver(frame, now_ns, True)
         if odd is not None and isinstance(odd.action, Duplicate):
-            self._send_later(sender, request, odd.action.after_ns)
-        if self._held and sender in self._held:
-            self._send_later(sender, self._held.pop(sender), 0)
+            self._held.send_later(sender, request, odd.action.after_ns)
+        if self._held:
+            self._held.release(sender)
         self._go_on()
 
     def _go_on(self) -> None:
@@ -389,26 +399,7 @@ class Segment:
                 return
         self._idle = True
 
-    def _set_aside(self, port: Controller, request: Request, action: Delay | Swap) -> None:
-        """Let a request wait for its time, or for the next frame of its port."""
-        if isinstance(action, Delay):
-            self._send_later(port, request, action.time_ns)
-        elif port in self._held:  # one frame waits at most
-            self._send_later(port, request, 0)
-        else:
-            self._held[port] = request
-
-    def _send_later(self, port: Controller, request: Request, after_ns: TimeNs) -> None:
-        """Let a request compete `after_ns` from now, as a further attempt of it."""
-        time_ns = self.scheduler.now_ns + after_ns
-        again = partial(self._return, port, further_attempt(request))
-        self.scheduler.call_at(time_ns, Phase.APPLICATION, again)
-
-    def _return(self, port: Controller, request: Request) -> None:
-        port.put_back(request)
-        self.wake()
-
-    def _leave_wire(self) -> tuple[Controller, Request, TimeNs, int, _Oddity | None]:
+    def _leave_wire(self) -> tuple[Controller, Request, TimeNs, int, Oddity | None]:
         """Take what was on the wire and book the time that it took."""
         assert self._wire is not None  # an end is planned only together with a start
         wire, self._wire = self._wire, None
@@ -435,10 +426,14 @@ class Segment:
         destroyed = request[4]._replace(data=b"", dlc=0, is_remote_frame=False)
         self._record(destroyed, self.scheduler.now_ns, is_error=True)
         senders = () if odd.is_cut else ((sender, request), *odd.partners)
+        ports = [port for port, _ in senders]
         self._standing.frame_failed(
-            self._live, senders, odd.seen_by, is_unacknowledged=odd.is_unacknowledged
+            ports if odd.is_late else self._live,
+            senders,
+            odd.seen_by,
+            is_unacknowledged=odd.is_unacknowledged,
         )
-        self._suspend([port for port, _ in senders])
+        self._suspend(ports)
         self._go_on()
 
     def _suspend(self, senders: Sequence[Controller]) -> None:

@@ -86,6 +86,39 @@ def test_who_sees_an_error_first_pays_nine_and_the_flags_take_twelve_bits(
     assert seen == [(40_000, 0x080, "error")]
 
 
+@pytest.mark.parametrize("bit", [48, 999])
+def test_an_error_in_the_last_bit_makes_a_duplicate(
+    scheduler: Scheduler, segment: Segment, watch: Watch, bit: int
+) -> None:
+    """SYNC has 48 bits: delivered, then flag 6 and delimiter 8, intermission 3, and once more."""
+    seen = watch(segment)
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    segment.add_fault(fails(1, bit))
+    sender.send_raw(0x080, b"")
+    scheduler.run_until(64_000)
+    assert (sender.tec, receiver.rec) == (8, 0)
+    scheduler.run_until(MS)
+    assert seen == [
+        (48_000, 0x080, "data"),
+        (62_000, 0x080, "error"),
+        (65_000 + 48_000, 0x080, "data"),
+    ]
+    assert [receiver.recv(0) is not None for _ in range(3)] == [True, True, False]
+    assert segment.load().busy_bits == 48 + 14 + 3 + 51
+
+
+def test_the_last_but_one_bit_still_destroys_the_frame(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    seen = watch(segment)
+    sender, receiver = segment.port("sender"), segment.port("receiver")
+    segment.add_fault(fails(1, 47))
+    sender.send_raw(0x080, b"")
+    scheduler.run_until(MS)
+    assert [kind for *_, kind in seen] == ["error", "data"]
+    assert [receiver.recv(0) is not None for _ in range(2)] == [True, False]
+
+
 def test_sender_becomes_passive_after_16_errors_and_bus_off_after_32(
     scheduler: Scheduler, segment: Segment
 ) -> None:
@@ -248,6 +281,8 @@ def test_same_identifier_with_other_data_collides_until_the_recessive_one_is_pas
     assert [kind for *_, kind in seen] == ["error"] * 16 + ["data"] * 2
     got = [receiver.recv(0), receiver.recv(0)]
     assert [bytes(msg.data) for msg in got if msg is not None] == [b"\x00", b"\x01"]
+    assert high.recv(0) is None  # in its own error flag while the other's frame went out
+    assert low.recv(0) is not None
     assert (low.tec, high.tec) == (127, 16 * 8 + 8 - 1)
     assert receiver.rec == 16 - 2
 

@@ -73,7 +73,7 @@ def test_retransmission_competes_again(
     seen = watch(segment)
     segment.add_fault(
         lambda frame, port, attempt: (
-            ErrorAtBit(999) if (frame.arbitration_id, attempt) == (0x300, 0) else None
+            ErrorAtBit(40) if (frame.arbitration_id, attempt) == (0x300, 0) else None
         )
     )
     low, high = segment.port("low"), segment.port("high")
