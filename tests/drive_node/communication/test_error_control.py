@@ -202,3 +202,32 @@ def test_a_life_time_of_0_watches_nobody(stranger: Make) -> None:
     guard(drive)
     drive.run_ms(1000)
     assert drive.frames(0x083) == []
+
+
+def test_a_loss_leaves_no_fault_in_a_drive_without_torque(stranger: Make) -> None:
+    drive = stranger()
+    watch(drive, 5, 10)
+    drive.nmt(1)
+    drive.after(0x80)
+    before = drive.node.state
+    drive.after(0x705, "05", wait_ms=12)
+    assert drive.frames(0x083) == [LOST[1]]
+    assert drive.node.state is before
+    assert drive.node.nmt_state is NmtState.PRE_OPERATIONAL
+
+
+def test_canopen_guards_the_drive(drive_bench: Make) -> None:
+    """canopen's master asks every 20 ms; its own end of it sees every state."""
+    bench = drive_bench()
+    sdo, nmt = bench.remote.sdo, bench.remote.nmt
+    sdo[0x100C].raw, sdo[0x100D].raw = 20, 2
+    seen: list[int] = []
+    nmt.add_heartbeat_callback(seen.append)
+    nmt.start_node_guarding(0.02)
+    bench.run_to_ms(bench.scheduler.now_ns / 1e6 + 50)
+    nmt.send_command(1)
+    bench.run_to_ms(bench.scheduler.now_ns / 1e6 + 50)
+    assert seen == [127] * 3 + [5] * 2
+    nmt.stop_node_guarding()
+    bench.run_to_ms(bench.scheduler.now_ns / 1e6 + 50)
+    assert bench.frames(0x083) == [bytes.fromhex(LOST[1])]
