@@ -5,7 +5,7 @@ kernel's side and increments on the bus.
 """
 
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,7 @@ from kernel.drives.ds402 import (
 from kernel.drives.emergency import Emergency
 from kernel.drives.latch import LatchWatch
 from kernel.drives.mapping import Telegram, telegrams
-from kernel.drives.process_data import ABSENT, ProcessData
+from kernel.drives.process_data import ProcessData
 from kernel.errors import Alarm
 
 # Cyclic telegrams may stay out this often before the drive counts as lost
@@ -86,9 +86,6 @@ class AxisLink:
         self._input_bit = input_bit(settings.probe_input)
         self._per_mm = settings.increments_per_mm
         pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
-        self._status_at, self._actual_at = pdos.place("statusword"), pdos.place("actual")
-        self._probe_at, self._latch_at = pdos.place("probe_status"), pdos.place("latch")
-        self._count_at, self._inputs_at = pdos.place("latch_count"), pdos.place("inputs")
         self._control_out, self._target_out = _needed(pdos, "controlword"), _needed(pdos, "target")
         self._function_out = pdos.sent_place("probe_function") or ([0], 0)
         self._jump_increments = settings.jump_mm * self._per_mm
@@ -138,6 +135,11 @@ class AxisLink:
         """Whether a set position fits into the 32 bits of 607A."""
         return abs(position_mm * self._per_mm) < POSITION_MAX
 
+    def begin(self) -> None:
+        """Begin the exchange: what came during the start-up does not count."""
+        self._pdos.begin()
+        self.emergency = None
+
     def begin_cycle(self) -> None:
         """Forget what is there: a SYNC counts with its own answers only.
 
@@ -153,44 +155,30 @@ class AxisLink:
         one that does not fit its mapping.
         """
         pdos = self._pdos
-        values = pdos.take()
-        status = values[self._status_at[0]]
-        if status is not None:
-            word = status[self._status_at[1]]
-            if word != self.statusword:
-                self.statusword = word
-                self.state = state_of(word)
-        actual = values[self._actual_at[0]]
+        word, actual, probe, latch, count, inputs = pdos.take()
+        if word is not None and word != self.statusword:
+            self.statusword, self.state = word, state_of(word)
         if actual is not None:
-            self._take_actual(actual[self._actual_at[1]])
+            self._take_actual(actual)
         elif self._actual_age is not None:
             self._actual_age += 1
-        probe = values[self._probe_at[0]]
         if probe is None:
             self._latch.miss()
         else:
-            self._take_latch(probe[self._probe_at[1]], values[self._latch_at[0]])
-        if self._inputs_at is not ABSENT and (inputs := values[self._inputs_at[0]]) is not None:
-            self._inputs = inputs[self._inputs_at[1]]
+            self._latch.take(probe, latch, count, self.actual_increments)
+        if inputs is not None:
+            self._inputs = inputs
         if pdos.wrong_length is not None:
             name, length, expected = pdos.wrong_length
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
-        if None in values:
+        if pdos.is_disturbed:
             self._judge_missing()
 
-    def _take_latch(self, status: int, telegram: Sequence[int] | None) -> None:
-        """Hand the watch what one SYNC sampled; the counter counts in one telegram only."""
-        value = count = None
-        if telegram is not None and self._latch_at is not ABSENT:
-            value = telegram[self._latch_at[1]]
-            if self._count_at[0] == self._latch_at[0]:
-                count = telegram[self._count_at[1]]
-        self._latch.take(status, value, count, self.actual_increments)
-
     def _take_actual(self, increments: int) -> None:
-        if self._actual_age is not None:
+        age = self._actual_age
+        if age is not None:
             moved = abs(increments - self.actual_increments)
-            if moved > self._jump_increments * (self._actual_age + 1):
+            if moved > self._jump_increments * (age + 1):
                 self.jump_mm = moved / self._per_mm
         self.actual_increments, self._actual_age = increments, 0
 

@@ -4,20 +4,20 @@ Every cyclic TPDO belongs to the SYNC that it answers; one that stays out is cou
 found by the fields of the mapping table (`mapping.FIELDS`), so a table may order them as it likes.
 """
 
-from collections.abc import Callable, Mapping
+import struct
+from collections.abc import Callable, Mapping, Sequence
+from operator import itemgetter
 from typing import Any, Final
 
 from kernel.drives.ds402 import find_state
 from kernel.drives.mapping import MappedObject, Telegram
 from kernel.drives.sdo import Network
 
-# Where the value of a field that is not mapped is looked up: behind the telegrams there is a zero
-ABSENT: Final = (-1, 0)
-_ZERO: Final = (0,)
+# The fields that `take` gives, in this order
+TAKEN: Final = ("statusword", "actual", "probe_status", "latch", "latch_count", "inputs")
 # Why a telegram could not be used: alarm IDs
 STAYED_OUT, CONTRADICTED, NO_STATE = 900006, 900080, 900081
 
-Values = tuple[int, ...]
 Place = tuple[int, int]
 
 
@@ -25,8 +25,8 @@ class ProcessData:
     """Takes the TPDOs of a drive apart and packs its RPDOs.
 
     missing: for each cyclic TPDO how many cycles in a row it has stayed out or could not be used.
-    causes: the alarm ID of the last such cycle. wrong_length: name and lengths of a PDO that did
-    not fit its mapping, None = all did.
+    is_disturbed: whether the last cycle was such a one. causes: its alarm ID. wrong_length: name
+    and lengths of a PDO that did not fit its mapping, None = all did.
     """
 
     def __init__(self, telegrams: Mapping[str, Telegram], node_id: int, network: Network) -> None:
@@ -34,13 +34,21 @@ class ProcessData:
         everything = telegrams.values()
         self._cyclic = [t for t in everything if t.is_cyclic and not t.is_received]
         self.names = [t.name for t in self._cyclic]
-        self._unpack: list[Callable[[bytes], Values]] = [t.codec.unpack for t in self._cyclic]
-        self._data: list[bytes | None] = [None] * len(self._cyclic)
+        self._count = len(self._cyclic)
+        self._places = [self._place(field) for field in TAKEN]
+        latch, count = (self._places[TAKEN.index(field)] for field in ("latch", "latch_count"))
+        if latch is not None and count is not None and latch[0] != count[0]:
+            # A counter proves a latch only when one telegram carries both
+            self._places[TAKEN.index("latch_count")] = None
+        self._pick = self._picker()
+        self._unpack_all = _joined([t.codec for t in self._cyclic])
+        self._data: list[bytes | None] = [None] * self._count
         self._empty = list(self._data)
         self._contradicted: set[int] = set()
-        self.missing = [0] * len(self._cyclic)
-        self.causes = [STAYED_OUT] * len(self._cyclic)
-        self._status = self.place("statusword")
+        self._good_word: int | None = None
+        self.is_disturbed = False
+        self.missing = [0] * self._count
+        self.causes = [STAYED_OUT] * self._count
         self.wrong_length: tuple[str, int, int] | None = None
         for slot, telegram in enumerate(self._cyclic):
             network.subscribe(telegram.cob_id(node_id), self._receiver(slot, telegram))
@@ -68,13 +76,25 @@ class ProcessData:
 
     # Received
 
-    def place(self, field: str) -> Place:
-        """Return where `take` puts a field: number of the cyclic TPDO, position in it."""
+    def _place(self, field: str) -> Place | None:
+        """Return where a field stands: number of its cyclic TPDO, position in it."""
         for slot, telegram in enumerate(self._cyclic):
             for position, mapped in enumerate(telegram.objects):
                 if mapped.field == field:
                     return slot, position
-        return ABSENT
+        return None
+
+    def _picker(self) -> Callable[[Sequence[int | None]], Sequence[int | None]]:
+        """Make the function that picks the fields from the values of all TPDOs in a row."""
+        begins = [sum(len(t.objects) for t in self._cyclic[:slot]) for slot in range(self._count)]
+        # Behind all values stands a None, for fields that are not mapped
+        return itemgetter(*(begins[p[0]] + p[1] if p else -1 for p in self._places))
+
+    def begin(self) -> None:
+        """Begin the exchange: what came during the start-up does not count."""
+        self.begin_cycle()
+        self.wrong_length, self.is_disturbed = None, False
+        self.missing[:] = [0] * len(self.missing)
 
     def begin_cycle(self) -> None:
         """Forget what is there: a SYNC counts with its own answers only."""
@@ -82,30 +102,49 @@ class ProcessData:
         if self._contradicted:
             self._contradicted.clear()
 
-    def take(self) -> list[Values | None]:
-        """Take what the last SYNC brought, one entry per cyclic TPDO (None: it stayed out).
+    def take(self) -> Sequence[int | None]:
+        """Take what the last SYNC brought: the values of `TAKEN`, None for what is not there.
 
         A telegram that came twice with different contents, or whose status word cannot be, counts
         as one that stayed out.
         """
-        status_slot, status_position = self._status
-        values: list[Values | None] = []
+        data = self._data
+        if self._unpack_all is None or self._contradicted or None in data:
+            return self._take_each()
+        values = self._unpack_all(b"".join(data))  # type: ignore[arg-type]
+        picked = self._pick((*values, None))
+        word = picked[0]
+        if word != self._good_word:
+            if find_state(word) is None:
+                return self._take_each()
+            self._good_word = word
+        if self.is_disturbed:
+            self.missing[:] = [0] * self._count
+            self.is_disturbed = False
+        data[:] = self._empty
+        return picked
+
+    def _take_each(self) -> Sequence[int | None]:
+        """Take telegram by telegram, and count those that cannot be used."""
+        slot_of_status, position = self._places[0] or (0, 0)
+        values: list[int | None] = []
+        self.is_disturbed = False
         for slot, data in enumerate(self._data):
-            found = None if data is None else self._unpack[slot](data)
+            found = None if data is None else self._cyclic[slot].codec.unpack(data)
             cause = STAYED_OUT
             if slot in self._contradicted:
                 found, cause = None, CONTRADICTED
-            elif found and slot == status_slot and find_state(found[status_position]) is None:
+            elif found and slot == slot_of_status and find_state(found[position]) is None:
                 found, cause = None, NO_STATE
             if found is None:
                 self.missing[slot] += 1
                 self.causes[slot] = cause
+                self.is_disturbed = True
             else:
                 self.missing[slot] = 0
-            values.append(found)
+            values += found or [None] * len(self._cyclic[slot].objects)
         self.begin_cycle()
-        values.append(_ZERO)
-        return values
+        return self._pick((*values, None))
 
     # Sent
 
@@ -128,3 +167,10 @@ class ProcessData:
         """Send every RPDO with its present values."""
         for cob_id, pack, values in self._pack:
             self._network.send_message(cob_id, pack(*values))
+
+
+def _joined(codecs: Sequence[Any]) -> Callable[[bytes], tuple[int, ...]] | None:
+    """Return one codec for all telegrams in a row; None when a length has no `struct`."""
+    if not all(isinstance(codec, struct.Struct) for codec in codecs):
+        return None
+    return struct.Struct("<" + "".join(codec.format[1:] for codec in codecs)).unpack

@@ -57,7 +57,7 @@ class DriveWatch:
         self._is_watching = True
         self._heard_ns = self._clock.now_ns
         self._has_booted, self._nmt_state, self._toggle = False, OPERATIONAL, None
-        self._link.emergency = None
+        self._link.begin()
         if self._settings.guard_ns:
             self._guard()
 

@@ -136,8 +136,8 @@ def _fault_in_motion(channel_bench: Make, words: Any) -> Any:
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Y=60.0, Z=80.0), words.end()])
     _moving(bench, "Y", 12.0)
-    bench.nodes["Z"].image.following_window = 1
-    bench.nodes["Z"].image.following_timeout_ms = 0
+    bench.remotes["Z"].sdo[0x6066].raw = 0
+    bench.remotes["Z"].sdo[0x6065].raw = 1
     bench.finish()
     return bench
 
@@ -180,8 +180,8 @@ def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, 
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Y=60.0), words.end()])
     _moving(bench, "Y", 12.0)
-    bench.nodes["Z"].image.following_window = 1
-    bench.nodes["Z"].image.following_timeout_ms = 0
+    bench.remotes["Z"].sdo[0x6066].raw = 0
+    bench.remotes["Z"].sdo[0x6065].raw = 1
     bench.axes["Z"].droop_m = 0.5e-3
     bench.finish()
     assert bench.alarm_ids == [900005]
