@@ -79,7 +79,7 @@ def _head(file_name: str, indices: list[int]) -> list[str]:
         ("FileVersion", 1),
         ("FileRevision", 0),
         ("EDSVersion", "4.0"),
-        ("Description", "Servo drive model: cyclic synchronous position, touch probe"),
+        ("Description", "Model of a servo drive of CiA 402"),
         *stamp,
         ("CreatedBy", "axisrig"),
         ("ModifiedBy", "axisrig"),
