@@ -46,7 +46,7 @@ def folders(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
         command = [sys.executable, "-m", "bench.cli", "run", str(plan), "-o", str(folder)]
         started.append(
             subprocess.Popen(
-                [*command, "-j", str(jobs)],
+                [*command, "-j", str(jobs), "--bus-log", "blf,candump,pcap"],
                 env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)},
                 cwd=folder.parent,
                 stdout=subprocess.PIPE,
@@ -86,7 +86,11 @@ def test_processes_and_hash_seeds_do_not_show_in_any_file(folders: list[Path]) -
     assert len(runs) == 4
     expected = {"results.csv", "junit.xml"}
     expected |= {f"traces/{run}.parquet" for run in runs}
-    expected |= {f"bus/{run}.blf" for run in runs} | {f"runs/{run}.json" for run in runs}
+    expected |= {f"runs/{run}.json" for run in runs}
+    expected |= {f"bus/{run}{suffix}" for run in runs for suffix in (".blf", ".log")}
+    for run in runs:
+        segments = ("@can1", "@can2") if "three" in run else ("",)
+        expected |= {f"bus/{run}{segment}.pcap" for segment in segments}
     assert set(known) == expected
     for other in others:
         assert _bytes(other) == known
@@ -97,7 +101,7 @@ def test_this_process_gives_the_same_frames_twice(plan: Path, folders: list[Path
     recorded = [row["frame_log_sha256"] for row in _cases(folders[0])]
     cases = read_plan(plan).cases
     for _ in range(2):
-        assert [run_case(case, None).frame_log_sha256 for case in cases] == recorded
+        assert [run_case(case, []).frame_log_sha256 for case in cases] == recorded
 
 
 def test_the_hash_tells_different_runs_apart(folders: list[Path]) -> None:
