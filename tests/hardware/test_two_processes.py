@@ -9,12 +9,13 @@ import os
 import subprocess
 import sys
 import textwrap
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import can
+import pyarrow.parquet as pq
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -28,9 +29,9 @@ INCREMENTS_PER_MM = 1_048_576 / 10.0
 class Drives:
     """`axisrig drive` in a process of its own; `lines` are what it has printed."""
 
-    def __init__(self, folder: Path, *words: str) -> None:
+    def __init__(self, folder: Path, *words: str, rig: Path = RIG) -> None:
         self.folder = folder
-        command = [sys.executable, "-m", "bench.cli", "drive", str(RIG), "-o", str(folder), *words]
+        command = [sys.executable, "-m", "bench.cli", "drive", str(rig), "-o", str(folder), *words]
         self.process = subprocess.Popen(
             command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
@@ -58,8 +59,8 @@ class Drives:
 
 
 @contextmanager
-def _drives(folder: Path, *words: str) -> Iterator[Drives]:
-    made = Drives(folder, *words)
+def _drives(folder: Path, *words: str, rig: Path = RIG) -> Iterator[Drives]:
+    made = Drives(folder, *words, rig=rig)
     try:
         yield made
     finally:
@@ -126,8 +127,8 @@ def test_plan_against_drives_over_tcp(tmp_path: Path) -> None:
 
 
 @pytest.fixture
-def slcan_pair() -> Iterator[tuple[str, str]]:
-    """Two adapters on one bus: the names of their devices."""
+def slcan_pair() -> Iterator[tuple[str, str, Any]]:
+    """Two adapters on one bus: the names of their devices, and the process that plays them."""
     pytest.importorskip("serial")
     if not hasattr(os, "openpty"):
         pytest.skip("no pseudo-terminals here")
@@ -136,14 +137,14 @@ def slcan_pair() -> Iterator[tuple[str, str]]:
     )
     assert process.stdout is not None
     left, right = process.stdout.readline().split()
-    yield left, right
+    yield left, right, process
     process.communicate(timeout=LIMIT_S)
 
 
 def test_plan_against_drives_over_a_serial_line(
-    tmp_path: Path, slcan_pair: tuple[str, str]
+    tmp_path: Path, slcan_pair: tuple[str, str, Any]
 ) -> None:
-    left, right = slcan_pair
+    left, right, _ = slcan_pair
     quick = ["--interface", "slcan", "--option", "sleep_after_open=0"]
     with _drives(tmp_path / "drives", *quick, "--channel", left, "--by-sync") as drives:
         drives.wait_for("axis Z")
@@ -252,9 +253,6 @@ def test_a_stranger_with_canopen_leads_a_drive(tmp_path: Path) -> None:
     assert "OPERATION_ENABLED -> SWITCH_ON_DISABLED" in text
 
 
-Interrupt = Callable[[Any], None]
-
-
 def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with _drives(
@@ -279,9 +277,9 @@ def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None
     assert "enter pre-operational, node 3" in text
 
 
-def test_drives_stay_when_their_bus_goes(tmp_path: Path, slcan_pair: tuple[str, str]) -> None:
+def test_drives_stay_when_their_bus_goes(tmp_path: Path, slcan_pair: tuple[str, str, Any]) -> None:
     """The far end closes and opens again; the drives answer as before."""
-    left, right = slcan_pair
+    left, right, _ = slcan_pair
     quick = ["--interface", "slcan", "--option", "sleep_after_open=0"]
     with _drives(tmp_path / "drives", *quick, "--channel", left) as drives:
         drives.wait_for("axis Z")
@@ -301,3 +299,93 @@ def test_drives_stay_when_their_bus_goes(tmp_path: Path, slcan_pair: tuple[str, 
                 assert answer is not None
                 assert int.from_bytes(answer.data[4:8], "little") & 0xFFFF == 402
         drives.stop()
+
+
+TWO_AXES = f'''
+title = "X simulated, Z on a bus of its own"
+
+[channel]
+list = "{(ROOT / "testplans/rigs/lists/channel.lst").as_posix()}"
+
+[segment.can1]
+bitrate = 1_000_000
+
+[segment.can2]
+bitrate = 1_000_000
+
+[drive.servo]
+lead_mm = 10.0
+
+[axis.X]
+list = "{(ROOT / "testplans/rigs/lists/axis-x.lst").as_posix()}"
+segment = "can1"
+node = 1
+drive = "servo"
+plant = "x"
+
+[axis.Z]
+list = "{(ROOT / "testplans/rigs/lists/axis-z.lst").as_posix()}"
+segment = "can2"
+node = 3
+drive = "servo"
+plant = "z"
+
+[plant.x]
+fmu = "AxisRig.Drives.ServoAxis"
+
+[plant.z]
+fmu = "AxisRig.Drives.ServoAxis"
+start = {{ position_start_mm = 5 }}
+'''
+
+
+def test_one_axis_simulated_and_one_outside_move_together(tmp_path: Path) -> None:
+    rig, program, plan = tmp_path / "rig.toml", tmp_path / "part.nc", tmp_path / "plan.csv"
+    rig.write_text(TWO_AXES, encoding="utf-8")
+    program.write_text("%p\nN10 G01 X3 Z2 F3000\nN20 G01 X1 Z4\nN30 M30\n", encoding="utf-8")
+    plan.write_text(
+        "case,program,rig,check:velocity_mm_s_max:X,check:velocity_mm_s_max:Z,check:alarms\n"
+        "a,part.nc,rig.toml,<= 60,<= 60,none\n",
+        encoding="utf-8",
+    )
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0",
+        "--segment", "can2", "--axis", "Z", "--by-sync", rig=rig,
+    ) as drives:  # fmt: skip
+        interface = [*_socketcand(drives), "--segment", "can2"]
+        done = _axisrig("run", str(plan), "-o", str(tmp_path / "out"), "--yes", *interface)
+        drives.stop()
+    assert done.returncode == 3, done.stdout + done.stderr
+    assert "axis X" not in done.stderr
+    verdicts = {row["metric"]: row["verdict"] for row in _rows(tmp_path / "out", "results.csv")}
+    assert verdicts == {
+        "velocity_mm_s_max:X": "pass", "velocity_mm_s_max:Z": "inconclusive", "alarms": "pass"
+    }  # fmt: skip
+    ours = pq.read_table(tmp_path / "out" / "traces" / "plan-a.parquet")
+    theirs = pq.read_table(tmp_path / "drives" / "trace.parquet")
+    assert "Z.truth_mm" not in ours.column_names
+    assert abs(ours.column("X.truth_mm").to_pylist()[-1] - 1.0) < 0.01
+    assert abs(theirs.column("Z.truth_mm").to_pylist()[-1] - 4.0) < 0.01
+    assert abs(ours.column("Z.actual_mm").to_pylist()[-1] - 4.0) < 0.01
+
+
+def test_a_cable_pulled_in_motion(tmp_path: Path, slcan_pair: tuple[str, str, Any]) -> None:
+    """Both adapters go away: the kernel ends with an alarm, the drives stay and say so."""
+    left, right, pair = slcan_pair
+    quick = ["--interface", "slcan", "--option", "sleep_after_open=0"]
+    out = tmp_path / "out"
+    with _drives(tmp_path / "drives", *quick, "--channel", left, "--by-sync") as drives:
+        drives.wait_for("axis Z")
+        words = ["run", str(PLAN), "-k", "f60", "-o", str(out), "--yes", *quick]
+        kernel = subprocess.Popen(
+            [sys.executable, "-m", "bench.cli", *words, "--channel", right],
+            cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        drives.wait_for("-> OPERATION_ENABLED")
+        pair.kill()
+        kernel.communicate(timeout=LIMIT_S)
+        assert kernel.returncode == 1
+        drives.wait_for("can1 is lost")
+        drives.stop()
+    (case,) = _rows(out, "cases.csv")
+    assert case["alarms"].split()[0] == "900071"
