@@ -230,6 +230,10 @@ def drive(
         Path | None,
         typer.Option("-o", "--out", help="Folder for bus log, events, latches and trace."),
     ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option("--store", help="File that keeps the parameters stored by 1010."),
+    ] = None,
     eds: Annotated[
         Path | None, typer.Option("--eds", help="Write the EDS of the drive there, and end.")
     ] = None,
@@ -244,7 +248,8 @@ def drive(
     if eds is not None:
         print(write_eds(settings, eds))
         return
-    serve(settings, said, partial(print, flush=True), by_sync=by_sync, folder=out, for_s=for_s)
+    files = {"folder": out, "store": store}
+    serve(settings, said, partial(print, flush=True), by_sync=by_sync, for_s=for_s, **files)
 
 
 @app.command()

@@ -29,6 +29,7 @@ from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.settings import Settings, as_written, read_settings
 from bench.run.outside import Outside
+from bench.run.parameters import ParameterFile
 from bench.run.watch import Watcher
 from kernel.clock import MS, US, Phase, S, TimeNs
 from kernel.cosim.axis import PlantAxis
@@ -95,11 +96,14 @@ def serve(
     by_sync: bool,
     folder: Path | None,
     for_s: float | None,
+    store: Path | None = None,
 ) -> None:
-    """Run the drives until Ctrl-C, or for so many seconds."""
+    """Run the drives until Ctrl-C, or for so many seconds; arguments as `DriveServer`."""
     with (
         outside.open_hardware() as hardware,
-        DriveServer(settings, hardware, put_out, by_sync=by_sync, folder=folder) as server,
+        DriveServer(
+            settings, hardware, put_out, by_sync=by_sync, folder=folder, store=store
+        ) as server,
     ):
         server.run(None if for_s is None else round(for_s * S))
 
@@ -109,7 +113,8 @@ class DriveServer:
 
     settings: of the rig, without kernel. by_sync: each SYNC of the master advances the time of
     drives and plants by one period (1006), however late it comes. folder: gets the bus log,
-    events, latches and a trace; None = nothing is written.
+    events, latches and a trace; None = nothing is written. store: file that keeps what the master
+    stores (1010), None = it is forgotten at the end.
     Raises UserError when the rig does not fit, or an interface cannot be opened.
     """
 
@@ -121,6 +126,7 @@ class DriveServer:
         *,
         by_sync: bool = False,
         folder: Path | None = None,
+        store: Path | None = None,
     ) -> None:
         check_rig(settings)
         for name in settings.segment:
@@ -148,6 +154,7 @@ class DriveServer:
                 settings, self.scheduler, self.frame_hash, bus_logs, self._open
             )
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, 0)
+            self._parameters = ParameterFile(store, self.nodes) if store is not None else None
             self._watcher = Watcher(settings, self.nodes, self.plant, put_out, folder, self._open)
             self._trace = Trace(
                 {name: self.plant.axes[settings.rig.axis[name].plant] for name in self.nodes}
@@ -181,6 +188,8 @@ class DriveServer:
             while not self._hardware.stop() and (for_ns is None or clock() - begin_ns < for_ns):
                 self.scheduler.run_until(self.scheduler.now_ns + SLICE_NS)
                 self._watcher.look(self.scheduler.now_ns)
+                if self._parameters is not None and self._parameters.look():
+                    self._watcher.tell(self.scheduler.now_ns, "", "store", "parameters written")
                 self._mend(clock())
         finally:
             gc.unfreeze()

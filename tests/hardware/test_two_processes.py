@@ -277,27 +277,39 @@ def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None
     assert "enter pre-operational, node 3" in text
 
 
-def test_drives_stay_when_their_bus_goes(tmp_path: Path, slcan_pair: tuple[str, str, Any]) -> None:
-    """The far end closes and opens again; the drives answer as before."""
-    left, right, _ = slcan_pair
-    quick = ["--interface", "slcan", "--option", "sleep_after_open=0"]
-    with _drives(tmp_path / "drives", *quick, "--channel", left) as drives:
-        drives.wait_for("axis Z")
-        for _ in range(2):
-            with can.Bus(interface="slcan", channel=right, bitrate=1_000_000,
-                         sleep_after_open=0, timeout=0) as bus:  # fmt: skip
-                bus.send(
-                    can.Message(
-                        arbitration_id=0x603,
-                        is_extended_id=False,
-                        data=bytes.fromhex("4000100000000000"),
-                    )
-                )
+def _sdo(device: str, *requests: str) -> list[str]:
+    """Ask node 3 over a serial line; return its answers as hexadecimal text."""
+    answers = []
+    options = {"bitrate": 1_000_000, "sleep_after_open": 0, "timeout": 0}
+    with can.Bus(interface="slcan", channel=device, **options) as bus:
+        for request in requests:
+            data = bytes.fromhex(request)
+            bus.send(can.Message(arbitration_id=0x603, is_extended_id=False, data=data))
+            answer = bus.recv(LIMIT_S)
+            while answer is not None and answer.arbitration_id != 0x583:
                 answer = bus.recv(LIMIT_S)
-                while answer is not None and answer.arbitration_id != 0x583:
-                    answer = bus.recv(LIMIT_S)
-                assert answer is not None
-                assert int.from_bytes(answer.data[4:8], "little") & 0xFFFF == 402
+            assert answer is not None
+            answers.append(bytes(answer.data).hex())
+    return answers
+
+
+def test_drives_keep_what_a_master_stores_and_stay_when_he_goes(
+    tmp_path: Path, slcan_pair: tuple[str, str, Any]
+) -> None:
+    """1017 = 500 ms, stored by 1010; the drives are started again and still have it."""
+    left, right, _ = slcan_pair
+    quick = ["--interface", "slcan", "--option", "sleep_after_open=0", "--channel", left]
+    read, write, save = "4017100000000000", "2b171000f4010000", "2310100173617665"
+    store = tmp_path / "drives.json"
+    with _drives(tmp_path / "first", *quick, "--store", str(store)) as drives:
+        drives.wait_for("axis Z")
+        assert _sdo(right, read) == ["4b17100000000000"]
+        assert _sdo(right, write, save) == ["6017100000000000", "6010100100000000"]
+        drives.wait_for("parameters written")
+        drives.stop()
+    with _drives(tmp_path / "second", *quick, "--store", str(store)) as drives:
+        drives.wait_for("axis Z")
+        assert _sdo(right, read) == ["4b171000f4010000"]
         drives.stop()
 
 

@@ -126,8 +126,8 @@ class CanopenSlave:
         self._subscribed: list[tuple[int, Callable[..., None]]] = []
         self.lss_settings = lss.LssSettings(node_id, node_id)
         store = self.objects = ObjectStore(profile, application.image)
-        self._storage = ParameterStorage(store, profile)
-        store.note_change = self._storage.note_change
+        self.storage = ParameterStorage(store, profile)
+        store.note_change = self.storage.note_change
         self.emergencies = EmergencyProducer(store, clock, network.send_message)
         self.sync = SyncConsumer(
             store,
@@ -162,7 +162,7 @@ class CanopenSlave:
         self.sdo = SdoServer(store, clock, outlet)
         self._build_error_control()
         self._lss = self._build_lss()
-        for part in (self._storage, self.emergencies, self.sync, self.exchange):
+        for part in (self.storage, self.emergencies, self.sync, self.exchange):
             store.own(part, part.objects)
         if isinstance(network.bus, SimBus):
             network.bus.on_error_state(self._on_error_state)
@@ -235,7 +235,7 @@ class CanopenSlave:
             emergency.forget_communication()
             self.emergencies.drop_waiting()
         self.node_id = self.lss_settings.node_id
-        self._storage.apply(self.node_id, *(EVERYTHING if command == RESET_NODE else COMMUNICATION))
+        self.storage.apply(self.node_id, *(EVERYTHING if command == RESET_NODE else COMMUNICATION))
         self.objects.set_value(*SERIAL_NUMBER, self.serial_number)
         self._application.update()
         self._application.refresh(now_ns)

@@ -4,6 +4,7 @@ Source: CiA 301. Stored values live as long as the node object, over resets and 
 Process data, that is everything an RPDO can carry, is not stored.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 from bench.drive.communication.aborts import AbortCode, abort
@@ -34,6 +35,19 @@ class ParameterStorage(Owner):
         self._store, self._profile = store, profile
         self._stored: dict[Key, int] = {}
         self._node_id = 0
+
+    @property
+    def stored(self) -> Mapping[Key, int]:
+        """What 1010 has stored, by index and sub-index; a new mapping after each store."""
+        return self._stored
+
+    def load(self, stored: Mapping[Key, int]) -> None:
+        """Take what was stored in an earlier life of the drive; it counts from the next reset on.
+
+        Objects that this drive does not store are left out.
+        """
+        known = {row.key for row in self._store.rows if _is_stored(row)}
+        self._stored = {key: value for key, value in stored.items() if key in known}
 
     def apply(self, node_id: int, first: int, last: int) -> None:
         """Give the objects `first` to `last` what they have at power on with this node number."""
