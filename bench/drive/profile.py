@@ -145,7 +145,7 @@ class DriveProfile:
         """Force at the load at rated torque: 2 pi M / lead (N; N.m for a rotary axis)."""
         return 2.0 * math.pi * self.rated_torque_mnm * 1e3 / self.lead_um
 
-    @property
+    @cached_property
     def object_defaults(self) -> Mapping[str, int]:
         """Defaults of the objects that follow from the profile, by their names in the table."""
         per_mm = self.units_per_mm

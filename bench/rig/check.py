@@ -53,6 +53,11 @@ def has_latch_counter(settings: Settings, name: str) -> bool:
     return _knows_counter(settings, name) and _schedule(settings, segment, counters=True).fits
 
 
+def has_sdo_room(settings: Settings, name: str) -> bool:
+    """Whether the cycle of the axis' bus still fits with one SDO transfer for each drive."""
+    return segment_schedules(settings, with_rare=True)[settings.rig.axis[name].segment].fits
+
+
 def has_inputs(settings: Settings, name: str) -> bool:
     """Whether the drive of an axis has the digital inputs 60FD."""
     return _drive_of(settings, name).make().has_object(DIGITAL_INPUTS)

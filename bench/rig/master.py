@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from bench.rig.check import axis_steps, has_inputs, has_latch_counter
+from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_sdo_room
 from bench.rig.settings import Settings
 from bench.rig.startup import start_up_settings, watch_settings
 from kernel.channel.drive_functions import DriveAccess
@@ -70,6 +70,8 @@ def build_accesses(
             timeout_ns=declared.sdo_timeout_ns,
             attempts=declared.sdo_attempts,
         )
+        if settings.rig.drive[axis.drive].latch_check and has_sdo_room(settings, name):
+            links[name].check_latches(sdo)
         functions, found = read_functions(name, settings.axis[name])
         warnings += found
         accesses[name] = DriveAccess(links[name], sdo, functions)

@@ -28,7 +28,7 @@ BRAKING_NS = 30 * MS
 class Result(StrEnum):
     """What a scenario showed; the last five are defects."""
 
-    GOOD = "every value right, no alarm"
+    GOOD = "every value right, no alarm above a warning"
     ALARM = "alarm"
     WRONG = "WRONG VALUE reported as good"
     MOVES = "axis does not stand after the alarm"
@@ -85,9 +85,14 @@ def judge(machine: Machine, truth: Truth) -> Judgement:
         if wrong:
             return Judgement(Result.WRONG, alarms, right, f"run {run + 1}: {wrong}")
         right += 1
-    if not alarms:
+    ending = [
+        alarm_ns
+        for alarm, alarm_ns in zip(machine.channel.alarms, machine.channel.alarm_ns, strict=True)
+        if alarm.ends_program
+    ]
+    if not ending:
         return Judgement(Result.GOOD, alarms, right)
-    took_ns = machine.scheduler.now_ns - machine.channel.alarm_ns[0]
+    took_ns = machine.scheduler.now_ns - ending[0]
     if took_ns > BRAKING_NS:
         return Judgement(Result.SLOW, alarms, right, f"{took_ns / 1e6:.1f} ms")
     moved_mm = _movement_mm(machine)

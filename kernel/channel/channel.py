@@ -25,6 +25,7 @@ from kernel.motion.profile import plan
 from kernel.nc import canon
 
 SYNC_COB_ID = 0x80
+NOT_FOLLOWING = 900029  # braking the set position would not stop this axis
 SETTLED_CYCLES = 10
 
 
@@ -384,6 +385,8 @@ class Channel:
             self._run = None
         for link in self.links:
             link.hold_back()
+            if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
+                link.quick_stop()
         if not self.interpolator.is_standing and self._stop_dynamics is not None:
             self.interpolator.brake(self._stop_dynamics.stop_deceleration)
         self.state = ChannelState.STOPPING

@@ -15,6 +15,7 @@ from kernel.drives.ds402 import (
     Command,
     State,
     controlword_towards,
+    counter_object,
     enabled_bit,
     input_bit,
     latch_object,
@@ -24,8 +25,10 @@ from kernel.drives.ds402 import (
 )
 from kernel.drives.emergency import Emergency
 from kernel.drives.latch import LatchWatch
+from kernel.drives.latch_check import LatchCheck
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.drives.process_data import ProcessData
+from kernel.drives.sdo import SdoClient
 from kernel.errors import Alarm
 
 # Cyclic telegrams may stay out this often before the drive counts as lost
@@ -65,7 +68,7 @@ class LinkSettings:
 class AxisLink:
     """One drive on a canopen network (simulated or real), read and written once per cycle."""
 
-    def __init__(self, settings: LinkSettings, network: Any) -> None:
+    def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
         self.settings, self.network = settings, network
         self.name = settings.axis
         self.latch_object = latch_object(settings.probe_input, settings.edge)
@@ -83,6 +86,7 @@ class AxisLink:
             stored_bit(settings.probe_input, settings.edge),
             settings.increments_per_mm,
         )
+        self._check: LatchCheck | None = None
         self._input_bit = input_bit(settings.probe_input)
         self._per_mm = settings.increments_per_mm
         pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
@@ -99,7 +103,7 @@ class AxisLink:
         self.controlword = 0
         self.power = False
         self.resets_fault = False
-        self._is_held_back = False
+        self._is_held_back = self._stops_quickly = False
         self._function_word = 0
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
@@ -217,6 +221,10 @@ class AxisLink:
         """
         self._is_held_back = True
 
+    def quick_stop(self) -> None:
+        """Let the drive stop by itself: it does not follow what it is told."""
+        self._is_held_back = self._stops_quickly = True
+
     @property
     def actual_mm(self) -> float:
         """Actual position 0x6064."""
@@ -232,10 +240,19 @@ class AxisLink:
 
     # The latch, as the measuring run sees it
 
+    def check_latches(self, sdo: SdoClient) -> None:
+        """Believe a latch only when the drive tells it by SDO too; else telegrams are enough."""
+        probe, edge = self.settings.probe_input, self.settings.edge
+        self._check = LatchCheck(
+            sdo, stored_bit(probe, edge), self.latch_object, counter_object(probe, edge)
+        )
+
     def arm(self) -> None:
         """Enable the touch probe with the next telegram."""
         self._function_word = self._function
         self._latch.arm()
+        if self._check is not None:
+            self._check.begin()
 
     def disarm(self) -> None:
         """Switch the touch probe off with the next telegram."""
@@ -264,6 +281,18 @@ class AxisLink:
         return None if increments is None else increments / self._per_mm
 
     @property
+    def is_prepared(self) -> bool:
+        """Whether everything is known that a latch will be checked with."""
+        return self._check is None or self._check.is_ready
+
+    def is_confirmed(self) -> bool:
+        """Whether the drive has told the proved latch by SDO too; asks when it has not."""
+        increments = self._latch.increments
+        if increments is None:
+            return False
+        return self._check is None or self._check.agrees(increments)
+
+    @property
     def is_actuated(self) -> bool | None:
         """Whether the probe input has the level that the edge brings; None without 0x60FD."""
         if self._inputs is None:
@@ -278,6 +307,8 @@ class AxisLink:
             return ~self.controlword & RESET  # only a rising edge counts
         if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             return STATES[State.FAULT].hold
+        if self._stops_quickly and state is State.OPERATION_ENABLED:
+            return COMMANDS[Command.QUICK_STOP].value
         if self._is_held_back:
             if state not in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE):
                 return 0

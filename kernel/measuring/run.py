@@ -6,7 +6,8 @@ The run is a small state machine that is evaluated once per NC cycle with this c
                 latch of an earlier run can never be taken for one of this run
     ARMING      latch control word set until every drive has acknowledged
     MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go
-    COLLECTING  the axes stand; every measuring axis must deliver a value that is proved
+    COLLECTING  the axes stand; every measuring axis must deliver a value that is proved, and
+                confirm it by SDO
     DONE        results are final
 
 It touches the machine through `LatchPort` only, one per measuring axis.
@@ -40,9 +41,12 @@ class LatchPort(Protocol):
     def latched_mm(self) -> float | None: ...  # noqa: D102
     @property
     def is_actuated(self) -> bool | None: ...  # noqa: D102
+    @property
+    def is_prepared(self) -> bool: ...  # noqa: D102
 
     def arm(self) -> None: ...  # noqa: D102
     def disarm(self) -> None: ...  # noqa: D102
+    def is_confirmed(self) -> bool: ...  # noqa: D102
 
 
 class RunState(Enum):
@@ -91,7 +95,8 @@ class MeasuringRun:
     ports: one latch per measuring axis. error_no_signal: P-CHAN-00176, alarm when no signal comes.
     Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
     does not acknowledge), 900003 (only some axes signalled), 900004 (no signal),
-    900009 (stale latch), 900082 (switched off on the way).
+    900009 (stale latch), 900082 (switched off on the way),
+    900083 (not confirmed by SDO).
     """
 
     def __init__(
@@ -148,6 +153,9 @@ class MeasuringRun:
             if not port.is_armed:
                 self._wait(900002, port)
                 return Order.NONE
+            if not port.is_prepared:
+                self._wait(900083, port)
+                return Order.NONE
         self._check_not_actuated()
         self.record.start_ns = now_ns
         self._enter(RunState.MOVING)
@@ -171,9 +179,9 @@ class MeasuringRun:
     def _collecting(self, now_ns: TimeNs, _is_standing: bool) -> Order:
         self._check_still_armed()
         for port in self._ports:
-            value = port.latched_mm
-            if value is not None:
-                self.record.latched_mm.setdefault(port.name, value)
+            value, is_open = port.latched_mm, port.name not in self.record.latched_mm
+            if value is not None and is_open and port.is_confirmed():
+                self.record.latched_mm[port.name] = value
         if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
             self.record.signal_ns = now_ns
         if self.record.has_signal:
@@ -189,6 +197,9 @@ class MeasuringRun:
         signalled = [p for p in self._ports if p.has_latched]
         for port in signalled:
             if port.name not in self.record.latched_mm:
+                is_unconfirmed = port.latched_mm is not None
+                if is_unconfirmed:
+                    raise Alarm(900083, axis=port.name, cycles=self._waited - 1)
                 raise Alarm(900001, axis=port.name, cycles=self._waited - 1)
         silent = [p.name for p in self._ports if not p.has_latched]
         if signalled:

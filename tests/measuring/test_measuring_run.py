@@ -20,6 +20,8 @@ class FakeLatch:
     has_latched: bool = False
     latched_mm: float | None = None
     is_actuated: bool | None = None
+    is_prepared: bool = True
+    confirms: bool = True
     orders: list[str] = field(default_factory=list)
 
     def arm(self) -> None:
@@ -27,6 +29,9 @@ class FakeLatch:
 
     def disarm(self) -> None:
         self.orders.append("disarm")
+
+    def is_confirmed(self) -> bool:
+        return self.confirms
 
     def latch(self, value_mm: float | None) -> None:
         self.has_latched, self.latched_mm = True, value_mm
@@ -340,3 +345,24 @@ def test_an_edge_that_comes_with_its_value_while_standing_has_an_instant() -> No
     latch.latch(80.0)
     assert stage.cycle(standing=True) is RunState.DONE  # 7 ms
     assert stage.run.record.signal_ns == 7 * MS
+
+
+def test_a_latch_that_sdo_does_not_confirm_is_no_measurement() -> None:
+    latch = FakeLatch(confirms=False)
+    stage = Stage(latch).move()
+    latch.latch(1.0)
+    stage.cycles(HANDSHAKE_CYCLES_MAX, standing=True)
+    with pytest.raises(Alarm) as alarm:
+        stage.cycles(2, standing=True)
+    assert alarm.value.id == 900083
+    assert stage.run.record.latched_mm == {}
+
+
+def test_the_path_waits_for_what_a_latch_will_be_checked_with() -> None:
+    latch = FakeLatch(is_armed=True, is_prepared=False)
+    stage = Stage(latch)
+    stage.cycles(3, standing=True)
+    assert stage.run.state is RunState.ARMING
+    latch.is_prepared = True
+    stage.cycle(standing=True)
+    assert stage.run.state is RunState.MOVING

@@ -1,0 +1,116 @@
+"""A latch is asked for over SDO: stored, where, and the only one since the run began."""
+
+from kernel.drives.latch_check import LatchCheck
+from kernel.drives.sdo import Done, SdoError
+
+STATUS, LATCH, COUNTER = 0x60B9, 0x60BA, 0x60D5
+STORED = 0b10
+
+
+class FakeSdo:
+    """Answers when told to: `values` is what the drive has at that moment."""
+
+    def __init__(self, **values: int) -> None:
+        self.values = {
+            STATUS: 0,
+            LATCH: 0,
+            COUNTER: 0,
+            **{int(k[1:], 16): v for k, v in values.items()},
+        }
+        self.lacks: set[int] = set()
+        self.silent = False
+        self.waiting: list[tuple[int, Done]] = []
+
+    def read(self, index: int, _sub: int, done: Done) -> None:
+        self.waiting.append((index, done))
+
+    def answer(self) -> None:
+        """Answer everything, also what the answers ask for."""
+        while self.waiting:
+            index, done = self.waiting.pop(0)
+            if self.silent:
+                done(SdoError(index, 0, None))
+            elif index in self.lacks:
+                done(SdoError(index, 0, 0x06020000))
+            else:
+                done((self.values[index] & 0xFFFFFFFF).to_bytes(4, "little"))
+
+
+def checked(sdo: FakeSdo) -> LatchCheck:
+    """A check whose run has begun with the counter as it stands."""
+    check = LatchCheck(sdo, STORED, LATCH, COUNTER)  # type: ignore[arg-type]
+    check.begin()
+    sdo.answer()
+    return check
+
+
+def latch(sdo: FakeSdo, units: int, times: int = 1) -> None:
+    sdo.values[STATUS] = 1 | STORED
+    sdo.values[LATCH] = units
+    sdo.values[COUNTER] = (sdo.values[COUNTER] + times) & 0xFFFF
+
+
+def asked(check: LatchCheck, sdo: FakeSdo, units: int) -> bool:
+    """The first call asks, the next one has the answer."""
+    assert not check.agrees(units)
+    sdo.answer()
+    return check.agrees(units)
+
+
+def test_the_value_that_both_ways_tell_is_believed() -> None:
+    sdo = FakeSdo()
+    check = checked(sdo)
+    latch(sdo, -7_500)
+    assert asked(check, sdo, -7_500)
+
+
+def test_another_value_is_not() -> None:
+    sdo = FakeSdo()
+    check = checked(sdo)
+    latch(sdo, 1000)
+    assert not asked(check, sdo, 1001)
+
+
+def test_a_value_without_a_stored_edge_is_the_one_of_the_run_before() -> None:
+    sdo = FakeSdo(x60BA=1000)
+    check = checked(sdo)
+    assert not asked(check, sdo, 1000)
+
+
+def test_two_latches_in_a_run_are_one_too_many_and_the_counter_wraps() -> None:
+    sdo = FakeSdo(x60D5=0xFFFF)
+    check = checked(sdo)
+    latch(sdo, 5, times=2)
+    assert not asked(check, sdo, 5)
+    sdo.values[COUNTER] = 0
+    sdo.answer()
+    assert check.agrees(5)
+
+
+def test_a_drive_without_counters_is_believed_without_them() -> None:
+    sdo = FakeSdo()
+    sdo.lacks.add(COUNTER)
+    check = checked(sdo)
+    assert check.is_ready
+    latch(sdo, 5)
+    assert asked(check, sdo, 5)
+
+
+def test_a_silent_drive_is_neither_ready_nor_believed() -> None:
+    sdo = FakeSdo()
+    sdo.silent = True
+    check = checked(sdo)
+    assert not check.is_ready
+    latch(sdo, 5)
+    assert not asked(check, sdo, 5)
+
+
+def test_an_answer_to_the_run_before_does_not_count() -> None:
+    """The drive answers the question of run 1 when run 2 has begun."""
+    sdo = FakeSdo()
+    check = checked(sdo)
+    latch(sdo, 5)
+    check.agrees(5)
+    check.begin()
+    sdo.answer()
+    assert not check.agrees(5)
