@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from bench.fmu_commands import build, fmu_app
+from bench.list_commands import LISTINGS
 from bench.options import (
     CALL_LIMIT_S,
     BitrateOption,
@@ -47,6 +48,8 @@ app = typer.Typer(
     help="Co-simulation test bench for measurement runs and distance control of CNC machines.",
 )
 app.add_typer(fmu_app, name="fmu")
+for listing in LISTINGS:
+    app.command()(listing)
 
 
 def _hardware() -> AbstractContextManager["Hardware"]:
@@ -342,37 +345,6 @@ def report(
     from reports.build import build_report
 
     print(build_report(folder))
-
-
-@app.command()
-@rejecting
-def metrics() -> None:
-    """List what a check column may ask for."""
-    from bench.run.campaign import metrics_table
-
-    print(metrics_table())
-
-
-@app.command()
-@rejecting
-def drives(
-    profile: Annotated[
-        str | None, typer.Argument(help="Name of a profile: all its keys, not the list.")
-    ] = None,
-) -> None:
-    """List the drive profiles that a rig may name, or the keys of one."""
-    from bench.drive.profiles import profile_listing
-
-    print(profile_listing(profile))
-
-
-@app.command()
-@rejecting
-def faults() -> None:
-    """List what a fault column may bring about."""
-    from bench.rig.faults import faults_table
-
-    print(faults_table())
 
 
 @app.command()
