@@ -1,7 +1,14 @@
-"""How the touch probe unit of a drive is put together."""
+"""How the parts of a drive are put together."""
+
+from collections.abc import Mapping
 
 from bench.drive.application.index_pulse import IndexPulse
 from bench.drive.application.latch_position import LatchPosition
+from bench.drive.application.limits import Limits
+from bench.drive.application.modes.base import Parts
+from bench.drive.application.motion import Motion
+from bench.drive.application.stop import Standstill
+from bench.drive.application.switches import Switches
 from bench.drive.application.touch_probe import (
     HARDWARE_INDEX,
     SOFTWARE_INDEX,
@@ -13,10 +20,47 @@ from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
 from bench.drive.profile import DriveProfile
 
+Signals = tuple[SignalPort | None, SignalPort | None]
 
-def make_touch_probe(
+
+def make_parts(
     axis: AxisPort,
-    signals: tuple[SignalPort | None, SignalPort | None],
+    profile: DriveProfile,
+    image: ProcessImage,
+    signals: Signals,
+    switches: Mapping[str, SignalPort],
+    seed: int,
+) -> Parts:
+    """Make what the modes of a drive work with; arguments as those of `Servo`."""
+    units = Units(profile, image)
+    limits = Limits(axis, profile, image, units)
+    motion = Motion(axis)
+
+    def set_home(home_m: float) -> None:
+        # The zero lies 607C from home (CiA 402-2); in drives of the other habit home gets 607C
+        offset = image.home_offset
+        units.set_home(home_m, -offset if profile.home_offset == "zero" else offset)
+        limits.update()
+
+    return Parts(
+        image,
+        units,
+        limits,
+        motion,
+        Standstill(image, units, motion),
+        profile.tick_ns,
+        Switches(switches, profile, seed),
+        IndexPulse(profile, axis.motor_position_m_at),
+        _touch_probe(axis, signals, profile, units, image, seed),
+        set_home,
+        profile.homing_torque,
+        profile.homing_stop_ms,
+    )
+
+
+def _touch_probe(
+    axis: AxisPort,
+    signals: Signals,
     profile: DriveProfile,
     scaling: Units,
     image: ProcessImage,

@@ -9,6 +9,7 @@ from bench.drive.profile import DriveProfile
 
 PER_MILLE = 1000
 NO_TORQUE_LIMIT = 0xFFFF  # 6072, 60E0, 60E1: the motor's own limit alone
+NEGATIVE_END, POSITIVE_END = 0b01, 0b10  # bits of the limit switches in 60FD
 REACHED = 0.99  # share of a torque limit from which on it counts as reached
 
 
@@ -17,7 +18,8 @@ class Limits:
 
     low_m, high_m: where a position demand may lie. speed_m_s: 6080. profile_m_s: the least of 6080
     and 607F. negative, positive: torque in per mille of 6076, the least of 6072 and 60E1 or 60E0;
-    homing_torque: a further limit while homing presses against a stop, None = none.
+    homing_torque: a further limit while homing presses against a stop, None = none. blocked:
+    directions whose limit switch is on, bit 0 negative, bit 1 positive.
     """
 
     def __init__(
@@ -30,6 +32,8 @@ class Limits:
         self._told: tuple[int, int, int, int | None] = (*(NO_TORQUE_LIMIT,) * 3, None)
         self.is_limiting = False
         self.homing_torque: int | None = None
+        self.blocked = 0
+        self._ends_m = (-math.inf, math.inf)
         self.update()
 
     def update(self) -> None:
@@ -41,11 +45,29 @@ class Limits:
             # Relative to the machine home position: less the home offset
             home = units.home_units
             self.low_m, self.high_m = units.position_m(low + home), units.position_m(high + home)
+        if self.blocked:
+            self.low_m = max(self.low_m, self._ends_m[0])
+            self.high_m = min(self.high_m, self._ends_m[1])
         speed = image.max_motor_speed
         self.speed_m_s = math.inf if speed == U32_MAX else speed * self._lead_m / 60.0
         profile = image.max_profile_velocity
         profile_m_s = math.inf if profile == U32_MAX else units.metres(profile)
         self.profile_m_s = min(self.speed_m_s, profile_m_s)
+
+    def block(self, word: int, position_m: float) -> None:
+        """Allow no motion beyond a place in the directions whose limit switch is on.
+
+        A direction that is blocked already keeps its place.
+        """
+        new, (low_m, high_m) = word & ~self.blocked, self._ends_m
+        low_m = position_m if new & NEGATIVE_END else low_m
+        high_m = position_m if new & POSITIVE_END else high_m
+        self._ends_m = (
+            low_m if word & NEGATIVE_END else -math.inf,
+            high_m if word & POSITIVE_END else math.inf,
+        )
+        self.blocked = word
+        self.update()
 
     def rates_m_s2(self) -> tuple[float, float]:
         """Return acceleration and deceleration of a profile."""
@@ -65,12 +87,16 @@ class Limits:
         return max(self.low_m, min(position_m, self.high_m))
 
     def velocity_m_s(self, velocity_m_s: float) -> float:
-        """Return a velocity demand within the speed limit of the motor."""
-        return max(-self.speed_m_s, min(velocity_m_s, self.speed_m_s))
+        """Return a velocity demand within the speed limit of the motor, in no blocked direction."""
+        low = 0.0 if self.blocked & NEGATIVE_END else -self.speed_m_s
+        high = 0.0 if self.blocked & POSITIVE_END else self.speed_m_s
+        return max(low, min(velocity_m_s, high))
 
     def torque(self, per_mille: int) -> int:
-        """Return a torque demand within the limits."""
-        return max(-self.negative, min(per_mille, self.positive))
+        """Return a torque demand within the limits, in no blocked direction."""
+        low = 0 if self.blocked & NEGATIVE_END else -self.negative
+        high = 0 if self.blocked & POSITIVE_END else self.positive
+        return max(low, min(per_mille, high))
 
     def limit_torque(self) -> None:
         """Hand the torque limits over to the axis when they have changed."""

@@ -54,6 +54,7 @@ class Monitor:
             is_fast = abs(self._axis.motor_velocity_m_s()) > self._limits.speed_m_s
             return OVERSPEED if is_fast else None
         image = self._image
-        is_beyond = abs(image.following_error) > image.following_window
+        is_followed = self._mode is not None and self._mode.follows_position
+        is_beyond = is_followed and abs(image.following_error) > image.following_window
         late = self._beyond.holds(now_ns, is_beyond, image.following_timeout_ms)
         return FOLLOWING_ERROR if late else None

@@ -6,12 +6,10 @@ method gets the present simulated time.
 
 from collections.abc import Callable, Mapping
 
-from bench.drive.application.assembly import make_touch_probe
-from bench.drive.application.index_pulse import IndexPulse
-from bench.drive.application.limits import Limits
-from bench.drive.application.modes import MODES, Mode, Parts
+from bench.drive.application.assembly import make_parts
+from bench.drive.application.modes import MODES, Mode
 from bench.drive.application.monitor import FOLLOWING_ERROR, Monitor
-from bench.drive.application.motion import POSITION, Motion
+from bench.drive.application.motion import POSITION
 from bench.drive.application.sampler import SELDOM, Sampler
 from bench.drive.application.states import (
     BY_LIMIT,
@@ -21,10 +19,8 @@ from bench.drive.application.states import (
     Reaction,
     StateMachine,
 )
-from bench.drive.application.stop import Standstill, Stop
-from bench.drive.application.switches import Switches
+from bench.drive.application.stop import Stop
 from bench.drive.application.ticks import Ticker
-from bench.drive.application.units import Units
 from bench.drive.communication.emergency import COMMUNICATION_ERROR, PROFILE_ERROR, Emergency
 from bench.drive.image import ProcessImage
 from bench.drive.ports import AxisPort, SignalPort
@@ -82,27 +78,11 @@ class Servo:
         self.image = image = ProcessImage()
         image.set_defaults(profile)
         self.emergency = Emergency(image, send_emergency)
-        self.scaling = Units(profile, image)
-        self.limits = Limits(axis, profile, image, self.scaling)
-        self.motion = Motion(axis)
-        self._standstill = Standstill(image, self.scaling, self.motion)
+        parts = make_parts(axis, profile, image, signals, switches or {}, seed)
+        self.scaling, self.limits, self.motion = parts.units, parts.limits, parts.motion
+        self._standstill = parts.standstill
+        self.touch_probe, self.switches = parts.touch_probe, parts.switches
         self.machine = StateMachine(image)
-        self.touch_probe = make_touch_probe(axis, signals, profile, self.scaling, image, seed)
-        self.switches = Switches(switches or {}, profile, seed)
-        parts = Parts(
-            image,
-            self.scaling,
-            self.limits,
-            self.motion,
-            self._standstill,
-            profile.tick_ns,
-            self.switches,
-            IndexPulse(profile, axis.motor_position_m_at),
-            self.touch_probe,
-            self._set_home,
-            profile.homing_torque,
-            profile.homing_stop_ms,
-        )
         self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
         self._ticker = Ticker(clock, profile.tick_ns, self._tick)
         self._sampler = Sampler(
@@ -238,6 +218,7 @@ class Servo:
             self._changed()
 
     def _step(self, now_ns: TimeNs, at_sync: bool) -> None:
+        self._mind_limits(now_ns)
         image = self.image
         if (
             self._is_operating
@@ -268,6 +249,29 @@ class Servo:
         if self._sampler.is_watched:
             self._sampler.sample_seldom()
         self._need_ticks()
+
+    def _mind_limits(self, now_ns: TimeNs) -> None:
+        """Stop at a limit switch with the quick-stop ramp; only the way back is free then.
+
+        A mode that minds limit switches itself is left alone.
+        """
+        word, limits = self.switches.limits, self.limits
+        if not self.switches.has_limits:
+            return
+        is_left = self.mode.minds_limits if self._is_operating else self._is_braking
+        if word == limits.blocked or is_left:
+            return
+        speed = self.motion.velocity_m_s(now_ns)
+        is_met = self.switches.limit(speed) and not limits.blocked & word
+        if not is_met or not self._is_operating:
+            limits.block(word, self.motion.position_m())
+        else:
+            self._brake(now_ns, Reaction.QUICK_STOP)
+            self._goes_on, self._resumes = True, False
+
+    @property
+    def _is_braking(self) -> bool:
+        return self._stop is not None and not self._stop.is_done
 
     def _settle(self, now_ns: TimeNs) -> None:
         """Take the transitions that come by themselves: 1, 12 and 14, 5 and 8 after a ramp."""
@@ -354,6 +358,9 @@ class Servo:
                 return
         self._stop = None
         self._halted = self._goes_on = False
+        if self.limits.blocked:  # the end is where the axis is now
+            self.limits.block(0, 0.0)
+            self.limits.block(self.switches.limits, self.motion.position_m())
         self.image.mode_display = self.mode.number
         self._is_operating, self._began_ns = True, now_ns
         self._settled_word = -1
@@ -367,15 +374,6 @@ class Servo:
         if self._is_operating:
             self._is_operating = False
             self.mode.end(now_ns)
-
-    def _set_home(self, home_m: float) -> None:
-        """Make a place the machine home position; the zero lies 607C from it (CiA 402-2).
-
-        In drives of the other habit 607C is the position that it gets.
-        """
-        offset = self.image.home_offset
-        self.scaling.set_home(home_m, -offset if self._profile.home_offset == "zero" else offset)
-        self.limits.update()
 
     def _release(self, now_ns: TimeNs) -> None:
         """Take the power away."""
@@ -395,7 +393,7 @@ class Servo:
 
     def _need_ticks(self) -> None:
         if self._is_operating:
-            is_needed = self._monitor.is_active or self.mode.needs_ticks
+            is_needed = self._monitor.is_active or self.mode.needs_ticks or self.switches.has_limits
         else:
             is_needed = self._is_under_way()
         if is_needed is not self._ticker.is_running:
@@ -431,6 +429,8 @@ class Servo:
         ):
             word |= TARGET_REACHED
         limits = self.limits
+        if limits.blocked:
+            word |= INTERNAL_LIMIT
         if limits.is_limiting and limits.is_torque_limited(limits.torque_per_mille()):
             word |= INTERNAL_LIMIT
         return word

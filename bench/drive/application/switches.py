@@ -45,6 +45,11 @@ class Switches:
         """Tell whether a switch is on."""
         return bool(self.word >> SWITCHES.index(name) & 1)
 
+    @property
+    def limits(self) -> int:
+        """The limit switches that are on: bits 0 and 1 of 60FD."""
+        return self.word & 0b11
+
     def limit(self, direction: float) -> bool:
         """Tell whether the limit switch of a direction is on; False for no direction."""
         if direction > 0:

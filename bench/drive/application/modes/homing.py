@@ -60,7 +60,7 @@ class Homing(Mode):
     def begin(self, now_ns: TimeNs) -> None:
         """Come to rest; a reference that was attained stays."""
         self._bit = bool(self.parts.image.controlword & START)
-        self._error = False
+        self._error, self.follows_position = False, True
         self._finish(now_ns)
 
     def resume(self, now_ns: TimeNs) -> None:
@@ -137,7 +137,8 @@ class Homing(Mode):
         speed = min(parts.units.metres(units_s), parts.limits.profile_m_s)
         parts.limits.homing_torque = parts.homing_torque if step is Step.PRESS else None
         parts.limits.limit_torque()
-        self.follows_position = step is not Step.PRESS
+        if step is Step.PRESS:
+            self.follows_position = False
         self._move(now_ns, direction * speed, start)
         self._rests = False
         self._blocked.since_ns = None
@@ -155,6 +156,8 @@ class Homing(Mode):
 
     def tick(self, now_ns: TimeNs) -> None:
         """Lead the demand on and look at switches, zero pulse and stop."""
+        # Not in the tick that leaves the stop: the demand is still that of its begin
+        self.follows_position = self._step is not Step.PRESS
         if self._step in (Step.REST, Step.HALT):
             self._look_for_rest(now_ns)
             return
@@ -274,5 +277,4 @@ class Homing(Mode):
         if parts.limits.homing_torque is not None:
             parts.limits.homing_torque = None
             parts.limits.limit_torque()
-        self.follows_position = True
         parts.touch_probe.homing(False, now_ns)

@@ -1,4 +1,4 @@
-"""A plain master homes the axis of the shipped rig; compared with the truth of the plant."""
+"""Homing and limit switches on the shipped rig, led by a plain master, against the plant."""
 
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -39,7 +39,7 @@ class Master:
         start_plant(settings, self.plant)
         segments = build_segments(settings, self.scheduler, FrameHash(), (), opened)
         self.node = build_nodes(settings, self.scheduler, segments, self.plant, 0)["Z"]
-        network = SimNetwork(segments["can1"].port("master")).connect()
+        network = self.network = SimNetwork(segments["can1"].port("master")).connect()
         remote = SimRemoteNode(3, object_dictionary(3, self.node.profile))
         network.add_node(remote)
         self.sdo = remote.sdo
@@ -53,6 +53,18 @@ class Master:
         for word in (0x06, 0x07, 0x0F):
             self.sdo[0x6040].raw = word
         self.run_ms(5)
+
+    def cycle(self, cycles: int, **objects: int) -> None:
+        """Write objects (o607A = ...), then a SYNC in each millisecond."""
+        for name, value in objects.items():
+            self.sdo[int(name[1:], 16)].raw = value
+        for _ in range(cycles):
+            self.network.send_message(0x80, b"")
+            self.run_ms(1)
+
+    @property
+    def word(self) -> int:
+        return int(self.sdo[0x6041].raw)
 
     @property
     def truth_mm(self) -> float:
@@ -131,3 +143,102 @@ def test_second_encoder_is_the_sensor_that_the_rig_names(master: Callable[..., M
     """5 mm of offset, counts of 0.1 um."""
     made = master("plant:z.position_start_mm=1.23456")
     assert made.sdo[0x60E4][1].raw == round(6.2346 * UNITS_PER_MM)
+
+
+def test_homing_on_a_stop_is_no_following_error(master: Callable[..., Master]) -> None:
+    """The demand runs ahead while the axis presses: 6065 of 2.5 mm does not count then."""
+    made = master("plant:positive.low_mm=1000", "plant:home.low_mm=900", "plant:home.high_mm=901")
+    made.sdo[0x6065].raw = round(2.5 * UNITS_PER_MM)
+    made.home(-3)
+    assert made.word & (ATTAINED | REACHED | ERROR) == ATTAINED | REACHED
+
+
+# Limit switches in motion
+
+UP_MM_S = 100.0
+BRAKING_MM = UP_MM_S**2 / (2 * 5000)  # 6085 is 5000 mm/s2
+DEMANDS = {
+    3: ("o60FF", UP_MM_S, -UP_MM_S),
+    9: ("o60FF", UP_MM_S, -UP_MM_S),
+}
+
+
+@pytest.mark.parametrize("mode", DEMANDS)
+def test_a_limit_switch_stops_the_axis_and_leaves_the_way_back(
+    master: Callable[..., Master], mode: int
+) -> None:
+    """Quick-stop ramp, bit 11, no motion upwards; downwards, and again upwards off the switch."""
+    made = master("plant:z.position_start_mm=40")
+    name, up, down = DEMANDS[mode]
+    made.enable(mode)
+    made.cycle(600, **{name: round(up * UNITS_PER_MM)})
+    stood_mm = made.truth_mm
+    # The velocity loop lags its ramp: a few times 1/(2 pi 60 Hz) at the speed
+    assert 60.0 < stood_mm < 60.0 + BRAKING_MM + UP_MM_S * (250e-6 + 0.02)
+    assert made.word & 0x6F == 0x27
+    assert made.word & LIMITED
+    made.cycle(300)
+    assert made.truth_mm == pytest.approx(stood_mm, abs=0.01)
+    made.cycle(100, **{name: round(down * UNITS_PER_MM)})
+    assert made.truth_mm < 59.0
+    assert not made.word & LIMITED
+    assert not made.sdo[0x60FD].raw & 0b10
+    made.cycle(2000, **{name: round(0.1 * up * UNITS_PER_MM)})
+    assert 60.0 < made.truth_mm < 60.5
+
+
+def test_cyclic_position_waits_at_the_limit_switch_for_its_targets(
+    master: Callable[..., Master],
+) -> None:
+    made = master("plant:z.position_start_mm=55")
+    made.enable(8)
+    for n in range(200):
+        made.cycle(1, o607A=round((55 + 0.1 * n) * UNITS_PER_MM))
+    stood_mm = made.truth_mm
+    assert 60.0 < stood_mm < 60.0 + BRAKING_MM + 3.0
+    assert made.word & LIMITED
+    for n in range(60):
+        made.cycle(1, o607A=round((75 - 0.1 * n) * UNITS_PER_MM))
+    assert made.truth_mm == pytest.approx(stood_mm, abs=0.01)
+    for n in range(60, 300):
+        made.cycle(1, o607A=round((75 - 0.1 * n) * UNITS_PER_MM))
+    made.cycle(500)
+    assert made.truth_mm == pytest.approx(75 - 29.9, abs=0.02)
+    assert not made.word & LIMITED
+
+
+def test_set_points_beyond_the_limit_switch_end_where_the_axis_stopped(
+    master: Callable[..., Master],
+) -> None:
+    made = master("plant:z.position_start_mm=50")
+    made.enable(1)
+    made.cycle(1, o607A=round(100 * UNITS_PER_MM), o6040=0x3F)
+    made.cycle(800, o6040=0x0F)
+    stood_mm = made.truth_mm
+    assert 60.0 < stood_mm < 60.0 + BRAKING_MM + 3.0
+    made.cycle(500, o607A=round(110 * UNITS_PER_MM), o6040=0x3F)
+    assert made.truth_mm == pytest.approx(stood_mm, abs=0.02)
+    made.cycle(1, o607A=round(30 * UNITS_PER_MM), o6040=0x0F)
+    made.cycle(1500, o6040=0x3F)
+    assert made.truth_mm == pytest.approx(30.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("start_mm", "free"), [(62.0, -1), (-52.0, 1)])
+def test_an_axis_that_is_enabled_on_a_limit_switch_moves_off_it_only(
+    master: Callable[..., Master], start_mm: float, free: int
+) -> None:
+    made = master(f"plant:z.position_start_mm={start_mm}")
+    made.enable(9)
+    made.cycle(300, o60FF=round(-free * 20 * UNITS_PER_MM))
+    assert made.truth_mm == pytest.approx(start_mm, abs=0.01)
+    made.cycle(300, o60FF=round(free * 20 * UNITS_PER_MM))
+    assert (made.truth_mm - start_mm) * free > 5.0
+
+
+def test_torque_acts_away_from_the_limit_switch_only(master: Callable[..., Master]) -> None:
+    made = master("plant:z.position_start_mm=62")
+    made.enable(10)
+    made.cycle(300, o6071=300)
+    assert made.truth_mm == pytest.approx(62.0, abs=0.01)
+    made.cycle(100, o6071=-300)
+    assert made.truth_mm < 61.0
