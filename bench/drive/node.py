@@ -74,7 +74,10 @@ class DriveNode:
             servo,
             Needs(
                 lambda: servo.state in MOVING,
-                lambda: servo.state is State.OPERATION_ENABLED and servo.image.mode in CYCLIC_MODES,
+                lambda: (
+                    servo.state is State.OPERATION_ENABLED
+                    and servo.image.mode_display in CYCLIC_MODES
+                ),
             ),
         )
         self.slave.objects.own(_ProfileObjects(self), PROFILE_OBJECTS)
@@ -138,7 +141,7 @@ class DriveNode:
 
     def delay_sdo(self, delay_ns: TimeNs) -> None:
         """Let every SDO request wait so long for its answer; 0 = none."""
-        self.slave.sdo_delay_ns = delay_ns
+        self.slave.sdo.delay_ns = delay_ns
 
     def mute_heartbeat(self, is_muted: bool) -> None:
         """Keep the heartbeats back, or send them again; the drive goes on as if nothing was."""

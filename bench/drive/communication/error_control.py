@@ -208,14 +208,19 @@ class NodeGuarding(Owner):
         self._watch()
 
     def written(self, index: int, sub: int, value: int) -> None:
-        """Take a new life time into account while one is watched."""
+        """Take a new life time into account; without one nobody is missed."""
+        if not self._life_ns:
+            self._events.found()
         if self._timer.is_running:
             self._watch()
 
+    @property
+    def _life_ns(self) -> TimeNs:
+        return self._store.value(GUARD_TIME) * self._store.value(LIFE_TIME_FACTOR) * MS
+
     def _watch(self) -> None:
-        life_ns = self._store.value(GUARD_TIME) * self._store.value(LIFE_TIME_FACTOR) * MS
-        if life_ns:
-            self._timer.start(life_ns)
+        if self._life_ns:
+            self._timer.start(self._life_ns)
         else:
             self._timer.stop()
 

@@ -6,6 +6,7 @@ and gets no answer.
 """
 
 import struct
+from functools import partial
 from typing import Final, Protocol
 
 from canopen.sdo.exceptions import SdoAbortedError
@@ -20,7 +21,7 @@ from bench.drive.communication.sdo_transfers import (
     Transfer,
 )
 from bench.drive.communication.timer import Timer
-from kernel.clock import MS, Clock
+from kernel.clock import MS, Clock, Phase, TimeNs
 
 TIMEOUT_NS: Final = 1000 * MS  # how long a transfer waits for its client
 EXPEDITED_MAX = 4
@@ -50,23 +51,40 @@ class Objects(Protocol):
 class SdoServer:
     """Answers one client.
 
-    outlet: how answers of 8 bytes go out.
+    outlet: how answers of 8 bytes go out. delay_ns: how long a request waits to be looked at, for
+    a server that is slow.
     """
 
     def __init__(self, objects: Objects, clock: Clock, outlet: SegmentOutlet) -> None:
         self._objects, self._outlet, self._send = objects, outlet, outlet.send
+        self._clock = clock
+        self.delay_ns: TimeNs = 0
+        self._run = 0  # counts the stops: a request that waited through one is forgotten
         self._transfer: Transfer | None = None
         self._key = (0, 0)  # object of the last request; an abort names it
         self._timeout = Timer(clock, self._timed_out)
 
     def stop(self) -> None:
         """Forget what is under way without a word."""
+        self._run += 1
         self._end()
 
     def on_request(self, data: bytes) -> None:
         """Answer a frame of the client; nothing that can stand in it raises."""
         if len(data) != 8:
             return
+        if self.delay_ns:
+            due_ns = self._clock.now_ns + self.delay_ns
+            serve = partial(self._serve_late, self._run, data)
+            self._clock.call_at(due_ns, Phase.APPLICATION, serve)
+        else:
+            self._serve(data)
+
+    def _serve_late(self, run: int, data: bytes) -> None:
+        if run == self._run:
+            self._serve(data)
+
+    def _serve(self, data: bytes) -> None:
         try:
             self._handle(data)
         except SdoAbortedError as refusal:

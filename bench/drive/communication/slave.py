@@ -103,8 +103,8 @@ class Needs:
 class CanopenSlave:
     """One node on its network.
 
-    sdo_delay_ns: how long a request waits for its answer (a fault). serial_number: of the identity
-    1018, taken at the next reset; the node number to begin with. The node is silent until `boot`.
+    serial_number: of the identity 1018, taken at the next reset; the node number to begin with.
+    The node is silent until `boot`.
     """
 
     def __init__(
@@ -118,7 +118,6 @@ class CanopenSlave:
     ) -> None:
         self.node_id = node_id
         self.state = NmtState.INITIALISING
-        self.sdo_delay_ns: TimeNs = 0
         self._error_state = ErrorState.ACTIVE
         self._network, self._clock, self._application = network, clock, application
         self._needs = needs
@@ -322,16 +321,8 @@ class CanopenSlave:
         self._application.refresh(self._clock.now_ns)
 
     def _on_sdo(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
-        if self.sdo_delay_ns:
-            answer = partial(self._answer_sdo, bytes(data))
-            due_ns = self._clock.now_ns + self.sdo_delay_ns
-            self._clock.call_at(due_ns, Phase.APPLICATION, answer)
-        else:
-            self._answer_sdo(bytes(data))
-
-    def _answer_sdo(self, data: bytes) -> None:
         if self.state in (NmtState.PRE_OPERATIONAL, NmtState.OPERATIONAL):
-            self.sdo.on_request(data)
+            self.sdo.on_request(bytes(data))
 
     # Losses
 

@@ -204,6 +204,17 @@ def test_a_life_time_of_0_watches_nobody(stranger: Make) -> None:
     assert drive.frames(0x083) == []
 
 
+def test_a_life_time_taken_back_ends_its_error(stranger: Make) -> None:
+    drive = stranger()
+    drive.write(0x100C, 0, 10, 2)
+    drive.write(0x100D, 0, 2, 1)
+    guard(drive)
+    drive.run_ms(30)
+    assert drive.frames(0x083) == [LOST[1]]
+    drive.write(0x100D, 0, 0, 1)
+    assert drive.frames(0x083) == [LOST[1], GONE[1]]
+
+
 def test_a_loss_leaves_no_fault_in_a_drive_without_torque(stranger: Make) -> None:
     drive = stranger()
     watch(drive, 5, 10)

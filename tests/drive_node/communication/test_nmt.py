@@ -165,3 +165,13 @@ def test_slow_answers(stranger: Make) -> None:
     assert drive.after(0x603, "4000100000000000", wait_ms=5) == []
     assert drive.after(0x100, wait_ms=1)[0][1] == "4300100092010200"
     assert drive.bench.scheduler.now_ns - begin == 6_000_000
+
+
+def test_a_request_that_waits_is_forgotten_with_a_reset(stranger: Make) -> None:
+    drive = stranger()
+    drive.node.delay_sdo(5_000_000)
+    drive.after(0x603, "2b17100005000000")
+    drive.nmt(129)
+    drive.run_ms(20)
+    assert drive.frames(0x583) == []
+    assert drive.node.slave.objects.value(0x1017) == 0
