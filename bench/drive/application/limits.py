@@ -70,11 +70,11 @@ class Limits:
         self.update()
 
     def rates_m_s2(self) -> tuple[float, float]:
-        """Return acceleration and deceleration of a profile."""
+        """Return acceleration and deceleration of a profile; 0, that only a PDO brings, is 1."""
         image = self._image
         return (
-            self._units.metres(min(image.profile_acceleration, image.max_acceleration)),
-            self._units.metres(min(image.profile_deceleration, image.max_deceleration)),
+            self._units.metres(max(1, min(image.profile_acceleration, image.max_acceleration))),
+            self._units.metres(max(1, min(image.profile_deceleration, image.max_deceleration))),
         )
 
     def quick_stop_m_s2(self) -> float:
