@@ -182,7 +182,7 @@ def test_the_same_over_the_bus_in_one_long_run(drive_bench: Make) -> None:
     assert 0 < aborted < 600
 
 
-@pytest.mark.parametrize("mode", [1, 3, 8])
+@pytest.mark.parametrize("mode", [1, 3, 6, 8])
 def test_an_acceleration_of_0_in_a_pdo_breaks_nothing(fake_axis: Any, mode: int) -> None:
     """SDO refuses it (low limit 1); a PDO brings it past that check: it counts as 1 unit/s2."""
     bare = Bare(fake_axis())
@@ -193,8 +193,9 @@ def test_an_acceleration_of_0_in_a_pdo_breaks_nothing(fake_axis: Any, mode: int)
     bare.do(("pdo", "target_position", PER_M))
     for word in (0x1F, 0x0F):
         bare.do(("word", "", word))
-    for name in ("profile_acceleration", "profile_deceleration"):
+    for name in ("profile_acceleration", "profile_deceleration", "homing_acceleration",
+                 "homing_speed_switch", "homing_speed_zero"):  # fmt: skip
         bare.do(("pdo", name, 0))
-    for word in (0x3F, 0x10F, 0x0F, 0x07, 0x00):
+    for word in (0x3F, 0x10F, 0x0F, 0x1F, 0x07, 0x00):
         bare.do(("word", "", word))
         bare.check()

@@ -134,7 +134,7 @@ class Homing(Mode):
         self._step, self._direction = step, direction
         is_search = step in (Step.SEARCH, Step.PRESS)
         units_s = image.homing_speed_switch if is_search else image.homing_speed_zero
-        speed = min(parts.units.metres(units_s), parts.limits.profile_m_s)
+        speed = min(parts.units.metres(max(1, units_s)), parts.limits.profile_m_s)
         parts.limits.homing_torque = parts.homing_torque if step is Step.PRESS else None
         parts.limits.limit_torque()
         if step is Step.PRESS:
@@ -148,7 +148,7 @@ class Homing(Mode):
     def _move(
         self, now_ns: TimeNs, velocity_m_s: float, start: tuple[float, float] | None = None
     ) -> None:
-        rate = self.parts.units.metres(self.parts.image.homing_acceleration)
+        rate = self.parts.units.metres(max(1, self.parts.image.homing_acceleration))
         begin = start or self._generator.present(now_ns)
         self._generator.start(now_ns, to_velocity(begin, velocity_m_s, (rate, rate)))
         self._generator.go_on(now_ns)
