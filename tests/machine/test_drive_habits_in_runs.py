@@ -141,3 +141,32 @@ def test_a_fine_encoder_at_full_speed_does_not_overflow(run_nc: Run, latch: str)
     age_s = latch_s % 250e-6 if latch == "sampled" else 0.0
     # On its way the axis is at its full speed; what is left of its ramp is below 0.1 um
     assert late_mm == pytest.approx(speed_mm_s * (DELAY_S - age_s), abs=0.5e-3)
+
+
+def test_jitter_belongs_to_the_seed(run_nc: Run) -> None:
+    """Up to 200 us at 25 mm/s: values between 0.1 and 5.1 um behind the surface, drawn per edge."""
+    rig = "[drive.servo]\ninput_jitter_us = 200.0"
+    first, again = (run_nc(THREE_RUNS, rig, base="probe-z.toml") for _ in range(2))
+    assert first.lines == again.lines
+    speeds = (10, 25, 1)
+    for name, speed_mm_s in zip(("FIRST", "SECOND", "THIRD"), speeds, strict=True):
+        (value,) = first.printed(name)
+        drawn_s = (100 - value) / speed_mm_s - DELAY_S
+        assert -INCREMENT_MM <= drawn_s * speed_mm_s <= 200e-6 * speed_mm_s + INCREMENT_MM
+        assert drawn_s != 0
+
+
+@pytest.mark.parametrize("compensation_us", [4, 1000, 7000])
+@pytest.mark.parametrize("latch", ["interpolated", "linear"])
+def test_compensation_looks_back_as_far_as_it_is_told(
+    run_nc: Run, compensation_us: int, latch: str
+) -> None:
+    """At a steady 10 mm/s the value lies v (delay - compensation) behind the surface."""
+    out = run_nc(
+        'N10 G01 G90 Z110 F3000\nN20 G100 Z80 F600\n#MSG SYN["A=%f", V.A.MESS.Z]',
+        f'[drive.servo]\ndelay_compensation_us = {compensation_us}.0\nlatch = "{latch}"',
+        base="probe-z.toml",
+    )
+    assert out.alarms == []
+    expected = 100 - 10 * (DELAY_S - compensation_us * 1e-6)
+    assert out.printed("A") == pytest.approx([expected], rel=0, abs=INCREMENT_MM)
