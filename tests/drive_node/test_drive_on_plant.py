@@ -354,3 +354,42 @@ def test_ticks_change_no_byte_on_the_bus(running: Callable[..., Running]) -> Non
         drive.run_ms(100, 0x0F, -3001)
         frames.append([drive.bench.frames(cob_id) for cob_id in (0x183, 0x283, 0x383)])
     assert frames[0] == frames[1]
+
+
+@pytest.mark.parametrize(("mode", "objects"), [(9, {"o60FF": STEP * 1000}), (10, {"o6071": 0})])
+def test_a_change_of_control_in_motion_is_no_jump(
+    running: Callable[..., Running], mode: int, objects: dict[str, int]
+) -> None:
+    """Csp at 100 mm/s, then csv with the same speed or cst without torque: it runs on so.
+
+    Nothing brakes this axis, so its velocity must not change by more than the rest of the lag
+    that still runs in, 1e-6 of it.
+    """
+    drive = running().set(**objects).enable().cruise()
+    begin_m, before_m_s = drive.axis.motion[0], drive.axis.motion[1]
+    begin_ns = drive.axis.slave.time_ns
+    drive.sdo[0x6060].raw = mode
+    for _ in range(100):
+        drive.run_ms(1, 0x0F)
+        assert drive.axis.motion[1] == pytest.approx(before_m_s, rel=2e-5)
+    assert drive.sdo[0x6061].raw == mode
+    passed_s = (drive.axis.slave.time_ns - begin_ns) * 1e-9
+    assert drive.axis.motion[0] - begin_m == pytest.approx(V_M_S * passed_s, rel=2e-5)
+
+
+def test_csv_is_stopped_before_csp_takes_over_and_the_axis_stays_there(
+    running: Callable[..., Running],
+) -> None:
+    """6084 = 0.5 m/s2 from 0.1 m/s: 10 mm, then held; the target of before does not count."""
+    drive = running().set(o6084=PER_M // 2, o606F=100, o6070=10, o60FF=STEP * 1000).enable(9)
+    drive.run_ms(500, 0x0F)
+    drive.sdo[0x6060].raw = 8
+    begin_ns = drive.bench.scheduler.now_ns
+    begin_m, _ = drive.at(begin_ns)
+    drive.run_ms(500, None)
+    assert drive.sdo[0x6061].raw == 8
+    # SDO answered some 0.2 ms after the write acted
+    assert drive.axis.motion[0] == pytest.approx(begin_m + V_M_S**2, abs=V_M_S * 0.5e-3)
+    here_m = drive.axis.motion[0]
+    drive.run_ms(200, None)
+    assert drive.axis.motion[0] == pytest.approx(here_m, abs=1e-8)

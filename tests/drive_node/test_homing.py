@@ -240,6 +240,21 @@ def test_home_is_a_stop_or_the_zero_pulse_before_it(method: int, home_mm: float)
     assert min(free_n) > 60 * rated_n
 
 
+def test_a_stop_that_is_pressed_makes_no_following_error_an_obstacle_on_the_way_does() -> None:
+    """6065 = 0.5 mm: monitored on the way to a switch, not while the axis is pressed to a stop."""
+    window = round(0.5 * UNITS_PER_MM)
+    bench = Bench(0.0, wall_mm=25.0, homing_torque=300)
+    bench.write(following_window=window, following_timeout_ms=0)
+    bench.home(-3)
+    assert bench.bits == ATTAINED | REACHED
+    assert bench.emergencies == []
+    bench = Bench(0.0, {"positive": Switch(LIMITS[1], 1e9)}, wall_mm=25.0)
+    bench.write(following_window=window, following_timeout_ms=0)
+    bench.write(homing_method=18, controlword=0x1F)
+    bench.run_ms(3000)
+    assert bench.emergencies == [0x8611]
+
+
 # What the statusword says
 
 

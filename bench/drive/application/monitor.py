@@ -35,7 +35,8 @@ class Monitor:
         if mode is not None and mode.limits_speed:
             self.is_active = math.isfinite(self._limits.speed_m_s)
         else:
-            is_followed = mode is not None and mode.follows_position
+            # Of the kind of mode: homing follows no position while it presses against a stop
+            is_followed = mode is not None and type(mode).follows_position
             self.is_active = is_followed and self._image.following_window != U32_MAX
         if not self.is_active:
             self._beyond.since_ns = None
