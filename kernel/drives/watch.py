@@ -43,6 +43,7 @@ class DriveWatch:
         self._id = ERROR_CONTROL_BASE + link.settings.node_id
         self._is_watching = False
         self._heard_ns: TimeNs = 0
+        self._has_news = False
         self._is_started = False  # a heartbeat from before the NMT start may still be under way
         self._has_booted = False
         self._nmt_state = OPERATIONAL
@@ -74,7 +75,7 @@ class DriveWatch:
     def _on_error_control(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
         if not self._is_watching or len(data) != 1:
             return
-        self._heard_ns = self._clock.now_ns
+        self._heard_ns, self._has_news = self._clock.now_ns, True
         state = data[0] & ~TOGGLE
         if self._settings.guard_ns:
             toggle = data[0] & TOGGLE
@@ -94,6 +95,8 @@ class DriveWatch:
         has jumped).
         """
         link, settings = self._link, self._settings
+        if not (self._has_news or self._limit_ns or link.jump_mm is not None):
+            return None
         if self._has_booted:
             return Alarm(900024, axis=link.name, node=link.settings.node_id)
         if self._nmt_state != OPERATIONAL:
@@ -175,7 +178,7 @@ class BusWatch:
         Interfaces of python-can do not show their transmit queue.
         """
         pending: Sequence[Any] = getattr(self._bus, "pending", ())
-        return any(request[4].arbitration_id == SYNC_ID for request in pending)
+        return bool(pending) and any(request[4].arbitration_id == SYNC_ID for request in pending)
 
 
 class HeartbeatProducer:
