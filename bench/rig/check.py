@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from bench.rig.file import LOAD, DriveTable, rig_error
-from bench.rig.outside import check_outside
+from bench.rig.outside import check_outside, is_real
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_dictionary, drive_steps
 from kernel.clock import US
@@ -185,7 +185,14 @@ def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
         master_node=rig.cycle.master_node,
     )
     keys = rig.drive[axis.drive]
-    return drive_steps(keys, bus, axis_telegrams(settings, name), axis.node, keys.make())
+    return drive_steps(
+        keys,
+        bus,
+        axis_telegrams(settings, name),
+        axis.node,
+        keys.make(),
+        is_real=is_real(settings, axis.segment),
+    )
 
 
 def _check_start_up(settings: Settings) -> None:

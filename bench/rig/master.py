@@ -34,6 +34,7 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
             pdo_map=drive.pdo_map,
             missing_cycles=drive.missing_cycles,
+            lag_limit_mm=drive.lag_limit_mm or float("inf"),
             fault_reset=drive.fault_reset,
             jump_mm=jump_mm or float("inf"),
             trigger_source=parameters.word("antr.canopen.probing_trigger_source"),

@@ -1,6 +1,7 @@
 """How the drives of a rig are started: keys of `[drive.D]`, and the kernel's steps made of them."""
 
 import re
+from dataclasses import replace
 from fractions import Fraction
 from typing import Annotated, Any, Literal
 
@@ -42,6 +43,8 @@ def _write(entry: list[str | int]) -> list[str | int]:
     return entry
 
 
+# No process under an ordinary operating system keeps a few milliseconds for sure
+REAL_TIMEOUT_MS = 100
 Write = Annotated[list[str | int], AfterValidator(_write)]
 U16 = Annotated[int, Field(ge=0, le=0xFFFF)]
 U32 = Annotated[int, Field(ge=0, le=0xFFFFFFFF)]
@@ -79,6 +82,8 @@ class StartUpKeys(Table):
         I16,
     ] = Field(default_factory=dict)  # fmt: skip
     scaling_check: bool = True
+    rpdo_timeout_ms: U16 | None = None
+    lag_limit_mm: Annotated[float, Field(ge=0)] = 0.0
     fault_reset: bool = False
     missing_cycles: Annotated[int, Field(ge=1, le=1000)] = 3
     heartbeat_timeout_ms: U16 = 0
@@ -105,6 +110,7 @@ def start_up_settings(keys: StartUpKeys) -> StartUpSettings:
         life_factor=keys.life_factor,
         options={OPTIONS[name]: value for name, value in keys.options.items()},
         scaling_check=keys.scaling_check,
+        rpdo_timeout_ms=keys.rpdo_timeout_ms or 0,
         writes=[_declared(entry) for entry in keys.sdo],
     )
 
@@ -134,8 +140,20 @@ def drive_steps(
     telegrams: dict[str, Telegram],
     node_id: int,
     profile: DriveProfile,
+    *,
+    is_real: bool = False,
 ) -> tuple[Step, ...]:
-    """Return the steps that start one drive; raises UserError for what its EDS does not have."""
+    """Return the steps that start one drive; raises UserError for what its EDS does not have.
+
+    is_real: the bus is outside this process, where a cycle may be late.
+    """
     od = drive_dictionary(keys, node_id, profile)
     scaling = Scaling(profile.encoder_increments, Fraction(profile.units_per_revolution))
-    return start_up_steps(start_up_settings(keys), bus, telegrams, node_id, scaling, od)
+    settings = start_up_settings(keys)
+    if keys.rpdo_timeout_ms is None:
+        # As many RPDOs may be lost as TPDOs; half a cycle is for the way over the bus
+        half_cycles = 2 * keys.missing_cycles + 3
+        timeout_ms = -(-half_cycles * bus.sync_period_us // 2000)
+        timeout_ms = max(timeout_ms, REAL_TIMEOUT_MS) if is_real else timeout_ms
+        settings = replace(settings, rpdo_timeout_ms=timeout_ms)
+    return start_up_steps(settings, bus, telegrams, node_id, scaling, od)

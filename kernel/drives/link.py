@@ -45,7 +45,8 @@ class LinkSettings:
     (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. pdo_map:
     path of a mapping table, None for the kernel's own. missing_cycles: how often in a row a cyclic
     telegram may stay out. jump_mm: largest credible motion from one SYNC to the next.
-    fault_reset: a fault that stands when the drive is switched on is acknowledged.
+    lag_limit_mm: of the CNC's position lag while a program runs. fault_reset: a fault that stands
+    when the drive is switched on is acknowledged.
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
     drive names. has_counter, has_inputs: of the kernel's own mapping.
     """
@@ -59,6 +60,7 @@ class LinkSettings:
     pdo_map: str | None = None
     missing_cycles: int = MISSING_CYCLES
     jump_mm: float = float("inf")
+    lag_limit_mm: float = float("inf")
     fault_reset: bool = False
     trigger_source: str = "CNC_DEFINED"
     has_counter: bool = False

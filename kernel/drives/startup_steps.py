@@ -59,7 +59,8 @@ class StartUpSettings:
     show, None = not looked at. identity: sub-index of 1018 -> value. mode: 6060.
     sync_window_us: 1007, None = left alone. heartbeat_ms: 1017, 0 = off. consumer_ms: time of the
     drive's watch over the kernel (1016:1), 0 = none. guard_time_ms, life_factor: 100C, 100D.
-    options: index -> code. scaling_check: compare 608F, 6091, 6092 with the rig.
+    options: index -> code. scaling_check: compare 608F, 6091, 6092 with the rig. rpdo_timeout_ms:
+    deadline of every cyclic RPDO (14xx:5) where the drive has one, 0 = none.
     writes: (index, sub-index, value) in their order.
     """
 
@@ -78,6 +79,7 @@ class StartUpSettings:
     life_factor: int = 0
     options: Mapping[int, int] = field(default_factory=dict)
     scaling_check: bool = True
+    rpdo_timeout_ms: int = 0
     writes: Sequence[tuple[int, int, int]] = ()
 
 
@@ -183,7 +185,7 @@ def _steps(
         yield Check(f"{object_name(0x1018, sub)} identity", 0x1018, sub, value)
     yield from _sync(settings, bus, od)
     for telegram in telegrams.values():
-        yield from _telegram(telegram, node_id, od)
+        yield from _telegram(telegram, node_id, od, settings.rpdo_timeout_ms)
     yield _write(od, 0x6060, 0, settings.mode)
     if settings.scaling_check and all(variable(od, *place) for place in SCALING):
         yield CheckScaling("scaling", scaling)
@@ -223,12 +225,14 @@ def _sync(settings: StartUpSettings, bus: BusSettings, od: ObjectDictionary) -> 
         yield _write(od, 0x1006, 0, bus.sync_period_us)
 
 
-def _can_write(od: ObjectDictionary, index: int) -> bool:
-    found = variable(od, index, 0)
+def _can_write(od: ObjectDictionary, index: int, sub: int = 0) -> bool:
+    found = variable(od, index, sub)
     return found is not None and bool(found.writable)
 
 
-def _telegram(telegram: Telegram, node_id: int, od: ObjectDictionary) -> Iterator[Step]:
+def _telegram(
+    telegram: Telegram, node_id: int, od: ObjectDictionary, rpdo_timeout_ms: int
+) -> Iterator[Step]:
     name = f"mapping of {telegram.name}"
     communication = telegram.communication_index
     mapping, cob_id = communication + 0x200, telegram.cob_id(node_id)
@@ -244,6 +248,9 @@ def _telegram(telegram: Telegram, node_id: int, od: ObjectDictionary) -> Iterato
     yield write(communication, 2, telegram.transmission)
     if telegram.inhibit_100us:
         yield write(communication, 3, telegram.inhibit_100us)
+    watched = telegram.is_received and telegram.is_cyclic and rpdo_timeout_ms
+    if watched and _can_write(od, communication, 5):
+        yield write(communication, 5, rpdo_timeout_ms)
     yield write(communication, 1, cob_id)
 
 

@@ -6,6 +6,7 @@ guarding, emergencies. Sources: CiA 301 sections 7.2.7 (EMCY), 7.2.8 (error cont
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import inf
 from typing import Any
 
 from kernel.clock import MS, Clock, Phase, TimeNs
@@ -124,12 +125,12 @@ class DriveWatch:
     def condition(self) -> Alarm | None:
         """Return what is wrong with the drive itself, None when nothing is.
 
-        Alarm 900005 (fault), 900025 or 900035 (emergency), 900027 (has left
+        Alarm 900005 (fault), 900036 (lag), 900025 or 900035 (emergency), 900027 (has left
         operation enabled).
         """
         link = self._link
         if link.state is State.OPERATION_ENABLED and link.emergency is None:
-            return None
+            return self._lag()
         word = f"0x{link.statusword:04X}"
         if link.state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             told = "none" if link.emergency is None else str(link.emergency)
@@ -137,6 +138,13 @@ class DriveWatch:
         if link.emergency is not None:
             return self._judge(link.emergency)
         return Alarm(900027, axis=link.name, statusword=word, state=link.state.name)
+
+    def _lag(self) -> Alarm | None:
+        limit_mm = self._link.settings.lag_limit_mm
+        if limit_mm == inf or abs(self._link.lag_mm) <= limit_mm:
+            return None
+        lag_mm = f"{self._link.lag_mm:.4f}"
+        return Alarm(900036, axis=self._link.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")
 
     def _judge(self, emergency: Emergency) -> Alarm | None:
         """Wait for the status word that explains an emergency, then take it for itself."""

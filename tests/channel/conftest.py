@@ -208,6 +208,7 @@ class ChannelBench:
         sync_counter: int = 0,
         missing_cycles: int = 3,
         fault_reset: bool = False,
+        lag_limit_mm: float = math.inf,
         watches: tuple[WatchSettings, ...] = (),
         start_up: StartUpSettings | None = None,
     ) -> None:
@@ -238,6 +239,7 @@ class ChannelBench:
                     lag_delay_cycles=2,
                     missing_cycles=missing_cycles,
                     fault_reset=fault_reset,
+                    lag_limit_mm=lag_limit_mm,
                     jump_mm=2 * s.speed_max_mm_s * 1e-3,
                 ),
                 self.network,

@@ -163,6 +163,24 @@ def test_900029_for_a_position_that_jumps(trouble: Any) -> None:
     assert float(alarm.values["jump_mm"]) == pytest.approx(16.0, abs=3.0)
 
 
+def test_900005_when_set_positions_do_not_reach_the_drive(trouble: Any) -> None:
+    """The drive watches its RPDO (1400:5) and reacts by 6007; 8250 tells why."""
+    case = trouble(start_up=StartUpSettings(rpdo_timeout_ms=5))
+    case.change(RPDO1, lambda _frame: Drop())
+    alarm = case.only_alarm(10)
+    assert alarm.id == 900005
+    assert "0x8250, RPDO has timed out" in str(alarm)
+
+
+def test_900036_when_the_lag_is_beyond_the_limit_of_the_rig(trouble: Any) -> None:
+    """Running at 40 mm/s with kv 40 1/s the axis is 1 mm behind; the drive stands, so it grows."""
+    case = trouble(lag_limit_mm=2.0)
+    case.change(RPDO1, lambda _frame: Drop())
+    alarm = case.only_alarm(60)
+    assert alarm.id == 900036
+    assert 2.0 < abs(float(alarm.values["lag_mm"])) < 2.1
+
+
 def test_900030_when_the_kernels_controller_goes_bus_off(trouble: Any) -> None:
     """32 errors of its own telegrams: 32 * 8 > 255."""
     case = trouble()
