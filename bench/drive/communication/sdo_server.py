@@ -6,6 +6,7 @@ and gets no answer.
 """
 
 import struct
+from dataclasses import replace
 from functools import partial
 from typing import Final, Protocol
 
@@ -154,7 +155,8 @@ class SdoServer:
         if len(value) <= switch_size:
             self._initiate_upload(value)
             return
-        self._start(BlockUpload(value, block_size, has_crc, self._outlet))
+        outlet = replace(self._outlet, send=self._send_segment)
+        self._start(BlockUpload(value, block_size, has_crc, outlet))
         self._answer(0xC6, size=len(value))
 
     def _checked_size(self, announced: int | None) -> int:
@@ -184,6 +186,11 @@ class SdoServer:
             self._transfer.is_done = True
             self._transfer = None
             self._timeout.stop()
+
+    def _send_segment(self, data: bytes) -> None:
+        """Send a segment of a block: the client has time again from here on."""
+        self._timeout.start(TIMEOUT_NS)
+        self._send(data)
 
     def _timed_out(self) -> None:
         self._end()

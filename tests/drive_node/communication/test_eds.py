@@ -13,8 +13,13 @@ from canopen.objectdictionary import ODVariable, datatypes
 from canopen.objectdictionary.eds import import_eds
 from canopen.sdo.exceptions import SdoAbortedError
 
+from bench.bus.canopen_sim import SimNetwork
+from bench.bus.segment import Segment
 from bench.drive.eds import eds_text
+from bench.drive.node import DriveNode
 from bench.drive.profiles import named_profile, profile_names
+from kernel.clock import MS
+from kernel.cosim.scheduler import Scheduler
 
 Make = Callable[..., Any]
 
@@ -86,6 +91,23 @@ def test_canopen_writes_by_block_transfer(drive_bench: Make) -> None:
     with bench.remote.sdo[0x1017].open("wb", size=2, block_transfer=True) as stream:
         stream.write((750).to_bytes(2, "little"))
     assert bench.remote.sdo[0x1017].raw == 750
+
+
+def test_a_block_takes_its_time_on_a_slow_bus(fake_axis: Any) -> None:
+    """127 segments at 10 kbit/s take longer than the 1 s that a client may be silent."""
+    scheduler = Scheduler()
+    with Segment("slow", 10_000, scheduler) as segment:
+        network = SimNetwork(segment.port("drive")).connect()
+        DriveNode("Z", 3, network, scheduler, fake_axis())
+        heard: list[bytes] = []
+        port = segment.port("client")
+        port.attach_data(
+            lambda can_id, data, _time: heard.append(data) if can_id == 0x583 else None
+        )
+        for request, wait_ms in (("a42110007f000000", 100), ("a300000000000000", 2300)):
+            port.send_raw(0x603, bytes.fromhex(request))
+            scheduler.run_until(scheduler.now_ns + wait_ms * MS)
+        assert [data[0] for data in heard[1:]] == list(range(1, 128))
 
 
 def test_segments_of_a_block_let_the_pdos_pass(drive_bench: Make) -> None:
