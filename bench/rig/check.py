@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from bench.rig.file import LOAD, DriveTable, rig_error
@@ -19,6 +19,9 @@ from kernel.errors import UserError
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added
 EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
+Rare = tuple[str, int]
+_EMCY: Rare = ("EMCY", EMCY)
+_SDO: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER), ("SDO request", SDO_REQUEST))
 
 DIGITAL_INPUTS = 0x60FD
 TRIGGER_SOURCE = "antr.canopen.probing_trigger_source"
@@ -54,8 +57,10 @@ def has_latch_counter(settings: Settings, name: str) -> bool:
 
 
 def has_sdo_room(settings: Settings, name: str) -> bool:
-    """Whether the cycle of the axis' bus still fits with one SDO transfer for each drive."""
-    return segment_schedules(settings, with_rare=True)[settings.rig.axis[name].segment].fits
+    """Whether the cycle still fits with an SDO transfer for each drive on the bus of the axis."""
+    segment = settings.rig.axis[name].segment
+    counters = _schedule(settings, segment, counters=True).fits
+    return _schedule(settings, segment, counters=counters, rare=_SDO).fits
 
 
 def has_inputs(settings: Settings, name: str) -> bool:
@@ -88,14 +93,14 @@ def segment_schedules(settings: Settings, *, with_rare: bool = False) -> dict[st
             settings,
             segment,
             counters=_schedule(settings, segment, counters=True).fits,
-            with_rare=with_rare,
+            rare=(_EMCY, *_SDO) if with_rare else (),
         )
         for segment in settings.segment
     }
 
 
 def _schedule(
-    settings: Settings, segment: str, *, counters: bool, with_rare: bool = False
+    settings: Settings, segment: str, *, counters: bool, rare: Sequence[Rare] = ()
 ) -> CycleArithmetic:
     cycle = settings.rig.cycle
     frames: dict[str, list[PlannedFrame]] = {"TPDO": [], "RPDO": [], "event": []}
@@ -110,7 +115,7 @@ def _schedule(
             frames[kind].append(
                 PlannedFrame(f"{name}.{telegram.name}", telegram.cob_id(axis.node), telegram.length)
             )
-        frames["event"] += _event_frames(settings, name, with_rare)
+        frames["event"] += _event_frames(settings, name, rare)
     return cycle_arithmetic(
         settings.segment[segment].bitrate,
         cycle.period_us * US,
@@ -122,7 +127,7 @@ def _schedule(
     )
 
 
-def _event_frames(settings: Settings, name: str, with_rare: bool) -> list[PlannedFrame]:
+def _event_frames(settings: Settings, name: str, rare: Sequence[Rare]) -> list[PlannedFrame]:
     """Return the frames besides PDOs that the drive of an axis may send, or be sent."""
     axis = settings.rig.axis[name]
     drive, node = settings.rig.drive[axis.drive], axis.node
@@ -132,10 +137,7 @@ def _event_frames(settings: Settings, name: str, with_rare: bool) -> list[Planne
     if drive.guard_time_ms:
         frames.append(PlannedFrame(f"{name}.guarding", HEARTBEAT + node, 0))
         frames.append(PlannedFrame(f"{name}.guarded", HEARTBEAT + node, 1))
-    if with_rare:
-        frames.append(PlannedFrame(f"{name}.EMCY", EMCY + node, 8))
-        frames.append(PlannedFrame(f"{name}.SDO answer", SDO_ANSWER + node, 8))
-        frames.append(PlannedFrame(f"{name}.SDO request", SDO_REQUEST + node, 8))
+    frames += [PlannedFrame(f"{name}.{what}", base + node, 8) for what, base in rare]
     return frames
 
 

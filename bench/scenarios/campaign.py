@@ -33,7 +33,7 @@ _EXACT = {"latch": "interpolated", "input_jitter_us": 0.0, "input_filter_us": 0.
 def _rig(profile: str) -> tuple[RigFile, list[Path]]:
     rig, files = read_rig(FOLDER / "probe.toml")
     given = rig.drive["servo"]
-    keys = {"encoder_increments", "lead_mm", "input_delay_us"}
+    keys = ("encoder_increments", "lead_mm", "input_delay_us", "sync_loss_periods", "heartbeat_ms")
     table = {"profile": profile, **_EXACT, **{key: getattr(given, key) for key in keys}}
     return rig.model_copy(update={"drive": {"servo": DriveTable.model_validate(table)}}), files
 

@@ -24,6 +24,8 @@ from kernel.errors import Alarm
 # Cycles that a drive may take to show a changed latch control word, and a latch to arrive after
 # standstill: four times the two to four cycles of known drives (docs/architecture.md).
 HANDSHAKE_CYCLES_MAX = 16
+# Cycles that a drive may take to tell counter and latch by SDO: some answer after tens of ms
+CHECK_CYCLES_MAX = 200
 
 
 class LatchPort(Protocol):
@@ -133,9 +135,9 @@ class MeasuringRun:
     def _enter(self, state: RunState) -> None:
         self.state, self._waited = state, 0
 
-    def _wait(self, alarm_id: int, port: LatchPort) -> None:
+    def _wait(self, alarm_id: int, port: LatchPort, cycles_max: int = HANDSHAKE_CYCLES_MAX) -> None:
         self._waited += 1
-        if self._waited > HANDSHAKE_CYCLES_MAX:
+        if self._waited > cycles_max:
             raise Alarm(alarm_id, axis=port.name, cycles=self._waited - 1)
 
     def _clearing(self, _now_ns: TimeNs, _is_standing: bool) -> Order:
@@ -154,7 +156,7 @@ class MeasuringRun:
                 self._wait(900002, port)
                 return Order.NONE
             if not port.is_prepared:
-                self._wait(900083, port)
+                self._wait(900083, port, CHECK_CYCLES_MAX)
                 return Order.NONE
         self._check_not_actuated()
         self.record.start_ns = now_ns
@@ -187,7 +189,8 @@ class MeasuringRun:
         if self.record.has_signal:
             return self._finish(now_ns)
         self._waited += 1
-        if self._waited > HANDSHAKE_CYCLES_MAX:
+        is_told = all(port.latched_mm is not None for port in self._ports)
+        if self._waited > (CHECK_CYCLES_MAX if is_told else HANDSHAKE_CYCLES_MAX):
             self._judge_missing()
             return self._finish(now_ns)
         return Order.NONE

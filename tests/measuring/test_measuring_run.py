@@ -5,7 +5,13 @@ from dataclasses import dataclass, field
 import pytest
 
 from kernel.errors import Alarm
-from kernel.measuring.run import HANDSHAKE_CYCLES_MAX, MeasuringRun, Order, RunState
+from kernel.measuring.run import (
+    CHECK_CYCLES_MAX,
+    HANDSHAKE_CYCLES_MAX,
+    MeasuringRun,
+    Order,
+    RunState,
+)
 
 MS = 1_000_000
 
@@ -351,7 +357,7 @@ def test_a_latch_that_sdo_does_not_confirm_is_no_measurement() -> None:
     latch = FakeLatch(confirms=False)
     stage = Stage(latch).move()
     latch.latch(1.0)
-    stage.cycles(HANDSHAKE_CYCLES_MAX, standing=True)
+    stage.cycles(CHECK_CYCLES_MAX, standing=True)
     with pytest.raises(Alarm) as alarm:
         stage.cycles(2, standing=True)
     assert alarm.value.id == 900083
