@@ -101,7 +101,7 @@ def test_the_interpolation_time_is_60c2_where_1006_is_0(drive_bench: Make) -> No
     bench.operational(4)
     bench.enable(5)
     for period_us, expected_ns in ((1000, 1 * MS), (0, 2_500_000)):
-        bench.node.image.sync_period_us = period_us
+        sdo[0x1006].raw = period_us
         bench.set_values(0x0F, 1000)
         bench.sync_at_ms(bench.scheduler.now_ns // MS + 1)
         last = bench.axis.commands[-1]

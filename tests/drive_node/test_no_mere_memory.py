@@ -141,7 +141,7 @@ def cst_back(bench: Any, write: Write) -> None:
 
 def without_1006(bench: Any, write: Write) -> None:
     """Csv on a plant of its own pace: the period comes from 60C2."""
-    bench.node.image.sync_period_us = 0
+    bench.remote.sdo[0x1006].raw = 0
     bench.remote.sdo[0x60FF].raw = 1_000_000
     csv(bench, write)
 
