@@ -11,6 +11,11 @@ from typing import Literal
 from kernel.clock import US, TimeNs
 from kernel.errors import UserError
 
+OPTION_DEFAULTS = {0x605A: 2, 0x605B: 0, 0x605C: 1, 0x605D: 1, 0x605E: 2}  # CiA 402-2
+_OPTION_VALUES = "|".join(
+    f"{name}:[{values}](,[{values}])*"
+    for name, values in (("605A", "0-8"), ("605[BC]", "01"), ("605D", "1-4"), ("605E", "0-4"))
+)
 LATCH_MODES = ("interpolated", "linear", "sampled")
 CLOCK_NS = {"ns": 1, "us": 1000}
 
@@ -29,6 +34,7 @@ class DriveProfile:
     min_pulse_ns: a shorter pulse gives neither, but the latch does not wait for it.
     latch_mode: "interpolated" = the position at the latch instant; "linear" = on the line between
         the encoder samples before and after it, `grid_ns` apart; "sampled" = the sample before.
+    option_codes: values that option codes take, `605A:2,6`, the first one at power on.
     lacks: objects that the drive does not have, `60D1` or `60D0.2`.
     The other fields stand in `profiles.csv` with their meaning.
     Raises UserError for a value that cannot be.
@@ -68,6 +74,7 @@ class DriveProfile:
     home_offset: Literal["zero", "value"] = "zero"
     homing_torque: int = 500
     homing_stop_ms: int = 100
+    option_codes: str = ""
     lacks: str = ""
     tick_ns: TimeNs = 250 * US
     rated_torque_mnm: int = 2200
@@ -97,8 +104,16 @@ class DriveProfile:
             )
         if not re.fullmatch(r"(-?\d+( -?\d+)*)?", self.trigger_sources):
             raise _refused("trigger_sources", self.trigger_sources, "numbers such as 1 2 5 6")
+        if not re.fullmatch(rf"(({_OPTION_VALUES})( |$))*", self.option_codes):
+            raise _refused("option_codes", self.option_codes, "codes such as 605A:2,6 605E:2,0")
         if not re.fullmatch(r"([0-9A-Fa-f]{4}(\.\d+)?( |$))*", self.lacks):
             raise _refused("lacks", self.lacks, "objects such as 60D1 60D0.2")
+
+    @cached_property
+    def option_values(self) -> Mapping[int, tuple[int, ...]]:
+        """Values of the option codes that do not take all of them, by index."""
+        parts = [name.partition(":") for name in self.option_codes.split()]
+        return {int(index, 16): tuple(map(int, codes.split(","))) for index, _, codes in parts}
 
     @cached_property
     def missing_objects(self) -> frozenset[tuple[int, int | None]]:
@@ -168,6 +183,10 @@ class DriveProfile:
             "homing_speed": units(20),
             "homing_speed_zero": units(2),
             "quick_stop_deceleration": units(5000),
+            **{
+                f"option_{index:X}": self.option_values.get(index, (usual,))[0]
+                for index, usual in OPTION_DEFAULTS.items()
+            },
         }
 
 

@@ -64,6 +64,9 @@ def test_position_wraps_like_its_object_and_differences_stop_at_the_limit() -> N
         ({"position_factor": Fraction(1, 3)}, "whole position units"),
         ({"input_delay_ns": -1}, "0 or more"),
         ({"input_filter_ns": -1}, "0 or more"),
+        ({"option_codes": "605F:1"}, "605A:2,6"),
+        ({"option_codes": "605A:2,9"}, "605A:2,6"),
+        ({"option_codes": "605D:0"}, "605A:2,6"),
         ({"latch_mode": "exact"}, "interpolated, linear, sampled"),
     ],
 )

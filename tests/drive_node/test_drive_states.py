@@ -9,6 +9,7 @@ from itertools import product
 from typing import Any
 
 import pytest
+from canopen.sdo.exceptions import SdoAbortedError
 
 from bench.drive.application.states import OPTIONS, StateMachine
 from bench.drive.image import ProcessImage
@@ -212,3 +213,28 @@ def test_numbers_of_option_codes_are_those_of_the_standard() -> None:
     assert [OPTIONS[0x605A, code].then.name for code in range(9)] == (
         ["SWITCH_ON_DISABLED"] * 5 + ["QUICK_STOP_ACTIVE"] * 4
     )
+
+
+@pytest.mark.parametrize(
+    ("habit", "usual", "taken", "refused"),
+    [
+        ("", {0x605A: 2, 0x605B: 0, 0x605C: 1, 0x605D: 1, 0x605E: 2}, (0, 5, 8), (9, -1)),
+        ("605A:6", {0x605A: 6, 0x605E: 2}, (6,), (2, 5)),
+        ("605A:2,6 605E:2,0", {0x605A: 2, 0x605E: 2}, (2, 6), (0, 1, 5)),
+    ],
+)
+def test_a_drive_profile_may_take_fewer_option_codes(
+    drive_bench: Make,
+    habit: str,
+    usual: dict[int, int],
+    taken: tuple[int, ...],
+    refused: tuple[int, ...],
+) -> None:
+    sdo = drive_bench(profile=DriveProfile(option_codes=habit)).remote.sdo
+    assert {index: sdo[index].raw for index in usual} == usual
+    for code in taken:
+        sdo[0x605A].raw = code
+    for code in refused:
+        with pytest.raises(SdoAbortedError) as caught:
+            sdo[0x605A].raw = code
+        assert caught.value.code == 0x06090030

@@ -168,6 +168,8 @@ class Servo:
         """Return the abort code of a write that this drive or its state does not allow."""
         if index == 0x6060 and value not in self.modes:
             return INVALID_VALUE
+        if value not in self._profile.option_values.get(index, (value,)):
+            return INVALID_VALUE
         if index in _OPTION_CODES and not self.motion.controls_velocity:
             option = OPTIONS.get((index, value))
             if option is not None and option.reaction in BY_LIMIT:
