@@ -129,7 +129,7 @@ class Machine:
                     for axis, link in self.links.items()
                     if axis in self.outside and self.settings.rig.axis[axis].segment == name
                     for telegram in link.telegrams.values()
-                    if telegram.is_cyclic and telegram.name.startswith("TPDO")
+                    if telegram.transmission == 1 and telegram.name.startswith("TPDO")
                 )
 
     def _build_recorder(self) -> Recorder:

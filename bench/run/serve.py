@@ -193,6 +193,12 @@ class DriveServer:
                 self._mend(clock())
         finally:
             gc.unfreeze()
+        behind = self.scheduler.deadlines
+        if behind.slips:
+            self._put_out(
+                f"this computer was more than {BEHIND_NS // MS} ms behind {behind.slips} times,"
+                f" {behind.slipped_ns / MS:.0f} ms in all; the drives lived that much slower"
+            )
 
     def close(self) -> None:
         """Write the trace; close interfaces, logs and plants."""
