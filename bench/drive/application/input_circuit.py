@@ -42,10 +42,12 @@ class InputCircuit:
         if self._signal is None:
             return []
         edges = self._signal.edges
+        if self._next == len(edges) > 0:
+            return []
         if self._next == 0:
             # The level that the plant was initialised with is no edge
             self.level = not edges[0][1] if edges else self._signal.level
-        out = []
+        out: list[InputEdge] = []
         while self._next < len(edges):
             edge_ns, level = edges[self._next]
             latch_ns = edge_ns + self._delay_ns + self._jitter(self._next)
