@@ -180,8 +180,8 @@ def test_check_describes_plan_and_rig_on_standard_output(place: Path, axisrig: C
     assert (code, err) == (0, "")
     assert "plan.csv: 1 run" in out
     assert "plan-a" in out
-    # SYNC, RPDO1, TPDO1 and the latch TPDO of one drive at 1 Mbit/s
-    assert "420.0 of 1000.0 us" in out
+    # SYNC 55, RPDO1 and TPDO1 135 each, the latch TPDO with its counter 115 us
+    assert "440.0 of 1000.0 us" in out
     assert not (place / "out").exists()
 
 
