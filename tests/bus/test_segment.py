@@ -307,3 +307,24 @@ def test_closed_segment_frees_its_name_and_its_ports(scheduler: Scheduler) -> No
 def test_bit_rate_is_positive(scheduler: Scheduler) -> None:
     with pytest.raises(ValueError, match="bit rate"):
         Segment("none", 0, scheduler)
+
+
+@pytest.mark.parametrize(
+    ("bitrate", "bit_ns"),
+    [(125_000, 8000), (250_000, 4000), (500_000, 2000), (800_000, 1250), (1_000_000, 1000)],
+)
+def test_bit_rates_of_cia_301(
+    scheduler: Scheduler, watch: Watch, bitrate: int, bit_ns: int
+) -> None:
+    """Two SYNCs of 48 bits, 3 bits apart; the load counts bits, not time."""
+    with Segment("rate", bitrate, scheduler) as segment:
+        seen = watch(segment)
+        sender, _ = segment.port("sender"), segment.port("receiver")
+        sender.send_raw(0x080, b"")
+        sender.send_raw(0x080, b"")
+        scheduler.run_until(2 * MS)
+        assert [time_ns for time_ns, *_ in seen] == [48 * bit_ns, (51 + 48) * bit_ns]
+        load = segment.load()
+        assert load.busy_bits == 2 * 51
+        assert load.busy_share == pytest.approx(2 * 51 * bit_ns / (2 * MS))
+        assert load.worst_delay_ns == {0x080: 51 * bit_ns}
