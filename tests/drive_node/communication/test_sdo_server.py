@@ -70,6 +70,13 @@ def test_one_byte_for_a_16_bit_object_is_too_short(stranger: Make) -> None:
         ("2321100000000000", 0x06010002),  # 1021, the EDS
         ("2f18100501000000", 0x06090011),
         ("2f00200001000000", 0x06020000),
+        ("4012100000000000", 0x06020000),  # 1012, TIME: what the page calls missing
+        ("4001120000000000", 0x06020000),  # 1201, a second server
+        ("4080120000000000", 0x06020000),  # 1280, a client
+        ("40501f0000000000", 0x06020000),  # 1F50, program download
+        ("4029100200000000", 0x06090011),  # 1029:2
+        ("4000140300000000", 0x06090011),  # 1400:3, inhibit time of an RPDO
+        ("4004140000000000", 0x06020000),  # a fifth RPDO
         ("e000100000000000", COMMAND),  # command specifier 7
         ("0000000000000000", COMMAND),  # a segment without a transfer
         ("6000000000000000", COMMAND),
