@@ -10,7 +10,7 @@ from bench.rig.outside import check_outside, is_real
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_dictionary, drive_steps
 from kernel.clock import US
-from kernel.drives.dictionary import check_functions
+from kernel.drives.dictionary import check_functions, variable
 from kernel.drives.ds402 import latch_object
 from kernel.drives.functions import read_functions
 from kernel.drives.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
@@ -41,9 +41,17 @@ def _drive_of(settings: Settings, name: str) -> DriveTable:
     return settings.rig.drive[settings.rig.axis[name].drive]
 
 
+def _has_object(settings: Settings, name: str, index: int) -> bool:
+    """Whether the drive of an axis has an object for a TPDO, by its EDS if the rig names one."""
+    drive = _drive_of(settings, name)
+    if drive.eds is None:
+        return drive.make().has_object(index)
+    found = variable(drive_dictionary(drive, settings.rig.axis[name].node, drive.make()), index, 0)
+    return found is not None and bool(found.pdo_mappable)
+
+
 def _knows_counter(settings: Settings, name: str) -> bool:
-    counter = _latch_object(settings, name) + FROM_LATCH_TO_COUNTER
-    return _drive_of(settings, name).make().has_object(counter)
+    return _has_object(settings, name, _latch_object(settings, name) + FROM_LATCH_TO_COUNTER)
 
 
 def has_latch_counter(settings: Settings, name: str) -> bool:
@@ -65,7 +73,7 @@ def has_sdo_room(settings: Settings, name: str) -> bool:
 
 def has_inputs(settings: Settings, name: str) -> bool:
     """Whether the drive of an axis has the digital inputs 60FD."""
-    return _drive_of(settings, name).make().has_object(DIGITAL_INPUTS)
+    return _has_object(settings, name, DIGITAL_INPUTS)
 
 
 def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:

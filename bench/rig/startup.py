@@ -3,6 +3,8 @@
 import re
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from canopen.objectdictionary import ObjectDictionary
@@ -131,7 +133,17 @@ def drive_dictionary(keys: StartUpKeys, node_id: int, profile: DriveProfile) -> 
 
     Raises UserError for an EDS that cannot be read.
     """
-    return object_dictionary(node_id, profile) if keys.eds is None else read_eds(keys.eds, node_id)
+    if keys.eds is None:
+        return object_dictionary(node_id, profile)
+    file = Path(keys.eds)
+    state = file.stat() if file.is_file() else None
+    return _eds(keys.eds, node_id, state and (state.st_mtime_ns, state.st_size))
+
+
+@cache
+def _eds(path: str, node_id: int, _state: tuple[int, int] | None) -> ObjectDictionary:
+    """Read an EDS once, as long as the file stays the same: a check asks for it often."""
+    return read_eds(path, node_id)
 
 
 def drive_steps(

@@ -115,6 +115,27 @@ def test_a_foreign_drive_is_checked_against_its_own_eds(rig_file: Write, setting
     assert (error.file, error.line) == (str(path), 12)
 
 
+@pytest.mark.parametrize(
+    ("lacks", "objects", "pdos"),
+    [
+        ("", [0x60BA, 0x60D5], {"RPDO1", "TPDO1", "TPDO2", "TPDO3"}),
+        ("60D5", [0x60BA], {"RPDO1", "TPDO1", "TPDO2", "TPDO3"}),
+        ("60FD", [0x60BA, 0x60D5], {"RPDO1", "TPDO1", "TPDO2"}),
+    ],
+)
+def test_what_a_foreign_drive_lacks_by_its_eds_is_not_mapped(
+    rig_file: Write, settings_of: Read, lacks: str, objects: list[int], pdos: set[str]
+) -> None:
+    path = rig_file((DRIVE, DRIVE + 'eds = "foreign.eds"\n'))
+    text = eds_text(DriveProfile(lacks=lacks))
+    (path.parent / "foreign.eds").write_text(text, encoding="utf-8")
+    settings = settings_of(path)
+    check_rig(settings)
+    telegrams = axis_telegrams(settings, "Z")
+    assert [mapped.index for mapped in telegrams["TPDO2"].objects] == objects
+    assert set(telegrams) == pdos
+
+
 def test_a_file_that_is_no_eds_is_told(rig_file: Write, settings_of: Read) -> None:
     path = rig_file((DRIVE, DRIVE + 'eds = "foreign.eds"\n'))
     (path.parent / "foreign.eds").write_text("<xml/>", encoding="utf-8")
