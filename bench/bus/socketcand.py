@@ -25,17 +25,23 @@ from bench.bus.frame import DATA_BYTES_MAX, EXTENDED_ID_MAX, STANDARD_ID_MAX
 DEFAULT_PORT = 29536
 """The port of socketcand."""
 BUFFER_MAX = 1 << 20
+SETTLING_S = 0.02
+"""python-can's client takes the last `< ok >` only when nothing follows it in the same piece."""
 LINE_MAX = 200
 _STANDARD_DIGITS = 3
 
 
 class _Client:
-    """One connection: what of it is not read to the end, what it has not taken yet."""
+    """One connection: what of it is not read to the end, what it has not taken yet.
+
+    settling_s: so long it gets no frames yet, counted down while nobody does anything.
+    """
 
     def __init__(self, connection: socket.socket, name: str) -> None:
         self.connection, self.name = connection, name
         self.received = b""
         self.unsent = b""
+        self.settling_s = 0.0
         self.is_raw = False
 
     def flush(self) -> bool:
@@ -118,6 +124,8 @@ class SocketcandServer(can.BusABC):
             readable, writable, _ = select.select([self._server, *by_socket], slow, [], timeout)
         except (OSError, ValueError) as error:
             raise can.CanOperationError(f"the server has failed: {error}") from error
+        if timeout and not (readable or writable):
+            self._settle(timeout)
         for connection in writable:
             if not by_socket[connection].flush():
                 self._drop(by_socket[connection])
@@ -132,6 +140,12 @@ class SocketcandServer(can.BusABC):
                 continue
             for line in lines:
                 self._act(client, line)
+
+    def _settle(self, timeout: float) -> None:
+        """Let time pass for clients that have just entered raw mode."""
+        for client in self._clients:
+            if client.is_raw and client.settling_s > 0.0:
+                client.settling_s -= timeout
 
     def _accept(self) -> None:
         try:
@@ -159,6 +173,7 @@ class SocketcandServer(can.BusABC):
         """Do what one command says."""
         word, _, rest = line.partition(" ")
         if word == "send" and client.is_raw:
+            client.settling_s = 0.0
             msg = _message(rest)
             if msg is None:
                 self._answer(client, "error could not parse send command")
@@ -169,7 +184,7 @@ class SocketcandServer(can.BusABC):
             self._answer(client, "echo")
         elif word in ("open", "rawmode"):
             self._answer(client, "ok")
-            client.is_raw = word == "rawmode"
+            client.is_raw, client.settling_s = word == "rawmode", SETTLING_S
         else:
             self._answer(client, "error unknown command")
 
@@ -177,8 +192,8 @@ class SocketcandServer(can.BusABC):
         digits = 8 if msg.is_extended_id else _STANDARD_DIGITS
         identifier = f"{msg.arbitration_id:0{digits}X}"
         text = f"frame {identifier} {msg.timestamp:.6f} {bytes(msg.data).hex().upper()}"
-        for client in [client for client in self._clients if client.is_raw]:
-            if client is not sender:
+        for client in list(self._clients):
+            if client.is_raw and client.settling_s <= 0.0 and client is not sender:
                 self._answer(client, text)
 
 

@@ -40,6 +40,7 @@ def client(server: SocketcandServer) -> Iterator[Client]:
     made = Client(server)
     assert made.ask("< open can0 >") == "< ok >"
     assert made.ask("< rawmode >") == "< ok >"
+    server.recv(0.05)  # it has settled
     yield made
     made.socket.close()
 
@@ -59,6 +60,7 @@ def test_a_frame_of_a_client_reaches_server_and_other_clients(
     other = Client(server)
     other.ask("< open can0 >")
     other.ask("< rawmode >")
+    server.recv(0.05)
     client.write("< send 603 8 40 41 60 0 0 0 0 0 >")
     received = server.recv(1.0)
     assert received is not None
@@ -113,6 +115,21 @@ def test_nobody_gets_frames_before_raw_mode(server: SocketcandServer) -> None:
     made = Client(server)
     server.send(can.Message(arbitration_id=1, is_extended_id=False))
     assert made.ask("< open can0 >") == "< ok >"
+    made.socket.close()
+
+
+def test_no_frame_follows_the_last_ok_in_the_same_piece(server: SocketcandServer) -> None:
+    """python-can's client compares what it reads then as a whole."""
+    made = Client(server)
+    made.ask("< open can0 >")
+    made.write("< rawmode >")
+    server.recv(0.001)
+    server.send(can.Message(arbitration_id=1, is_extended_id=False))
+    assert made.socket.recv(4096) == b"< ok >"
+    made.write("< send 2 0 >")  # who speaks has read
+    server.recv(0.05)
+    server.send(can.Message(arbitration_id=3, is_extended_id=False))
+    assert made.socket.recv(4096) == b"< frame 003 0.000000  >"
     made.socket.close()
 
 
