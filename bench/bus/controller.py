@@ -54,6 +54,10 @@ class Wire(Protocol):
         """Let a controller that is bus-off count recessive bits."""
         ...
 
+    def note_state(self, port: Any, state: ErrorState) -> None:
+        """Take note of a new error state of a controller."""
+        ...
+
     def cut(self, port: Any) -> None:
         """End what a controller is sending in the middle of it."""
         ...
@@ -118,6 +122,13 @@ class Controller:
         if self.errors.state is ErrorState.BUS_OFF and self._has_power:
             self.segment.recover(self)
 
+    def force_bus_off(self) -> None:
+        """Become bus-off now, as after many errors as a sender (a fault of the controller)."""
+        while self.errors.state is not ErrorState.BUS_OFF:
+            self.errors.transmit_failed()
+        self.segment.cut(self)
+        self.update_state()
+
     def power_off(self) -> None:
         """Leave the bus as a node without power: nothing is sent, received or acknowledged.
 
@@ -159,8 +170,8 @@ class Controller:
         self.discarded += len(self.pending)
         self.pending.clear()
 
-    def update_state(self) -> bool:
-        """Act on a change of the error state and call back; return whether there was one."""
+    def update_state(self) -> None:
+        """Act on a change of the error state and call back."""
         state = self.errors.state
         takes_part = self._has_power and state is not ErrorState.BUS_OFF
         if takes_part is not self.takes_part:
@@ -168,9 +179,8 @@ class Controller:
             if not takes_part:
                 self.discard()
             self.segment.update_parts()
-        if state is self._told_state:
-            return False
-        self._told_state = state
-        for callback in self._state_callbacks:
-            callback(state)
-        return True
+        if state is not self._told_state:
+            self._told_state = state
+            for callback in self._state_callbacks:
+                callback(state)
+            self.segment.note_state(self, state)

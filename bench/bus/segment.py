@@ -199,6 +199,10 @@ class Segment:
         now_ns = self.scheduler.now_ns
         self._recovery.add(port, None if self._wire else max(now_ns, self._free_ns))
 
+    def note_state(self, port: Controller, state: ErrorState) -> None:
+        """Take note of a new error state of `port`; it calls this."""
+        self._standing.note(port, state)
+
     def cut(self, port: Controller) -> None:
         """End what `port` is sending, for it has no power any more; it calls this.
 

@@ -73,11 +73,14 @@ class Standing:
     def tell(self, ports: Sequence[Controller]) -> None:
         """Act on changes of error states."""
         for port in ports:
-            if port.update_state():
-                state = port.error_state
-                self.changes.append((self._scheduler.now_ns, port.port_name, state))
-                if state is ErrorState.BUS_OFF and self._automatic:
-                    port.recover()
+            port.update_state()
+
+    def note(self, port: Controller, state: ErrorState) -> None:
+        """Keep a new error state; let a controller that is bus-off recover."""
+        self.is_disturbed = True
+        self.changes.append((self._scheduler.now_ns, port.port_name, state))
+        if state is ErrorState.BUS_OFF and self._automatic:
+            port.recover()
 
     def _recovered(self, port: Controller) -> None:
         port.errors.reset()

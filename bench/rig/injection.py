@@ -10,7 +10,6 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from bench.bus.confinement import ErrorState
 from bench.bus.faults import (
     Alter,
     Delay,
@@ -130,9 +129,7 @@ class _Injection:
         port = next(p for p in self._segment.ports if p.port_name == self._fault.axis)
 
         def leave() -> None:
-            while port.error_state is not ErrorState.BUS_OFF:
-                port.errors.transmit_failed()
-            port.update_state()
+            port.force_bus_off()
             if for_ns is not None:  # else the controller recovers by itself, as the bus has it
                 port.power_off()
 

@@ -205,6 +205,28 @@ def test_recovery_takes_128_times_11_recessive_bits(scheduler: Scheduler, segmen
     assert (sender.tec, sender.rec) == (0, 0)
 
 
+def test_a_controller_forced_off_the_bus_comes_back_in_the_same_time(
+    scheduler: Scheduler, segment: Segment, watch: Watch
+) -> None:
+    """Forced in bit 20 of its own frame: 20 bits, 6 recessive, flag 6, delimiter 8, then 1408."""
+    seen = watch(segment)
+    sender, other = segment.port("sender"), segment.port("other")
+    told: list[ErrorState] = []
+    sender.on_error_state(told.append)
+    sender.send_raw(0x123, b"\x01\x02")
+    scheduler.call_at(19_500, Phase.APPLICATION, sender.force_bus_off)
+    scheduler.run_until(MS)
+    assert seen == [(40_000, 0x123, "error")]
+    assert (sender.error_state, sender.takes_part, other.rec) == (OFF, False, 1)
+    scheduler.run_until(10 * MS)
+    assert told == [OFF, ErrorState.ACTIVE]
+    names = [(name, state) for _, name, state in segment.state_changes]
+    assert names == [("sender", OFF), ("sender", ErrorState.ACTIVE)]
+    # The error frame that its silence caused ends with 11 recessive bits as any other does
+    assert segment.state_changes[1][0] == 43_000 + 127 * 11_000
+    assert (sender.tec, sender.takes_part) == (0, True)
+
+
 def test_on_a_busy_bus_every_frame_counts_once_for_the_recovery(scheduler: Scheduler) -> None:
     """Frames without a gap: 128 of them; recovery begins only when it is asked for."""
     with Segment("busy", 1_000_000, scheduler, automatic_recovery=False) as segment:
