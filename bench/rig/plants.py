@@ -72,7 +72,8 @@ def build_plant(settings: Settings) -> Plant:
             else:
                 sensors.append((instance, table, roles))
             set_start_values(settings, instance, table, roles)
-            plant.notes[instance] = [*_problems(slave), *roles.notes]
+            notes = [note for note in roles.notes if not _is_needless(settings, instance, note)]
+            plant.notes[instance] = [*_problems(slave), *notes]
             plant.remarks[instance] = _remarks(table, roles)
         for instance, table, roles in sensors:
             _wire(settings, plant, instance, table, roles)
@@ -81,6 +82,18 @@ def build_plant(settings: Settings) -> Plant:
             slave.close()
         raise
     return plant
+
+
+def _is_needless(settings: Settings, instance: str, note: str) -> bool:
+    """Tell whether a note is about what a limit or home switch has nothing to do with."""
+    keys = [
+        key
+        for axis in settings.rig.axis.values()
+        for key, name in axis.signals.items()
+        if name == instance
+    ]
+    is_switch = bool(keys) and not any(key.startswith("probe") for key in keys)
+    return is_switch and note.startswith("no contact_")
 
 
 def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:

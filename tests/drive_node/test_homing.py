@@ -205,7 +205,7 @@ def test_home_is_the_edge_of_the_switch(method: int, start_mm: float) -> None:
     assert found_mm == pytest.approx(EDGES[method], abs=SEEN_MM)
 
 
-@pytest.mark.parametrize(("method", "start_mm"), [(m, s) for m in MARKS for s in STARTS[m]])
+@pytest.mark.parametrize(("method", "start_mm"), [(m, s) for m in MARKS for s in STARTS[m][::2]])
 def test_home_is_the_zero_pulse_beside_the_switch(method: int, start_mm: float) -> None:
     """To the increment: whole revolutions from the mark of the encoder."""
     bench = bench_for(method, start_mm)

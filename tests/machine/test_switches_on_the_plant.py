@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -42,6 +43,8 @@ class Master:
         network = self.network = SimNetwork(segments["can1"].port("master")).connect()
         remote = SimRemoteNode(3, object_dictionary(3, self.node.profile))
         network.add_node(remote)
+        self.emergencies: list[int] = []
+        network.subscribe(0x83, lambda _, data, __: self.emergencies.append(data[0] | data[1] << 8))
         self.sdo = remote.sdo
         self.run_ms(2)
 
@@ -177,12 +180,14 @@ def test_a_limit_switch_stops_the_axis_and_leaves_the_way_back(
     assert 60.0 < stood_mm < 60.0 + BRAKING_MM + UP_MM_S * (250e-6 + 0.02)
     assert made.word & 0x6F == 0x27
     assert made.word & LIMITED
+    assert made.emergencies == [0x8612]
     made.cycle(300)
     assert made.truth_mm == pytest.approx(stood_mm, abs=0.01)
     made.cycle(100, **{name: round(down * UNITS_PER_MM)})
     assert made.truth_mm < 59.0
     assert not made.word & LIMITED
     assert not made.sdo[0x60FD].raw & 0b10
+    assert made.emergencies == [0x8612, 0x0000]
     made.cycle(2000, **{name: round(0.1 * up * UNITS_PER_MM)})
     assert 60.0 < made.truth_mm < 60.5
 
@@ -242,3 +247,25 @@ def test_torque_acts_away_from_the_limit_switch_only(master: Callable[..., Maste
     assert made.truth_mm == pytest.approx(62.0, abs=0.01)
     made.cycle(100, o6071=-300)
     assert made.truth_mm < 61.0
+
+
+def test_homing_on_a_limit_switch_is_no_emergency(master: Callable[..., Master]) -> None:
+    made = master()
+    made.home(18)
+    assert made.word & (ATTAINED | REACHED | ERROR) == ATTAINED | REACHED
+    assert made.emergencies == []
+
+
+def test_a_program_that_runs_into_a_limit_switch_ends_with_an_alarm(
+    run_own: Callable[..., Any], tmp_path: Path
+) -> None:
+    """Never as if it had reached its target."""
+    program = tmp_path / "far.nc"
+    program.write_text("%far\nN10 G90 G1 Z65 F600\nN20 Z0\nN30 M30\n")
+    out = run_own(program, RIG)
+    assert out.alarms == [900025]
+    assert 60.0 < out.column("Z.truth_mm")[-1] < 61.0
+
+
+def test_a_switch_is_not_expected_to_tell_contacts(master: Callable[..., Master]) -> None:
+    assert master().plant.notes["home"] == []

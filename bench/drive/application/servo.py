@@ -28,6 +28,7 @@ from bench.drive.profile import DriveProfile
 from kernel.clock import Clock, TimeNs
 from kernel.drives.ds402 import STATES, State, Status, automatic
 
+REFERENCE_LIMIT = 0x8612  # emergency code of CiA 402: a limit switch has stopped the axis
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
 NEVER = -1  # before the first SYNC
 HALT = 1 << 8  # bit of the controlword
@@ -257,17 +258,20 @@ class Servo:
 
         A mode that minds limit switches itself is left alone.
         """
-        word, limits = self.switches.limits, self.limits
         if not self.switches.has_limits:
             return
+        word, limits = self.switches.limits, self.limits
         is_left = self.mode.minds_limits if self._is_operating else self._is_braking
-        if word == limits.blocked or is_left:
+        if word == limits.blocked or (is_left and word):
             return
         speed = self.motion.velocity_m_s(now_ns)
         is_met = self.switches.limit(speed) and not limits.blocked & word
         if not is_met or not self._is_operating:
             limits.block(word, self.motion.position_m())
+            if not word:
+                self.emergency.clear(REFERENCE_LIMIT)
         else:
+            self.emergency.report(REFERENCE_LIMIT, PROFILE_ERROR)
             self._brake(now_ns, Reaction.QUICK_STOP)
             self._goes_on, self._resumes = True, False
 
