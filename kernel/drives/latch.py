@@ -52,6 +52,7 @@ class LatchWatch:
         self._count_before: int | None = None
         self._cleared: tuple[int, int] = (0, 0)  # a count that goes back, and how often in a row
         self._old_values: deque[int] = deque(maxlen=OLD_VALUES)
+        self._at_rest: tuple[int | None, int | None] | None = None
         self._forget()
 
     def _forget(self) -> None:
@@ -64,6 +65,7 @@ class LatchWatch:
     def arm(self) -> None:
         """Tell that the probe is ordered on with the next telegram."""
         self._forget()
+        self._at_rest = None
         self.is_ordered = True
 
     def disarm(self) -> None:
@@ -96,12 +98,16 @@ class LatchWatch:
         Raises Alarm 900060 to 900064 for what contradicts itself.
         """
         self._status = status
+        if not self.is_ordered and (value, count) == self._at_rest:
+            return  # nothing new
         is_stored = self.is_armed and self.has_latched
         if count is not None and not is_stored:
             self._rest(count)
         if not self.is_ordered:
             if value is not None and value not in self._old_values:
                 self._old_values.append(value)
+            is_known = count == self._count_before and not is_stored
+            self._at_rest = (value, count) if is_known else None
             return
         self._travel.append(actual)
         self._check_kept(status)
