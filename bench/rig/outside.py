@@ -46,7 +46,7 @@ def check_outside(settings: Settings) -> None:
     """Refuse what needs a simulation and stands outside.
 
     Raises UserError with the place: `outside` on a simulated segment, start values of plants that
-    are not simulated, faults on a real bus, a probe that a simulated drive lacks.
+    are not simulated, faults on a real bus, a sensor that a simulated drive lacks.
     """
     outside, plants = outside_axes(settings), simulated_plants(settings)
     if settings.faults and is_paced(settings):
@@ -63,13 +63,13 @@ def check_outside(settings: Settings) -> None:
                 f"axis {name} cannot stand outside: segment {axis.segment} is simulated",
                 hint=f"give segment {axis.segment} an interface and a channel",
             )
-        for key, probe in axis.signals.items():
-            if name not in outside and probe in settings.rig.plant and probe not in plants:
+        for key, sensor in {**axis.signals, "encoder_2": axis.encoder_2}.items():
+            if name not in outside and sensor in settings.rig.plant and sensor not in plants:
                 raise rig_error(
                     settings.files,
                     ("axis", name, key),
-                    f"axis {name}: {probe} reads an axis outside, so it is not simulated",
-                    value=probe,
+                    f"axis {name}: {sensor} reads an axis outside, so it is not simulated",
+                    value=sensor,
                 )
     for instance, items in settings.start.items():
         if instance not in plants:

@@ -9,8 +9,9 @@ import pytest
 from bench.bus.deadlines import Deadlines
 from bench.cli import main
 from bench.rig.file import read_rig
-from bench.rig.outside import outside_axes, simulated_plants
+from bench.rig.outside import check_outside, outside_axes, simulated_plants
 from bench.rig.settings import read_settings
+from kernel.errors import UserError
 from reports.realtime import real_time
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
@@ -168,8 +169,12 @@ def test_one_axis_can_stand_outside_and_the_others_here() -> None:
     plants = simulated_plants(settings)
     for name in names:
         assert (rig.axis[name].plant in plants) is (name not in away)
-    # A probe that reads an axis outside cannot be simulated
+    # A probe that reads an axis outside cannot be simulated, and Z is wired to it
     assert "probe" not in plants
+    with pytest.raises(UserError, match="axis Z: probe reads an axis outside") as caught:
+        check_outside(settings)
+    assert caught.value.file is not None
+    assert caught.value.line is not None
 
 
 def test_the_report_says_in_words_what_was_late() -> None:
