@@ -104,8 +104,8 @@ class DriveNode:
         """NMT state; initialising while the drive has no power."""
         return self.slave.state
 
-    def _send_emergency(self, code: int, register: int) -> None:
-        self.slave.emergencies.send(code, register)
+    def _send_emergency(self, code: int, register: int, info: int) -> None:
+        self.slave.emergencies.send(code, register, info)
 
     def _send_changes(self) -> None:
         self.slave.exchange.send_events()

@@ -112,7 +112,7 @@ def test_short_rpdo_is_dropped_with_an_emergency_once(drive_bench: Make) -> None
     bench.master.send_message(0x203, bytes.fromhex("060001000000"))
     bench.sync_at_ms(3)
     assert bench.node.state is State.SWITCH_ON_DISABLED
-    assert bench.frames(0x083) == [bytes.fromhex("1082110000000000")]
+    assert bench.frames(0x083) == [bytes.fromhex("1082110100000000")]
     bench.set_values(0x06, 0)
     bench.sync_at_ms(4)
     assert bench.frames(0x083)[1:] == [bytes(8)]

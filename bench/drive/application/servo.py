@@ -55,8 +55,8 @@ _STATUSWORD = {
 class Servo:
     """The application of a drive node.
 
-    One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register)
-    sends an emergency message; changed() is called when a tick has changed the statusword.
+    One SYNC is `begin`, then the new object values, then `cycle`. send_emergency(code, register,
+    info) sends an emergency message; changed() is called when a tick has changed the statusword.
     switches: limit and home switches by their names (`switches.SWITCHES`).
     sync_ns: instant of the last SYNC, NEVER before the first one.
     """
@@ -66,7 +66,7 @@ class Servo:
         axis: AxisPort,
         signals: tuple[SignalPort | None, SignalPort | None],
         profile: DriveProfile,
-        send_emergency: Callable[[int, int], None],
+        send_emergency: Callable[[int, int, int], None],
         clock: Clock,
         changed: Callable[[], None],
         seed: int = 0,

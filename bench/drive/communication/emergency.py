@@ -4,6 +4,7 @@ Source: CiA 301, emergency object; a message says the code and the register, cod
 an error has gone.
 """
 
+import struct
 from collections import deque
 from collections.abc import Callable
 from typing import Final
@@ -22,30 +23,32 @@ PROFILE_ERROR: Final = 1 << 5
 
 ERROR_HISTORY, EMERGENCY_ID, EMERGENCY_INHIBIT = 0x1003, 0x1014, 0x1015
 HISTORY_LENGTH = 8
+_MESSAGE: Final = struct.Struct("<HBB4x")
 WAITING_MAX = 32  # messages held by inhibit time or NMT state; the oldest goes first
 
 
 class Emergency:
     """The errors that stand at a node, shown in its error register.
 
-    send(code, register) sends one message.
+    send(code, register, info) sends one message.
     """
 
-    def __init__(self, image: ProcessImage, send: Callable[[int, int], None]) -> None:
+    def __init__(self, image: ProcessImage, send: Callable[[int, int, int], None]) -> None:
         self._image, self._send = image, send
         self._bits: dict[tuple[int, object], int] = {}
 
-    def report(self, code: int, bit: int, source: object = None) -> None:
+    def report(self, code: int, bit: int, source: object = None, info: int = 0) -> None:
         """Note an error with its bit of the register; a message only when its code is new.
 
         source: part of the communication that has the error; it tells two errors of one code
-        apart, such as those of two PDOs. None = the application.
+        apart, such as those of two PDOs. None = the application. info: first of the five bytes
+        that are the device's own, 0 to 255.
         """
         if (code, source) not in self._bits:
             is_new = not self.stands(code)
             self._bits[code, source] = bit
             if is_new:
-                self._tell(code)
+                self._tell(code, info)
 
     def clear(self, code: int, source: object = None) -> None:
         """Take an error back; a message only when none of its code is left."""
@@ -54,7 +57,7 @@ class Emergency:
 
     def mention(self, code: int, bit: int) -> None:
         """Tell of something that is over already."""
-        self._send(code, self._image.error_register | GENERIC_ERROR | bit)
+        self._send(code, self._image.error_register | GENERIC_ERROR | bit, 0)
 
     def stands(self, code: int) -> bool:
         """Whether an error with this code stands, from whatever source."""
@@ -70,8 +73,8 @@ class Emergency:
         self._bits = {key: bit for key, bit in self._bits.items() if key[1] is None}
         self._show()
 
-    def _tell(self, code: int) -> None:
-        self._send(code, self._show())
+    def _tell(self, code: int, info: int = 0) -> None:
+        self._send(code, self._show(), info)
 
     def _show(self) -> int:
         register = GENERIC_ERROR if self._bits else 0
@@ -99,11 +102,11 @@ class EmergencyProducer(Owner):
         self._inhibit = Timer(clock, self._pass_on)
         self._may_send = False
 
-    def send(self, code: int, register: int) -> None:
+    def send(self, code: int, register: int, info: int) -> None:
         """Send a message as soon as it may go; an error goes into the history at once."""
         if code != NO_ERROR:
-            self._history.appendleft(code)
-        self._waiting.append(code.to_bytes(2, "little") + bytes((register, 0, 0, 0, 0, 0)))
+            self._history.appendleft(info << 16 | code)
+        self._waiting.append(_MESSAGE.pack(code, register, info))
         self._pass_on()
 
     def allow(self, may_send: bool) -> None:

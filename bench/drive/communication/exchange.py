@@ -228,7 +228,7 @@ class PdoExchange(Owner):
         if len(data) != rpdo.size:
             rpdo.has_error = True
             code = TOO_SHORT if len(data) < rpdo.size else TOO_LONG
-            self._emergency.report(code, COMMUNICATION_ERROR, rpdo.number)
+            self._emergency.report(code, COMMUNICATION_ERROR, rpdo.number, rpdo.number + 1)
             if code == TOO_SHORT:
                 return
         elif rpdo.has_error:
@@ -244,7 +244,7 @@ class PdoExchange(Owner):
 
     def _timed_out(self, rpdo: Rpdo) -> None:
         rpdo.has_error = True
-        self._emergency.report(TIMED_OUT, COMMUNICATION_ERROR, rpdo.number)
+        self._emergency.report(TIMED_OUT, COMMUNICATION_ERROR, rpdo.number, rpdo.number + 1)
         self._events.timed_out()
 
     def _clear_errors(self, rpdo: Rpdo) -> None:

@@ -175,7 +175,7 @@ def check_write(index: int, sub: int, value: int, store: ObjectStore) -> None:
         first = EVENT_FIRST if index < TPDO_COMMUNICATION else REMOTE_AT_SYNC
         if SYNC_LAST < value < first:
             abort(AbortCode.INVALID_VALUE)
-    elif sub in (INHIBIT, SYNC_START) and is_valid:
+    elif sub in (INHIBIT, SYNC_START) and is_valid and value != store.value(index, sub):
         abort(AbortCode.INVALID_VALUE)
 
 

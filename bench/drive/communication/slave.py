@@ -172,7 +172,7 @@ class CanopenSlave:
         send = self._sender(ERROR_CONTROL_ID)
         self.heartbeat = HeartbeatProducer(store, clock, send, lambda: self.state)
         self._consumer = HeartbeatConsumer(
-            store, clock, network, self._partner_lost, partial(emergency.clear, LOST_CONNECTION)
+            store, clock, network, self._node_lost, partial(emergency.clear, LOST_CONNECTION)
         )
         events = GuardingEvents(
             partial(self._partner_lost, _GUARDING),
@@ -330,8 +330,12 @@ class CanopenSlave:
         if self._needs.connection():
             self._application.connection_lost(self._clock.now_ns, code)
 
-    def _partner_lost(self, source: object) -> None:
-        self._application.emergency.report(LOST_CONNECTION, COMMUNICATION_ERROR, source)
+    def _node_lost(self, node_id: int) -> None:
+        self._partner_lost(node_id, node_id)
+
+    def _partner_lost(self, source: object, info: int = 0) -> None:
+        emergency = self._application.emergency
+        emergency.report(LOST_CONNECTION, COMMUNICATION_ERROR, source, info)
         self._communication_error(LOST_CONNECTION)
 
     def _communication_error(self, code: int) -> None:

@@ -125,7 +125,9 @@ class SyncConsumer(Owner):
             if value & BIT_30:
                 abort(AbortCode.INVALID_VALUE)
             check_identifier(value & ~NOT_VALID)  # bit 31 says nothing here
-        elif index == COUNTER_OVERFLOW and self._store.value(PERIOD):
+            return
+        is_changed = value != self._store.value(index)
+        if index == COUNTER_OVERFLOW and is_changed and self._store.value(PERIOD):
             abort(AbortCode.DEVICE_STATE)
 
     def written(self, index: int, sub: int, value: int) -> None:

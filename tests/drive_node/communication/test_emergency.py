@@ -38,6 +38,15 @@ def test_message_register_and_history(stranger: Make) -> None:
     assert drive.read(0x1003) == 2  # the end of an error is none
 
 
+def test_history_has_the_first_byte_of_the_device_above_the_code(stranger: Make) -> None:
+    """1003: code in the lower 16 bits; here the number of the RPDO that was too short."""
+    drive = stranger()
+    drive.nmt(1)
+    drive.after(0x203, "00")
+    assert drive.frames(0x083) == ["1082110100000000"]
+    assert drive.read(0x1003, 1) == 0x0001_8210
+
+
 @pytest.mark.parametrize("bit", range(8))
 def test_every_bit_of_the_register(stranger: Make, bit: int) -> None:
     drive = stranger()

@@ -10,7 +10,9 @@ from kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 
-LOST, GONE = (0x083, "3081110000000000"), (0x083, "0000000000000000")
+LOST = (0x083, "3081110500000000")  # the heartbeat of node 5
+GUARD_LOST = (0x083, "3081110000000000")
+GONE = (0x083, "0000000000000000")
 
 
 # Producer
@@ -187,7 +189,7 @@ def test_life_guarding(stranger: Make) -> None:
         drive.after(0x703, remote=True, wait_ms=29)
     assert drive.frames(0x083) == []
     drive.run_ms(2)
-    assert [entry for entry in drive.heard if entry[0] == 0x083] == [LOST]
+    assert [entry for entry in drive.heard if entry[0] == 0x083] == [GUARD_LOST]
     assert drive.node.nmt_state is NmtState.PRE_OPERATIONAL
     assert drive.node.state is not State.OPERATION_ENABLED
     guard(drive)
@@ -210,9 +212,9 @@ def test_a_life_time_taken_back_ends_its_error(stranger: Make) -> None:
     drive.write(0x100D, 0, 2, 1)
     guard(drive)
     drive.run_ms(30)
-    assert drive.frames(0x083) == [LOST[1]]
+    assert drive.frames(0x083) == [GUARD_LOST[1]]
     drive.write(0x100D, 0, 0, 1)
-    assert drive.frames(0x083) == [LOST[1], GONE[1]]
+    assert drive.frames(0x083) == [GUARD_LOST[1], GONE[1]]
 
 
 def test_a_loss_leaves_no_fault_in_a_drive_without_torque(stranger: Make) -> None:
@@ -241,4 +243,4 @@ def test_canopen_guards_the_drive(drive_bench: Make) -> None:
     assert seen == [127] * 3 + [5] * 2
     nmt.stop_node_guarding()
     bench.run_to_ms(bench.scheduler.now_ns / 1e6 + 50)
-    assert bench.frames(0x083) == [bytes.fromhex(LOST[1])]
+    assert bench.frames(0x083) == [bytes.fromhex(GUARD_LOST[1])]

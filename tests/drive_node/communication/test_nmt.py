@@ -59,7 +59,7 @@ def test_pdos_are_received_in_operational_only(stranger: Make) -> None:
     for command, counts in ((PRE_OPERATIONAL, False), (START, True), (STOP, False)):
         drive.nmt(command)
         said = drive.after(0x203, SHORT_RPDO)
-        assert ((0x083, "1082110000000000") in said) == counts
+        assert ((0x083, "1082110100000000") in said) == counts
 
 
 def test_an_emergency_waits_until_stopped_is_left(stranger: Make) -> None:

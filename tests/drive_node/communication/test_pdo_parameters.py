@@ -49,6 +49,7 @@ def test_predefined_connection_set(stranger: Make) -> None:
         (0x1800, 1, 0x4000_0184, 4, INVALID),
         (0x1800, 1, 0x0000_0183, 4, 0),  # remote requests allowed from now on
         (0x1800, 3, 10, 2, INVALID),
+        (0x1800, 3, 0, 2, 0),  # what it has
         (0x1800, 6, 1, 1, INVALID),
         (0x1A00, 0, 0, 1, UNSUPPORTED),
         # event timer and transmission type may change
@@ -117,7 +118,7 @@ def test_dummies_fill_places(stranger: Make) -> None:
     drive.nmt(1)
     drive.after(0x303, "ffff" + "0600" + "ff")
     assert drive.node.image.controlword == 6
-    assert drive.after(0x303, "ffff0600")[0] == (0x083, "1082110000000000")
+    assert drive.after(0x303, "ffff0600")[0] == (0x083, "1082110200000000")
 
 
 def test_one_identifier_for_several_drives(stranger: Make) -> None:

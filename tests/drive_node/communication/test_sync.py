@@ -64,6 +64,7 @@ def test_counter_of_the_sync(stranger: Make) -> None:
     """1019 needs 1006 = 0; then the SYNC has one byte and one without is an error."""
     drive = stranger()
     assert drive.write(0x1019, 0, 4, 1) == 0x08000022
+    assert drive.write(0x1019, 0, 0, 1) == 0  # what it has
     assert drive.write(0x1006, 0, 0, 4) == 0
     codes = [drive.write(0x1019, 0, value, 1) for value in (1, 241, 4)]
     assert codes == [0x06090030, 0x06090031, 0]
