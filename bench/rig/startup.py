@@ -17,6 +17,7 @@ from kernel.clock import MS
 from kernel.drives.dictionary import read_eds
 from kernel.drives.mapping import Telegram
 from kernel.drives.startup_steps import (
+    CSP,
     IDENTITY,
     OPTIONS,
     BusSettings,
@@ -45,6 +46,14 @@ def _write(entry: list[str | int]) -> list[str | int]:
     return entry
 
 
+def _position_mode(value: int) -> int:
+    if value >= 0 and value != CSP:
+        raise ValueError(
+            "the kernel sends a set position every cycle: 8 (csp), or a mode of the manufacturer"
+        )
+    return value
+
+
 # No process under an ordinary operating system keeps a few milliseconds for sure
 REAL_TIMEOUT_MS = 100
 Write = Annotated[list[str | int], AfterValidator(_write)]
@@ -70,7 +79,7 @@ class StartUpKeys(Table):
     identity: dict[Literal["vendor", "product", "revision", "serial"], U32] = Field(
         default_factory=dict
     )
-    mode: Annotated[int, Field(ge=-128, le=127)] = 8
+    mode: Annotated[int, Field(ge=-128, le=127), AfterValidator(_position_mode)] = 8
     sync_window_us: U32 | None = None
     heartbeat_ms: U16 = 0
     consumer_ms: U16 = 0

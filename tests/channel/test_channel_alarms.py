@@ -209,6 +209,14 @@ def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -
     assert set(bench.set_mm("Z")) == {0.0}
 
 
+def test_900012_for_a_target_beyond_32_bits(channel_bench: Make, words: Any) -> None:
+    """2^31 increments of 10 mm / 2^20 are 20480 mm."""
+    bench = channel_bench(words.axis("Z"))
+    bench.run([words.move(1, 3000.0, Z=20480.0), words.end()])
+    assert bench.alarm_ids == [900012]
+    assert bench.final_mm("Z") == 0.0
+
+
 def _faulty_at_start(channel_bench: Make, words: Any, **options: Any) -> Any:
     """The drive of Z has a fault before it is switched on."""
     bench = channel_bench(words.axis("Z"), **options)
