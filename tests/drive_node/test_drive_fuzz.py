@@ -77,7 +77,7 @@ class Bare:
             axis,
             (None, None),
             DriveProfile(),
-            lambda code, _register: self.emergencies.append(code),
+            lambda code, _register, _info: self.emergencies.append(code),
             self.clock,
             lambda: None,
         )

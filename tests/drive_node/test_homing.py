@@ -118,7 +118,7 @@ class Bench:
             self.axis,
             (None, None),
             profile,
-            lambda code, register: self.emergencies.append(code),
+            lambda code, register, info: self.emergencies.append(code),
             self.scheduler,
             lambda: None,
             0,
