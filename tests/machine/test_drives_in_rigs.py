@@ -45,6 +45,15 @@ def test_three_drives_on_two_segments_start_at_the_same_time(run_nc: Callable[..
     assert start_three < 2 * start_one
 
 
+def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) -> None:
+    """FCT-C4 7.3.2: 10 % is 100 per mille and back to 50000; the window off and back to 1048575."""
+    outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
+    assert outcome.alarms == []
+    assert (outcome.printed("torque"), outcome.printed("window")) == ([10.0], [4294967295.0])
+    image = outcome.machine.nodes["Z"].image
+    assert (image.max_torque, image.following_window) == (50_000, 1_048_575)
+
+
 def test_a_cyclic_function_acts_like_one_over_sdo(
     run_nc: Callable[..., Any], tmp_path: Path
 ) -> None:
