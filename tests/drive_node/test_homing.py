@@ -128,6 +128,10 @@ class Bench:
         self.image = self.servo.image
         self.image.homing_speed_switch = round(FAST * UNITS_PER_MM)
         self.image.homing_speed_zero = round(SLOW * UNITS_PER_MM)
+        self.enable()
+
+    def enable(self) -> None:
+        """Walk to operation enabled in mode 6."""
         self.write(mode=6)
         for word in (0x06, 0x07, 0x0F):
             self.write(controlword=word)
@@ -368,7 +372,29 @@ def test_reset_forgets_the_reference() -> None:
     bench.home(37)
     bench.servo.reset(bench.scheduler.now_ns)
     assert bench.image.position_actual == round(7.0 * UNITS_PER_MM)
-    assert not bench.image.statusword & ATTAINED
+    bench.enable()
+    assert bench.bits == REACHED
+
+
+def test_another_position_unit_forgets_the_reference() -> None:
+    """The zero was counted in the old one."""
+    bench = Bench(7.0)
+    bench.write(home_offset=100_000)
+    bench.home(37)
+    bench.write(controlword=0)
+    bench.write(feed=10_000)
+    assert bench.image.position_actual == 7000
+    bench.enable()
+    assert bench.bits == REACHED
+
+
+def test_reset_at_the_stop_lifts_its_torque_limit() -> None:
+    bench = Bench(0.0, wall_mm=2.0)
+    bench.write(homing_method=-3, controlword=0x1F)
+    bench.run_ms(80)
+    assert bench.axis.limits_n[-1][1] < 1000
+    bench.servo.reset(bench.scheduler.now_ns)
+    assert bench.axis.limits_n[-1][1] > 60_000
 
 
 # How it fails

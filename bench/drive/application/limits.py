@@ -54,6 +54,11 @@ class Limits:
         profile_m_s = math.inf if profile == U32_MAX else units.metres(profile)
         self.profile_m_s = min(self.speed_m_s, profile_m_s)
 
+    def forget(self) -> None:
+        """Lift what homing and limit switches have limited, as after power on."""
+        self.homing_torque = None
+        self.blocked = 0
+
     def block(self, word: int, position_m: float) -> None:
         """Allow no motion beyond a place in the directions whose limit switch is on.
 

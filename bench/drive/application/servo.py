@@ -105,6 +105,7 @@ class Servo:
         self._fault_code = 0
         self._following_error = 0  # bit 13 of the statusword
         self.scaling.forget_home()
+        self.limits.forget()
         self.update()
 
     def update(self) -> None:

@@ -13,7 +13,8 @@ class Units:
 
     The encoder quantises first (increments), then comes the position factor. A position beyond 32
     bits wraps as the object does. origin_units: added to every position, what homing sets;
-    home_units: the position at the machine home position (0 before homing).
+    home_units: the position at the machine home position (0 before homing). is_homed: homing has
+    found it, under the present scaling.
     Source: CiA 402-2, position = increments * feed / (encoder resolution * gear ratio) with the
     objects 608F, 6091, 6092; whole numbers throughout, so that no intermediate value overflows.
     """
@@ -25,27 +26,31 @@ class Units:
         "_units_per_m",
         "home_units",
         "increments_per_m",
+        "is_homed",
         "origin_units",
     )
 
     def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
         self.increments_per_m = float(profile.increments_per_mm * 1000)
         self._image = image
+        self._units_per_m = 0.0
         self.forget_home()
         self.update()
 
     def forget_home(self) -> None:
         """Count from the zero of the encoder, as after power on."""
         self.origin_units = self.home_units = 0
+        self.is_homed = False
 
     def set_home(self, position_m: float, units: int) -> None:
         """Give a place, the machine home position, a position on the bus."""
         self.origin_units = 0
         self.origin_units = units - self.position_units(position_m)
         self.home_units = units
+        self.is_homed = True
 
     def update(self) -> None:
-        """Read the scaling objects again."""
+        """Read the scaling objects again; with another position unit home is forgotten."""
         image = self._image
         factor = Fraction(
             image.feed * image.encoder_revolutions * image.gear_shaft,
@@ -56,7 +61,10 @@ class Units:
             image.feed * image.second_revolutions * image.gear_shaft,
             image.feed_shaft * image.second_increments * image.gear_motor,
         )
-        self._units_per_m = self.increments_per_m * float(factor)
+        units_per_m = self.increments_per_m * float(factor)
+        if units_per_m != self._units_per_m:
+            self.forget_home()
+        self._units_per_m = units_per_m
 
     def position_units(self, position_m: float) -> int:
         """Return a position as the encoder and the bus tell it."""

@@ -61,6 +61,7 @@ class Homing(Mode):
         """Come to rest; a reference that was attained stays."""
         self._bit = bool(self.parts.image.controlword & START)
         self._error, self.follows_position = False, True
+        self._attained = self._attained and self.parts.units.is_homed
         self._finish(now_ns)
 
     def resume(self, now_ns: TimeNs) -> None:
