@@ -349,7 +349,7 @@ class Segment:
         scheduler = self.scheduler
         start_ns = scheduler.now_ns
         self._suspended = ()
-        if self._recovery:
+        if self._recovery.missing:
             self._recovery.frame_begins(start_ns)
         self._wire = (sender, request, start_ns, bits, odd)
         end = self._end_of_error if odd is not None and odd.is_error else self._end_of_frame
@@ -373,7 +373,8 @@ class Segment:
         frame = request[4]
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
         now_ns = self.scheduler.now_ns
-        self._record(frame, now_ns, is_error=False)
+        if self._observers or self._taps:
+            self._record(frame, now_ns, is_error=False)
         senders = (sender,) if odd is None else (sender, *(port for port, _ in odd.partners))
         receivers = self._live
         if self._standing.is_disturbed:
@@ -383,15 +384,14 @@ class Segment:
             self._standing.frame_passed(receivers, senders, missed, failed)
             self._suspend(senders)
         for port in receivers:
-            if odd is not None and port.port_name in odd.missed:
-                continue
-            if port not in senders:
+            if port is sender or (odd is not None and port in senders):
+                if port.receive_own_messages:
+                    port.deliver(frame, now_ns, True)
+            elif odd is None or port.port_name not in odd.missed:
                 port.deliver(frame, now_ns, False)
-            elif port.receive_own_messages:
-                port.deliver(frame, now_ns, True)
         if odd is not None and isinstance(odd.action, Duplicate):
             self._held.send_later(sender, request, odd.action.after_ns)
-        if self._held:
+        if self._held.for_next:
             self._held.release(sender)
         self._go_on()
 
@@ -411,7 +411,7 @@ class Segment:
         bits += IFS_BITS
         free_ns = self._free_ns = start_ns + self._duration_ns[bits]
         self._meter.occupy(start_ns, free_ns, bits)
-        if self._recovery:
+        if self._recovery.missing:
             self._recovery.frame_ended(free_ns)
         return wire
 
