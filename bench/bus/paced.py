@@ -87,7 +87,7 @@ class PacedScheduler(Scheduler):
         self._origin_ns: TimeNs | None = None
         self._planned_ns: TimeNs = 0
         self._arrived_ns: TimeNs = 0
-        self._waits_ns: TimeNs = -1
+        self._waits_ns = self._noted_ns = -1
         self._sync_ns: TimeNs | None = None
 
     def listen(self, source: Source) -> None:
@@ -95,9 +95,14 @@ class PacedScheduler(Scheduler):
         self._sources += (source,)
 
     def sync_sent(self) -> None:
-        """Note that the SYNC of this instant is out; what it was late counts, and may slip."""
+        """Note that the SYNC of this instant is out; what it was late counts, and may slip.
+
+        Of several segments the first one counts.
+        """
         origin_ns, sent_ns = self._origin(), self.monotonic_ns()
-        self.deadlines.sync_sent(self._planned_ns, sent_ns)
+        if self._noted_ns != self._now_ns:
+            self._noted_ns = self._now_ns
+            self.deadlines.sync_sent(self._planned_ns, sent_ns)
         late_ns = sent_ns - origin_ns - self._now_ns
         if late_ns > self.pacing.slip_ns:  # else the next one would follow at once
             self._origin_ns = origin_ns + late_ns

@@ -1,8 +1,10 @@
 """Simulated time tied to real time, against a clock that the test moves."""
 
+from functools import partial
 from typing import Any
 
 from bench.bus.deadlines import BINS_US, Deadlines
+from bench.bus.outside import OutsideSegment
 from kernel.clock import Phase
 
 US, MS = 1_000, 1_000_000
@@ -175,6 +177,22 @@ def test_a_delay_in_the_interface_itself_brings_no_second_sync_too_early(make_be
     assert told["interval_us"]["least_us"] >= 980
     assert 900 <= told["lateness_us"]["most_us"] <= 920
     assert (told["late_cycles"], told["slips"]) == (1, 1)
+
+
+def test_the_syncs_of_two_segments_are_one_cycle(make_bench: Any) -> None:
+    bench = make_bench()
+    second = OutsideSegment("second", 500_000, bench.scheduler, lambda: bench.adapter)
+    ports = [segment.port("cnc") for segment in (bench.segment, second)]
+    for k in range(1, 5):
+        for port in ports:
+            send = partial(port.send_raw, SYNC, b"")
+            bench.scheduler.call_at(k * MS, Phase.APPLICATION, send)
+    bench.scheduler.run_until(5 * MS)
+    second.close()
+    assert bench.sent_ids() == [SYNC] * 8
+    told = bench.deadlines.as_data(MS)
+    assert told["cycles"] == 4
+    assert told["interval_us"]["least_us"] > 950
 
 
 def test_figures_of_deadlines_against_numbers_counted_by_hand() -> None:
