@@ -28,11 +28,15 @@ def drives(
 
 
 @rejecting
-def faults() -> None:
-    """List what a fault column may bring about."""
+def faults(
+    kind: Annotated[
+        str | None, typer.Argument(help="A kind: what bus, drive and kernel do, not the list.")
+    ] = None,
+) -> None:
+    """List what a fault column may bring about, or the reactions to one kind."""
     from bench.rig.faults import faults_table
 
-    print(faults_table())
+    print(faults_table(kind))
 
 
 LISTINGS = (metrics, drives, faults)

@@ -256,15 +256,20 @@ def _read_data(text: str) -> str | bytes:
     return data
 
 
-def faults_table() -> str:
-    """Describe kinds, keys and moments for the command line."""
+def faults_table(kind: str | None = None) -> str:
+    """Describe kinds, keys and moments for the command line, or the reactions to one kind.
+
+    Raises UserError for an unknown kind.
+    """
+    if kind is not None:
+        return _reactions(kind)
     lines = [
         "A column fault:<kind> of a plan injects faults: targets, then keys; several with ;",
         "",
     ]
-    for kind in fault_kinds().values():
-        lines.append(f"{kind.name}  ({' or '.join(kind.targets)})  {' '.join(kind.keys)}")
-        lines.append(f"    {kind.meaning}")
+    for known in fault_kinds().values():
+        lines.append(f"{known.name}  ({' or '.join(known.targets)})  {' '.join(known.keys)}")
+        lines.append(f"    {known.meaning}")
     lines += ["", "Keys"]
     for key in fault_keys().values():
         default = f", default {key.default}" if key.default else ""
@@ -274,4 +279,18 @@ def faults_table() -> str:
     lines += [f"  {name:<10}{meaning}" for name, meaning in fault_moments().items()]
     lines += ["", "Telegrams: " + " ".join(f"AXIS.{name}" for name in AXIS_TELEGRAMS)]
     lines += ["           " + " ".join(f"BUS.{name}" for name in BUS_TELEGRAMS)]
+    return "\n".join(lines)
+
+
+def _reactions(kind: str) -> str:
+    known = fault_kinds()
+    if kind not in known:
+        raise UserError(
+            "unknown kind of fault", value=kind, allowed=nearest(kind, known) or list(known)
+        )
+    lines = [f"{kind}: {known[kind].meaning}"]
+    for row in _rows("fault_reactions.csv"):
+        if row["kind"] == kind:
+            lines += ["", f"fault:{kind} = {row['example']}"]
+            lines += [f"  {name:<7} {row[name]}" for name in list(row)[2:]]
     return "\n".join(lines)

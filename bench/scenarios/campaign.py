@@ -45,24 +45,29 @@ def _program() -> Program:
 
 def run_scenario(scenario: Scenario) -> Judgement:
     """Run one scenario and judge it; an exception is a judgement too."""
+    return examine(scenario)[0]
+
+
+def examine(scenario: Scenario) -> tuple[Judgement, Machine | None]:
+    """Run one scenario; return the judgement and the machine as it stands (closed)."""
     rig, files = _rig(scenario.profile)
     changes = [(parse_assignment(text), as_written) for text in scenario.assignments]
     try:
         settings = read_settings(rig, files, changes)
         machine = Machine(settings, _program(), seed=scenario.seed, limit_ns=SIMULATED_LIMIT_NS)
     except UserError as error:
-        return Judgement(Result.EXCEPTION, note=str(error))
+        return Judgement(Result.EXCEPTION, note=str(error)), None
     try:
-        rising = settings.axis["Z"].word("kenngr.measure.edge") == "POS"
-        truth = Truth(machine, rising)
+        truth = Truth(machine, settings.axis["Z"].word("kenngr.measure.edge") == "POS")
         machine.channel.observers.append(truth)
         machine.run()
-        return judge(machine, truth)
+        return judge(machine, truth), machine
     except SimulatedTimeoutError as error:
-        return Judgement(Result.HANG, [a.id for a in machine.channel.alarms], note=str(error))
+        alarms = [alarm.id for alarm in machine.channel.alarms]
+        return Judgement(Result.HANG, alarms, note=str(error)), machine
     except Exception as error:  # every one is a finding
         alarms = [alarm.id for alarm in machine.channel.alarms]
-        return Judgement(Result.EXCEPTION, alarms, note=f"{type(error).__name__}: {error}")
+        return Judgement(Result.EXCEPTION, alarms, note=f"{type(error).__name__}: {error}"), machine
     finally:
         machine.close()
 

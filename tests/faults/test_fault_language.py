@@ -127,3 +127,11 @@ def test_every_kind_has_keys_that_are_declared_and_every_key_a_kind() -> None:
 def test_the_listing_names_every_kind_key_and_moment() -> None:
     words = set(re.findall(r"\w+", faults_table()))
     assert words >= {*fault_kinds(), *fault_keys(), *fault_moments()}
+
+
+def test_the_listing_of_one_kind_tells_the_reactions() -> None:
+    text = faults_table("second_sender")
+    assert "fault:second_sender = Z.TPDO1" in text
+    assert "900080" in text
+    with pytest.raises(UserError, match="unknown kind"):
+        faults_table("second_sende")

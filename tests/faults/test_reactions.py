@@ -1,0 +1,79 @@
+"""Every row of the table of reactions, provoked: what the kernel says and what it publishes.
+
+The table is `bench/bus/fault_reactions.csv`; docs/faults.md shows it to readers.
+"""
+
+import csv
+from pathlib import Path
+
+import pytest
+
+from bench.rig.faults import fault_kinds
+from bench.scenarios.campaign import examine
+from bench.scenarios.oracle import Result
+from bench.scenarios.scenario import Scenario
+from kernel.errors import catalogue
+
+ROOT = Path(__file__).parents[2]
+TABLE = ROOT / "bench" / "bus" / "fault_reactions.csv"
+ROWS = list(csv.DictReader(TABLE.read_text("utf-8").splitlines()))
+INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
+MS = 1_000_000
+MISSING_CYCLES = 3
+"""`missing_cycles` of the rig, its default."""
+
+
+@pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['kind']} {row['example']}")
+def test_the_reaction_is_the_documented_one(row: dict[str, str]) -> None:
+    """The last alarm is one of the row, or none; values are right, or there is none."""
+    judgement, _ = examine(Scenario(0, 1, (*INPUTS, f"fault:{row['kind']}={row['example']}")))
+    assert judgement.result in (Result.GOOD, Result.ALARM), judgement.note
+    ending = [i for i in judgement.alarms if catalogue()[i].reaction_class > 1]
+    allowed = row["alarms"].split()
+    assert (str(ending[-1]) if ending else "none") in allowed
+    values = {"right": [4], "none": [0], "right or none": [0, 2, 4]}[row["value"]]
+    assert judgement.right in values
+
+
+@pytest.mark.parametrize(
+    ("fault", "alarm_id"),
+    [
+        ("drop=Z.TPDO1", 900006), ("drop=Z.TPDO2", 900006), ("sync_loss=Z", 900006),
+        ("sync_loss=can1", 900006), ("alter=Z.TPDO1 byte=1 xor=0x40", 900081),
+        ("second_sender=Z.TPDO1", 900080), ("reset=Z command=pre_operational", 900006),
+    ],
+)  # fmt: skip
+def test_the_axis_is_stopped_within_the_configured_cycles(fault: str, alarm_id: int) -> None:
+    """The cycle after `missing_cycles` bad ones brakes: its number counts from the first bad one.
+
+    The fault begins 5 ms after the motion, between two cycles, or with the next frame of its kind.
+    """
+    judgement, machine = examine(Scenario(0, 1, (*INPUTS, f"fault:{fault} at=motion+5ms")))
+    assert machine is not None
+    assert judgement.alarms == [alarm_id]
+    start_ns = machine.channel.records[0].start_ns
+    assert start_ns is not None
+    begin_ns = start_ns + 5 * MS
+    cycles = (machine.channel.alarm_ns[0] - begin_ns) / MS
+    assert MISSING_CYCLES < cycles <= MISSING_CYCLES + 2
+
+
+def test_every_kind_of_fault_has_a_reaction() -> None:
+    assert {row["kind"] for row in ROWS} == set(fault_kinds())
+
+
+def test_the_document_shows_the_table() -> None:
+    text = (ROOT / "docs" / "faults.md").read_text("utf-8")
+    shown = [
+        [cell.strip() for cell in line.strip("|").split("|")]
+        for line in text.splitlines()
+        if line.startswith("| `fault:")
+    ]
+    assert shown == [
+        [f"`fault:{row['kind']} = {row['example']}`", *list(row.values())[2:]] for row in ROWS
+    ]
+
+
+def test_every_alarm_of_the_table_is_in_the_catalogue() -> None:
+    ids = {word for row in ROWS for word in row["alarms"].split()} - {"none"}
+    assert {int(word) for word in ids} <= set(catalogue())
