@@ -81,8 +81,8 @@ class ProfilePosition(Mode):
     def _set_point(self, is_relative: bool) -> SetPoint:
         parts, image = self.parts, self.parts.image
         if is_relative:
-            before = self._next or self._active
-            wanted_m = before.end_m + parts.units.metres(image.target_position)
+            # Taken only while no other one waits, so the last target is that of the active one
+            wanted_m = self._active.end_m + parts.units.metres(image.target_position)
         else:
             wanted_m = parts.units.position_m(image.target_position)
         end_m = parts.limits.position_m(wanted_m)
