@@ -119,9 +119,11 @@ def _check_latch_plan(drives: Drives, out: Path, *interface: str) -> None:
     (case,) = _rows(out, "cases.csv")
     assert case["bus:can1.interface"] == interface[1]
     (latch,) = drives.latches()
-    # The surface is at 100 mm; 4 us of the input at 10 mm/s are 0.04 um, an increment is 0.01 um
+    # The surface is at 100 mm. The input delays by 4 us, that is 0.0400 um at 10 mm/s; the plan
+    # allows an increment more or less, and both processes together are as exact as one.
     assert abs(float(latch["contact_mm"]) - 100.0) < 1e-6
-    assert -0.00025 < float(latch["latched_mm"]) - 100.0 < 0.0
+    error_um = (float(latch["latched_mm"]) - float(latch["contact_mm"])) * 1e3
+    assert abs(error_um + 0.0400) <= 0.0095
     assert float(latch["latched_mm"]) == int(latch["units"]) / INCREMENTS_PER_MM
     assert (out / "bus" / "latch_accuracy-f600.blf").stat().st_size > 1000
     assert (drives.folder / "bus.blf").stat().st_size > 1000
