@@ -144,6 +144,9 @@ class Machine:
         self._accesses, warnings = build_accesses(
             self.settings, self.links, self.networks, self.scheduler
         )
+        # On a segment without a drive nobody would acknowledge a SYNC
+        used = {axis.segment for axis in self.settings.rig.axis.values()}
+        networks = {name: n for name, n in self.networks.items() if name in used}
         channel = Channel(
             self.scheduler,
             self.timing,
@@ -152,10 +155,10 @@ class Machine:
                 for name in self.settings.rig.axis
             ],
             list(self.links.values()),
-            list(self.networks.values()),
+            list(networks.values()),
             error_no_signal=self.settings.channel.flag("meas_error_no_signal"),
             put_out=self._message,
-            monitor=build_monitor(self.settings, self.links, self.networks, self.scheduler),
+            monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
         )
         channel.functions = DriveFunctions(self._accesses)
         for warning in warnings:

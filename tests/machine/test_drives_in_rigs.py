@@ -45,6 +45,13 @@ def test_three_drives_on_two_segments_start_at_the_same_time(run_nc: Callable[..
     assert start_three < 2 * start_one
 
 
+def test_a_segment_without_a_drive_gets_no_sync(run_nc: Callable[..., Any]) -> None:
+    """Nobody would acknowledge it."""
+    spare = "[segment.spare]\nbitrate = 500_000"
+    outcome = run_nc("N10 G1 G90 F600 Z129", spare, base="probe-z.toml")
+    assert outcome.alarms == []
+
+
 def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) -> None:
     """FCT-C4 7.3.2: 10 % is 100 per mille and back to 50000; the window off and back to 1048575."""
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
