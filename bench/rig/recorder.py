@@ -13,6 +13,7 @@ import pyarrow as pa
 from bench.drive.application.servo import NEVER, Servo
 from bench.rig.lag import largest_lag
 from kernel.channel import Channel
+from kernel.clock import TimeNs
 from kernel.cosim.axis import PlantAxis
 from kernel.cosim.distance import PlantDistance
 from kernel.cosim.plant import Plant
@@ -99,13 +100,14 @@ class Recorder:
         self._rows.append(tuple(row))
         self._levels.append(tuple([signal.level for signal in self._signals]))
         if self._sensors:
-            self._distances.append([self._told(sensor) for _, sensor in self._sensors])
+            self._distances.append([self._told(sensor, time_ns) for _, sensor in self._sensors])
 
     @staticmethod
-    def _told(sensor: PlantDistance) -> tuple[float, ...]:
-        """Return the values of DISTANCE_COLUMNS now."""
-        true_m = math.nan if sensor.distance_true_m is None else sensor.distance_true_m
-        return (sensor.distance_m * 1e3, true_m * 1e3, sensor.is_valid, sensor.is_touching)
+    def _told(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
+        """Return the values of DISTANCE_COLUMNS at the SYNC."""
+        distance_m, true_m, is_valid, is_touching = sensor.told_at(time_ns)
+        true_m = math.nan if true_m is None else true_m
+        return (distance_m * 1e3, true_m * 1e3, is_valid, is_touching)
 
     def table(self) -> pa.Table:
         """Return the trace; columns in the order of the axes."""

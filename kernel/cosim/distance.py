@@ -1,12 +1,14 @@
 """A distance sensor of the plant: it follows the motion of axes and tells a distance."""
 
+from collections import deque
 from collections.abc import Mapping
 
 from kernel.clock import S, TimeNs
-from kernel.cosim.axis import PlantAxis
+from kernel.cosim.axis import HISTORY_STEPS, PlantAxis
 from kernel.cosim.edges import Trajectory
 from kernel.cosim.roles import Roles
 
+Told = tuple[float, float | None, bool, bool]
 FOLLOW_NS = 250_000
 """Longest step of a plant with distance sensors: over it the cubic between the ends of a step
 is within 1 nm of the motion, across an acceleration jump of 1000 mm/s2 (docs/architecture.md)."""
@@ -26,6 +28,7 @@ class PlantDistance:
         self.distance_m = 0.0
         self.distance_true_m: float | None = None
         self.is_valid, self.is_touching = True, False
+        self._past: deque[tuple[TimeNs, Told]] = deque(maxlen=HISTORY_STEPS)
         self._sources = list(sources.values())
         self._trajectory = Trajectory(roles, sources) if roles.has_group("trajectory") else None
         if self._trajectory is None:
@@ -43,7 +46,7 @@ class PlantDistance:
         else:
             self._write_positions()
         self.slave.initialize(start_ns)
-        self._read()
+        self._read(start_ns)
 
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
         """Follow the axes over [begin_ns, end_ns], their last step."""
@@ -52,13 +55,17 @@ class PlantDistance:
         else:
             self._write_positions()
         self.slave.step_to(end_ns)
-        self._read()
+        self._read(end_ns)
+
+    def told_at(self, time_ns: TimeNs) -> Told:
+        """Return distance, true distance, validity and touch at the end of a step that is past."""
+        return next(told for end_ns, told in reversed(self._past) if end_ns <= time_ns)
 
     def _write_positions(self) -> None:
         self._positions.values[:] = [axis.motion[0] for axis in self._sources]
         self._positions.write()
 
-    def _read(self) -> None:
+    def _read(self, time_ns: TimeNs) -> None:
         self._lengths.read()
         lengths = dict(zip(self._told, self._lengths.values[:], strict=True))
         self.distance_m = lengths["distance"]
@@ -68,3 +75,5 @@ class PlantDistance:
             levels = dict(zip(self._levels, self._flags.values[:], strict=True))
             self.is_valid = bool(levels.get("valid", True))
             self.is_touching = bool(levels.get("touching", False))
+        told = (self.distance_m, self.distance_true_m, self.is_valid, self.is_touching)
+        self._past.append((time_ns, told))
