@@ -104,10 +104,20 @@ class DriveProfile:
             )
         if not re.fullmatch(r"(-?\d+( -?\d+)*)?", self.trigger_sources):
             raise _refused("trigger_sources", self.trigger_sources, "numbers such as 1 2 5 6")
+        self._check_sources()
         if not re.fullmatch(rf"(({_OPTION_VALUES})( |$))*", self.option_codes):
             raise _refused("option_codes", self.option_codes, "codes such as 605A:2,6 605E:2,0")
         if not re.fullmatch(r"([0-9A-Fa-f]{4}(\.\d+)?( |$))*", self.lacks):
             raise _refused("lacks", self.lacks, "objects such as 60D1 60D0.2")
+
+    def _check_sources(self) -> None:
+        """Refuse sources that 60D0 cannot hold."""
+        low, high = (-0x8000, 0x7FFF) if self.source_type == "I16" else (0, 0xFFFF)
+        if not all(low <= value <= high for value in self.source_values):
+            raise _refused("trigger_sources", self.trigger_sources, f"{low} to {high}")
+        for name in ("source_1", "source_2"):
+            if not low <= getattr(self, name) <= high:
+                raise _refused(name, getattr(self, name), f"{low} to {high}")
 
     @cached_property
     def option_values(self) -> Mapping[int, tuple[int, ...]]:

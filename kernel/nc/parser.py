@@ -197,7 +197,7 @@ def _syntax_error(
         "this does not belong here" if found else "the block is not complete",
         offset,
         value=found or None,
-        allowed=dict.fromkeys(names),
+        allowed=dict.fromkeys(names) or None,
         hint=_hint(source, begin, offset, "NUMBER" in expected),
     )
 

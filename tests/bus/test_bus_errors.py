@@ -246,6 +246,22 @@ def test_on_a_busy_bus_every_frame_counts_once_for_the_recovery(scheduler: Sched
         assert segment.state_changes[-1][0] == 5 * MS + 128 * bits * 1000
 
 
+def test_rest_frame_and_rest_add_up_for_the_recovery(scheduler: Scheduler) -> None:
+    """500 bits at rest hold 45 times 11 recessive ones, the frame ends with one, 82 are left."""
+    with Segment("half busy", 1_000_000, scheduler, automatic_recovery=False) as segment:
+        sender, other, _ = (segment.port(name) for name in ("sender", "other", "receiver"))
+        sender.force_bus_off()
+        scheduler.run_until(5 * MS)
+        sender.recover()
+        scheduler.run_until(5 * MS + 500_000)
+        other.send_raw(0x100, b"")
+        scheduler.run_until(10 * MS)
+        bits = len(wire_bits(data_frame(0x100, b""))) + 13
+        back_ns, _, state = segment.state_changes[-1]
+        assert state is ErrorState.ACTIVE
+        assert back_ns == 5 * MS + (500 + bits + 82 * 11) * 1000
+
+
 def test_an_error_that_a_passive_receiver_alone_sees_costs_it_the_frame(
     scheduler: Scheduler, segment: Segment, watch: Watch
 ) -> None:

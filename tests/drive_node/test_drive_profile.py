@@ -67,6 +67,10 @@ def test_position_wraps_like_its_object_and_differences_stop_at_the_limit() -> N
         ({"option_codes": "605F:1"}, "605A:2,6"),
         ({"option_codes": "605A:2,9"}, "605A:2,6"),
         ({"option_codes": "605D:0"}, "605A:2,6"),
+        ({"source_1": 1 << 15}, "-32768 to 32767"),
+        ({"source_type": "U16", "source_2": -1}, "0 to 65535"),
+        ({"trigger_sources": "1 2 99999"}, "-32768 to 32767"),
+        ({"trigger_sources": "1 2 -1", "source_type": "U16"}, "0 to 65535"),
         ({"latch_mode": "exact"}, "interpolated, linear, sampled"),
     ],
 )

@@ -202,6 +202,21 @@ def test_node_reset_ends_a_fault_without_a_message(drive_bench: Make, fake_axis:
     assert len(bench.frames(0x083)) == 2  # the same error is a new one
 
 
+def test_a_fault_that_stands_is_not_taken_again(drive_bench: Make) -> None:
+    """The first error stays in 603F and the state stays; nothing is sent a second time."""
+    bench = drive_bench()
+    bench.operational()
+    bench.enable(3)
+    bench.node.servo.fault(0x7305, 0x01, bench.scheduler.now_ns)
+    bench.run_to_ms(20)
+    assert bench.node.state is State.FAULT
+    bench.node.servo.fault(0x2310, 0x02, bench.scheduler.now_ns)
+    assert bench.node.state is State.FAULT
+    bench.run_to_ms(25)
+    assert bench.remote.sdo[0x603F].raw == 0x7305
+    assert [frame[:2].hex() for frame in bench.frames(0x083)] == ["0573"]
+
+
 def test_window_not_exceeded_long_enough_is_no_fault(drive_bench: Make, fake_axis: Any) -> None:
     """The encoder is off by 3 mm from 8.5 to 10.5 ms and from 11.5 ms on; time-out 3 ms.
 

@@ -24,9 +24,11 @@ class FakeSdo:
     def read(self, index: int, _sub: int, done: Done) -> None:
         self.waiting.append((index, done))
 
-    def answer(self) -> None:
-        """Answer everything, also what the answers ask for."""
-        while self.waiting:
+    def answer(self, most: int = 1000) -> None:
+        """Answer everything, also what the answers ask for; most: at most so many questions."""
+        for _ in range(most):
+            if not self.waiting:
+                return
             index, done = self.waiting.pop(0)
             if self.silent:
                 done(SdoError(index, 0, None))
@@ -112,5 +114,18 @@ def test_an_answer_to_the_run_before_does_not_count() -> None:
     latch(sdo, 5)
     check.agrees(5)
     check.begin()
+    sdo.answer()
+    assert not check.agrees(5)
+
+
+def test_parts_of_two_questions_are_not_put_together() -> None:
+    """Status and position are of run 1, the counter has gone on in run 2."""
+    sdo = FakeSdo()
+    check = checked(sdo)
+    latch(sdo, 5)
+    check.agrees(5)
+    check.begin()
+    sdo.answer(most=3)  # the status of run 1, the counter of run 2, and what is asked next
+    latch(sdo, 7)
     sdo.answer()
     assert not check.agrees(5)

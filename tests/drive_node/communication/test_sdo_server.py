@@ -207,6 +207,14 @@ def test_a_client_that_falls_silent_gets_an_abort_after_1_s(stranger: Make) -> N
     assert len(drive.heard) == begin + 1
 
 
+def test_the_time_of_a_client_begins_anew_with_every_segment(stranger: Make) -> None:
+    drive = stranger()
+    drive.sdo("4008100000000000")
+    for first, part in (("00", NAME[:7]), ("10", NAME[7:14]), ("05", NAME[14:] + bytes(2))):
+        drive.run_ms(700)
+        assert drive.sdo(f"{0x60 | int(first, 16) & 0x10:02x}00000000000000") == first + part.hex()
+
+
 # Block upload
 
 
