@@ -20,7 +20,7 @@ from bench.drive.objects import variables
 from bench.drive.ports import AxisPort, SignalPort
 from bench.drive.profile import DriveProfile
 from bench.drive.store import Owner
-from kernel.clock import Clock, Phase, TimeNs
+from kernel.clock import Clock, Phase
 from kernel.drives.ds402 import State
 
 CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
@@ -138,14 +138,6 @@ class DriveNode:
         """Reset the drive as its watchdog would: power off and on at once."""
         self.power_off()
         self.power_on()
-
-    def delay_sdo(self, delay_ns: TimeNs) -> None:
-        """Let every SDO request wait so long for its answer; 0 = none."""
-        self.slave.sdo.delay_ns = delay_ns
-
-    def mute_heartbeat(self, is_muted: bool) -> None:
-        """Keep the heartbeats back, or send them again; the drive goes on as if nothing was."""
-        self.slave.heartbeat.is_muted = is_muted
 
 
 class _ProfileObjects(Owner):

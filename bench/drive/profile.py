@@ -80,6 +80,7 @@ class DriveProfile:
     rated_torque_mnm: int = 2200
     rated_current_ma: int = 4490
     sync_loss_periods: int = 0
+    sdo_answer_ns: TimeNs = 0
 
     def __post_init__(self) -> None:
         for name in (

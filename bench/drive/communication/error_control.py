@@ -26,8 +26,7 @@ TOGGLE = 0x80
 class HeartbeatProducer(Owner):
     """Sends the NMT state every 1017 ms.
 
-    send(data) sends a message of the error control protocol. is_muted: a fault that keeps the
-    heartbeats back; the boot-up passes.
+    send(data) sends a message of the error control protocol.
     """
 
     objects = (PRODUCER_TIME,)
@@ -41,7 +40,6 @@ class HeartbeatProducer(Owner):
     ) -> None:
         self._store, self._clock, self._send, self._state = store, clock, send, state
         self._run = 0  # counts the starts: an event of an older one does nothing
-        self.is_muted = False
 
     def boot_up(self) -> None:
         """Send the boot-up message; it counts as the first heartbeat."""
@@ -76,8 +74,7 @@ class HeartbeatProducer(Owner):
     def _beat(self, run: int) -> None:
         if run == self._run:
             self._plan(run, self._clock.now_ns + self._period_ns)
-            if not self.is_muted:
-                self._send(bytes((self._state(),)))
+            self._send(bytes((self._state(),)))
 
 
 class HeartbeatConsumer(Owner):

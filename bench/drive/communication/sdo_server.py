@@ -52,14 +52,14 @@ class Objects(Protocol):
 class SdoServer:
     """Answers one client.
 
-    outlet: how answers of 8 bytes go out. delay_ns: how long a request waits to be looked at, for
-    a server that is slow.
+    outlet: how answers of 8 bytes go out. delay_ns: how long a request waits to be looked at.
     """
 
-    def __init__(self, objects: Objects, clock: Clock, outlet: SegmentOutlet) -> None:
+    def __init__(
+        self, objects: Objects, clock: Clock, outlet: SegmentOutlet, delay_ns: TimeNs = 0
+    ) -> None:
         self._objects, self._outlet, self._send = objects, outlet, outlet.send
-        self._clock = clock
-        self.delay_ns: TimeNs = 0
+        self._clock, self._delay_ns = clock, delay_ns
         self._run = 0  # counts the stops: a request that waited through one is forgotten
         self._transfer: Transfer | None = None
         self._key = (0, 0)  # object of the last request; an abort names it
@@ -74,8 +74,8 @@ class SdoServer:
         """Answer a frame of the client; nothing that can stand in it raises."""
         if len(data) != 8:
             return
-        if self.delay_ns:
-            due_ns = self._clock.now_ns + self.delay_ns
+        if self._delay_ns:
+            due_ns = self._clock.now_ns + self._delay_ns
             serve = partial(self._serve_late, self._run, data)
             self._clock.call_at(due_ns, Phase.APPLICATION, serve)
         else:

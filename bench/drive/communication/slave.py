@@ -158,7 +158,7 @@ class CanopenSlave:
         bus = network.bus
         is_free = (lambda: not bus.pending) if isinstance(bus, SimBus) else (lambda: True)
         outlet = SegmentOutlet(clock, SEGMENT_NS, self._sender(SDO_ANSWER_ID), is_free)
-        self.sdo = SdoServer(store, clock, outlet)
+        self.sdo = SdoServer(store, clock, outlet, profile.sdo_answer_ns)
         self._build_error_control()
         self._lss = self._build_lss()
         for part in (self.storage, self.emergencies, self.sync, self.exchange):

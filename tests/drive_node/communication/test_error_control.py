@@ -55,19 +55,6 @@ def test_stored_heartbeat_counts_the_boot_up_as_its_first(stranger: Make) -> Non
     assert [round(t - times[0]) for t in times] == [0, 20, 40]
 
 
-def test_muted_heartbeat(stranger: Make) -> None:
-    """A fault of the bench: nothing is heard; the drive goes on."""
-    drive = stranger()
-    drive.write(0x1017, 0, 10, 2)
-    drive.node.mute_heartbeat(True)
-    count = len(drive.frames(0x703))
-    drive.run_ms(100)
-    assert len(drive.frames(0x703)) == count
-    drive.node.mute_heartbeat(False)
-    drive.run_ms(100)
-    assert len(drive.frames(0x703)) == count + 10
-
-
 # Consumer
 
 

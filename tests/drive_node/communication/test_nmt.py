@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from bench.drive.communication.nmt import NmtState
+from bench.drive.profile import DriveProfile
 from kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
@@ -159,8 +160,7 @@ def test_restart_in_the_middle_of_everything(stranger: Make) -> None:
 
 
 def test_slow_answers(stranger: Make) -> None:
-    drive = stranger()
-    drive.node.delay_sdo(5_000_000)
+    drive = stranger(profile=DriveProfile(sdo_answer_ns=5_000_000))
     begin = drive.bench.scheduler.now_ns
     assert drive.after(0x603, "4000100000000000", wait_ms=5) == []
     assert drive.after(0x100, wait_ms=1)[0][1] == "4300100092010200"
@@ -168,8 +168,7 @@ def test_slow_answers(stranger: Make) -> None:
 
 
 def test_a_request_that_waits_is_forgotten_with_a_reset(stranger: Make) -> None:
-    drive = stranger()
-    drive.node.delay_sdo(5_000_000)
+    drive = stranger(profile=DriveProfile(sdo_answer_ns=5_000_000))
     drive.after(0x603, "2b17100005000000")
     drive.nmt(129)
     drive.run_ms(20)
