@@ -8,7 +8,7 @@ import random
 from collections import Counter
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from bench.bus.faults import (
     Alter,
@@ -24,13 +24,9 @@ from bench.bus.faults import (
 from bench.bus.frame import IFS_BITS, Frame, frame_bits
 from bench.bus.intruders import Babbler, SecondSender
 from bench.rig.faults import Fault
-from bench.rig.moments import Moments
+from bench.rig.moments import Moments, World
 from kernel.clock import MS, Phase
 from kernel.drives.mapping import COB_ID_BASE
-
-if TYPE_CHECKING:
-    from bench.bus.segment import Segment
-    from bench.rig.machine import Machine
 
 _COMMANDS = {"reset": 129, "reset_communication": 130, "stop": 2, "pre_operational": 128}
 _AXIS_IDS = {"SDO": 0x580, "EMCY": 0x080, "HEARTBEAT": 0x700, **COB_ID_BASE}
@@ -82,28 +78,28 @@ _FRAME_ACTIONS: dict[str, Make] = {
 }
 
 
-def inject(machine: "Machine", seed: int) -> None:
-    """Bring the faults of a machine's settings into it; everything else of it is built."""
-    moments = Moments(machine)
+def inject(world: World, seed: int) -> None:
+    """Bring the faults of the settings into a machine of which everything else is built."""
+    moments = Moments(world)
     seen: Counter[tuple[str, str]] = Counter()
-    for fault in machine.settings.faults:
+    for fault in world.settings.faults:
         key = (fault.kind, fault.target)
         numbers = random.Random(f"{seed} {fault.kind} {fault.target} {seen[key]}")
         seen[key] += 1
-        _Injection(machine, moments, fault, numbers).build()
+        _Injection(world, moments, fault, numbers).build()
 
 
 class _Injection:
     """One fault on its way into the machine."""
 
     def __init__(
-        self, machine: "Machine", moments: Moments, fault: Fault, numbers: random.Random
+        self, world: World, moments: Moments, fault: Fault, numbers: random.Random
     ) -> None:
-        self._machine, self._moments, self._fault, self._random = machine, moments, fault, numbers
+        self._world, self._moments, self._fault, self._random = world, moments, fault, numbers
         self._values = dict(fault.values)
-        axes = machine.settings.rig.axis
+        axes = world.settings.rig.axis
         name = fault.segment or axes[fault.axis].segment
-        self._segment: Segment = machine.segments[name]
+        self._segment = world.segments[name]
         self._axes = [fault.axis] if fault.axis else [a for a in axes if axes[a].segment == name]
 
     def build(self) -> None:
@@ -121,7 +117,7 @@ class _Injection:
             self._drive_fault()
 
     def _drive_fault(self) -> None:
-        node = self._machine.nodes[self._fault.axis]
+        node = self._world.nodes[self._fault.axis]
         for_ns = self._values["for"]
         if self._fault.kind == "power_loss":
             self._at(node.power_off, node.power_on, for_ns or POWER_LOSS_NS)
@@ -139,7 +135,7 @@ class _Injection:
 
     def _at(self, begin: Callable[[], None], end: Callable[[], None], for_ns: int | None) -> None:
         """Let something begin at the moment of the fault, or now, and end after its time."""
-        clock = self._machine.scheduler
+        clock = self._world.scheduler
 
         def start() -> None:
             begin()
@@ -164,7 +160,7 @@ class _Injection:
         telegram = self._fault.telegram or _TELEGRAM_OF_KIND[self._fault.kind]
         if telegram in _BUS_IDS:
             return _BUS_IDS[telegram]
-        return _AXIS_IDS[telegram] + self._machine.settings.rig.axis[self._fault.axis].node
+        return _AXIS_IDS[telegram] + self._world.settings.rig.axis[self._fault.axis].node
 
     def _frame_fault(self) -> None:
         fault, values = self._fault, self._values
@@ -207,9 +203,9 @@ class _Injection:
     def _reset(self) -> None:
         port = self._segment.port("foreign master")
         port.attach_data(lambda _id, _data, _time: None)
-        node = self._machine.settings.rig.axis[self._fault.axis].node
+        node = self._world.settings.rig.axis[self._fault.axis].node
         data = bytes([_COMMANDS[self._values["command"]], node])
-        clock = self._machine.scheduler
+        clock = self._world.scheduler
         send = partial(port.send_raw, 0x000, data)
         if self._values["at"] is None:
             clock.call_at(clock.now_ns, Phase.APPLICATION, send)

@@ -17,6 +17,7 @@ from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
 from bench.rig.injection import inject
 from bench.rig.master import build_accesses, build_link, build_monitor, build_start_up
+from bench.rig.moments import World
 from bench.rig.outside import is_paced, outside_axes
 from bench.rig.pacing import Hardware, master_scheduler, power_down
 from bench.rig.parts import build_nodes, build_segments
@@ -107,7 +108,7 @@ class Machine:
             }
             self._expect_answers()
             self.channel = self._build_channel()
-            inject(self, seed)
+            self._inject_faults(seed)
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
             interpreter = Interpreter(
@@ -131,6 +132,18 @@ class Machine:
                     for telegram in link.telegrams.values()
                     if telegram.transmission == 1 and telegram.name.startswith("TPDO")
                 )
+
+    def _inject_faults(self, seed: int) -> None:
+        parts = World(
+            self.settings,
+            self.scheduler,
+            self.segments,
+            self.nodes,
+            self.links,
+            self.plant,
+            self.channel,
+        )
+        inject(parts, seed)
 
     def _build_recorder(self) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}

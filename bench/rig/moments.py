@@ -1,19 +1,35 @@
 """Moments of a run that faults begin at: looked at before every frame that goes on the wire."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from bench.bus.controller import Controller
 from bench.bus.frame import Frame
+from bench.bus.segment import Segment
+from bench.drive.node import DriveNode
 from bench.rig.faults import Moment
+from bench.rig.settings import Settings
+from kernel.channel import Channel
 from kernel.clock import Phase
+from kernel.cosim.plant import Plant
+from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import enabled_bit, stored_bit
-
-if TYPE_CHECKING:
-    from bench.rig.machine import Machine
+from kernel.drives.link import AxisLink
 
 Level = Callable[[], bool]
+
+
+@dataclass(frozen=True)
+class World:
+    """The parts of a machine that faults look at and act on; nodes and links by axis."""
+
+    settings: Settings
+    scheduler: Scheduler
+    segments: Mapping[str, Segment]
+    nodes: Mapping[str, DriveNode]
+    links: Mapping[str, AxisLink]
+    plant: Plant
+    channel: Channel
 
 
 @dataclass
@@ -33,14 +49,14 @@ class Moments:
     A moment is noticed with the next frame after it, which is within the cycle.
     """
 
-    def __init__(self, machine: "Machine") -> None:
-        self._machine, self._clock = machine, machine.scheduler
+    def __init__(self, world: World) -> None:
+        self._world, self._clock = world, world.scheduler
         self._watches: list[_Watch] = []
 
     def when(self, moment: Moment, nth: int, axes: list[str], action: Callable[[], None]) -> None:
         """Call `action` at a moment of one of the axes, for the nth time it comes."""
         if not self._watches:
-            for segment in self._machine.segments.values():
+            for segment in self._world.segments.values():
                 segment.add_fault(self._look)
         levels = [self._level(moment.name, axis) for axis in axes]
         self._watches.append(
@@ -49,16 +65,16 @@ class Moments:
 
     def _level(self, name: str, axis: str) -> Level:
         """Return the condition whose beginning is the moment."""
-        machine = self._machine
-        link, probe = machine.links[axis], machine.nodes[axis].servo.touch_probe
+        world = self._world
+        link, probe = world.links[axis], world.nodes[axis].servo.touch_probe
         number, edge = link.settings.probe_input, link.settings.edge
-        table = machine.settings.rig.axis[axis]
-        wired = machine.plant.probes.get((table.probe_1, table.probe_2)[number - 1] or "")
+        table = world.settings.rig.axis[axis]
+        wired = world.plant.probes.get((table.probe_1, table.probe_2)[number - 1] or "")
         enabled, stored = enabled_bit(number), stored_bit(number, edge)
         conditions: dict[str, Level] = {
-            "start": lambda: machine.channel.start_ns is not None,
-            "motion": lambda: not machine.channel.interpolator.is_standing,
-            "standing": lambda: machine.channel.interpolator.is_standing,
+            "start": lambda: world.channel.start_ns is not None,
+            "motion": lambda: not world.channel.interpolator.is_standing,
+            "standing": lambda: world.channel.interpolator.is_standing,
             "armed": lambda: bool(probe.status & enabled),
             "edge": lambda: wired is not None and wired.signal.level == (edge == "POS"),
             "latched": lambda: bool(probe.status & stored),
@@ -67,7 +83,7 @@ class Moments:
         level = conditions[name]
         if name == "start":
             return level
-        return lambda: machine.channel.start_ns is not None and level()
+        return lambda: world.channel.start_ns is not None and level()
 
     def _look(self, _frame: Frame, _port: Controller, _attempt: int) -> None:
         for watch in self._watches:
