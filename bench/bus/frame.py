@@ -6,7 +6,7 @@ GmbH, CAN Specification 2.0 (1991), part A sections 3.1.1 (frame), 5 (coding) an
 
 from functools import lru_cache
 from itertools import pairwise
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 IFS_BITS = 3
 """Intermission after every frame; the next frame starts after it."""
@@ -14,13 +14,16 @@ IFS_BITS = 3
 TAIL_BITS = 10
 """Never stuffed: CRC delimiter, acknowledge slot and delimiter, seven bits of end of frame."""
 
-CRC_POLYNOMIAL = 0x4599
+CRC_POLYNOMIAL, CRC_BITS = 0x4599, 15
 STANDARD_ID_MAX = 0x7FF
 EXTENDED_ID_MAX = 0x1FFF_FFFF
 DATA_BYTES_MAX = 8
 
 _STATES = [(bit, run) for bit in (0, 1) for run in (1, 2, 3, 4)]
 """Last bit on the wire and how often it stood there in a row; a fifth is stuffed at once."""
+
+_Row: TypeAlias = list[tuple[int, "_Row"]]
+"""A row of the stuff table, see `_stuff_rows`."""
 
 
 class Frame(NamedTuple):
@@ -92,38 +95,49 @@ def _bits(value: int, width: int) -> list[int]:
     return [value >> place & 1 for place in reversed(range(width))]
 
 
-def _stuff_table(width: int) -> tuple[list[int], list[int]]:
-    """Tabulate `_stuff_step` over chunks of `width` bits, indexed by state << width | chunk.
+def _stuff_rows() -> list[_Row]:
+    """Tabulate `_stuff_step`: for each state a row of (stuff bits, row of the next state).
 
-    Return the next states (as the index of their first row in the table of 8-bit chunks) and the
-    stuff bits.
+    Entry n of a row is for the 8 bits of n, entry 256 + n for the 7 bits of n.
     """
-    following, added = [], []
-    for start in range(len(_STATES)):
-        for chunk in range(1 << width):
-            state, count = start, 0
-            for bit in _bits(chunk, width):
-                state, more = _stuff_step(state, bit)
-                count += more
-            following.append(state << 8)
-            added.append(count)
-    return following, added
+    rows: list[_Row] = [[] for _ in _STATES]
+    for start, row in enumerate(rows):
+        for width in (8, 7):
+            for chunk in range(1 << width):
+                state, count = start, 0
+                for bit in _bits(chunk, width):
+                    state, more = _stuff_step(state, bit)
+                    count += more
+                row.append((count, rows[state]))
+    return rows
 
 
-def _crc_table() -> list[int]:
-    """Give the CRC of each byte that enters an empty register."""
+def _crc_tables() -> list[list[int]]:
+    """Give, for each count of data bytes behind it, what a byte adds to the CRC.
+
+    The CRC is linear: the contributions of header and bytes are added (exclusive or).
+    """
     table = []
     for byte in range(256):
         crc = 0
         for bit in _bits(byte, 8):
             crc = _crc_step(crc, bit)
         table.append(crc)
-    return table
+    tables = [table]
+    while len(tables) < DATA_BYTES_MAX:
+        tables.append([_crc_shifted(crc) for crc in tables[-1]])
+    return tables
 
 
-_CRC = _crc_table()
-_NEXT8, _ADDED8 = _stuff_table(8)
-_ADDED7 = _stuff_table(7)[1]
+def _crc_shifted(crc: int) -> int:
+    """Shift eight bits 0 into the CRC register."""
+    for _ in range(8):
+        crc = _crc_step(crc, 0)
+    return crc
+
+
+_ROWS = _stuff_rows()
+_CRC_TABLES = _crc_tables()
 
 
 def _header_bits(can_id: int, extended: bool, remote: bool, dlc: int) -> list[int]:
@@ -136,31 +150,38 @@ def _header_bits(can_id: int, extended: bool, remote: bool, dlc: int) -> list[in
 
 
 @lru_cache(maxsize=8192)
-def _header(can_id: int, extended: bool, remote: bool, dlc: int) -> tuple[int, int, int]:
-    """Return CRC, row of the stuff table and bits on the wire from SOF to the DLC."""
+def _head(
+    can_id: int, extended: bool, remote: bool, dlc: int, size: int
+) -> tuple[int, _Row, int, list[list[int]]]:
+    """Return what does not depend on the data of a frame with `size` bytes of them.
+
+    That is the CRC of the header, the row of the stuff table behind the DLC, the length in bits
+    without the stuff bits that follow, and the table of the CRC for each data byte.
+    """
     wire = _header_bits(can_id, extended, remote, dlc)
     crc = 0
     for bit in wire:
         crc = _crc_step(crc, bit)
+    for _ in range(size):
+        crc = _crc_shifted(crc)
     state, added = _STATES.index((0, 1)), 0
     for _, bit in pairwise(wire):
         state, more = _stuff_step(state, bit)
         added += more
-    return crc, state << 8, len(wire) + added
+    bits = len(wire) + added + 8 * size + CRC_BITS + TAIL_BITS + IFS_BITS
+    return crc, _ROWS[state], bits, _CRC_TABLES[:size][::-1]
 
 
 def frame_bits(frame: Frame) -> int:
     """Return the exact length in bits from SOF to the end of the intermission."""
     can_id, data, extended, remote, dlc = frame
-    crc, row, bits = _header(can_id, extended, remote, dlc)
-    for byte in data:
-        crc = (crc << 8 & 0x7FFF) ^ _CRC[crc >> 7 ^ byte]
-        index = row | byte
-        bits += _ADDED8[index]
-        row = _NEXT8[index]
-    index = row | crc >> 7
-    stuffed = _ADDED8[index] + _ADDED7[_NEXT8[index] >> 1 | crc & 0x7F]
-    return bits + (8 * len(data) + 15 + TAIL_BITS + IFS_BITS) + stuffed
+    crc, row, bits, tables = _head(can_id, extended, remote, dlc, len(data))
+    for byte, crc_of in zip(data, tables, strict=True):
+        crc ^= crc_of[byte]
+        stuffed, row = row[byte]
+        bits += stuffed
+    stuffed, row = row[crc >> 7]
+    return bits + stuffed + row[256 | crc & 0x7F][0]
 
 
 def wire_bits(frame: Frame) -> str:
@@ -172,7 +193,7 @@ def wire_bits(frame: Frame) -> str:
     crc = 0
     for bit in bits:
         crc = _crc_step(crc, bit)
-    bits += _bits(crc, 15)
+    bits += _bits(crc, CRC_BITS)
     text, state = "0", _STATES.index((0, 1))
     for bit in bits[1:]:
         state, stuffed = _stuff_step(state, bit)

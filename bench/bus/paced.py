@@ -125,7 +125,7 @@ class PacedScheduler(Scheduler):
         """As `Scheduler.run_until`, in real time."""
         if time_ns < self._now_ns:
             raise ValueError(f"run_until({time_ns} ns) lies before now ({self._now_ns} ns)")
-        with self._advancing():
+        with self._advancing:
             while (event := self._next(time_ns)) is not None:
                 self._run(event)
             self._now_ns = time_ns
@@ -133,7 +133,7 @@ class PacedScheduler(Scheduler):
     def run_while(self, condition: Callable[[], bool], timeout_ns: TimeNs | None) -> bool:
         """As `Scheduler.run_while`, in real time; a wait without limit may end by a frame."""
         end_ns = None if timeout_ns is None else self._now_ns + timeout_ns
-        with self._advancing():
+        with self._advancing:
             while condition():
                 event = self._next(end_ns)
                 if event is None and end_ns is not None:

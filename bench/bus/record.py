@@ -31,25 +31,26 @@ class FrameHash:
     | 8 | data, filled up with zeros |
     """
 
-    _TIME = struct.Struct("<q")
-    _FRAME = struct.Struct("<IBB8s")
-
     def __init__(self) -> None:
         self._hash = hashlib.sha256()
-        self._names: dict[str, bytes] = {}
+        self._names: dict[str, tuple[bytes, Callable[..., bytes]]] = {}
         self._pending = bytearray()
         self.frames = 0
 
     def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
         """Add one frame."""
-        name = self._names.get(segment)
-        if name is None:
+        known = self._names.get(segment)
+        if known is None:
             text = segment.encode()
-            name = self._names[segment] = bytes([len(text)]) + text
+            codec = struct.Struct(f"<q{1 + len(text)}sIBB8s")
+            known = self._names[segment] = bytes([len(text)]) + text, codec.pack
+        name, pack = known
         can_id, data, extended, remote, dlc = frame
-        flags = EXTENDED * extended | REMOTE * remote | ERROR * is_error
+        flags = 0
+        if extended or remote or is_error:
+            flags = EXTENDED * extended | REMOTE * remote | ERROR * is_error
         pending = self._pending
-        pending += self._TIME.pack(time_ns) + name + self._FRAME.pack(can_id, flags, dlc, data)
+        pending += pack(time_ns, name, can_id, flags, dlc, data)
         if len(pending) > _BLOCK:  # hashing a block at a time costs half
             self._hash.update(pending)
             pending.clear()

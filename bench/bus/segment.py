@@ -339,11 +339,7 @@ class Segment:
     # --- the wire --------------------------------------------------------------------------------
 
     def _start(
-        self,
-        sender: Controller,
-        request: Request,
-        bits: int,
-        odd: Oddity | None = None,
+        self, sender: Controller, request: Request, bits: int, odd: Oddity | None = None
     ) -> None:
         """Put a frame on the wire; bits: of all it will occupy, without the intermission."""
         scheduler = self.scheduler
@@ -370,30 +366,38 @@ class Segment:
     def _end_of_frame(self) -> None:
         """Deliver the frame on the wire."""
         sender, request, start_ns, _, odd = self._leave_wire()
-        frame = request[4]
+        frame, now_ns = request[4], self.scheduler.now_ns
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
-        now_ns = self.scheduler.now_ns
         if self._observers or self._taps:
             self._record(frame, now_ns, is_error=False)
-        senders = (sender,) if odd is None else (sender, *(port for port, _ in odd.partners))
-        receivers = self._live
-        if self._standing.is_disturbed:
-            action = None if odd is None else odd.action
-            failed = (action.seen_by or ()) if isinstance(action, ErrorAtBit) else ()
-            missed = () if odd is None else odd.missed
-            self._standing.frame_passed(receivers, senders, missed, failed)
-            self._suspend(senders)
-        for port in receivers:
-            if port is sender or (odd is not None and port in senders):
-                if port.receive_own_messages:
+        if odd is not None or self._standing.is_disturbed:
+            self._deliver_oddly(sender, request, odd or Oddity())
+        else:
+            for port in self._live:
+                if port is not sender:
+                    port.deliver(frame, now_ns, False)
+                elif port.receive_own_messages:
                     port.deliver(frame, now_ns, True)
-            elif odd is None or port.port_name not in odd.missed:
-                port.deliver(frame, now_ns, False)
-        if odd is not None and isinstance(odd.action, Duplicate):
-            self._held.send_later(sender, request, odd.action.after_ns)
         if self._held.for_next:
             self._held.release(sender)
         self._go_on()
+
+    def _deliver_oddly(self, sender: Controller, request: Request, odd: Oddity) -> None:
+        """Deliver a frame that not all get, or while error counts differ from 0."""
+        senders = (sender, *(port for port, _ in odd.partners))
+        receivers, frame, now_ns = self._live, request[4], self.scheduler.now_ns
+        if self._standing.is_disturbed:
+            failed = (odd.action.seen_by or ()) if isinstance(odd.action, ErrorAtBit) else ()
+            self._standing.frame_passed(receivers, senders, odd.missed, failed)
+            self._suspend(senders)
+        for port in receivers:
+            if port in senders:
+                if port.receive_own_messages:
+                    port.deliver(frame, now_ns, True)
+            elif port.port_name not in odd.missed:
+                port.deliver(frame, now_ns, False)
+        if isinstance(odd.action, Duplicate):
+            self._held.send_later(sender, request, odd.action.after_ns)
 
     def _go_on(self) -> None:
         """Arbitrate when the bus is free, if anyone wants to send by now."""

@@ -19,6 +19,7 @@ from bench.drive.objects import (
     DataType,
     ObjectRow,
     object_rows,
+    rows_of,
 )
 from bench.drive.profile import DriveProfile
 
@@ -145,10 +146,14 @@ def data_type(row: ObjectRow, profile: DriveProfile) -> DataType:
 
 def default_text(row: ObjectRow, profile: DriveProfile) -> str:
     """Return the default value; a PDO that would carry a missing object carries nothing."""
-    if row.index in _MAPPINGS and not all(
-        profile.has_object(int(other.default, 0) >> 16, int(other.default, 0) >> 8 & 0xFF)
-        for other in object_rows()
-        if other.index == row.index and other.sub
+    if (
+        row.index in _MAPPINGS
+        and profile.missing_objects
+        and not all(
+            profile.has_object(int(other.default, 0) >> 16, int(other.default, 0) >> 8 & 0xFF)
+            for other in rows_of(row.index)
+            if other.sub
+        )
     ):
         return "0"
     if row.index == TRIGGER_SOURCE and row.sub == 0:

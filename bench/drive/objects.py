@@ -127,6 +127,12 @@ def object_rows() -> tuple[ObjectRow, ...]:
     )
 
 
+@cache
+def rows_of(index: int) -> tuple[ObjectRow, ...]:
+    """Return the rows of one object, of its head and its sub-indices too."""
+    return tuple(row for row in object_rows() if row.index == index)
+
+
 def _row(row: dict[str, str]) -> ObjectRow:
     return ObjectRow(
         index=int(row["index"], 16),

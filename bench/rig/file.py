@@ -9,6 +9,7 @@ import difflib
 import re
 import tomllib
 from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -149,6 +150,10 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
 
     def make(self) -> DriveProfile:
         """Make the drive node's profile. Raises UserError for a value that cannot be."""
+        return self._made
+
+    @cached_property  # asked for some thirty times at every start
+    def _made(self) -> DriveProfile:
         return make_profile({key: getattr(self, key) for key in habits()})
 
 

@@ -1,6 +1,7 @@
 """A digital input of a drive: what it makes of the edges at its terminal."""
 
 import random
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from bench.drive.ports import SignalPort
@@ -37,16 +38,20 @@ class InputCircuit:
         self._last_ns: TimeNs = 0
         self.level = False
 
-    def passed(self, now_ns: TimeNs) -> list[InputEdge]:
+    def passed(self, now_ns: TimeNs) -> Sequence[InputEdge]:
         """Return the edges that came through since the last call, oldest first."""
-        if self._signal is None:
-            return []
-        edges = self._signal.edges
-        if self._next == len(edges) > 0:
-            return []
-        if self._next == 0:
+        signal = self._signal
+        if signal is None:
+            return ()
+        edges = signal.edges
+        if not edges:
             # The level that the plant was initialised with is no edge
-            self.level = not edges[0][1] if edges else self._signal.level
+            self.level = signal.level
+            return ()
+        if self._next == len(edges):
+            return ()
+        if self._next == 0:
+            self.level = not edges[0][1]
         out: list[InputEdge] = []
         while self._next < len(edges):
             edge_ns, level = edges[self._next]
