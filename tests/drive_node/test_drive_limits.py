@@ -45,6 +45,19 @@ def test_csp_stops_at_the_software_limits(
     assert status(bench) & (LIMITED | FOLLOWS) == FOLLOWS
 
 
+def test_an_offset_that_stands_moves_nothing_when_operation_is_enabled(drive_bench: Make) -> None:
+    """607A takes it into account: target and offset together are where the axis is."""
+    bench = drive_bench()
+    bench.remote.sdo[0x60B0].raw = 5000
+    bench.operational(4)
+    for word in (0x06, 0x07, 0x0F):
+        bench.remote.sdo[0x6040].raw = word
+    for n in range(3):
+        bench.sync_at_ms(10 + n)
+        assert bench.remote.sdo[0x6064].raw == 0
+    assert bench.remote.sdo[0x607A].raw == -5000
+
+
 def test_csp_and_csv_keep_below_the_motor_speed(drive_bench: Make) -> None:
     """60 rev/min of a 10 mm screw: 10 mm/s; csp catches up afterwards."""
     bench = drive_bench()

@@ -84,6 +84,13 @@ def test_limits_that_cannot_be_are_corrected_with_a_warning(
     assert {name: warning.values[name] for name in values} == values
 
 
+def test_swapped_limits_act_in_their_right_order(tmp_path: Path) -> None:
+    text = PRINTED + "antr.function[1].min_limit 300\nantr.function[1].max_limit 2\n"
+    functions, _ = _read(tmp_path, text)
+    torque = functions["TORQUE_LIMIT"]
+    assert [torque.raw(value, "Z") for value in (0, 150, 5000)] == [20, 1500, 3000]
+
+
 def test_900111_and_900112(tmp_path: Path) -> None:
     functions, _ = _read(tmp_path, PRINTED)
     with pytest.raises(Alarm) as caught:

@@ -129,6 +129,27 @@ def test_requests_run_in_turn_and_a_late_answer_belongs_to_no_other_object() -> 
     assert results[1] == b"\x81"
 
 
+def test_a_transfer_that_broke_off_begins_anew() -> None:
+    """Silent after the first segment: the second attempt gets the text once, from its begin."""
+    silences = [True]
+    frames = {
+        0x40: "41 08 10 00 09 00 00 00",
+        0x60: "00 41 42 43 44 45 46 47",
+        0x70: "1b 48 49 00 00 00 00 00",
+    }
+
+    def answer(asked: bytes) -> list[bytes]:
+        if asked[0] == 0x80 or (asked[0] == 0x70 and silences and silences.pop()):
+            return []
+        return [_frame(frames[asked[0]])]
+
+    server, client = _client(answer)
+    results: list[object] = []
+    client.read(0x1008, 0, results.append)
+    server.clock.run_until(300 * MS)
+    assert results == [b"ABCDEFGHI"]
+
+
 def test_a_toggle_bit_that_stands_still_ends_the_transfer() -> None:
     def answer(asked: bytes) -> list[bytes]:
         if asked[0] == 0x40:
