@@ -116,6 +116,8 @@ class SyncConsumer(Owner):
             self._is_lost = True
             self._emergency.report(SYNC_LOST, COMMUNICATION_ERROR, SYNC_ID)
             self._events.lost()
+        else:
+            self._missing.start(self._limit_ns)  # somebody may depend on it later
 
     # The objects
 

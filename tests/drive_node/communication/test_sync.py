@@ -143,6 +143,19 @@ def test_missing_sync_stops_an_enabled_drive(stranger: Make) -> None:
     assert drive.node.nmt_state is NmtState.OPERATIONAL
 
 
+def test_sync_that_was_lost_before_the_drive_is_enabled(stranger: Make) -> None:
+    """Enabled by SDO without any SYNC: three periods later at most it is told."""
+    drive = stranger(profile=DriveProfile(sync_loss_periods=3))
+    drive.nmt(1)
+    drive.after(0x80)
+    drive.run_ms(100)
+    for word in (0x06, 0x07, 0x0F):
+        assert drive.write(0x6040, 0, word, 2) == 0
+    drive.run_ms(4)
+    assert drive.frames(0x083) == ["0087110000000000"]
+    assert drive.node.state is not State.OPERATION_ENABLED
+
+
 @pytest.mark.parametrize("case", ["not enabled", "no period", "not watched"])
 def test_missing_sync_that_nobody_minds(stranger: Make, case: str) -> None:
     periods = 0 if case == "not watched" else 3
