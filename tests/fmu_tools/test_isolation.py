@@ -92,7 +92,8 @@ def test_a_crash_is_told_with_file_instance_and_call(
     assert "SIGSEGV, it reached for memory that is not its own" in err
     if at_s:
         time_ms = float(err.partition(message)[2].split()[0])
-        assert 4.9 < time_ms < 10
+        # The drive hands its demand over with each SYNC, and the first one follows the start-up
+        assert 4.9 < time_ms < 20
 
 
 @pytest.mark.parametrize("how", [*SIGNALS, "EXIT"])

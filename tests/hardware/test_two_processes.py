@@ -97,11 +97,14 @@ def _rows(folder: Path, name: str) -> list[dict[str, str]]:
 
 
 def _patient(folder: Path) -> Path:
-    """Copy the plans; on their rig a cycle waits 1 s for answers, for this machine may be busy."""
+    """Copy the plans; cycle and drive wait long for each other, for this machine may be busy."""
     for name in ("rigs", "programs"):
         shutil.copytree(PLAN.parent / name, folder / name)
-    with (folder / "rigs" / RIG.name).open("a", encoding="utf-8") as rig:
-        rig.write("\n[realtime]\nwait_ms = 1000\n")
+    rig = folder / "rigs" / RIG.name
+    text = rig.read_text(encoding="utf-8").replace(
+        "[drive.servo]\n", "[drive.servo]\nrpdo_timeout_ms = 10000\n"
+    )
+    rig.write_text(f"{text}\n[realtime]\nwait_ms = 1000\n", encoding="utf-8")
     return Path(shutil.copy(PLAN, folder))
 
 
@@ -343,6 +346,7 @@ bitrate = 1_000_000
 
 [drive.servo]
 lead_mm = 10.0
+rpdo_timeout_ms = 10000
 
 [axis.X]
 list = "{(ROOT / "testplans/rigs/lists/axis-x.lst").as_posix()}"
