@@ -58,6 +58,21 @@ def test_an_offset_that_stands_moves_nothing_when_operation_is_enabled(drive_ben
     assert bench.remote.sdo[0x607A].raw == -5000
 
 
+def test_a_mode_that_begins_long_after_the_last_sync_begins_at_rest(drive_bench: Make) -> None:
+    """10 um per ms until SYNCs stay away: the demand has ended and pp has nothing to brake."""
+    bench = drive_bench()
+    bench.operational(4)
+    bench.enable(5)
+    for n in range(1, 4):
+        bench.set_values(0x0F, n * 1048)
+        bench.sync_at_ms(8 + n)
+    bench.run_to_ms(30)
+    bench.remote.sdo[0x6060].raw = 1
+    bench.run_to_ms(200)
+    assert bench.remote.sdo[0x6061].raw == 1
+    assert bench.remote.sdo[0x6064].raw == 3 * 1048
+
+
 def test_csp_and_csv_keep_below_the_motor_speed(drive_bench: Make) -> None:
     """60 rev/min of a 10 mm screw: 10 mm/s; csp catches up afterwards."""
     bench = drive_bench()
