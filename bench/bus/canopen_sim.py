@@ -197,7 +197,7 @@ class SimNetwork(canopen.Network):
     ) -> None:
         """Send a frame, as `Network.send_message`, without a `can.Message` where possible."""
         if isinstance(self.bus, SimBus) and not remote:
-            self.bus.send_raw(can_id, bytes(data or b""))
+            self.bus.send_raw(can_id, data or b"")
         else:
             super().send_message(can_id, data, remote)  # type: ignore[arg-type]
 

@@ -100,14 +100,14 @@ class PacedScheduler(Scheduler):
         Of several segments the first one counts.
         """
         origin_ns, sent_ns = self._origin(), self.monotonic_ns()
-        if self._noted_ns != self._now_ns:
-            self._noted_ns = self._now_ns
+        if self._noted_ns != self.now_ns:
+            self._noted_ns = self.now_ns
             self.deadlines.sync_sent(self._planned_ns, sent_ns)
-        late_ns = sent_ns - origin_ns - self._now_ns
+        late_ns = sent_ns - origin_ns - self.now_ns
         if late_ns > self.pacing.slip_ns:  # else the next one would follow at once
             self._origin_ns = origin_ns + late_ns
             self.deadlines.slipped(late_ns)
-        self._answers_due_ns = self._now_ns + self.pacing.answer_ns
+        self._answers_due_ns = self.now_ns + self.pacing.answer_ns
 
     @property
     def real_ns(self) -> TimeNs:
@@ -118,33 +118,33 @@ class PacedScheduler(Scheduler):
         """Real time of instant 0."""
         if self._origin_ns is None:
             self._planned_ns = self.monotonic_ns()
-            self._origin_ns = self._planned_ns - self._now_ns
+            self._origin_ns = self._planned_ns - self.now_ns
         return self._origin_ns
 
     def run_until(self, time_ns: TimeNs) -> None:
         """As `Scheduler.run_until`, in real time."""
-        if time_ns < self._now_ns:
-            raise ValueError(f"run_until({time_ns} ns) lies before now ({self._now_ns} ns)")
+        if time_ns < self.now_ns:
+            raise ValueError(f"run_until({time_ns} ns) lies before now ({self.now_ns} ns)")
         with self._advancing:
             while (event := self._next(time_ns)) is not None:
                 self._run(event)
-            self._now_ns = time_ns
+            self.now_ns = time_ns
 
     def run_while(self, condition: Callable[[], bool], timeout_ns: TimeNs | None) -> bool:
         """As `Scheduler.run_while`, in real time; a wait without limit may end by a frame."""
-        end_ns = None if timeout_ns is None else self._now_ns + timeout_ns
+        end_ns = None if timeout_ns is None else self.now_ns + timeout_ns
         with self._advancing:
             while condition():
                 event = self._next(end_ns)
                 if event is None and end_ns is not None:
-                    self._now_ns = end_ns
+                    self.now_ns = end_ns
                     return False
                 if event is not None:
                     self._run(event)
         return True
 
     def _run(self, event: Event) -> None:
-        self._now_ns = event[0]
+        self.now_ns = event[0]
         event[3]()
 
     def _next(self, end_ns: TimeNs | None) -> Event | None:
@@ -154,10 +154,10 @@ class PacedScheduler(Scheduler):
             while events and events[0][3] is None:
                 heapq.heappop(events)
             has_event = bool(events) and (end_ns is None or events[0][0] <= end_ns)
-            limit_ns = self._now_ns + LISTEN_NS if end_ns is None else end_ns
+            limit_ns = self.now_ns + LISTEN_NS if end_ns is None else end_ns
             target_ns = events[0][0] if has_event else limit_ns
             # What has arrived is let in at once, whatever real time has become
-            if target_ns > max(self._now_ns, self._arrived_ns) and self._wait(target_ns):
+            if target_ns > max(self.now_ns, self._arrived_ns) and self._wait(target_ns):
                 continue  # frames came: look again what is next
             return heapq.heappop(events) if has_event else None
 
@@ -223,7 +223,7 @@ class PacedScheduler(Scheduler):
 
     def _plan(self, arrival: Arrival, target_ns: TimeNs) -> None:
         is_sync, action = arrival
-        time_ns = max(min(self.real_ns, target_ns - 1), self._arrived_ns, self._now_ns)
+        time_ns = max(min(self.real_ns, target_ns - 1), self._arrived_ns, self.now_ns)
         if self._sync_ns is not None or is_sync:
             time_ns = self._follow(time_ns, is_sync)
         self._arrived_ns = time_ns
@@ -242,8 +242,8 @@ class PacedScheduler(Scheduler):
             return time_ns
         next_ns = self._sync_ns + period_ns
         if not is_sync:  # it comes before the next SYNC, however late that is
-            return max(min(time_ns, next_ns - 1), self._arrived_ns, self._now_ns)
-        self._sync_ns = max(next_ns, self._arrived_ns, self._now_ns)
+            return max(min(time_ns, next_ns - 1), self._arrived_ns, self.now_ns)
+        self._sync_ns = max(next_ns, self._arrived_ns, self.now_ns)
         self._origin_ns = self.monotonic_ns() - self._sync_ns
         return self._sync_ns
 

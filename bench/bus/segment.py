@@ -95,7 +95,6 @@ class Segment:
         self._standing = Standing(bitrate, scheduler, automatic_recovery=automatic_recovery)
         self._recovery = self._standing.recovery
         self._faults: tuple[FaultHook, ...] = ()
-        self._taps: tuple[can.Listener, ...] = ()
         self._observers: tuple[FrameObserver, ...] = ()
         self._meter = LoadMeter(bitrate)
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
@@ -128,7 +127,11 @@ class Segment:
         Loggers of python-can work as they are; whoever opened one stops it. An error frame carries
         the identifier of the frame it destroyed. For BLF take `bench.bus.logs.blf_writer`.
         """
-        self._taps += (listener,)
+
+        def give(time_ns: TimeNs, name: str, frame: Frame, is_error: bool) -> None:
+            listener.on_message_received(message(frame, time_ns, name, is_error=is_error))
+
+        self.observe(give)
 
     def observe(self, observer: FrameObserver) -> None:
         """Call `observer(time_ns, name, frame, is_error)` for what `tap` would get."""
@@ -342,8 +345,7 @@ class Segment:
         self, sender: Controller, request: Request, bits: int, odd: Oddity | None = None
     ) -> None:
         """Put a frame on the wire; bits: of all it will occupy, without the intermission."""
-        scheduler = self.scheduler
-        start_ns = scheduler.now_ns
+        scheduler, start_ns = self.scheduler, self.scheduler.now_ns
         self._suspended = ()
         if self._recovery.missing:
             self._recovery.frame_begins(start_ns)
@@ -368,8 +370,8 @@ class Segment:
         sender, request, start_ns, _, odd = self._leave_wire()
         frame, now_ns = request[4], self.scheduler.now_ns
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
-        if self._observers or self._taps:
-            self._record(frame, now_ns, is_error=False)
+        for observer in self._observers:  # before anyone reacts to it
+            observer(now_ns, self.name, frame, False)
         if odd is not None or self._standing.is_disturbed:
             self._deliver_oddly(sender, request, odd or Oddity())
         else:
@@ -423,8 +425,6 @@ class Segment:
         """Give a frame to the records before anyone reacts to it."""
         for observer in self._observers:
             observer(time_ns, self.name, frame, is_error)
-        for listener in self._taps:
-            listener.on_message_received(message(frame, time_ns, self.name, is_error=is_error))
 
     def _end_of_error(self) -> None:
         """End an error frame; the destroyed frame competes again."""

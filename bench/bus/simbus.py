@@ -110,7 +110,7 @@ class SimBus(Controller, can.BusABC):
         frame = Frame(can_id, data, bool(extended), bool(remote), msg.dlc)
         self._request(arbitration_key(can_id, frame[2], frame[3]), frame)
 
-    def send_raw(self, cob_id: int, data: bytes) -> None:
+    def send_raw(self, cob_id: int, data: bytes | bytearray | list[int]) -> None:
         """Request a data frame without a `can.Message`: the fast way for cyclic telegrams.
 
         Identifiers above 0x7FF are extended ones. Raises as `send`.
@@ -128,9 +128,9 @@ class SimBus(Controller, can.BusABC):
     def _request(self, key: int, frame: Frame) -> None:
         if get_ident() != self._thread:
             raise RuntimeError("a simulated bus belongs to the thread that made it")
-        if self._is_shutdown:
-            raise can.CanOperationError(f"{self.channel_info} is shut down")
         if not self.takes_part:
+            if self._is_shutdown:
+                raise can.CanOperationError(f"{self.channel_info} is shut down")
             self.discarded += 1
             return
         segment = self.segment

@@ -32,6 +32,9 @@ class ControlKind(IntEnum):
     FORCE = 2
 
 
+_POSITION = ControlKind.POSITION
+
+
 def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float]) -> float:
     """Evaluate the cubic Hermite polynomial at `time_s` of a step of `step_s`.
 
@@ -302,9 +305,11 @@ class PlantAxis:
             if not self._is_enabled:
                 return
             position_m, velocity_m_s = self.motion[2], 0.0
-        self._control.choose(ControlKind.POSITION)
+        if self._control.kind is not _POSITION:
+            self._control.choose(_POSITION)
         self._command(time_ns, position_m, velocity_m_s, end_ns)
-        self._enable(enabled)
+        if enabled is not self._is_enabled:
+            self._enable(enabled)
 
     def _enable(self, enabled: bool) -> None:
         if self._enabled is not None and enabled != self._is_enabled:
@@ -376,7 +381,7 @@ class PlantAxis:
 
         The actual position while it follows none (control of velocity or force).
         """
-        if self._control.kind is not ControlKind.POSITION:
+        if self._control.kind is not _POSITION:
             return self.motion[2]
         return self.motion[4]
 

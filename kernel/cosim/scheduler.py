@@ -21,18 +21,16 @@ never reaches the action.
 
 
 class Scheduler:
-    """The simulated clock (`kernel.clock.Clock`); starts at 0 ns."""
+    """The simulated clock (`kernel.clock.Clock`); starts at 0 ns.
+
+    now_ns: current simulated time, set here only. No property, for it is read twenty times a cycle.
+    """
 
     def __init__(self) -> None:
-        self._now_ns: TimeNs = 0
+        self.now_ns: TimeNs = 0
         self._events: list[Event] = []
         self._sequence = count()
         self._advancing = _Advancing()
-
-    @property
-    def now_ns(self) -> TimeNs:
-        """Current simulated time in ns."""
-        return self._now_ns
 
     @property
     def running(self) -> bool:
@@ -45,8 +43,8 @@ class Scheduler:
         An earlier phase of the current instant is allowed: it runs next.
         Raises ValueError when `time_ns` lies before now (a defect of the caller).
         """
-        if time_ns < self._now_ns:
-            raise ValueError(f"call_at({time_ns} ns) lies before now ({self._now_ns} ns)")
+        if time_ns < self.now_ns:
+            raise ValueError(f"call_at({time_ns} ns) lies before now ({self.now_ns} ns)")
         event = [time_ns, phase, next(self._sequence), action]
         heapq.heappush(self._events, event)
         return event
@@ -61,17 +59,17 @@ class Scheduler:
         An exception of an action stops the clock at that action's time and passes through.
         Raises RuntimeError when called from an action, ValueError for a time before now.
         """
-        if time_ns < self._now_ns:
-            raise ValueError(f"run_until({time_ns} ns) lies before now ({self._now_ns} ns)")
+        if time_ns < self.now_ns:
+            raise ValueError(f"run_until({time_ns} ns) lies before now ({self.now_ns} ns)")
         events, pop = self._events, heapq.heappop
         with self._advancing:
             while events and events[0][0] <= time_ns:
                 event = pop(events)
                 action = event[3]
                 if action is not None:
-                    self._now_ns = event[0]
+                    self.now_ns = event[0]
                     action()
-            self._now_ns = time_ns
+            self.now_ns = time_ns
 
     def run_while(self, condition: Callable[[], bool], timeout_ns: TimeNs | None) -> bool:
         """Advance event by event while `condition()` holds.
@@ -83,18 +81,18 @@ class Scheduler:
         left that could end it.
         """
         events, pop = self._events, heapq.heappop
-        end_ns = None if timeout_ns is None else self._now_ns + timeout_ns
+        end_ns = None if timeout_ns is None else self.now_ns + timeout_ns
         with self._advancing:
             while condition():
                 if end_ns is None and not events:
                     raise RuntimeError("waiting without limit and no event is pending")
                 if end_ns is not None and (not events or events[0][0] > end_ns):
-                    self._now_ns = end_ns
+                    self.now_ns = end_ns
                     return False
                 event = pop(events)
                 action = event[3]
                 if action is not None:
-                    self._now_ns = event[0]
+                    self.now_ns = event[0]
                     action()
         return True
 

@@ -181,11 +181,10 @@ class AxisLink:
             self._judge_missing()
 
     def _take_actual(self, increments: int) -> None:
-        age = self._actual_age
-        if age is not None:
-            moved = abs(increments - self.actual_increments)
-            if moved > self._jump_increments * (age + 1):
-                self.jump_mm = moved / self._per_mm
+        moved, age = abs(increments - self.actual_increments), self._actual_age
+        limit = self._jump_increments
+        if moved > limit and age is not None and moved > limit * (age + 1):
+            self.jump_mm = moved / self._per_mm
         self.actual_increments, self._actual_age = increments, 0
 
     def _judge_missing(self) -> None:

@@ -163,6 +163,7 @@ class BusWatch:
     def __init__(self, network: Any) -> None:
         self._bus = network.bus
         self.name = str(getattr(self._bus, "channel_info", "bus"))
+        self._pending: Sequence[Any] = getattr(self._bus, "pending", ())
         self._is_off = False
         listen: Callable[[Callable[[], None]], None] | None
         listen = getattr(self._bus, "on_bus_off", None)
@@ -185,7 +186,7 @@ class BusWatch:
 
         Interfaces of python-can do not show their transmit queue.
         """
-        pending: Sequence[Any] = getattr(self._bus, "pending", ())
+        pending = self._pending
         return bool(pending) and any(request[4].arbitration_id == SYNC_ID for request in pending)
 
 

@@ -112,13 +112,8 @@ class PdoExchange(Owner):
         """Send what this SYNC asks for, then what has changed. counter: that of the SYNC."""
         for tpdo in self._active_tpdos:
             if tpdo.sync_count:
-                if tpdo.awaits:
-                    if counter != tpdo.awaits:
-                        continue
-                    tpdo.awaits = 0
-                tpdo.syncs += 1
-                if tpdo.syncs == tpdo.sync_count:
-                    tpdo.syncs = 0
+                # With every SYNC is the usual, for which nothing need be counted
+                if (tpdo.sync_count == 1 and not tpdo.awaits) or tpdo.is_due(counter):
                     tpdo.sent = data = tpdo.message(self._image)
                     self._network.send_message(tpdo.cob_id, data)
             elif tpdo.type == REMOTE_AT_SYNC:

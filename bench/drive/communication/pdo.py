@@ -103,6 +103,15 @@ class Tpdo:
         """Types 254 and 255."""
         return self.type >= EVENT_FIRST
 
+    def is_due(self, counter: int | None) -> bool:
+        """Count a SYNC; return whether it asks for the message. counter: that of the SYNC."""
+        if self.awaits:
+            if counter != self.awaits:
+                return False
+            self.awaits = 0
+        self.syncs = (self.syncs + 1) % self.sync_count
+        return self.syncs == 0
+
 
 def read_rpdo(number: int, store: ObjectStore) -> Rpdo | None:
     """Compile RPDO `number` (0 to 3) from the dictionary; None when it carries nothing."""
