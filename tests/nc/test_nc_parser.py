@@ -17,6 +17,10 @@ def refused(text, axes=XYZ):
     return caught.value
 
 
+def test_nothing_to_offer_is_not_said():
+    assert "allowed" not in str(refused("#DRIVE WR SYN [AX=Z KEY=A VAL=1e400 WAIT]"))
+
+
 # (text, line, column, part of the message, found value)
 ERRORS = [
     # words
