@@ -34,7 +34,8 @@ NMT_COMMANDS = {
     1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node",
     130: "reset communication",
 }  # fmt: skip
-STATES = {0: "boot-up", 4: "stopped", 5: "operational", 127: "pre-operational"}
+BOOT_UP = 0
+STATES = {BOOT_UP: "boot-up", 4: "stopped", 5: "operational", 127: "pre-operational"}
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import can
 
-from bench.bus.dissect import NMT_COMMANDS, STATES, Dissected, dissect, sdo_words
+from bench.bus.dissect import BOOT_UP, NMT_COMMANDS, STATES, Dissected, dissect, sdo_words
 from bench.bus.frame import Frame
 from bench.bus.logs import LOG_SUFFIXES
 from bench.drive.objects import variables
@@ -72,7 +72,7 @@ def find_log(place: Path, run: str | None) -> tuple[Path, Settings | None]:
 def tell_log(path: Path, settings: Settings | None, selection: Selection) -> Iterator[str]:
     """Yield the lines for the frames of a log. Raises UserError for a damaged one."""
     names = _Names(settings)
-    last: dict[tuple[str, int], bytes] = {}
+    last: dict[tuple[str, int], object] = {}
     with can.LogReader(path) as reader:
         for time_ms, message in _times(reader):
             if time_ms < selection.from_ms:
@@ -89,8 +89,9 @@ def tell_log(path: Path, settings: Settings | None, selection: Selection) -> Ite
             )
             told = dissect(frame, is_error=message.is_error_frame)
             key = (segment, frame.arbitration_id)
-            is_old = _repeats(told) and last.get(key) == frame.data
-            last[key] = frame.data
+            content = told.fields.get("state", frame.data) if _is_heartbeat(told) else frame.data
+            is_old = _repeats(told) and key in last and last[key] == content
+            last[key] = content
             if is_old and not selection.is_all:
                 continue
             name, text = names.tell(segment, frame, told)
@@ -111,8 +112,17 @@ def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message
 
 
 def _repeats(told: Dissected) -> bool:
-    """Whether a frame comes cyclically, so that it is worth a line only when it has changed."""
-    return told.service in ("SYNC", "heartbeat") or "PDO" in told.service
+    """Whether a frame comes cyclically, so that it is worth a line only when it has changed.
+
+    A boot-up never does: it says that a node has started anew.
+    """
+    if _is_heartbeat(told):
+        return told.fields.get("state") != BOOT_UP
+    return told.service == "SYNC" or "PDO" in told.service
+
+
+def _is_heartbeat(told: Dissected) -> bool:
+    return told.service == "heartbeat" and "remote" not in told.fields
 
 
 class _Names:

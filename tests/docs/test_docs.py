@@ -40,6 +40,13 @@ def test_files_that_a_document_names_exist(path: Path) -> None:
     assert {name for name in named if not (ROOT / name).exists()} == set()
 
 
+def test_the_readme_leads_to_every_page() -> None:
+    section = (ROOT / "README.md").read_text("utf-8").split("## Where to read on")[1]
+    linked = re.findall(r"\]\((docs/[\w-]+\.md)\)", section.split("\n## ")[0])
+    pages = [f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")]
+    assert sorted(linked) == sorted(pages)
+
+
 def test_commands_in_the_readme_exist() -> None:
     known = {
         command.name or command.callback.__name__  # type: ignore[union-attr]
