@@ -5,6 +5,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
+from bench.drive.profiles import DEFAULT_PROFILE
+from bench.rig.blame import blamed
 from bench.rig.file import LOAD, DriveTable, rig_error
 from bench.rig.outside import check_outside, is_real
 from bench.rig.settings import Settings
@@ -216,11 +218,21 @@ def _check_start_up(settings: Settings) -> None:
             raise rig_error(
                 settings.files,
                 ("drive", axis.drive),
-                f"drive {axis.drive} of axis {name}: {error.message}",
+                f"drive {axis.drive} of axis {name}{_of_profile(settings, name)}: {error.message}",
                 value=error.value,
                 allowed=error.allowed,
                 hint=error.hint,
             ) from error
+
+
+def _of_profile(settings: Settings, name: str) -> str:
+    """Name the profile that says what the drive of an axis has, where the rig names one."""
+    drive = _drive_of(settings, name)
+    return (
+        f" (profile {drive.profile})"
+        if drive.profile != DEFAULT_PROFILE and drive.eds is None
+        else ""
+    )
 
 
 def _check_functions(settings: Settings) -> None:
@@ -245,8 +257,16 @@ def _check_functions(settings: Settings) -> None:
 def check_rig(settings: Settings) -> None:
     """Check references, node ids, measuring source and bus time.
 
-    Raises UserError with file, line and key of the rig.
+    Raises UserError with file, line and key of the rig; with the place of the cell or `--set`
+    where the rig would do without it.
     """
+    try:
+        _check_rig(settings)
+    except UserError as error:
+        raise blamed(error, settings, _check_rig) from error
+
+
+def _check_rig(settings: Settings) -> None:
     _check_references(settings)
     _check_nodes(settings)
     _check_names(settings)

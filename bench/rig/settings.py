@@ -26,6 +26,8 @@ FORCED = f"bus:{EVERY_SEGMENT}.overload=run"
 Located = Callable[[UserError, Assignment], UserError]
 """Turns an error of an assignment into one that names the place it was written at."""
 
+Assigned = tuple[Assignment, Located]
+
 
 def as_written(error: UserError, assignment: Assignment) -> UserError:
     """Name the assignment itself: the place of a `--set` on the command line."""
@@ -44,9 +46,11 @@ class Settings:
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
     external: V.E variables by the name behind the prefix. faults: what goes wrong.
     has_kernel: false where only the drives of the rig run, for the master of somebody else.
+    written: the rig as its files have it. assigned: what was applied to it, in its order.
     """
 
     rig: RigFile
+    written: RigFile
     files: list[Path]
     channel: ParameterSet
     axis: dict[str, ParameterSet]
@@ -55,6 +59,7 @@ class Settings:
     external: dict[str, float] = field(default_factory=dict)
     faults: list[Fault] = field(default_factory=list)
     has_kernel: bool = True
+    assigned: Sequence[Assigned] = ()
 
     def apply(self, assignment: Assignment, located: Located) -> None:
         """Apply one assignment. Raises UserError, with its place, for one that does not fit."""
@@ -141,9 +146,7 @@ class Settings:
         self.faults += read_faults(item.name, item.value, self.rig)
 
 
-def read_settings(
-    rig: RigFile, files: list[Path], assignments: Sequence[tuple[Assignment, Located]]
-) -> Settings:
+def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigned]) -> Settings:
     """Read the parameter lists of a rig and apply assignments in their order."""
     lists: list[tuple[tuple[str, ...], str]] = [(("channel", "list"), rig.channel.list)]
     lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
@@ -154,6 +157,8 @@ def read_settings(
             )
     settings = Settings(
         rig=rig,
+        written=rig,
+        assigned=tuple(assignments),
         files=files,
         channel=read_list(rig.channel.list, "channel"),
         axis={name: read_list(axis.list, "axis") for name, axis in rig.axis.items()},

@@ -1,0 +1,56 @@
+"""Which cell of a plan, or which `--set`, made a rig impossible that is good without it."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from bench.rig.file import RigFile
+from bench.rig.settings import Assigned, Settings, read_settings
+from kernel.errors import UserError
+
+
+def blamed(error: UserError, settings: Settings, check: Callable[[Settings], None]) -> UserError:
+    """Return the error of `check` with the place of the assignment that brought it about.
+
+    That is the first one from which on the rig is refused for the same reason. The error stays as
+    it is where the rig is refused without any, and where it was changed by more than assignments.
+    """
+    rig, files, assigned = settings.written, settings.files, settings.assigned
+
+    def is_same(count: int) -> bool:
+        again = _refusal(rig, files, assigned[:count], check)
+        return again is not None and _reason(again) == _reason(error)
+
+    count = len(assigned)
+    if not count or not is_same(count):
+        return error
+    while count and is_same(count - 1):
+        count -= 1
+    if not count:
+        return error
+    assignment, located = assigned[count - 1]
+    hint = f"{Path(error.file).name} is accepted without it" if error.file else None
+    told = UserError(
+        f"with {assignment.value}: {error.message}",
+        value=error.value,
+        allowed=error.allowed,
+        hint="; ".join(text for text in (error.hint, hint) if text) or None,
+    )
+    return located(told, assignment)
+
+
+def _refusal(
+    rig: RigFile,
+    files: list[Path],
+    assigned: Sequence[Assigned],
+    check: Callable[[Settings], None],
+) -> UserError | None:
+    try:
+        check(read_settings(rig, files, assigned))
+    except UserError as error:
+        return error
+    return None
+
+
+def _reason(error: UserError) -> tuple[object, ...]:
+    """Return what stays of a refusal when other values of the rig change: not the arithmetic."""
+    return error.file, error.line, error.message.partition("\n")[0]
