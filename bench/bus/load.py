@@ -79,9 +79,17 @@ class LoadMeter:
         """
         if window_ns < WINDOW_NS or window_ns % WINDOW_NS:
             raise ValueError(f"window of {window_ns} ns is not a multiple of {WINDOW_NS} ns")
-        step = window_ns // WINDOW_NS
-        sums = (sum(self._busy_ns[i : i + step]) for i in range(0, len(self._busy_ns), step))
-        return [(busy_ns * self._bitrate + S // 2) // S for busy_ns in sums]
+        return [self._bits_of(busy_ns) for busy_ns in self._sums_ns(window_ns // WINDOW_NS)]
+
+    def _sums_ns(self, step: int) -> Iterable[int]:
+        """Return the busy time of every `step` windows."""
+        windows = self._busy_ns
+        if step == 1:
+            return windows
+        return (sum(windows[i : i + step]) for i in range(0, len(windows), step))
+
+    def _bits_of(self, busy_ns: TimeNs) -> int:
+        return (busy_ns * self._bitrate + S // 2) // S
 
     def figures(
         self, until_ns: TimeNs, waiting: Iterable[tuple[Frame, TimeNs]] = ()
@@ -101,7 +109,7 @@ class LoadMeter:
             error_frames=self._error_frames,
             busy_bits=self._bits,
             busy_share=busy_ns / until_ns if until_ns else 0.0,
-            worst_1ms_bits=max(self.busy_bits(MS), default=0),
-            worst_100ms_bits=max(self.busy_bits(100 * MS), default=0),
+            worst_1ms_bits=self._bits_of(max(self._sums_ns(1), default=0)),
+            worst_100ms_bits=self._bits_of(max(self._sums_ns(100), default=0)),
             worst_delay_ns=dict(sorted(delays.items())),
         )

@@ -158,4 +158,5 @@ def default_text(row: ObjectRow, profile: DriveProfile) -> str:
         return "0"
     if row.index == TRIGGER_SOURCE and row.sub == 0:
         return str(sum(profile.has_object(TRIGGER_SOURCE, sub) for sub in (1, 2)))
-    return row.default.format(**profile.object_defaults)
+    # Few defaults come from the profile, and every start asks for those of all objects
+    return row.default.format(**profile.object_defaults) if "{" in row.default else row.default

@@ -146,6 +146,9 @@ class FmuSlave(ABC):
         self.time_ns: TimeNs = 0
         self.pointer = 0
         self._variables = {v.name: v for v in description.modelVariables}
+        self._names: dict[str, list[str]] = {}
+        for variable in description.modelVariables:
+            self._names.setdefault(variable.causality, []).append(variable.name)
         self._excess_s = 0.0  # how far behind `time_ns` an early return left the FMU
         self.grid_ns = grid_of(description)
         self._stands_ns: TimeNs = 0  # on a grid: the last point that the FMU has reached
@@ -259,7 +262,7 @@ class FmuSlave(ABC):
 
     def names(self, causality: str) -> list[str]:
         """Return the names of all variables of one causality, in the order of the description."""
-        return [v.name for v in self.description.modelVariables if v.causality == causality]
+        return self._names.get(causality, [])
 
     def set_start(self, name: str, value: float | bool | str) -> None:
         """Set a parameter or a start value before initialisation, in the FMU's unit."""
