@@ -6,7 +6,8 @@ products of these vendors. An empty cell means: as `generic`.
 
 import csv
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cache
 from importlib import resources
 
@@ -110,6 +111,21 @@ def make_profile(values: Mapping[str, Value]) -> DriveProfile:
     return DriveProfile(
         **{known[key].field: known[key].in_profile(value) for key, value in values.items()}  # type: ignore[arg-type]
     )
+
+
+def in_lengths(profile: DriveProfile, unit_um: float) -> DriveProfile:
+    """Return the profile with positions on the bus in a length, so that 6092 is the lead.
+
+    Raises UserError when the lead is no whole number of units.
+    """
+    units = profile.lead_um / Fraction(str(unit_um))
+    if units.denominator != 1:
+        raise UserError(
+            "position_unit_um: the lead is no whole number of position units (6092)",
+            value=unit_um,
+            allowed=f"a length that lead_mm = {profile.lead_um / 1000:g} is a multiple of",
+        )
+    return replace(profile, position_factor=units / profile.encoder_increments)
 
 
 def named_profile(name: str) -> DriveProfile:

@@ -31,6 +31,7 @@ from bench.drive.profiles import (
     DEFAULT_PROFILE,
     Habit,
     habits,
+    in_lengths,
     make_profile,
     profile_keys,
     profile_names,
@@ -125,9 +126,11 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
     """`[drive.NAME]`: what kind of drive stands in front of an axis.
 
     profile: name of a set of habits; every key of `bench/drive/profiles.csv` that the rig does not
-    give has the profile's value. How it is started: `StartUpKeys`.
+    give has the profile's value. position_unit_um: length of a position unit on the bus, for drives
+    whose unit is a length; not said = an encoder increment. How it is started: `StartUpKeys`.
     """
 
+    position_unit_um: Annotated[float, Field(gt=0, le=1e6)] | None = None
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="wrap")
@@ -154,7 +157,8 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
 
     @cached_property  # asked for some thirty times at every start
     def _made(self) -> DriveProfile:
-        return make_profile({key: getattr(self, key) for key in habits()})
+        made = make_profile({key: getattr(self, key) for key in habits()})
+        return made if self.position_unit_um is None else in_lengths(made, self.position_unit_um)
 
 
 class RealtimeTable(Table):

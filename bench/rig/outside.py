@@ -5,7 +5,7 @@ axis says `outside = false`. Neither its plant nor a sensor that reads this plan
 """
 
 from bench.bus.hardware import SIMULATED
-from bench.rig.file import PlantTable, rig_error
+from bench.rig.file import DriveTable, PlantTable, rig_error
 from bench.rig.settings import Settings
 from kernel.errors import UserError
 
@@ -90,5 +90,21 @@ def told(settings: Settings) -> list[str]:
     for name in sorted(outside_axes(settings)):
         axis, table = settings.rig.axis[name], settings.segment[settings.rig.axis[name].segment]
         where = f"{table.interface} {table.channel if table.channel is not None else ''}".strip()
-        lines.append(f"axis {name}: drive with node {axis.node} on {where}")
+        scaling = _scaling(settings.rig.drive[axis.drive])
+        lines.append(f"axis {name}: drive with node {axis.node} on {where}; {scaling}")
     return lines
+
+
+def _scaling(drive: DriveTable) -> str:
+    """Say what turns millimetres into positions on the bus, and what of it nobody checks."""
+    made = drive.make()
+    if not drive.scaling_check:
+        checked = "NOT compared with the drive"
+    elif drive.position_unit_um is None:
+        checked = "the lead is NOT compared with the drive"
+    else:
+        checked = "compared with the drive at its start"
+    return (
+        f"encoder {made.encoder_increments} increments per revolution, lead {drive.lead_mm:g} mm,"
+        f" {float(made.units_per_mm):.10g} position units per mm ({checked})"
+    )

@@ -87,23 +87,30 @@ class Outside:
 
 
 def real_cases(cases: Sequence[Case]) -> list[Settings]:
-    """Return the different settings, as far as buses go, of the cases that have a real bus.
+    """Return the different settings, as far as buses and drives go, of cases with a real bus.
 
     What is wrong with a case is told by its preparation, with its place; here it is left out.
     """
     found = []
-    for rig, inputs in sorted({(case.rig, _bus_inputs(case)) for case in cases}):
+    for rig, buses, everything in sorted({(case.rig, *_inputs(case)) for case in cases}):
         with suppress(UserError):
-            found.append(_bus_settings(rig, inputs))
-    return [settings for settings in found if is_paced(settings)]
+            if is_paced(_settings(rig, buses)):
+                found.append(_settings(rig, everything))
+    return found
 
 
-def _bus_inputs(case: Case) -> tuple[tuple[str, str], ...]:
-    return tuple((a.column, a.value) for a in case.assignments() if a.kind == "bus")
+_Inputs = tuple[tuple[str, str], ...]
+
+
+def _inputs(case: Case) -> tuple[_Inputs, _Inputs]:
+    """Return what a case says of its buses, and of buses and drives."""
+    said = [a for a in case.assignments() if a.kind in ("bus", "drive")]
+    everything = tuple((a.column, a.value) for a in said)
+    return tuple((a.column, a.value) for a in said if a.kind == "bus"), everything
 
 
 @cache
-def _bus_settings(rig: Path, inputs: tuple[tuple[str, str], ...]) -> Settings:
+def _settings(rig: Path, inputs: _Inputs) -> Settings:
     table, files = read_rig(rig)
     changes = [(parse_assignment(f"{column}={value}"), as_written) for column, value in inputs]
     return read_settings(table, files, changes)

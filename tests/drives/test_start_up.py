@@ -10,6 +10,7 @@ import pytest
 
 from bench.drive.eds import object_dictionary
 from bench.drive.profile import DriveProfile
+from bench.rig.file import DriveTable
 from kernel.clock import MS
 from kernel.drives.mapping import MappedObject, telegrams
 from kernel.drives.startup_steps import (
@@ -203,6 +204,24 @@ def test_900022_tells_both_scalings(link_bench: Make, scaling: Scaling, expected
     assert alarm.id == 900022
     assert expected in str(alarm.values["expected"])
     assert "1048576 increments and 1048576 position units" in str(alarm.values["found"])
+
+
+@pytest.mark.parametrize(("lead_mm", "alarms"), [(10.0, []), (5.0, [900022])])
+def test_the_lead_is_compared_where_the_position_unit_is_a_length(
+    link_bench: Make, lead_mm: float, alarms: list[int]
+) -> None:
+    """6092 of a drive in units of 0.1 um says 100000 for a lead of 10 mm."""
+    drive = DriveTable(position_unit_um=0.1, lead_mm=10.0).make()
+    rig = DriveTable(position_unit_um=0.1, lead_mm=lead_mm).make()
+    assert drive.units_per_revolution == 100_000
+    scaling = Scaling(rig.encoder_increments, Fraction(rig.units_per_revolution))
+    alarm = _result(link_bench(profile=drive), scaling=scaling)
+    assert [alarm.id for alarm in [alarm] if alarm] == alarms
+
+
+def test_a_lead_is_whole_position_units() -> None:
+    with pytest.raises(UserError, match="no whole number of position units"):
+        DriveTable(position_unit_um=3.0, lead_mm=10.0).make()
 
 
 def test_reset_node_and_waiting_for_power_on_boot_the_drive_too(link_bench: Make) -> None:

@@ -59,6 +59,24 @@ def test_nothing_moves_unless_it_is_told_to(place: Path, axisrig: Call) -> None:
     assert not Path("out").exists()
 
 
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [
+        ("", "104857.6 position units per mm (the lead is NOT compared with the drive)"),
+        ("position_unit_um = 0.1", "10000 position units per mm (compared with the drive"),
+        ("scaling_check = false", "104857.6 position units per mm (NOT compared with the drive)"),
+    ],
+)
+def test_the_list_of_axes_says_how_far_they_will_go(
+    place: Path, axisrig: Call, key: str, told: str
+) -> None:
+    """1048576 increments on 10 mm are 104857.6 per mm; units of 0.1 um are 10000."""
+    name, _, value = key.partition(" = ")
+    column = f",drive:servo.{name}" if name else ""
+    _, _, err = axisrig("run", _plan(place, column, f",{value}" if name else ""), *SERIAL)
+    assert f"encoder 1048576 increments per revolution, lead 10 mm, {told}" in err
+
+
 def test_a_program_is_asked_for_in_the_same_way(place: Path, axisrig: Call) -> None:
     program, rig = "programs/probe-z.nc", "rigs/probe-z.toml"
     words = ["nc", program, "--rig", rig, "--set", "plc:V.E.FEED=600", *SERIAL]
