@@ -21,14 +21,14 @@ def blamed(error: UserError, settings: Settings, check: Callable[[Settings], Non
         return again is not None and _reason(again) == _reason(error)
 
     count = len(assigned)
-    if not count or not is_same(count):
+    if not count or not _blames_rig(error, settings) or not is_same(count):
         return error
     while count and is_same(count - 1):
         count -= 1
     if not count:
         return error
     assignment, located = assigned[count - 1]
-    hint = f"{Path(error.file).name} is accepted without it" if error.file else None
+    hint = f"{Path(error.file or files[-1]).name} is accepted without it"
     told = UserError(
         f"with {assignment.value}: {error.message}",
         value=error.value,
@@ -36,6 +36,13 @@ def blamed(error: UserError, settings: Settings, check: Callable[[Settings], Non
         hint="; ".join(text for text in (error.hint, hint) if text) or None,
     )
     return located(told, assignment)
+
+
+def _blames_rig(error: UserError, settings: Settings) -> bool:
+    """Whether the error names a file of the rig, or one of its lists, and no cell already."""
+    rig = settings.written
+    lists = [rig.channel.list, *(axis.list for axis in rig.axis.values())]
+    return error.file in [str(file) for file in (*settings.files, *lists)]
 
 
 def _refusal(
