@@ -26,7 +26,7 @@ def largest_lag(
     since = largest[1:].copy()
     for tick in range(1, -(-int(span.max()) // tick_ns)):
         inside = tick * tick_ns < span
-        u = np.where(inside, tick * tick_ns / span, 0.0)
+        u = np.where(inside, tick * tick_ns / np.maximum(span, 1), 0.0)
         w = 1.0 - u
         reached = w * w * (1.0 + 2.0 * u) * motor[:-1] + u * u * (3.0 - 2.0 * u) * motor[1:]
         reached += step_s * u * w * (w * velocity[:-1] - u * velocity[1:])

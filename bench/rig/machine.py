@@ -23,6 +23,7 @@ from bench.rig.pacing import Hardware, master_scheduler, power_down
 from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
+from bench.rig.rest import Rest
 from bench.rig.settings import Settings
 from kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
 from kernel.channel.drive_functions import DriveFunctions
@@ -173,6 +174,8 @@ class Machine:
             put_out=self._message,
             monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
         )
+        if self._hardware is None:
+            channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
         for warning in warnings:
             channel.warn(warning)
@@ -182,6 +185,17 @@ class Machine:
         self.messages.append(message)
         if self._put_out is not None:
             self._put_out(message.text)
+
+    @property
+    def end_ns(self) -> TimeNs:
+        """End of the period in which the program ended: its last block, or set positions stand.
+
+        After an alarm the run goes on until the axes stand (`bench/rig/rest.py`).
+        """
+        end_ns, period_ns = self.channel.end_ns, self.timing.period_ns
+        if end_ns is None:
+            return self.scheduler.now_ns
+        return -(-end_ns // period_ns) * period_ns
 
     @property
     def schedules(self) -> Mapping[str, CycleArithmetic]:

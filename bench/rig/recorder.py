@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 import pyarrow as pa
 
-from bench.drive.application.servo import NEVER, Servo
+from bench.drive.application.servo import Servo
 from bench.rig.lag import largest_lag
 from kernel.channel import Channel
 from kernel.clock import TimeNs
@@ -73,7 +73,10 @@ class Recorder:
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
-        # Without a plant nothing tells the SYNC on the wire: the instant of its request stands in
+        # Where nothing tells the SYNC on the wire (no plant, or no drive that received it) the
+        # instant of its request stands in: the plants go on all the same
+        if self._has_plant and self._plant.now_ns < channel.sync_ns:
+            self._plant.advance_to(channel.sync_ns)
         plant_ns = self._plant.now_ns
         time_ns = plant_ns if self._has_plant else channel.sync_ns
         row: list[float] = []
@@ -82,7 +85,8 @@ class Recorder:
                 row += (link.set_mm, link.actual_mm, link.lag_mm)
                 continue
             motion = axis.motion
-            if servo.sync_ns not in (plant_ns, NEVER):  # a tick or an SDO has moved the plant on
+            if servo.sync_ns != plant_ns and servo.sync_ns >= channel.sync_ns:
+                # a tick or an SDO has moved the plant on
                 time_ns, motion = servo.sync_ns, axis.motion_at(servo.sync_ns)
             position, velocity, motor, motor_velocity, demand = motion
             row += (

@@ -119,7 +119,7 @@ def duration_s(observed: Observed, _axis: str | None) -> Observation:
     start_ns = observed.machine.channel.start_ns
     if start_ns is None:
         return Observation(None, note="the drives were never enabled")
-    return Observation((observed.machine.scheduler.now_ns - start_ns) / 1e9)
+    return Observation((observed.machine.end_ns - start_ns) / 1e9)
 
 
 @_of_program
@@ -161,7 +161,10 @@ def _largest(column: str) -> MetricFunction:
         if not len(observed.times_ns):
             return Observation(None, note="the program ended before its first cycle")
         axes = [axis] if axis else list(observed.machine.links)
-        return Observation(max(float(np.max(np.abs(observed.column(a, column)))) for a in axes))
+        rows = slice(observed.index_at(observed.machine.end_ns) + 1)
+        return Observation(
+            max(float(np.max(np.abs(observed.column(a, column)[rows]))) for a in axes)
+        )
 
     return largest
 

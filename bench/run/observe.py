@@ -66,7 +66,7 @@ class Observed:
         if not records:
             return None
         record = records[-1]
-        end_ns = record.end_ns or self.machine.scheduler.now_ns
+        end_ns = record.end_ns or self.machine.end_ns
         probes = self.probes_of(record)
         contacts = [
             contact
@@ -101,7 +101,7 @@ class Observed:
 
         By its true positions, outside by those that its drive tells.
         """
-        inside = self.between(record.begin_ns, record.end_ns or self.machine.scheduler.now_ns)
+        inside = self.between(record.begin_ns, record.end_ns or self.machine.end_ns)
         columns = {
             axis: "actual_mm" if axis in self.machine.outside else "truth_mm"
             for axis in record.axes

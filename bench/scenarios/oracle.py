@@ -92,7 +92,7 @@ def judge(machine: Machine, truth: Truth) -> Judgement:
     ]
     if not ending:
         return Judgement(Result.GOOD, alarms, right)
-    took_ns = machine.scheduler.now_ns - ending[0]
+    took_ns = machine.end_ns - ending[0]
     if took_ns > BRAKING_NS:
         return Judgement(Result.SLOW, alarms, right, f"{took_ns / 1e6:.1f} ms")
     moved_mm = _movement_mm(machine)
@@ -119,7 +119,7 @@ def _values(machine: Machine) -> list[tuple[int, float]]:
 def _what_is_wrong(machine: Machine, truth: Truth, run: int, value_mm: float) -> str:
     record = machine.channel.records[run]
     start_ns = record.start_ns if record.start_ns is not None else record.begin_ns
-    end_ns = record.end_ns if record.end_ns is not None else machine.scheduler.now_ns
+    end_ns = record.end_ns if record.end_ns is not None else machine.end_ns
     inside = [mm for edge_ns, mm in truth.latches if start_ns <= edge_ns <= end_ns]
     if not inside:
         return f"{value_mm:.6f} mm without an edge of the probe"

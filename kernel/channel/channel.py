@@ -47,6 +47,8 @@ class Channel:
     networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
     monitor: the watch over drives and buses; without one drives are watched by their telegrams.
     functions: what #DRIVE acts on; to be set before a program that has it is loaded.
+    has_come_to_rest: asked in every cycle after an alarm once the set positions stand; SYNC and
+    cycles go on until it says so. end_ns: instant at which the program has ended.
     put_out: takes every message as soon as it is due. It is the `MachineView` of its own
     interpreter; the program is handed over by `load`.
     """
@@ -78,6 +80,8 @@ class Channel:
         self.records: list[RunRecord] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
+        self.end_ns: TimeNs | None = None
+        self.has_come_to_rest: Callable[[], bool] = lambda: True
         self._run: MeasuringRun | None = None
         self._measuring: tuple[canon.MeasuringRun, Dynamics] | None = None
         self._measured: dict[str, float | None] = {}
@@ -175,7 +179,9 @@ class Channel:
         for observer in self.observers:  # 7
             observer(self)
         if was_stopping and self._has_stopped():
-            self.state = ChannelState.ENDED
+            self.end_ns = self.end_ns or self._clock.now_ns
+            if self.has_come_to_rest():
+                self.state = ChannelState.ENDED
 
     # What the interpreter may ask (MachineView)
 
@@ -236,6 +242,7 @@ class Channel:
                 if not self._is_in_position() or self.functions.is_busy:
                     return
                 self.state = ChannelState.ENDED
+                self.end_ns = self._clock.now_ns
             elif isinstance(command, canon.Message):
                 self._put_out(command)
             elif isinstance(command, canon.MeasuringRun) and not self._is_in_position():
