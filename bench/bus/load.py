@@ -21,7 +21,8 @@ EXTENDED_FLAG = 0x8000_0000
 class LoadFigures:
     """Load of a segment from 0 to `until_ns`.
 
-    busy_bits: total, and the most in any window of 1 ms and 100 ms. busy_share: 0..1 of the time.
+    busy_bits: total, the most in any ms, and in any 100 of them in a row. busy_share: 0..1 of the
+    time. worst_100ms_share: 0..1 of those 100 ms, or of the whole time where that is shorter.
     worst_delay_ns: per identifier (bit 31 set on 29-bit ones) the longest time from the request
     to the start of the attempt that got through, ascending by identifier; for what still waits the
     time until now.
@@ -34,6 +35,7 @@ class LoadFigures:
     busy_share: float
     worst_1ms_bits: int
     worst_100ms_bits: int
+    worst_100ms_share: float
     worst_delay_ns: dict[int, TimeNs]
 
 
@@ -91,6 +93,16 @@ class LoadMeter:
     def _bits_of(self, busy_ns: TimeNs) -> int:
         return (busy_ns * self._bitrate + S // 2) // S
 
+    def _worst_ns(self, span_ns: TimeNs) -> TimeNs:
+        """Return the most busy time in any stretch of so many windows in a row."""
+        step = span_ns // WINDOW_NS
+        windows = self._busy_ns
+        inside = worst = sum(windows[:step])
+        for leaves, enters in zip(windows, windows[step:], strict=False):
+            inside += enters - leaves
+            worst = max(worst, inside)
+        return worst
+
     def figures(
         self, until_ns: TimeNs, waiting: Iterable[tuple[Frame, TimeNs]] = ()
     ) -> LoadFigures:
@@ -99,6 +111,7 @@ class LoadMeter:
         waiting: (frame, time of its request) of what has not been sent.
         """
         busy_ns = sum(self._busy_ns)
+        worst_ns = self._worst_ns(100 * MS)
         delays = dict(self._worst_delay_ns)
         for frame, requested_ns in waiting:
             key = frame.arbitration_id | (EXTENDED_FLAG if frame.is_extended_id else 0)
@@ -110,6 +123,7 @@ class LoadMeter:
             busy_bits=self._bits,
             busy_share=busy_ns / until_ns if until_ns else 0.0,
             worst_1ms_bits=self._bits_of(max(self._sums_ns(1), default=0)),
-            worst_100ms_bits=self._bits_of(max(self._sums_ns(100), default=0)),
+            worst_100ms_bits=self._bits_of(worst_ns),
+            worst_100ms_share=worst_ns / min(until_ns, 100 * MS) if until_ns else 0.0,
             worst_delay_ns=dict(sorted(delays.items())),
         )

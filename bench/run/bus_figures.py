@@ -73,7 +73,7 @@ def _figures(machine: Machine, segment: Segment, overload: str) -> BusFigures:
         segment=segment.name,
         bitrate=segment.bitrate,
         load_pct=100 * load.busy_share,
-        load_100ms_pct=load.worst_100ms_bits / bits_per_ms,
+        load_100ms_pct=100 * load.worst_100ms_share,
         load_1ms_pct=100 * load.worst_1ms_bits / bits_per_ms,
         frames=load.frames,
         error_frames=load.error_frames,

@@ -180,7 +180,8 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
                 console.print(_overload(result, bus), soft_wrap=True)
         if result.verdict > Verdict.MARGINAL:
             for line in result.log:
-                console.print(f"{result.case.run}: {line}", soft_wrap=True)
+                if " is overloaded: " not in line:  # told above, with what came of it
+                    console.print(f"{result.case.run}: {line}", soft_wrap=True)
 
 
 def _overload(result: CaseResult, bus: Mapping[str, Any]) -> str:
