@@ -33,11 +33,15 @@ BUS_TELEGRAMS = ("SYNC", "NMT")
 
 @dataclass(frozen=True)
 class FaultKind:
-    """One row of `faults.csv`: the kind, its target (telegram, axis, bus) and its keys."""
+    """One row of `faults.csv`: the kind, its target (telegram, axis, bus) and its keys.
+
+    defaults: of keys that have one of their own in this kind, as it would do nothing without.
+    """
 
     name: str
     targets: tuple[str, ...]
     keys: tuple[str, ...]
+    defaults: Mapping[str, str]
     meaning: str
 
 
@@ -89,7 +93,8 @@ def fault_kinds() -> Mapping[str, FaultKind]:
         row["kind"]: FaultKind(
             row["kind"],
             tuple(word for word in row["target"].split() if word != "or"),
-            tuple(row["keys"].split()),
+            tuple(word.partition("=")[0] for word in row["keys"].split()),
+            dict(word.split("=") for word in row["keys"].split() if "=" in word),
             row["meaning"],
         )
         for row in _rows("faults.csv")
@@ -131,6 +136,25 @@ def read_faults(kind: str, text: str, rig: RigFile) -> list[Fault]:
     return faults
 
 
+def needs_heartbeats(faults: list[Fault], rig: RigFile) -> None:
+    """Refuse to lose heartbeats that nobody sends: such a fault does nothing.
+
+    Raises UserError with the drive.
+    """
+    for fault in faults:
+        if fault.kind != "heartbeat_loss":
+            continue
+        name = rig.axis[fault.axis].drive
+        drive = rig.drive[name]
+        is_written = any(str(write[0]).lower().startswith("0x1017:") for write in drive.sdo)
+        if not (drive.heartbeat_ms or drive.guard_time_ms or is_written):
+            raise UserError(
+                f"drive {name} sends no heartbeats that could be lost",
+                value=fault.target,
+                hint=f"drive:{name}.heartbeat_ms=20 lets it send them",
+            )
+
+
 def _targets(kind: FaultKind, rig: RigFile) -> list[str]:
     """Everything that this kind can be done to in this rig."""
     names: list[str] = []
@@ -168,8 +192,14 @@ def _read_values(kind: FaultKind, words: list[str]) -> dict[str, Any]:
         written[key] = value
     values = {}
     for name in kind.keys:
-        text = written.get(name, fault_keys()[name].default)
+        text = written.get(name, kind.defaults.get(name, fault_keys()[name].default))
         values[name] = _read_value(fault_keys()[name], text) if text or name in written else None
+        if name in kind.defaults and not values[name]:
+            raise UserError(
+                f"{name}: a fault of kind {kind.name} does nothing like this",
+                value=text,
+                allowed=f"more than 0; {kind.defaults[name]} without it",
+            )
     return values
 
 
@@ -265,10 +295,12 @@ def faults_table(kind: str | None = None) -> str:
         return _reactions(kind)
     lines = [
         "A column fault:<kind> of a plan injects faults: targets, then keys; several with ;",
+        "A key with a value has it by default in this kind.",
         "",
     ]
     for known in fault_kinds().values():
-        lines.append(f"{known.name}  ({' or '.join(known.targets)})  {' '.join(known.keys)}")
+        keys = [f"{k}={known.defaults[k]}" if k in known.defaults else k for k in known.keys]
+        lines.append(f"{known.name}  ({' or '.join(known.targets)})  {' '.join(keys)}")
         lines.append(f"    {known.meaning}")
     lines += ["", "Keys"]
     for key in fault_keys().values():

@@ -25,7 +25,7 @@ from bench.bus.frame import IFS_BITS, Frame, frame_bits
 from bench.bus.intruders import Babbler, SecondSender
 from bench.rig.faults import Fault
 from bench.rig.moments import Moments, World
-from kernel.clock import MS, Phase
+from kernel.clock import Phase
 from kernel.drives.mapping import COB_ID_BASE
 
 _COMMANDS = {"reset": 129, "reset_communication": 130, "stop": 2, "pre_operational": 128}
@@ -34,7 +34,6 @@ _BUS_IDS = {"SYNC": 0x080, "NMT": 0x000}
 _TELEGRAM_OF_KIND = {
     "sync_loss": "SYNC", "sync_jitter": "SYNC", "slow_sdo": "SDO", "heartbeat_loss": "HEARTBEAT",
 }  # fmt: skip
-POWER_LOSS_NS = 100 * MS
 
 Make = Callable[[dict[str, Any], Frame, random.Random], FaultAction]
 
@@ -120,7 +119,7 @@ class _Injection:
         node = self._world.nodes[self._fault.axis]
         for_ns = self._values["for"]
         if self._fault.kind == "power_loss":
-            self._at(node.power_off, node.power_on, for_ns or POWER_LOSS_NS)
+            self._at(node.power_off, node.power_on, for_ns)
             return
         port = next(p for p in self._segment.ports if p.port_name == self._fault.axis)
 

@@ -12,7 +12,7 @@ from pydantic import ValidationError
 
 from bench.drive.profiles import value_of
 from bench.plan.assignment import Assignment
-from bench.rig.faults import Fault, read_faults
+from bench.rig.faults import Fault, needs_heartbeats, read_faults
 from bench.rig.file import DriveTable, RigFile, SegmentTable, rig_error
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
@@ -166,4 +166,11 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
     )
     for assignment, located in assignments:
         settings.apply(assignment, located)
+    for assignment, located in assignments:  # when every key of the drives is known
+        if assignment.kind == "fault":
+            try:
+                faults = read_faults(assignment.name, assignment.value, settings.rig)
+                needs_heartbeats(faults, settings.rig)
+            except UserError as error:
+                raise located(error, assignment) from error
     return settings

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from bench.plan.assignment import parse_assignment
 from bench.rig.faults import (
     Fault,
     Moment,
@@ -15,6 +16,7 @@ from bench.rig.faults import (
     read_faults,
 )
 from bench.rig.file import RigFile, read_rig
+from bench.rig.settings import as_written, read_settings
 from kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -135,3 +137,25 @@ def test_the_listing_of_one_kind_tells_the_reactions() -> None:
     assert "900080" in text
     with pytest.raises(UserError, match="unknown kind"):
         faults_table("second_sende")
+
+
+def test_no_kind_of_fault_does_nothing_by_default(rig: RigFile) -> None:
+    assert one(rig, "sync_jitter", "can1").values["jitter"] == 100_000
+    assert one(rig, "power_loss", "Z").values["for"] == 100 * MS
+    with pytest.raises(UserError, match=r"sync_jitter does nothing.*100us without it"):
+        one(rig, "sync_jitter", "can1 jitter=0us")
+    for kind, key in (("delay", "by"), ("slow_sdo", "by")):
+        target = "Z" if kind == "slow_sdo" else "Z.TPDO1"
+        assert one(rig, kind, target).values[key] > 0
+
+
+def test_heartbeats_that_nobody_sends_cannot_be_lost() -> None:
+    def read(*texts: str) -> None:
+        read_settings(
+            *read_rig(RIGS / "probe-z.toml"),
+            [(parse_assignment(text), as_written) for text in texts],
+        )
+
+    with pytest.raises(UserError, match=r"--set fault:heartbeat_loss=Z: drive servo sends no"):
+        read("fault:heartbeat_loss=Z")
+    read("fault:heartbeat_loss=Z", "drive:servo.heartbeat_ms=20")
