@@ -306,7 +306,8 @@ def replay(
 @rejecting
 def bus(
     place: Annotated[
-        Path, typer.Argument(metavar="LOG", help="Results folder, or a .blf, .log or .asc file.")
+        Path,
+        typer.Argument(metavar="LOG", help="Results folder, folder of `drive -o`, or a log file."),
     ],
     run_id: Annotated[
         str | None, typer.Argument(metavar="RUN", help="Run id, where LOG is a folder.")
@@ -316,7 +317,7 @@ def bus(
     ] = None,
     only: Annotated[
         list[str] | None,
-        typer.Option("--only", help="Lines with this text: Z., SDO, EMCY; several allowed."),
+        typer.Option("--only", help="Services, axes, telegrams, objects: SDO,Z,Z.TPDO1,6041."),
     ] = None,
     from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
     to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
@@ -327,12 +328,13 @@ def bus(
     """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
     from bench.rig.file import read_rig
     from bench.rig.settings import read_settings
-    from bench.run.bus_words import Selection, find_log, tell_log
+    from bench.run.bus_log import Selection, find_log, tell_log
 
-    path, settings = find_log(place, run_id)
+    paths, settings = find_log(place, run_id)
     if rig is not None:
         settings = read_settings(*read_rig(rig), [])
-    for line in tell_log(path, settings, Selection(tuple(only or ()), from_ms, to_ms, is_all)):
+    words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
+    for line in tell_log(paths, settings, Selection(words, from_ms, to_ms, is_all)):
         print(line)
 
 
