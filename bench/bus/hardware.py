@@ -24,6 +24,7 @@ from kernel.clock import MS, TimeNs
 from kernel.errors import UserError, nearest
 
 SIMULATED = "axisrig"
+_TRACEBACK = "Traceback (most recent call last)"
 OWN = {"axisrig_tcp": SocketcandServer}
 Option = bool | int | float | str
 
@@ -32,12 +33,14 @@ Option = bool | int | float | str
 class Interface:
     """What is known of an interface.
 
-    options: what it gets when nothing else is said. wait_ns: how long a cycle waits for answers.
+    options: what it gets when nothing else is said. required: what it does not open without, with
+    a value that shows what it looks like. wait_ns: how long a cycle waits for answers.
     libraries: names of its driver's library, one of which must be there.
     """
 
     name: str
     options: Mapping[str, Option]
+    required: Mapping[str, Option]
     wait_ns: TimeNs
     libraries: tuple[str, ...]
     needs: str
@@ -52,6 +55,7 @@ def known_interfaces() -> Mapping[str, Interface]:
         row["interface"]: Interface(
             row["interface"],
             parse_options(row["options"]),
+            parse_options(row["required"]),
             int(row["wait_ms"]) * MS,
             tuple(row["library"].split()),
             row["needs"],
@@ -102,6 +106,7 @@ def open_bus(
 
     Raises UserError that says what is missing or wrong.
     """
+    _hear_python_can()
     known = known_interfaces().get(interface)
     if interface not in interface_names():
         raise UserError(
@@ -121,10 +126,43 @@ def open_bus(
     except (can.CanError, ImportError, OSError, ValueError, TypeError, TimeoutError) as error:
         where = interface if channel is None else f"{interface} {channel}"
         needs = f"needs: {known.needs}; " if known and known.needs else ""
+        missing = [key for key in (known.required if known else ()) if key not in everything]
+        if known and missing:
+            raise UserError(
+                f"the CAN interface {where} cannot be opened without {' and '.join(missing)}",
+                hint="such as "
+                + " ".join(_on_command_line(key, known.required[key]) for key in missing)
+                + " (or in [segment.NAME] of the rig)",
+            ) from error
         raise UserError(
-            f"the CAN interface {where} cannot be opened: {str(error) or type(error).__name__}",
+            f"the CAN interface {where} cannot be opened: {in_one_line(error)}",
             hint=f"{needs}axisrig doctor lists what works here, docs/hardware.md how to set it up",
         ) from error
+
+
+def in_one_line(error: Exception) -> str:
+    """Say an error of an interface; some of python-can put a traceback into their text."""
+    text = " ".join(str(error).partition(_TRACEBACK)[0].split())
+    return text or type(error).__name__
+
+
+def _on_command_line(key: str, value: Option) -> str:
+    return f"--channel {value}" if key == "channel" else f"--option {key}={value}"
+
+
+class _WithoutTracebacks(logging.Handler):
+    """Shows what python-can logs, but for errors that it raises as well."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        if logging.lastResort is not None and _TRACEBACK not in record.getMessage():
+            logging.lastResort.handle(record)
+
+
+@cache
+def _hear_python_can() -> None:
+    """Take over what nobody has asked to see: without a handler it would go to the terminal."""
+    if not logging.getLogger().handlers:
+        logging.getLogger("can").addHandler(_WithoutTracebacks(logging.WARNING))
 
 
 @contextlib.contextmanager

@@ -17,6 +17,7 @@ import can
 from bench.bus.controller import Controller
 from bench.bus.faults import FaultHook
 from bench.bus.frame import Frame, frame_bits
+from bench.bus.hardware import in_one_line
 from bench.bus.paced import Arrival, PacedScheduler
 from bench.bus.segment import Segment
 from bench.bus.simbus import message
@@ -92,7 +93,7 @@ class OutsideSegment(Segment):
         return True
 
     def _lose(self, error: Exception) -> None:
-        self.lost = str(error) or type(error).__name__
+        self.lost = in_one_line(error)
         self._outstanding.clear()
         self._shut_down()
 

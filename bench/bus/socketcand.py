@@ -24,6 +24,7 @@ from bench.bus.frame import DATA_BYTES_MAX, EXTENDED_ID_MAX, STANDARD_ID_MAX
 
 DEFAULT_PORT = 29536
 """The port of socketcand."""
+PORT_MAX = 65535
 BUFFER_MAX = 1 << 20
 SETTLING_S = 0.02
 """python-can's client takes the last `< ok >` only when nothing follows it in the same piece."""
@@ -85,9 +86,14 @@ class SocketcandServer(can.BusABC):
         **_others: Any,
     ) -> None:
         host, _, port = str(channel).rpartition(":")
+        if not (port.isdecimal() and int(port) <= PORT_MAX):
+            raise can.CanInitializationError(
+                f"{channel} cannot be served: a channel is ADDRESS:PORT such as 127.0.0.1:{DEFAULT_PORT},"
+                " port 0 for a free one"
+            )
         try:
             self._server = socket.create_server((host or "127.0.0.1", int(port)))
-        except (OSError, ValueError, OverflowError) as error:
+        except (OSError, ValueError) as error:
             raise can.CanInitializationError(f"{channel} cannot be served: {error}") from error
         self._server.setblocking(False)
         self.address: tuple[str, int] = self._server.getsockname()[:2]

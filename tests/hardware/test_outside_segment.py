@@ -142,3 +142,31 @@ def test_every_interface_of_python_can_and_ours_may_stand_in_a_rig() -> None:
     assert {"axisrig", "axisrig_tcp", "socketcan", "slcan", "pcan", "vector"} <= {
         *interface_names()
     }
+
+
+def test_the_reason_of_a_lost_bus_is_one_line(make_bench: Any) -> None:
+    """python-can's socketcand puts the traceback into its text."""
+    bench = make_bench()
+    text = "Failed to receive: Socket closed?  Traceback (most recent call last):\n  File x\n"
+    bench.adapter.broken = can.CanError(text)
+    bench.scheduler.run_until(MS)
+    assert bench.segment.lost == "Failed to receive: Socket closed?"
+
+
+@pytest.mark.parametrize(
+    ("interface", "channel", "options", "told"),
+    [
+        ("socketcand", "can0", {}, ["without host and port", "--option host=", "--option port="]),
+        ("socketcand", None, {"host": "127.0.0.1", "port": 1}, ["without channel", "--channel"]),
+        ("axisrig_tcp", "bla", {}, ["bla cannot be served", "ADDRESS:PORT", "127.0.0.1:29536"]),
+        ("axisrig_tcp", "127.0.0.1:99999", {}, ["cannot be served", "ADDRESS:PORT"]),
+        ("axisrig_tcp", "127.0.0.1:", {}, ["cannot be served", "ADDRESS:PORT"]),
+    ],
+)
+def test_what_an_interface_lacks_is_said_with_an_example(
+    interface: str, channel: str | None, options: dict[str, Any], told: list[str]
+) -> None:
+    with pytest.raises(UserError) as caught:
+        open_bus(interface, channel, 1_000_000, options)
+    assert all(words in str(caught.value) for words in told), str(caught.value)
+    assert "__init__" not in str(caught.value)

@@ -421,3 +421,22 @@ def test_a_cable_pulled_in_motion(tmp_path: Path, slcan_pair: tuple[str, str, An
         drives.stop()
     (case,) = _rows(out, "cases.csv")
     assert case["alarms"].split()[0] == "900071"
+
+
+def test_a_server_that_dies_is_one_line_for_the_operator(tmp_path: Path) -> None:
+    """python-can logs and raises a traceback when a socketcand server has gone."""
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"
+    ) as drives:
+        words = ["run", str(PLAN), "-k", "f60", "-o", str(tmp_path / "out"), "--yes"]
+        kernel = subprocess.Popen(
+            [sys.executable, "-m", "bench.cli", *words, *_socketcand(drives)],
+            cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        drives.wait_for("-> OPERATION_ENABLED")
+        drives.process.kill()
+        said = "".join(kernel.communicate(timeout=LIMIT_S))
+    assert kernel.returncode == 1
+    assert "Traceback" not in said
+    (case,) = _rows(tmp_path / "out", "cases.csv")
+    assert case["alarms"].split()[0] == "900071"
