@@ -88,8 +88,8 @@ class SocketcandServer(can.BusABC):
         host, _, port = str(channel).rpartition(":")
         if not (port.isdecimal() and int(port) <= PORT_MAX):
             raise can.CanInitializationError(
-                f"{channel} cannot be served: a channel is ADDRESS:PORT such as 127.0.0.1:{DEFAULT_PORT},"
-                " port 0 for a free one"
+                f"{channel} cannot be served: a channel is ADDRESS:PORT"
+                f" such as 127.0.0.1:{DEFAULT_PORT}, port 0 for a free one"
             )
         try:
             self._server = socket.create_server((host or "127.0.0.1", int(port)))

@@ -439,4 +439,5 @@ def test_a_server_that_dies_is_one_line_for_the_operator(tmp_path: Path) -> None
     assert kernel.returncode == 1
     assert "Traceback" not in said
     (case,) = _rows(tmp_path / "out", "cases.csv")
-    assert case["alarms"].split()[0] == "900071"
+    # The telegrams may stay out before the operating system says that the other end has gone
+    assert case["alarms"].split()[0] in ("900071", "900006")
