@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -59,6 +60,26 @@ def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) ->
     assert (outcome.printed("torque"), outcome.printed("window")) == ([10.0], [4294967295.0])
     image = outcome.machine.nodes["Z"].image
     assert (image.max_torque, image.following_window) == (50_000, 1_048_575)
+
+
+def test_the_drive_begins_with_what_the_program_restores(run_own: Callable[..., Any]) -> None:
+    outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
+    assert outcome.printed("torque before") == outcome.printed("torque after") == [5000.0]
+    assert outcome.printed("window before") == outcome.printed("window after") == [1048575.0]
+
+
+@pytest.mark.parametrize(
+    ("program", "faults"), [("drive-functions.nc", 0), ("fixed-stop-watched.nc", 1)]
+)
+def test_a_fixed_stop_is_a_following_error_only_while_the_drive_watches(
+    run_own: Callable[..., Any], program: str, faults: int
+) -> None:
+    """Stopped at 105 mm on the way to 120 mm; the window is 1048575 of 1048576 units for 10 mm."""
+    outcome = run_own(
+        PROGRAMS / program, RIGS / "drive-functions.toml", ["plant:z.stop_position_mm=105"]
+    )
+    told = [str(alarm) for alarm in outcome.machine.channel.alarms]
+    assert sum("900005" in text and "0x8611" in text for text in told) == len(told) == faults
 
 
 def test_a_cyclic_function_acts_like_one_over_sdo(
