@@ -170,8 +170,11 @@ def _messages(paths: Sequence[Path]) -> Iterator[can.Message]:
     if paths[0].suffix.lower() == PCAP:
         yield from heapq.merge(*map(read_pcap, paths), key=lambda message: message.timestamp)
         return
-    with can.LogReader(paths[0]) as reader:
-        yield from reader
+    try:
+        with can.LogReader(paths[0]) as reader:
+            yield from reader
+    except Exception as error:  # the readers of python-can raise whatever comes up
+        raise UserError(f"the log is damaged: {error}", file=paths[0]) from error
 
 
 def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message]]:

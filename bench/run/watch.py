@@ -18,6 +18,8 @@ from bench.rig.settings import Settings
 from kernel.clock import S, TimeNs
 from kernel.cosim.plant import Plant
 from kernel.cosim.probe import Contact
+from kernel.drives.emergency import Emergency
+from kernel.drives.sdo import abort_text
 
 NMT_COMMANDS = {
     1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node",
@@ -103,13 +105,16 @@ class Watcher:
         if name is None:
             return
         if can_id & 0x780 == 0x080 and len(data) == 8:
-            code = int.from_bytes(data[:2], "little")
-            word = "reset" if code == 0 else f"0x{code:04X}"
-            self.tell(time_ns, name, "EMCY", f"{word}, error register 0x{data[2]:02X}")
+            emergency = Emergency.read(data)
+            register = f"error register 0x{emergency.register:02X}"
+            self.tell(
+                time_ns, name, "EMCY", str(emergency) if emergency.code else f"reset, {register}"
+            )
         elif can_id & 0x780 == 0x580 and len(data) == 8 and data[0] == SDO_ABORT:
             what = f"0x{data[2]:02X}{data[1]:02X}:{data[3]:02X}"
             code = int.from_bytes(data[4:], "little")
-            self.tell(time_ns, name, "SDO", f"abort of {what} with 0x{code:08X}")
+            text = abort_text(code).removeprefix("abort ")
+            self.tell(time_ns, name, "SDO", f"abort of {what} with {text}")
 
     def look(self, time_ns: TimeNs) -> None:
         """Tell what has changed in the nodes since the last look."""

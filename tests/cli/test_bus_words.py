@@ -186,6 +186,16 @@ def test_a_file_that_is_no_pcap_of_can_is_refused(
     assert told in err
 
 
+@pytest.mark.parametrize(
+    ("name", "content"), [("bad.blf", b"nothing" * 99), ("bad.log", b"(0.1) can1 7#zz\n")]
+)
+def test_a_damaged_log_is_refused(place: Path, axisrig: Call, name: str, content: bytes) -> None:
+    (place / name).write_bytes(content)
+    code, _, err = axisrig("bus", name)
+    assert code == 2
+    assert "the log is damaged" in err
+
+
 def test_pcap_may_be_the_only_log_of_a_run(place: Path, axisrig: Call) -> None:
     """It is told as the BLF of the same run is."""
     (place / "plan.csv").write_text("case,program,rig,plc:V.E.FEED\na,part.nc,rig.toml,600\n")

@@ -265,7 +265,7 @@ def test_a_stranger_with_canopen_leads_a_drive(tmp_path: Path) -> None:
     moved = int(done.stdout.split("moved ")[1].split()[0])
     assert abs(moved + 30_000) < 100  # increments, 1 um
     text = "".join(drives.lines)
-    assert "SDO     abort of 0x6060:00 with 0x06090030" in text
+    assert "SDO     abort of 0x6060:00 with 0x06090030, value is not allowed" in text
     assert "OPERATION_ENABLED -> SWITCH_ON_DISABLED" in text
 
 
