@@ -4,6 +4,7 @@ Equal result folders give equal bytes: the page holds no clock and no path of th
 """
 
 import math
+import re
 import shlex
 from collections.abc import Mapping
 from decimal import Decimal
@@ -22,6 +23,7 @@ from reports.bar import bar
 from reports.realtime import real_time
 from reports.signals import chart, table
 
+_ALARM = re.compile(r"ID (?P<id>\d+) class \d+[^:]*: (?P<text>.*)", re.DOTALL)
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 
 
@@ -87,10 +89,18 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
         "Python": manifest.get("python"),
         "platform": manifest.get("platform"),
         "rigs": ", ".join(dict.fromkeys(run.case.get("rig", "") for run in runs)),
-        "simulated": f"{sum(float(run.case['sim_s']) for run in runs):.3f} s in {len(runs)} runs",
+        "simulated": _time_of([run for run in runs if not run.info.get("real_time")]),
+        "on a real bus": _time_of([run for run in runs if run.info.get("real_time")]),
         "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
     }
     return [(name, str(value)) for name, value in facts.items() if value]
+
+
+def _time_of(runs: list[StoredRun]) -> str:
+    if not runs:
+        return ""
+    total_s = sum(float(run.case["sim_s"]) for run in runs)
+    return f"{total_s:.3f} s in {len(runs)} run{'s' if len(runs) > 1 else ''}"
 
 
 def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -115,8 +125,9 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "about": [(n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)],
         "inputs": inputs,
         "seed": case["seed"],
+        "clock": "ran" if info.get("real_time") else "simulated",
         "sim_s": f"{float(case['sim_s']):.3f}",
-        "alarms": case["alarms"],
+        "alarms": _alarms(case["alarms"], info.get("log", [])),
         "hash": case["frame_log_sha256"],
         "checks": checks,
         # A run that ended before it could be judged needs one line, not one for each check.
@@ -131,6 +142,13 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "chart": description,
         "data": packed,
     }
+
+
+def _alarms(ids: str, log: list[str]) -> list[dict[str, str]]:
+    """Each alarm with its number and, from the log, what it says."""
+    told = [match for line in log if (match := _ALARM.match(line))]
+    texts = {match["id"]: match["text"] for match in told}
+    return [{"id": number, "text": texts.get(number, "")} for number in ids.split()]
 
 
 def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:

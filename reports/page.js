@@ -49,21 +49,24 @@
   function eventLines(events, labelled) {
     return (u) => {
       const { ctx, bbox } = u, ratio = devicePixelRatio;
-      const ends = new Array(LANES).fill(-Infinity);
+      const lanes = Array.from({ length: LANES }, () => []);
       ctx.save();
       ctx.font = `${11 * ratio}px system-ui, sans-serif`;
       ctx.lineWidth = ratio;
-      for (const event of events) {
+      /* What went wrong gets its name first; the others take the room that is left. */
+      const isWrong = (event) => event.kind === "alarm" || event.kind === "fault";
+      for (const event of [...events].sort((a, b) => isWrong(b) - isWrong(a))) {
         const x = Math.round(u.valToPos(event.time_ns / NS_PER_MS, "x", true));
         if (x < bbox.left || x > bbox.left + bbox.width) continue;
         const colour = css(event.kind) || css("soft");
         let top = bbox.top;
         if (labelled) {
           const width = ctx.measureText(event.label).width + 10 * ratio;
-          const lane = ends.findIndex((end) => end < x);
+          const right = x + width > bbox.left + bbox.width;
+          const [begin, end] = right ? [x - width, x + 4 * ratio] : [x, x + width];
+          const lane = lanes.findIndex((taken) => taken.every(([a, b]) => begin > b || end < a));
           if (lane >= 0) {
-            const right = x + width > bbox.left + bbox.width;
-            ends[lane] = x + (right ? 4 * ratio : width);
+            lanes[lane].push([begin, end]);
             top = bbox.top - (lane + 0.6) * LANE_HEIGHT * ratio;
             ctx.fillStyle = colour;
             ctx.textAlign = right ? "right" : "left";

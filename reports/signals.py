@@ -12,6 +12,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from bench.results.writer import WARNING
 from reports.encode import encode_signal, pack
 
 SHARED = "*"
@@ -23,6 +24,11 @@ _MARGIN_BEFORE = 0.6
 _MARGIN_AFTER = 0.4
 _MARGIN_LEAST_NS = 10_000_000
 _EDGE_LEAST_NS = 100_000
+_BEFORE_ALARM_NS = 50_000_000
+_AFTER_ALARM_NS = 150_000_000
+_PLOT_HEIGHT, _LETTER = 120, 9
+_OF_A_RUN = frozenset({"latch", "pdo", "brake", "standstill"})
+_OF_AN_EDGE = frozenset({"contact", "edge", "latch"})
 _OF_A_MEASUREMENT = frozenset({"contact", "edge", "latch", "pdo", "brake", "standstill"})
 
 
@@ -124,11 +130,16 @@ def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
     known = [{**row, "height": int(row["height"])} for row in table("plots.csv")]
     names = {row["plot"] for row in known}
     other = [
-        {"plot": name, "title": name, "unit": "", "height": 120}
+        {"plot": name, "title": name, "unit": "", "height": _height(name)}
         for name in series
         if name not in names
     ]
     return [row for row in (*known, *other) if row["plot"] in series]
+
+
+def _height(title: str) -> int:
+    """Of a plot whose title stands upright beside it, in px."""
+    return max(_PLOT_HEIGHT, _LETTER * len(title))
 
 
 def _first_axis(
@@ -150,31 +161,42 @@ def _first_axis(
 def windows(
     events: Sequence[Mapping[str, Any]], start_ns: int, end_ns: int
 ) -> list[dict[str, Any]]:
-    """Find the stretches worth a button: around each measurement and around its edge.
+    """Find the stretches worth a button: the alarm, each measurement, its edge; the first opens.
 
     A measurement ends with its standstill; the edge when the probe leaves the surface is no part
     of it. Each stretch has a margin and stays inside the run; its keys are `label`, `start_ns`,
     `end_ns`.
     """
     measurements = _measurements(events)
-    stretches = []
+    stretches = _around_alarm(events)
     for number, group in enumerate(measurements, start=1):
         count = f" {number}" if len(measurements) > 1 else ""
+        kinds = {event["kind"] for event in group}
         first = group[0]["time_ns"]
         reaction = [event["time_ns"] for event in group if event["kind"] != "standstill"]
-        for label, last, least in (
-            ("measurement", group[-1]["time_ns"], _MARGIN_LEAST_NS),
-            ("edge", max(reaction, default=first), _EDGE_LEAST_NS),
+        for label, needed, last, least in (
+            ("measurement", _OF_A_RUN, group[-1]["time_ns"], _MARGIN_LEAST_NS),
+            ("edge", _OF_AN_EDGE, max(reaction, default=first), _EDGE_LEAST_NS),
         ):
+            if not kinds & needed:
+                continue
             length = max(last - first, least)
-            stretches.append(
-                {
-                    "label": label + count,
-                    "start_ns": max(start_ns, first - round(length * _MARGIN_BEFORE)),
-                    "end_ns": min(end_ns, last + round(length * _MARGIN_AFTER)),
-                }
-            )
-    return stretches
+            begin_ns = first - round(length * _MARGIN_BEFORE)
+            stretches.append((label + count, begin_ns, last + round(length * _MARGIN_AFTER)))
+    return [
+        {"label": label, "start_ns": max(start_ns, begin), "end_ns": min(end_ns, end)}
+        for label, begin, end in stretches
+        if begin < end_ns and end > start_ns
+    ]
+
+
+def _around_alarm(events: Sequence[Mapping[str, Any]]) -> list[tuple[str, int, int]]:
+    """The stretch around the first alarm that ended the program; nothing for warnings."""
+    for event in sorted(events, key=lambda e: int(e["time_ns"])):
+        if event["kind"] == "alarm" and not event.get("label", "").endswith(WARNING):
+            at = int(event["time_ns"])
+            return [("alarm", at - _BEFORE_ALARM_NS, at + _AFTER_ALARM_NS)]
+    return []
 
 
 def _measurements(events: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:

@@ -41,6 +41,10 @@ _NOT_CARRIED = frozenset({"case", "seed", "repeats"})
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
 
+WARNING = " (warning)"
+"""Ends the label of an alarm that did not end the program."""
+
+
 @dataclass(frozen=True)
 class Event:
     """Something that happened at one instant of a run.

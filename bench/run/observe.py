@@ -8,7 +8,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from bench.bus.confinement import ErrorState
-from bench.results.writer import Event
+from bench.results.writer import WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
 from kernel.clock import TimeNs
@@ -183,5 +183,6 @@ class Observed:
                 axis_name = port if port in self.machine.links else None
                 marks.append(Event(time_ns, kind, f"{name}: {port} {state}", axis_name))
         for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
-            marks.append(Event(time_ns, "alarm", f"ID {alarm.id}", None))
+            label = f"ID {alarm.id}" + ("" if alarm.ends_program else WARNING)
+            marks.append(Event(time_ns, "alarm", label, None))
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))

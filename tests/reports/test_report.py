@@ -9,9 +9,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from kernel.errors import UserError
+from bench.results.writer import WARNING
+from kernel.errors import Alarm, UserError
 from reports.bar import WIDTH, bar, scale
-from reports.build import build_report
+from reports.build import _alarms, build_report
 from reports.signals import chart, signals, table, windows
 
 VOID = {"meta", "link", "input", "br", "img", "hr"}
@@ -215,11 +216,37 @@ def test_a_measurement_is_shown_from_before_contact_to_after_standstill() -> Non
     assert found["measurement 1"] == (940 * ms, 1140 * ms)
     assert found["edge 1"] == (994 * ms, 1014 * ms)
     assert found["measurement 2"] == (2040 * ms, 2210 * ms)
-    assert len(found) == 4
+    assert found["alarm"] == (0, 155 * ms)
+    assert len(found) == 5
     assert windows([], 0, 100) == []
-    (measurement, edge) = windows([{"time_ns": 500 * ms, "kind": "edge"}], 0, 1000 * ms)
-    assert (measurement["start_ns"], measurement["end_ns"]) == (494 * ms, 504 * ms)
+    (edge,) = windows([{"time_ns": 500 * ms, "kind": "edge"}], 0, 1000 * ms)
+    assert edge["label"] == "edge"
     assert (edge["start_ns"], edge["end_ns"]) == (500 * ms - 60_000, 500 * ms + 40_000)
+
+
+def test_a_run_with_an_alarm_opens_there() -> None:
+    """Not at a contact long before; a warning is no reason to look elsewhere."""
+    ms = 1_000_000
+    contact = {"time_ns": 100 * ms, "kind": "contact", "label": "probe: contact"}
+    alarm = {"time_ns": 900 * ms, "kind": "alarm", "label": "ID 900006"}
+    first, *_ = windows([contact, alarm], 0, 2000 * ms)
+    assert (first["label"], first["start_ns"], first["end_ns"]) == ("alarm", 850 * ms, 1050 * ms)
+    warning = {**alarm, "label": f"ID 50052{WARNING}"}
+    assert [w["label"] for w in windows([contact, warning], 0, 2000 * ms)] == ["edge"]
+
+
+def test_a_measurement_without_an_edge_has_no_button_for_one() -> None:
+    ms = 1_000_000
+    end = {"time_ns": 100 * ms, "kind": "standstill", "label": "measurement run ended"}
+    assert [w["label"] for w in windows([end], 0, 2000 * ms)] == ["measurement"]
+
+
+def test_an_alarm_says_in_words_what_it_is() -> None:
+    log = [str(Alarm(900031, segment="can1"))]
+    (told,) = _alarms("900031", log)
+    assert told["id"] == "900031"
+    assert "A SYNC could not be sent" in told["text"]
+    assert _alarms("", log) == []
 
 
 def test_the_tables_of_the_report_fit_together() -> None:
