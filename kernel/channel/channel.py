@@ -84,6 +84,7 @@ class Channel:
         self.has_come_to_rest: Callable[[], bool] = lambda: True
         self._run: MeasuringRun | None = None
         self._measuring: tuple[canon.MeasuringRun, Dynamics] | None = None
+        self._block: canon.Block | None = None  # under execution
         self._measured: dict[str, float | None] = {}
         self._stop_dynamics: Dynamics | None = None
         self._monitor = monitor or Monitor(self.links, self._networks, clock)
@@ -248,11 +249,8 @@ class Channel:
             elif isinstance(command, canon.MeasuringRun) and not self._is_in_position():
                 return
             else:
-                try:
-                    self._begin(command)
-                except Alarm as alarm:
-                    alarm.place = str(command.block)
-                    raise
+                self._block = command.block
+                self._begin(command)
             self._lookahead.pop()
 
     def _is_busy(self) -> bool:
@@ -381,8 +379,8 @@ class Channel:
         """Register an alarm and react: above class 1 the program ends and the axes stop."""
         if self.state is ChannelState.STOPPING:
             return
-        if alarm.place is None and self._run is not None:
-            alarm.place = self._run.record.block
+        if alarm.place is None and self._block is not None:
+            alarm.place = str(self._block)
         self._register(alarm)
         if not alarm.ends_program:
             return

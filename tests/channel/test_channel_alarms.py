@@ -145,6 +145,7 @@ def _fault_in_motion(channel_bench: Make, words: Any) -> Any:
 def test_900005_tells_statusword_and_emergency(channel_bench: Make, words: Any) -> None:
     (alarm,) = _fault_in_motion(channel_bench, words).channel.alarms
     assert alarm.id == 900005
+    assert "(line 1, block N10)" in str(alarm)
     assert alarm.values["axis"] == "Z"
     assert str(alarm.values["emcy"]).startswith("0x8611, following error, error register 0x")
     # xxxx xxxx x0xx 1x00: fault or fault reaction (CiA 402), bit 13: following error
@@ -197,6 +198,18 @@ def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) 
     bench.segment.add_fault(DropById(0x181))
     assert bench.scheduler.run_while(lambda: not bench.channel.has_ended, 2 * S)
     assert bench.alarm_ids == [900006]
+    # Told to stand from the first cycle on: no block has begun
+    assert bench.channel.alarms[0].place == ("line 1, block N10" if moving else None)
+
+
+def test_an_alarm_names_the_block_under_execution(channel_bench: Make, words: Any) -> None:
+    """N20 moves when the telegrams stay out."""
+    bench = channel_bench(words.axis("Z"))
+    bench.prepare([words.move(1, 3000.0, Z=5.0), words.move(2, 3000.0, Z=60.0), words.end()])
+    _moving(bench, "Z", 12.0)
+    bench.segment.add_fault(DropById(0x181))
+    bench.finish()
+    assert "(line 2, block N20)" in str(bench.channel.alarms[0])
 
 
 def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -> None:
