@@ -269,6 +269,32 @@ def test_a_stranger_with_canopen_leads_a_drive(tmp_path: Path) -> None:
     assert "OPERATION_ENABLED -> SWITCH_ON_DISABLED" in text
 
 
+def test_the_master_that_the_page_prints(tmp_path: Path) -> None:
+    """It runs as it stands there, but for the port, which is a free one here."""
+    page = (ROOT / "docs" / "hardware.md").read_text(encoding="utf-8")
+    script = page.partition("```python\n")[2].partition("```")[0]
+    made = _axisrig("drive", str(RIG), "--eds", str(tmp_path / "drive.eds"))
+    assert made.returncode == 0, made.stderr
+    with _drives(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0"
+    ) as drives:
+        _, port = _serve(drives)
+        assert script.count("29536") == 1
+        (tmp_path / "master.py").write_text(script.replace("29536", port), encoding="utf-8")
+        done = subprocess.run(
+            [sys.executable, "master.py"],
+            cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+        drives.stop()
+    assert done.returncode == 0, done.stderr
+    (latch,) = drives.latches()
+    assert done.stdout == f"contact at {float(latch['latched_mm']):.4f} mm\n"
+    # 4 us of delay in the input, at the 100 mm/s of 6081 at most
+    assert abs(float(latch["latched_mm"]) - float(latch["contact_mm"])) < 0.0005
+    assert abs(float(latch["contact_mm"]) - 100.0) < 1e-6
+    assert "OPERATION_ENABLED -> READY_TO_SWITCH_ON" in "".join(drives.lines)
+
+
 def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with _drives(
