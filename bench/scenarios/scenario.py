@@ -16,7 +16,7 @@ FEED_APART_MIN = 120
 """mm/min; 1 um of input delay apart, more than a hundred increments: a value of the first run is
 wrong for the second."""
 _TELEGRAMS = {
-    "TPDO1": 5, "TPDO2": 5, "RPDO1": 5, "TPDO3": 1, "SYNC": 3, "EMCY": 1, "NMT": 1,
+    "TPDO1": 5, "TPDO2": 5, "RPDO1": 5, "TPDO3": 1, "SDO": 2, "SYNC": 3, "EMCY": 1, "NMT": 1,
 }  # fmt: skip
 _FAULTS_WEIGHTS = {0: 1, 1: 50, 2: 35, 3: 14}
 
