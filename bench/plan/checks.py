@@ -18,7 +18,8 @@ Value = float | int | str | Sequence[int] | None
 
 CONDITION_FORMS = (
     "<= 0.5, < 1, >= 2, > 2, == 70331, != 3, 66.99 .. 67.01, 100 +- 0.001, == TRUE;"
-    " for alarms: none, 50059, == 50059 50052, contains 50052"
+    " for alarms: none, == 50059 50052 (these in this order), contains 50052,"
+    " one of 50059 50052 (no other)"
 )
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
@@ -63,7 +64,8 @@ class Condition:
     """What a metric has to fulfil, as the plan's cell says it.
 
     text: the cell. kind: "range" (numbers between `lower` and `upper`), "unequal" (any number
-        but the one in `expected`), "text", "not_text", "alarms", "not_alarms", "contains".
+        but the one in `expected`), "text", "not_text", "alarms", "not_alarms", "contains",
+        "one_of".
     lower, upper: limits in the metric's unit, None = open to that side.
     lower_open, upper_open: the limit itself is outside (`<`, `>`).
     expected: the text, the number of "unequal", or the alarm IDs, as text.
@@ -130,6 +132,8 @@ class Condition:
         found = value_text(value).split()
         if self.kind == "contains":
             return set(self.expected) <= set(found)
+        if self.kind == "one_of":
+            return set(found or ["none"]) <= set(self.expected)
         return (found == list(self.expected)) == (self.kind == "alarms")
 
 
@@ -214,7 +218,12 @@ def _between(text: str, lower: Decimal, upper: Decimal) -> Condition:
 
 
 def _alarm_condition(text: str) -> Condition:
-    """`none`, one or more IDs in order, with `==`, `!=` or `contains` before them."""
+    """`none`, one or more IDs in order, with `==`, `!=` or `contains` before them; `one of`.
+
+    `one of`: at least one alarm came up, or none where that word is among them, and no other.
+    """
+    if match := re.fullmatch(r"one of\s+((?:(?:none|\d+)\s*\b)+)", text):
+        return Condition(text, "one_of", expected=tuple(match[1].split()))
     match = re.fullmatch(r"(==|!=|contains\b)?\s*(.*)", text, re.DOTALL)
     assert match is not None
     operator, operand = match[1] or "==", match[2]

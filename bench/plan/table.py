@@ -144,11 +144,19 @@ def _read_csv(path: Path) -> list[list[str]]:
         raise UserError("the table is empty", file=path, line=1) from None
     except pd.errors.ParserError as error:
         place = re.search(r"(?:line|row) (\d+)", str(error))
+        cells = re.search(r"Expected (\d+) fields in line \d+, saw (\d+)", str(error))
+        if cells:
+            raise UserError(
+                f"the row has {cells[2]} cells and the header {cells[1]}",
+                file=path,
+                line=int(place[1]) if place else None,
+                hint="a cell that holds the separator stands in quotes",
+            ) from None
         raise UserError(
-            "the rows do not fit the header",
+            "the table cannot be taken apart into cells",
             file=path,
             line=int(place[1]) if place else None,
-            hint=str(error).strip(),
+            hint="look for a quote that is not closed",
         ) from None
     return _grid(frame)
 

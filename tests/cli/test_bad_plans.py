@@ -137,7 +137,7 @@ CELLS = [
     ("check:duration_s:Z", "<= 1", ["'duration_s:Z'", "allowed: duration_s"]),
     ("check:msg", "== 1", ["allowed: msg:N30"]),
     ("check:msg:N999", "== 1", ["N999"]),
-    ("check:alarms", "nothing", ["'nothing'", "none, 50059"]),
+    ("check:alarms", "nothing", ["'nothing'", "for alarms: none"]),
     ("check:overtravel_mm", "5 .. 1", ["'5 .. 1'", "smaller number first"]),
     ("check:overtravel_mm", "<= inf", ["'<= inf'"]),
     ("check:overtravel_mm", "<= 1e999", ["'<= 1e999'"]),

@@ -154,13 +154,33 @@ def test_pass_means_every_value_within_the_uncertainty_is_inside(
         ("!= none", [], F),
         ("contains 50052", [50059, 50052], P),
         ("contains 50052 70331", [50059, 50052], F),
+        ("50059 50052", [50059, 50052], P),
+        ("50059 50052", [50059], F),
+        ("one of 50059 50052", [50052], P),
+        ("one of 50059 50052", [50059, 50052], P),
+        ("one of 50059 50052", [], F),
+        ("one of 50059 50052", [50059, 70331], F),
+        ("one of none 50052", [], P),
+        ("one of none 50052", [50052], P),
     ],
 )
 def test_alarms_are_a_list_in_order(text: str, found: list[int], verdict: Verdict) -> None:
     assert parse_condition(text, "alarms").judge(found) == verdict
 
 
-@pytest.mark.parametrize("text", ["contains", "<= 3", "50059, 50052", "fifty", "contains50052"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "contains",
+        "one of",
+        "one of fifty",
+        "one 50052",
+        "<= 3",
+        "50059, 50052",
+        "fifty",
+        "contains50052",
+    ],
+)
 def test_alarms_refuse(text: str) -> None:
     with pytest.raises(UserError):
         parse_condition(text, "alarms")
