@@ -74,15 +74,16 @@ class Names:
             return Told(f"{axis}.{telegram.name}", text, tags)
         fields = told.fields
         objects = [(_int(fields, "index"), _int(fields, "sub"))] if "index" in fields else []
-        owner = self._nodes.get((segment, told.node)) if told.node is not None else None
+        node = told.node or (_int(fields, "target") if told.service == "NMT" else 0) or None
+        owner = self._nodes.get((segment, node)) if node is not None else None
         text = _words(told, self._per_mm.get(owner) if owner else None)
         name = told.service
         if told.node is not None:
             name = f"{owner or told.node}.{told.service}"
-        is_owned = owner is not None or (told.node is None and told.service != "unknown")
+        is_owned = owner is not None or (node is None and told.service != "unknown")
         if self._is_rig and not is_owned:
             text = f"{text}, {NOBODYS}" if text else NOBODYS
-        who = [word for word in (owner, str(told.node) if told.node else None) if word]
+        who = [word for word in (owner, str(node) if node else None) if word]
         return Told(name, text, _tags(told.service, who, told, objects))
 
 
@@ -160,7 +161,7 @@ def _sdo_words(side: str, fields: Mapping[str, int | bytes], per_mm: Fraction | 
         text += f" {object_name(*key)}"
         text += f" {name_of(*key)}" if name_of(*key) != object_name(*key) else ""
     if "abort_code" in fields:
-        return f"{text}: {abort_text(_int(fields, 'abort_code'))}"
+        return f"{text}: {abort_text(_int(fields, 'abort_code')).removeprefix('abort ')}"
     value = fields.get("value")
     if isinstance(value, bytes):
         number, bits = number_of(*key, value), 8 * len(value)

@@ -72,15 +72,17 @@ def test_values_are_told_with_what_they_mean(tell: Tell) -> None:
     assert told[3].endswith("8 (0x08; cyclic synchronous position)")
     assert told[4].endswith("= 0x60410010 (6041:0, 16 bit)")
     assert told[5].endswith("= -1 (0xFFFFFFFF; -0.000010 mm)")
-    assert told[6].endswith("abort 0x06090030, value is not allowed")
+    assert told[6].endswith("abort 0x6060:0 Modes of operation: 0x06090030, value is not allowed")
     assert told[7].endswith("0x8611 (following error)")
     assert told[9].endswith("0x1012 (probes off, 1 every event, 1 positive edge, 2 positive edge)")
 
 
 def test_a_frame_of_nobody_is_told_so(tell: Tell) -> None:
-    frames = "1 183#00\n2 705#00\n3 001#11\n4 080#"
+    frames = "1 183#00\n2 705#00\n3 001#11\n4 080#\n5 000#0103\n6 000#0105\n7 000#0100"
     told = tell(frames, "--rig", "rig.toml")
-    assert ["of no node of this rig" in line for line in told] == [False, True, True, False]
+    assert ["of no node of this rig" in line for line in told] == [
+        False, True, True, False, False, True, False,
+    ]  # fmt: skip
     assert not any("of no node" in line for line in tell(frames))
 
 
@@ -101,8 +103,8 @@ ALL_KINDS = """
     [
         ("sdo", [3, 4, 5]),
         ("SDO answer,nmt", [1, 4]),
-        ("z", [2, 3, 4, 5, 6, 7]),
-        ("Z.", [2, 3, 4, 5, 6, 7]),
+        ("z", [1, 2, 3, 4, 5, 6, 7]),
+        ("Z.", [1, 2, 3, 4, 5, 6, 7]),
         ("z.tpdo1", [7]),
         ("0x6041", [3, 4, 7]),
         ("6041:0,Emcy", [3, 4, 6, 7]),
