@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from kernel.clock import MS, Clock, Phase
-from kernel.drives.sdo import Network, SdoClient, SdoError
+from kernel.drives.sdo import Network, SdoClient, SdoError, object_name
 from kernel.drives.startup_steps import (
     SCALING,
     BootUp,
@@ -152,7 +152,7 @@ class StartUp:
                     900011,
                     axis=self.drive.axis,
                     node=self.drive.node_id,
-                    step=step.name,
+                    step=_asked(step, result),
                     answer=str(result),
                 )
             )
@@ -222,6 +222,14 @@ class StartUp:
                     expected=_shown(expected),
                 )
             )
+
+
+def _asked(step: Step, failed: SdoError) -> str:
+    """Say what was asked of the drive: the object in any case, the value that was written."""
+    if isinstance(step, Write):
+        return step.name
+    name = object_name(failed.index, failed.sub)
+    return f"the reading of {step.name if name in step.name else f'{name} ({step.name})'}"
 
 
 def _shown(scaling: Scaling) -> str:

@@ -207,9 +207,11 @@ def _write(
 ) -> Write:
     data = encode(od, index, sub, value)
     found = variable(od, index, sub)
-    described = "" if found is None else f" {found.name}"
+    described = "" if found is None or name else f" {found.name}"
     shown = f"0x{value:X}" if value > 9 else value
-    return Write(name or f"{object_name(index, sub)}{described} = {shown}", index, sub, data)
+    purpose = f"{name}: " if name else ""
+    text = f"{purpose}{object_name(index, sub)}{described} = {shown}"
+    return Write(text, index, sub, data)
 
 
 def _sync(settings: StartUpSettings, bus: BusSettings, od: ObjectDictionary) -> Iterator[Step]:

@@ -175,6 +175,23 @@ def test_900011_when_the_drive_refuses_a_value(link_bench: Make) -> None:
     assert str(alarm.values["answer"]).startswith("abort 0x0609003")
 
 
+def test_900011_names_object_and_value_of_a_mapping(link_bench: Make) -> None:
+    """A drive whose EDS has more than it has: 60D5, 16 bits, as the second object of TPDO2."""
+    bench = link_bench(profile=DriveProfile(lacks="60D5", input_delay_ns=0))
+    bench.remote.object_dictionary = object_dictionary(NODE, DriveProfile())
+    alarm = _result(bench, telegrams=telegrams(0x60BA, counter=True))
+    assert alarm is not None
+    assert "did not take mapping of TPDO2: 0x1A01:" in str(alarm)
+    assert "= 0x60D50010: abort 0x06020000, " in str(alarm)
+
+
+def test_900011_names_the_object_that_could_not_be_read(link_bench: Make) -> None:
+    bench = link_bench(profile=DriveProfile(lacks="6091", input_delay_ns=0))
+    bench.remote.object_dictionary = object_dictionary(NODE, DriveProfile())
+    alarm = _result(bench)
+    assert "the reading of 0x6091:1 (scaling): abort 0x06020000" in str(alarm)
+
+
 def test_900021_when_another_device_answers(link_bench: Make) -> None:
     bench = link_bench()
     alarm = _result(bench, StartUpSettings(identity={2: 4711}))
