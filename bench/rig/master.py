@@ -71,6 +71,7 @@ def build_accesses(
             timeout_ns=declared.sdo_timeout_ns,
             attempts=declared.sdo_attempts,
         )
+        links[name].sdo = sdo
         if settings.rig.drive[axis.drive].latch_check and has_sdo_room(settings, name):
             links[name].check_latches(sdo)
         functions, found = read_functions(name, settings.axis[name])

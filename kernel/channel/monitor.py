@@ -7,6 +7,7 @@ from kernel.channel.settings import CycleTiming
 from kernel.clock import Clock
 from kernel.drives.ds402 import State
 from kernel.drives.link import AxisLink
+from kernel.drives.standing_fault import StandingFault
 from kernel.drives.watch import BusWatch, DriveWatch, HeartbeatProducer, WatchSettings
 from kernel.errors import Alarm
 
@@ -93,6 +94,7 @@ class PowerUp:
     def __init__(self, links: Sequence[AxisLink], timing: CycleTiming) -> None:
         self._links, self._timing = links, timing
         self._cycles = 0
+        self._faults: dict[str, StandingFault] = {}
 
     def step(self) -> bool:
         """Do one cycle; return whether every drive is there.
@@ -103,10 +105,8 @@ class PowerUp:
         waiting = [link for link in self._links if link.state is not State.OPERATION_ENABLED]
         for link in self._links:
             link.power, link.resets_fault = True, link.settings.fault_reset
-            if self._cycles > FAULT_CYCLES_MAX and link.state is State.FAULT:
-                told = "none" if link.emergency is None else str(link.emergency)
-                word = f"0x{link.statusword:04X}"
-                raise Alarm(900005, axis=link.name, statusword=word, emcy=told)
+            if link.state is State.FAULT:
+                self._judge_fault(link)
         if waiting and self._cycles > POWER_UP_CYCLES_MAX:
             raise Alarm(
                 900008,
@@ -119,3 +119,16 @@ class PowerUp:
                 link.emergency = None  # what led here is over
                 link.resets_fault = False
         return not waiting
+
+    def _judge_fault(self, link: AxisLink) -> None:
+        """Ask for a fault that nobody has heard of, and raise Alarm 900005 when it stays."""
+        fault = self._faults.get(link.name)
+        if fault is None:
+            fault = self._faults[link.name] = StandingFault(link.sdo)
+        if link.emergency is None:
+            fault.ask()
+        waits_max = POWER_UP_CYCLES_MAX if fault.is_open else FAULT_CYCLES_MAX
+        if self._cycles > waits_max:
+            told = fault if link.emergency is None else link.emergency
+            word = f"0x{link.statusword:04X}"
+            raise Alarm(900005, axis=link.name, statusword=word, emcy=str(told))

@@ -37,7 +37,7 @@ class Emergency:
     @property
     def row(self) -> EmergencyCode | None:
         """The row of the table that holds for the code."""
-        return next((row for row in codes() if self.code & row.mask == row.code), None)
+        return row_of(self.code)
 
     @property
     def reaction(self) -> str:
@@ -45,8 +45,18 @@ class Emergency:
         return self.row.reaction if self.row else "stop"
 
     def __str__(self) -> str:
-        meaning = self.row.meaning if self.row else "a code that the table does not know"
-        return f"0x{self.code:04X}, {meaning}, error register 0x{self.register:02X}"
+        return f"0x{self.code:04X}, {meaning_of(self.code)}, error register 0x{self.register:02X}"
+
+
+def row_of(code: int) -> EmergencyCode | None:
+    """Return the row of the table that holds for a code."""
+    return next((row for row in codes() if code & row.mask == row.code), None)
+
+
+def meaning_of(code: int) -> str:
+    """Say a code in words."""
+    row = row_of(code)
+    return row.meaning if row else "a code that the table does not know"
 
 
 @cache

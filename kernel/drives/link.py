@@ -71,7 +71,7 @@ class AxisLink:
     """One drive on a canopen network (simulated or real), read and written once per cycle."""
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
-        self.settings, self.network = settings, network
+        self.settings, self.network, self.sdo = settings, network, sdo
         self.name = settings.axis
         self.latch_object = latch_object(settings.probe_input, settings.edge)
         self.telegrams: dict[str, Telegram] = telegrams(

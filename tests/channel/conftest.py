@@ -300,7 +300,7 @@ class ChannelBench:
         )
         od = object_dictionary(node_id, self.profile)
         steps = start_up_steps(settings, self.bus, link.telegrams, node_id, scaling, od)
-        sdo = SdoClient(self.network, self.scheduler, node_id)
+        sdo = link.sdo = SdoClient(self.network, self.scheduler, node_id)
         address = DriveAddress(link.name, node_id)
         return StartUp(address, self.network, self.scheduler, sdo, steps, settings)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import DropById
+from bench.bus.faults import Drop, DropById
 from kernel.errors import Alarm
 
 Make = Callable[..., Any]
@@ -246,6 +246,40 @@ def test_900005_for_a_fault_that_stands_at_power_up(channel_bench: Make, words: 
     assert alarm.id == 900005
     assert "excess temperature of the drive" in str(alarm)
     assert bench.scheduler.now_ns < 200 * MS
+
+
+def test_900005_asks_for_a_fault_that_came_before_anybody_listened(
+    channel_bench: Make, words: Any
+) -> None:
+    """0x4310 stands since before the start: its emergency went by, 603F and 1003:1 have it."""
+    bench = channel_bench(words.axis("Z"))
+    bench.scheduler.run_until(5 * MS)
+    bench.nodes["Z"].servo.fault(0x4310, 1 << 3, bench.scheduler.now_ns)
+    bench.scheduler.run_until(10 * MS)
+    bench.run([words.move(1, 3000.0, Z=2.0), words.end()])
+    (alarm,) = bench.channel.alarms
+    assert alarm.id == 900005
+    assert "0x603F:0 and 0x1003:1 say 0x4310, excess temperature of the drive" in str(alarm)
+    assert "fault_reset" in str(alarm)
+    asked = [d[1:4].hex() for _, can_id, d in bench.frames if can_id == 0x601 and d[0] == 0x40]
+    assert asked[-2:] == ["3f6000", "031001"]
+    assert bench.scheduler.now_ns < 200 * MS
+
+
+def test_a_drive_that_knows_no_code_is_faulty_all_the_same(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z"))
+    bench.scheduler.run_until(5 * MS)
+    bench.nodes["Z"].servo.fault(0x4310, 1 << 3, bench.scheduler.now_ns)
+    bench.scheduler.run_until(10 * MS)
+    drop = lambda frame, _port, _attempt: Drop() if frame.arbitration_id == 0x581 else None  # noqa: E731
+    bench.prepare([words.move(1, 3000.0, Z=2.0), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples, S)
+    bench.segment.add_fault(drop)
+    bench.finish()
+    (alarm,) = bench.channel.alarms
+    assert alarm.id == 900005
+    assert "emergency code none" in str(alarm)
+    assert bench.scheduler.now_ns < 700 * MS
 
 
 def test_a_rig_may_have_such_a_fault_acknowledged(channel_bench: Make, words: Any) -> None:
