@@ -7,6 +7,7 @@ and place among its like; so a further fault changes nothing about the others.
 import random
 from collections import Counter
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -25,7 +26,7 @@ from bench.bus.frame import IFS_BITS, Frame, frame_bits
 from bench.bus.intruders import Babbler, SecondSender
 from bench.rig.faults import Fault
 from bench.rig.moments import Moments, World
-from kernel.clock import Phase
+from kernel.clock import MS, Phase, TimeNs
 from kernel.drives.mapping import COB_ID_BASE
 
 _COMMANDS = {"reset": 129, "reset_communication": 130, "stop": 2, "pre_operational": 128}
@@ -77,15 +78,56 @@ _FRAME_ACTIONS: dict[str, Make] = {
 }
 
 
-def inject(world: World, seed: int) -> None:
-    """Bring the faults of the settings into a machine of which everything else is built."""
+@dataclass
+class Injected:
+    """What became of one fault: when it began, ended by its time, and which frames it hit.
+
+    hits: None for a kind that is not about frames of others. axis: empty for a whole bus.
+    """
+
+    label: str
+    axis: str
+    hits: int | None = None
+    begin_ns: TimeNs | None = None
+    end_ns: TimeNs | None = None
+    last_hit_ns: TimeNs = 0
+
+    def marks(self) -> list[tuple[TimeNs, str]]:
+        """Tell it as instants with words; nothing when its moment has not come."""
+        if self.begin_ns is None:
+            return []
+        marks = [(self.begin_ns, f"{self.label} begins")]
+        if self.hits:
+            frames = "frame hit" if self.hits == 1 else "frames hit, the last"
+            marks.append((self.last_hit_ns, f"{self.label}: {self.hits} {frames}"))
+        if self.end_ns is not None:
+            marks.append((self.end_ns, f"{self.label} ends"))
+        return marks
+
+    def in_words(self) -> str:
+        """Say in a line what came of it."""
+        if self.begin_ns is None:
+            return f"fault {self.label}: its moment has not come"
+        hit = "" if self.hits is None else f", frames hit: {self.hits}"
+        return f"fault {self.label}: from {self.begin_ns / MS:g} ms{hit}"
+
+
+def inject(world: World, seed: int) -> list[Injected]:
+    """Bring the faults of the settings into a machine of which everything else is built.
+
+    Returns the record of each, written while the machine runs.
+    """
+    injected = []
     moments = Moments(world)
     seen: Counter[tuple[str, str]] = Counter()
     for fault in world.settings.faults:
         key = (fault.kind, fault.target)
         numbers = random.Random(f"{seed} {fault.kind} {fault.target} {seen[key]}")
         seen[key] += 1
-        _Injection(world, moments, fault, numbers).build()
+        injection = _Injection(world, moments, fault, numbers)
+        injection.build()
+        injected.append(injection.record)
+    return injected
 
 
 class _Injection:
@@ -96,6 +138,7 @@ class _Injection:
     ) -> None:
         self._world, self._moments, self._fault, self._random = world, moments, fault, numbers
         self._values = dict(fault.values)
+        self.record = Injected(f"{fault.kind} {fault.target}", fault.axis)
         axes = world.settings.rig.axis
         name = fault.segment or axes[fault.axis].segment
         self._segment = world.segments[name]
@@ -134,12 +177,17 @@ class _Injection:
 
     def _at(self, begin: Callable[[], None], end: Callable[[], None], for_ns: int | None) -> None:
         """Let something begin at the moment of the fault, or now, and end after its time."""
-        clock = self._world.scheduler
+        clock, record = self._world.scheduler, self.record
+
+        def stop() -> None:
+            end()
+            record.end_ns = clock.now_ns
 
         def start() -> None:
             begin()
+            record.begin_ns = clock.now_ns
             if for_ns is not None:
-                clock.call_at(clock.now_ns + for_ns, Phase.APPLICATION, end)
+                clock.call_at(clock.now_ns + for_ns, Phase.APPLICATION, stop)
 
         if self._values["at"] is None:
             clock.call_at(clock.now_ns, Phase.APPLICATION, start)
@@ -165,10 +213,17 @@ class _Injection:
         fault, values = self._fault, self._values
         if fault.kind == "sync_loss":
             values["receiver"] = fault.axis
+        act, record = _FRAME_ACTIONS[fault.kind], self.record
+        clock, record.hits = self._world.scheduler, 0
+
+        def counted(frame: Frame, numbers: random.Random) -> FaultAction:
+            record.hits, record.last_hit_ns = (record.hits or 0) + 1, clock.now_ns
+            return act(values, frame, numbers)
+
         self._segment.add_fault(
             FrameFault(
                 self._cob_id(),
-                partial(_FRAME_ACTIONS[fault.kind], values),
+                counted,
                 self._window(),
                 self._random,
                 share=values["p"],
@@ -204,9 +259,4 @@ class _Injection:
         port.attach_data(lambda _id, _data, _time: None)
         node = self._world.settings.rig.axis[self._fault.axis].node
         data = bytes([_COMMANDS[self._values["command"]], node])
-        clock = self._world.scheduler
-        send = partial(port.send_raw, 0x000, data)
-        if self._values["at"] is None:
-            clock.call_at(clock.now_ns, Phase.APPLICATION, send)
-        else:
-            self._moments.when(self._values["at"], self._values["nth"], self._axes, send)
+        self._at(partial(port.send_raw, 0x000, data), lambda: None, None)

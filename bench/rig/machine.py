@@ -6,6 +6,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,7 @@ from kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.clock import MS, US, TimeNs
 from kernel.cosim.scheduler import Scheduler
+from kernel.drives.ds402 import State
 from kernel.errors import Alarm, UserError
 from kernel.nc.canon import Message
 from kernel.nc.interpreter import Interpreter
@@ -74,6 +76,7 @@ class Machine:
         self._hardware = hardware if is_paced(settings) else None
         self.settings = settings
         self.messages: list[Message] = []
+        self.drive_states: list[tuple[TimeNs, str, State]] = []
         self._put_out = put_out
         self._limit_ns = limit_ns
         self.timing = CycleTiming(
@@ -144,7 +147,12 @@ class Machine:
             self.plant,
             self.channel,
         )
-        inject(parts, seed)
+        self.faults = inject(parts, seed)
+        for name, node in self.nodes.items():
+            node.servo.machine.on_change = partial(self._note_state, name)
+
+    def _note_state(self, axis: str, state: State) -> None:
+        self.drive_states.append((self.scheduler.now_ns, axis, state))
 
     def _build_recorder(self) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}

@@ -13,8 +13,10 @@ from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact, PlantProbe
+from kernel.drives.ds402 import State
 from kernel.measuring.run import RunRecord
 
+_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 Signal = npt.NDArray[np.float64]
 
 
@@ -185,4 +187,25 @@ class Observed:
         for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
             label = f"ID {alarm.id}" + ("" if alarm.ends_program else WARNING)
             marks.append(Event(time_ns, "alarm", label, None))
+        marks += self._drive_marks()
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))
+
+    def _drive_marks(self) -> list[Event]:
+        """Faults brought in, what the drives went into once they were on, values given to them."""
+        marks = [
+            Event(time_ns, "fault", label, fault.axis or None)
+            for fault in self.machine.faults
+            for time_ns, label in fault.marks()
+        ]
+        were_on = set()
+        for time_ns, axis, state in self.machine.drive_states:
+            if axis in were_on:
+                kind = "fault" if state in _TROUBLE else "mark"
+                words = state.name.replace("_", " ").lower()
+                marks.append(Event(time_ns, kind, f"{axis}: {words}", axis))
+            elif state is State.OPERATION_ENABLED:
+                were_on.add(axis)
+        for time_ns, write in self.machine.channel.drive_writes:
+            label = f"#DRIVE WR {write.axis} {write.key} = {write.value:g}"
+            marks.append(Event(time_ns, "mark", label, write.axis))
+        return marks

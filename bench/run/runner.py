@@ -167,6 +167,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
+            *(fault.in_words() for fault in machine.faults),
             *in_words(machine.real_time()),
         ],
         bus=[figures.as_data() for figures in buses],

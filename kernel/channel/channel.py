@@ -78,6 +78,7 @@ class Channel:
         self.alarms: list[Alarm] = []
         self.alarm_ns: list[TimeNs] = []
         self.records: list[RunRecord] = []
+        self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
         self.end_ns: TimeNs | None = None
@@ -269,6 +270,8 @@ class Channel:
         elif isinstance(command, canon.MeasuringRun):
             self._begin_run(command)
         else:
+            if isinstance(command, canon.DriveWrite):
+                self.drive_writes.append((self._clock.now_ns, command))
             self.functions.begin(command)
 
     def _begin_move(self, command: canon.LinearMove) -> None:

@@ -4,7 +4,7 @@ Source: CiA 402-2, finite state automaton; the option codes stand in `option_cod
 """
 
 import csv
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum, auto
 from importlib import resources
 from typing import Final, NamedTuple
@@ -50,16 +50,25 @@ class StateMachine:
     """The state and the transitions that wait until the axis stands.
 
     waiting: transition 5 or 8 whose ramp runs, None = none; the state is still OPERATION_ENABLED.
-    option: of the quick stop or fault reaction that runs.
+    option: of the quick stop or fault reaction that runs. on_change: told each new state.
     """
 
     def __init__(self, image: ProcessImage) -> None:
         self._image = image
+        self.on_change: Callable[[State], None] | None = None
+        self.state = State.NOT_READY_TO_SWITCH_ON
         self.reset()
+
+    def _enter(self, state: State) -> None:
+        if state is self.state:
+            return
+        self.state = state
+        if self.on_change is not None:
+            self.on_change(state)
 
     def reset(self) -> None:
         """Power on: transitions 0 and 1."""
-        self.state, _ = automatic(State.NOT_READY_TO_SWITCH_ON)
+        self._enter(automatic(State.NOT_READY_TO_SWITCH_ON)[0])
         self.waiting: int | None = None
         self.option = OPTIONS[0x605E, 0]
         self._controlword = 0
@@ -89,7 +98,7 @@ class StateMachine:
         self.waiting = None
         if number == QUICK_STOP:
             self.option = OPTIONS[0x605A, self._image.quick_stop_option]
-        self.state = target
+        self._enter(target)
         return number
 
     def braking(self, number: int) -> Option:
@@ -102,17 +111,17 @@ class StateMachine:
     def fault(self) -> Option:
         """Take transition 13; return the fault reaction."""
         self.waiting = None
-        self.state = State.FAULT_REACTION_ACTIVE
+        self._enter(State.FAULT_REACTION_ACTIVE)
         self.option = OPTIONS[0x605E, self._image.fault_option]
         return self.option
 
     def arrive(self) -> bool:
         """Take the transition that waited for standstill; return whether the torque goes off."""
         if self.waiting is not None:
-            self.state = self.braking(self.waiting).then
+            self._enter(self.braking(self.waiting).then)
             self.waiting = None
             return True
         if self.state in (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE):
-            self.state = self.option.then  # transition 12 or 14, or none
+            self._enter(self.option.then)  # transition 12 or 14, or none
             return self.state is not State.QUICK_STOP_ACTIVE
         return False
