@@ -3,7 +3,7 @@
 Heavy modules are imported inside the commands, so that `axisrig --help` answers at once
 (PLC0415 is switched off for this file).
 Exit codes: run and demo by the worst verdict (bench/plan/verdict.py), nc 0 or 1; 2 for what is
-rejected before anything runs.
+rejected before anything runs. replay: as run when every frame came again, else 1.
 """
 
 import io
@@ -32,6 +32,7 @@ from bench.options import (
     IsolateOption,
     SegmentOption,
     SetOption,
+    VersionOption,
     YesOption,
     rejecting,
 )
@@ -45,11 +46,15 @@ app = typer.Typer(
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
-    help="Co-simulation test bench for measurement runs and distance control of CNC machines.",
 )
 app.add_typer(fmu_app, name="fmu")
 for listing in LISTINGS:
     app.command()(listing)
+
+
+@app.callback()
+def options(_is_asked: VersionOption = False) -> None:
+    """Co-simulation test bench for measurement runs and distance control of CNC machines."""
 
 
 def _hardware() -> AbstractContextManager["Hardware"]:
@@ -244,12 +249,13 @@ def drive(
 ) -> None:
     """Run the virtual drives of a rig for the master of somebody else, until Ctrl-C."""
     from bench.run.outside import Outside
-    from bench.run.serve import drive_settings, serve, write_eds
+    from bench.run.serve import drive_settings, serve, whose_eds, write_eds
 
     said = Outside(_hardware, True, _to_stderr, interface, channel, options, bitrate, segment)
     settings = drive_settings(rig, said, axes or [], assignments or [])
     if eds is not None:
         print(write_eds(settings, eds))
+        print(f"the drive of {whose_eds(settings)}", file=sys.stderr)
         return
     files = {"folder": out, "store": store}
     serve(settings, said, partial(print, flush=True), by_sync=by_sync, for_s=for_s, **files)
@@ -286,7 +292,10 @@ def replay(
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
 ) -> None:
-    """Run one case of a results folder again and say whether every frame came again."""
+    """Run one case of a results folder again and say whether every frame came again.
+
+    Exit code: that of its verdict, as for run; 1 when a frame differs, whatever the verdict is.
+    """
     from bench.plan.verdict import exit_code
     from bench.run.apart import do_apart
     from bench.run.campaign import show_verdicts

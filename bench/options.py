@@ -4,6 +4,7 @@ import os
 import sys
 from collections.abc import Callable
 from functools import wraps
+from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any
 
 import typer
@@ -90,3 +91,18 @@ def rejecting(command: Callable[..., None]) -> Callable[..., None]:
             raise typer.Exit(EXIT_INTERRUPTED) from None
 
     return guarded
+
+
+def _show_version(is_asked: bool) -> None:
+    if is_asked:
+        try:
+            print(f"axisrig {version('axisrig')}")
+        except PackageNotFoundError:
+            print("axisrig, run from its sources without being installed")
+        raise typer.Exit
+
+
+VersionOption = Annotated[
+    bool,
+    typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version."),
+]

@@ -147,8 +147,15 @@ def profile_listing(name: str | None) -> str:
         return "\n".join(lines)
     if name not in profile_names():
         raise UserError("no such drive profile", value=name, allowed=profile_names())
-    return "\n".join(
-        f"{key:<28}{value!s:<16}{habits()[key].meaning}"
-        + (f" ({habits()[key].unit})" if habits()[key].unit else "")
-        for key, value in profile_keys(name).items()
-    )
+    usual = profile_keys(DEFAULT_PROFILE)
+    lines = [f"{name}; * = not as in {DEFAULT_PROFILE}, with what that has in brackets"]
+    for key, value in profile_keys(name).items():
+        mark, unit = " " if value == usual[key] else "*", habits()[key].unit
+        other = "" if value == usual[key] else f"  ({_shown(usual[key])})"
+        lines.append(f"{mark} {key} = {_shown(value)}{f' {unit}' if unit else ''}{other}")
+        lines.append(f"      {habits()[key].meaning}")
+    return "\n".join(lines)
+
+
+def _shown(value: Value) -> str:
+    return '""' if value == "" else str(value)

@@ -19,6 +19,7 @@ from bench.plan.table import SUFFIXES
 from bench.plan.verdict import Verdict, exit_code, worst
 from bench.results.writer import CaseResult, ResultsWriter, build_manifest
 from bench.rig.check import check_rig, describe_schedules
+from bench.rig.describe import describe_axes
 from bench.rig.file import read_rig
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import as_written, read_settings
@@ -226,7 +227,8 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         plant.close()
     tables = describe_schedules(settings)
     plants = ["\n".join(told)] if told else []
-    return "\n\n".join([f"{path}: {rig.title}", *tables, *plants])
+    axes = "\n".join(describe_axes(settings))
+    return "\n\n".join([f"{path}: {rig.title}", axes, *tables, *plants])
 
 
 def metrics_table() -> str:

@@ -88,6 +88,14 @@ def write_eds(settings: Settings, path: Path) -> Path:
     return path
 
 
+def whose_eds(settings: Settings) -> str:
+    """Name the axes that the written EDS fits, and their drives."""
+    return ", ".join(
+        f"axis {name} ({axis.drive}, profile {settings.rig.drive[axis.drive].profile})"
+        for name, axis in settings.rig.axis.items()
+    )
+
+
 def serve(
     settings: Settings,
     outside: Outside,

@@ -313,7 +313,9 @@ class Interpreter:
                     column=column,
                     value=name,
                     allowed=[f"V.E.{known}" for known in self._external] or "none",
-                    hint=f"nearest: {', '.join(f'V.E.{k}' for k in close)}" if close else None,
+                    hint=f"did you mean {', '.join(f'V.E.{k}' for k in close)}"
+                    if close
+                    else f"give it one: a column plc:{name}, or --set plc:{name}=<value>",
                 )
 
     def _alarm(self, alarm_id: int, block: Block, **values: object) -> Alarm:

@@ -8,6 +8,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from fmus import MODELS
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
+Reject = Callable[..., str]
 
 ROOT = Path(__file__).parents[2]
 HEADER = "case,program,rig,plc:V.E.FEED,check:msg:N30,check:alarms"
@@ -395,3 +397,33 @@ def test_killed_worker_costs_its_row_only(place: Path) -> None:
 def _cpu_ticks(pid: int) -> int:
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return int(fields[11]) + int(fields[12])
+
+
+def test_the_version_is_that_of_the_package(axisrig: Call) -> None:
+    code, out, _ = axisrig("--version")
+    assert code == 0
+    try:
+        assert out == f"axisrig {version('axisrig')}\n"
+    except PackageNotFoundError:
+        assert "without being installed" in out
+
+
+def test_a_program_without_its_external_variable_is_told_how_to_give_it(rejected: Reject) -> None:
+    message = rejected("nc", "part.nc", "--rig", "rig.toml")
+    assert "--set plc:V.E.FEED=<value>" in message
+
+
+def test_check_lists_the_axes_and_warns_of_a_probe_that_nobody_reads(
+    place: Path, axisrig: Call
+) -> None:
+    code, out, _ = axisrig("check", "rig.toml")
+    wired = "drive servo (profile generic), plant z, probe_1 = probe"
+    assert code == 0
+    assert f"axis Z: node 3 on can1, {wired}" in out
+    assert "warning" not in out
+    rig = place / "rig.toml"
+    text = rig.read_text(encoding="utf-8").replace('probe_1 = "probe"\n', "")
+    rig.write_text(text, encoding="utf-8")
+    _, out, _ = axisrig("check", "rig.toml")
+    assert "no probe wired" in out
+    assert "warning: probe is wired to no input of a drive" in out

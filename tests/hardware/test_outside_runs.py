@@ -161,8 +161,9 @@ def test_drives_need_a_real_bus_too(place: Path, axisrig: Call) -> None:
 
 
 def test_the_eds_of_a_drive_can_be_had_without_a_bus(place: Path, axisrig: Call) -> None:
-    code, out, _ = axisrig("drive", "rigs/probe-z.toml", "--eds", "drive.eds")
+    code, out, err = axisrig("drive", "rigs/probe-z.toml", "--eds", "drive.eds")
     assert (code, out.strip()) == (0, "drive.eds")
+    assert "the drive of axis Z (servo, profile generic)" in err
     text = (place / "drive.eds").read_text(encoding="ascii")
     assert "FileName=drive.eds" in text
     assert "[60B8]" in text

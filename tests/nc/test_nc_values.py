@@ -83,7 +83,7 @@ def test_unknown_external_variable_is_refused_before_anything_runs(plane_machine
         Interpreter(program, XYZ, machine, external={"HEIGHT": 1.0, "TIME": 2.0})
     error = caught.value
     assert (error.file, error.line, error.column) == ("p.nc", 2, 13)
-    assert error.hint == "nearest: V.E.HEIGHT"
+    assert error.hint == "did you mean V.E.HEIGHT"
 
 
 def test_external_value_is_read_when_the_block_uses_it(plane_machine):

@@ -96,7 +96,10 @@ def test_the_listing_names_every_profile_and_what_is_special_in_it() -> None:
     assert [line.split()[0] for line in lines] == list(profile_names())
     assert lines[0] == "generic"
     assert "counters_cleared_on_disarm = True" in lines[profile_names().index("epos4-like")]
-    assert [line.split()[0] for line in profile_listing("generic").splitlines()] == list(habits())
+    title, *rows = profile_listing("generic").splitlines()
+    assert title.startswith("generic; ")
+    assert [line.split(" = ")[0].strip() for line in rows[::2]] == list(habits())
+    assert [line.strip() for line in rows[1::2]] == [habit.meaning for habit in habits().values()]
     with pytest.raises(UserError, match="no such drive profile"):
         profile_listing("epos5")
 
@@ -143,3 +146,11 @@ def test_the_documents_describe_every_profile() -> None:
     text = (Path(__file__).parents[2] / "docs" / "touch-probe.md").read_text("utf-8")
     described = [line.split("`")[1] for line in text.splitlines() if line.startswith("| `")]
     assert [name for name in described if name in profile_names()] == list(profile_names())
+
+
+def test_the_keys_of_a_profile_are_marked_where_they_differ_from_generic() -> None:
+    usual = profile_keys("generic")
+    for name in profile_names():
+        rows = profile_listing(name).splitlines()[1::2]
+        marked = [row.split(" = ")[0].removeprefix("* ") for row in rows if row.startswith("* ")]
+        assert marked == [key for key, value in profile_keys(name).items() if value != usual[key]]
