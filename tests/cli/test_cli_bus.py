@@ -93,6 +93,14 @@ def test_overload_runs_only_when_forced_and_is_told(place: Path, axisrig: Call, 
     assert out.splitlines()[-1] == "frame_log_sha256 equal"
 
 
+def test_an_overload_is_told_once_when_a_check_fails_too(
+    place: Path, axisrig: Call, plan: Path
+) -> None:
+    plan.write_text(plan.read_text(encoding="utf-8").replace(">= 0", "< 0"), encoding="utf-8")
+    _, out, _ = axisrig("run", plan, "-o", "out", *SLOW, "--force")
+    assert out.count("is overloaded: ") == 1
+
+
 def test_nc_and_check_take_force_too(place: Path, axisrig: Call) -> None:
     text = (place / "rig.toml").read_text(encoding="utf-8")
     (place / "rig.toml").write_text(text.replace("1_000_000\n\n[drive", "500_000\n\n[drive"))

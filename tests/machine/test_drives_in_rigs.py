@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.run.observe import Observed
+
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 FUNCTIONS = """
@@ -60,6 +62,13 @@ def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) ->
     assert (outcome.printed("torque"), outcome.printed("window")) == ([10.0], [4294967295.0])
     image = outcome.machine.nodes["Z"].image
     assert (image.max_torque, image.following_window) == (50_000, 1_048_575)
+
+
+def test_values_given_to_a_drive_are_marks_of_the_run(run_own: Callable[..., Any]) -> None:
+    """As the program has them, to the last digit, in its order."""
+    outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
+    told = [m.label for m in Observed(outcome.machine).events() if m.label.startswith("#DRIVE")]
+    assert told[:2] == ["#DRIVE WR Z TORQUE_LIMIT = 10", "#DRIVE WR Z MON_WINDOW = 4294967295"]
 
 
 def test_the_drive_begins_with_what_the_program_restores(run_own: Callable[..., Any]) -> None:
