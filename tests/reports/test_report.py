@@ -1,5 +1,6 @@
 """The page: nothing from outside, nothing unescaped, everything that a reader looks for."""
 
+import json
 import re
 import shutil
 from html.parser import HTMLParser
@@ -140,6 +141,19 @@ def test_an_interrupted_campaign_is_said_to_be_one(campaign: Path, tmp_path: Pat
         (part / name).write_text("".join(lines[:keep]), encoding="utf-8")
     text = "".join(Page(build_report(part).read_text(encoding="utf-8")).text)
     assert "12 of 14 planned runs left no result" in text
+
+
+def test_a_run_on_a_real_bus_is_not_called_simulated(campaign: Path, tmp_path: Path) -> None:
+    """A run of which real time is told, whatever the figures are, ran outside."""
+    part = tmp_path / "part"
+    shutil.copytree(campaign, part)
+    path = part / "runs" / "probing-feed_1_a.json"
+    info = json.loads(path.read_text(encoding="utf-8")) | {"real_time": {"cycles": 0}}
+    path.write_text(json.dumps(info), encoding="utf-8")
+    text = build_report(part).read_text(encoding="utf-8")
+    assert text.count("<dt>ran</dt>") == 1
+    assert "<dt>on a real bus</dt>" in text
+    assert "s in 13 runs" in text
 
 
 def test_other_folders_are_refused(tmp_path: Path) -> None:
