@@ -19,12 +19,22 @@ from pathlib import Path
 _VALUE_LENGTH_MAX = 80
 
 
+class Guess(list[str]):
+    """Names that may have been meant, out of many that are allowed."""
+
+
+class _GuessedText(str):
+    """Such names as one text; it stays a guess in an error that is made of another one."""
+
+    __slots__ = ()
+
+
 class UserError(Exception):
     """Input that cannot be accepted, told so that the reader can mend it.
 
     message: what is wrong, one sentence without full stop.
     file, line, column: where (line and column count from 1).
-    value: what was found. allowed: what may stand there. hint: what to do.
+    value: what was found. allowed: what may stand there, or a `Guess`. hint: what to do.
     """
 
     def __init__(
@@ -42,11 +52,12 @@ class UserError(Exception):
         self.file = None if file is None else str(file)
         self.line, self.column = line, column
         self.value, self.hint = value, hint
-        self.allowed = None
+        self.allowed: str | None = None
         if allowed is not None:
-            self.allowed = (
-                allowed if isinstance(allowed, str) else ", ".join(str(item) for item in allowed)
-            )
+            if not isinstance(allowed, str):
+                text = ", ".join(str(item) for item in allowed)
+                allowed = _GuessedText(text) if isinstance(allowed, Guess) else text
+            self.allowed = allowed
         super().__init__(str(self))
 
     def __str__(self) -> str:
@@ -55,7 +66,8 @@ class UserError(Exception):
         if self.value is not None:
             parts.append(f"found {_short(repr(self.value))}")
         if self.allowed is not None:
-            parts.append(f"allowed: {self.allowed}")
+            is_guess = isinstance(self.allowed, _GuessedText)
+            parts.append(f"{'did you mean' if is_guess else 'allowed'}: {self.allowed}")
         if self.hint is not None:
             parts.append(self.hint)
         return "; ".join(parts)
@@ -70,10 +82,10 @@ def printable(text: str) -> str:
     return "".join(sign if sign.isprintable() else " " for sign in text)
 
 
-def nearest(word: str, known: Iterable[str], count: int = 3) -> list[str]:
+def nearest(word: str, known: Iterable[str], count: int = 3) -> Guess:
     """Return the names of `known` that look most like `word`, best first."""
     names = {name.lower(): name for name in known}
-    return [names[hit] for hit in difflib.get_close_matches(word.lower(), names, n=count)]
+    return Guess(names[hit] for hit in difflib.get_close_matches(word.lower(), names, n=count))
 
 
 @dataclass(frozen=True)

@@ -114,7 +114,7 @@ CELLS = [
     ("set:Z.kenngr.measure.edge", "UP", ["'UP'", "allowed: POS, NEG"]),
     ("set:channel.messtyp", "99", ["'99'", "allowed: 1 .. 7"]),
     ("plant:q.kv", "1", ["'q'", "allowed: z, probe"]),
-    ("plant:z.kvv", "1", ["'kvv'", "allowed: kv"]),
+    ("plant:z.kvv", "1", ["'kvv'", "did you mean: kv"]),
     ("plant:probe.surface_mm", "high", ["not a number", "'high'"]),
     ("plant:probe.surface_mm", "nan", ["'nan'"]),
     ("plant:probe.surface_mm", "1e999999999999", ["number"]),
@@ -129,7 +129,7 @@ CELLS = [
     ("plc:FEED", "1", ["V.E.<NAME>"]),
     ("plc:V.E.OTHER", "inf", ["not a number", "'inf'"]),
     ("fault:drop", "Z.TPDO9", ["'Z.TPDO9'", "allowed: Z.TPDO1"]),
-    ("fault:drip", "Z.TPDO1", ["'drip'", "allowed: drop"]),
+    ("fault:drip", "Z.TPDO1", ["'drip'", "did you mean: drop"]),
     ("check:latch_error", "1", ["'latch_error'", "latch_error_um", "axisrig metrics"]),
     ("check:latch_error_um", "about 3", ["not a condition", "'about 3'", "100 +- 0.001"]),
     ("check:latch_error_um", '"0,5"', ["'0,5'", "a decimal point"]),
@@ -253,7 +253,7 @@ def test_folder_that_holds_no_results(place: Path, rejected: Reject) -> None:
 
 
 def test_run_that_the_folder_does_not_hold(results: Path, rejected: Reject) -> None:
-    _holds(rejected("replay", results, "plan-b"), "'plan-b'", "allowed: plan-a")
+    _holds(rejected("replay", results, "plan-b"), "'plan-b'", "did you mean: plan-a")
 
 
 def _cut(text: str) -> str:

@@ -54,7 +54,7 @@ ASSIGNMENTS = [
     ("set:Z.kenngr.measure.edge=UP", ["'UP'", "allowed: POS, NEG"]),
     ("set:channel.messtyp=2", ["does not act yet", "allowed: 1"]),
     ("plant:q.kv=1", ["'q'", "allowed: z, probe"]),
-    ("plant:z.kvv=1", ["'kvv'", "allowed: kv"]),
+    ("plant:z.kvv=1", ["'kvv'", "did you mean: kv"]),
     ("plant:z.kv=fast", ["not a number", "'fast'"]),
     ("plant:z.kv=40,5", ["not a number", "'40,5'"]),
     ("plant:z.kv=1=2", ["not a number", "'1=2'"]),
@@ -82,7 +82,7 @@ ASSIGNMENTS = [
     ("plc:V.E.FEED=１５", ["not a number"]),
     ("fault:drop=Z", ["'Z'", "allowed: Z.TPDO1"]),
     ("fault:drop=Z.TPDO2,Z.TPDO1", ["no such telegram"]),
-    ("fault:drip=Z.TPDO1", ["'drip'", "allowed: drop"]),
+    ("fault:drip=Z.TPDO1", ["'drip'", "did you mean: drop"]),
 ]
 
 
@@ -95,7 +95,7 @@ def test_assignment_is_rejected(
 
 def test_external_variable_that_nobody_gives(place: Path, rejected: Reject) -> None:
     message = rejected("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FED=1")
-    _holds(message, "part.nc:2:17:", "'V.E.FEED'", "nearest: V.E.FED")
+    _holds(message, "part.nc:2:17:", "'V.E.FEED'", "did you mean V.E.FED")
 
 
 def test_message_does_not_repeat_a_value_of_any_length(place: Path, rejected: Reject) -> None:

@@ -111,7 +111,7 @@ def test_texts_and_items_of_enumerations_are_start_values_too(
     wrong = ('"control.gain" = 40', '"control.gain" = 40, mood = "nervus"')
     code, _, err = call(capsys, "check", place(wrong) / "rig.toml")
     assert code == 2
-    assert "has no such item; found 'nervus'; allowed: nervous" in err
+    assert "has no such item; found 'nervus'; did you mean: nervous" in err
 
 
 def test_unit_that_nobody_defines_takes_a_bare_number_only(

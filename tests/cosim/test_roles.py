@@ -90,7 +90,7 @@ def test_offset_of_a_unit_counts_and_its_display_unit_does_not(
         (Source("table.s", unit="um"), r"the FMU says mm; found 'um'; allowed: mm, or no unit"),
         (Source("table.s", unit="ell"), "table.s: unknown unit; found 'ell'"),
         (Source("table.s", lead_m=0.01), "is in mm; lead_mm is for rotations"),
-        (Source("tabel.s"), r"no such variable; found 'tabel.s'; allowed: table.s"),
+        (Source("tabel.s"), r"no such variable; found 'tabel.s'; did you mean: table.s"),
     ],
 )
 def test_what_does_not_fit_is_refused(table: FmuSlave, source: Source, text: str) -> None:
@@ -166,7 +166,7 @@ def test_missing_necessary_roles_are_refused(table: FmuSlave) -> None:
 
 
 def test_unknown_role_gets_the_nearest_ones(table: FmuSlave) -> None:
-    with pytest.raises(UserError, match=r"no such role; found 'posision'; allowed: position"):
+    with pytest.raises(UserError, match=r"no such role; found 'posision'; did you mean: position"):
         map_roles(table, "axis", {**AXIS, "posision": Source("table.s")})
 
 

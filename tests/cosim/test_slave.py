@@ -38,7 +38,7 @@ def test_values_of_other_types(odd: Odd) -> None:
 
 
 def test_misspelt_variable_gets_the_nearest_names(odd: Odd) -> None:
-    with pytest.raises(UserError, match=r"found 'slide.y'; allowed: slide\.\w"):
+    with pytest.raises(UserError, match=r"found 'slide.y'; did you mean: slide\.\w"):
         odd().get("slide.y")
 
 

@@ -2,13 +2,14 @@
 
 import ast
 import csv
+import pickle
 import string
 from pathlib import Path
 
 import pytest
 
 import kernel
-from kernel.errors import Alarm, CatalogueEntry, catalogue
+from kernel.errors import Alarm, CatalogueEntry, UserError, catalogue, nearest
 
 KERNEL = Path(kernel.__path__[0])
 ENTRIES = list(catalogue().values())
@@ -104,3 +105,12 @@ def test_every_alarm_of_the_kernel_is_in_the_catalogue_with_its_values() -> None
     for place, alarm_id, names in calls:
         assert alarm_id in catalogue(), f"{place}: {alarm_id}"
         assert set(catalogue()[alarm_id].values) <= names, f"{place}: {alarm_id}"
+
+
+def test_a_guess_is_told_as_a_guess_also_when_the_error_is_told_again() -> None:
+    error = UserError("no such thing", value="drip", allowed=nearest("drip", ["drop", "alter"]))
+    assert str(error) == "no such thing; found 'drip'; did you mean: drop"
+    again = pickle.loads(pickle.dumps(UserError("again", allowed=error.allowed)))
+    assert again.allowed == "drop"
+    assert str(UserError("told", allowed=again.allowed)) == "told; did you mean: drop"
+    assert str(UserError("few", allowed=["drop"])) == "few; allowed: drop"
