@@ -54,7 +54,7 @@ TABLES = [
     ("column twice", f"{HEADER},rig\n{ROW},rig.toml\n", ["plan.csv:1:5:", "twice", "'rig'"]),
     ("column missing", "case,program\na,part.nc\n", ["plan.csv:1", "'rig' is missing"]),
     ("column without name", f"{HEADER},,title\n{ROW},,x\n", ["plan.csv:1:5:", "no name"]),
-    ("more cells", f"{HEADER}\n{ROW},x,y\n", ["plan.csv:2"]),
+    ("more cells", f"{HEADER}\n{ROW},x,y\n", ["plan.csv:2", "6 cells and the header 4"]),
     ("fewer cells", f"{HEADER}\na,part.nc\n", ["plan.csv:2:3:", "missing", "'rig'"]),
     ("open quote", f'{HEADER}\n"{ROW}\n', ["plan.csv"]),
     ("case twice", f"{HEADER}\n{ROW}\n\n{ROW}\n", ["plan.csv:4:1:", "line 2", "'plan-a'"]),
