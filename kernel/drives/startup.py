@@ -61,6 +61,7 @@ class StartUp:
     ) -> None:
         self.drive, self._network, self._clock, self._sdo = drive, network, clock, sdo
         self._steps, self._settings = list(steps), settings
+        self._node = bytes((drive.node_id,))
         self._next = 0
         self._attempts = 0
         self._waits_for_boot = False
@@ -138,9 +139,22 @@ class StartUp:
         )
 
     def _on_heartbeat(self, _can_id: int, data: bytearray, _timestamp: float) -> None:
-        if self._waits_for_boot and len(data) == 1 and data[0] == BOOT_UP_STATE:
+        is_boot_up = len(data) == 1 and data[0] == BOOT_UP_STATE
+        if self._waits_for_boot and is_boot_up and not self._is_command_waiting:
             self._waits_for_boot = False
             self._advance()
+
+    @property
+    def _is_command_waiting(self) -> bool:
+        """Whether the NMT command has not got onto the bus: a boot-up is none of its own then.
+
+        False where nobody can tell: interfaces of python-can do not show their transmit queue.
+        """
+        bus = getattr(self._network, "bus", None)
+        return any(
+            request[4].arbitration_id == NMT_ID and request[4].data[1:] == self._node
+            for request in getattr(bus, "pending", ())
+        )
 
     # Objects
 

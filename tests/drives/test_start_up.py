@@ -247,6 +247,30 @@ def test_reset_node_and_waiting_for_power_on_boot_the_drive_too(link_bench: Make
     assert [d[0] for _, can_id, d in bench.heard if can_id == 0] == [129, 1]
 
 
+def test_a_start_at_power_on_sees_one_boot_up_and_it_is_that_of_the_reset(link_bench: Make) -> None:
+    """The boot-up of power on waits behind the NMT command, and is lost with the reset."""
+    bench = link_bench()
+    ended = bench.start_up()
+    bench.scheduler.run_until(50 * MS)
+    assert ended == [None]
+    first = [(can_id, data[:1]) for _, can_id, data in bench.heard[:3]]
+    assert first == [(0x000, bytes([130])), (0x700 + NODE, b"\0"), (0x600 + NODE, b"\x40")]
+    assert [can_id for _, can_id, _ in bench.heard].count(0x700 + NODE) == 1
+
+
+def test_a_boot_up_that_ends_before_the_command_is_on_the_bus_does_not_count(
+    link_bench: Make,
+) -> None:
+    """The boot-up of power on is on the wire while the kernel asks for a reset."""
+    bench = link_bench()
+    bench.scheduler.run_until(20_000)  # 20 of its 50 to 60 bits
+    ended = bench.start_up()
+    bench.scheduler.run_until(50 * MS)
+    assert ended == [None]
+    ids = [can_id for _, can_id, _ in bench.heard[:4]]
+    assert ids == [0x700 + NODE, 0x000, 0x700 + NODE, 0x600 + NODE]
+
+
 def test_waiting_begins_with_the_drives_own_boot_up(link_bench: Make) -> None:
     bench = link_bench()
     ended = bench.start_up(StartUpSettings(boot="wait"))  # the node boots with the first event

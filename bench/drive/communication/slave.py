@@ -271,6 +271,8 @@ class CanopenSlave:
             if self.state is NmtState.STOPPED:
                 self._connection_lost(LOST_CONNECTION)
         elif number in (RESET_NODE, RESET_COMMUNICATION):
+            if isinstance(self._network.bus, SimBus):
+                self._network.bus.flush_tx_buffer()  # the reset takes what has not gone out
             if number == RESET_COMMUNICATION:
                 self._connection_lost(LOST_CONNECTION)
             self.reset(number)
