@@ -10,9 +10,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from bench.bus.controller import Controller
-from bench.bus.frame import EXTENDED_ID_MAX, STANDARD_ID_MAX, Frame
+from bench.bus.frame import Frame
 from kernel.clock import TimeNs
-from kernel.errors import UserError
 
 
 @dataclass(frozen=True)
@@ -76,46 +75,6 @@ FaultAction = Drop | ErrorAtBit | Alter | Delay | Duplicate | Swap
 FaultHook = Callable[[Frame, Controller, int], FaultAction | None]
 
 
-@dataclass
-class DropById:
-    """Fault hook that drops frames of one identifier.
-
-    cob_id: identifier (above 0x7FF an extended one). share: probability 0..1 per frame.
-    skip: so many frames pass first. count: at most so many are dropped, None = no limit.
-    seed: of this hook's own random numbers; the same seed drops the same frames.
-    """
-
-    cob_id: int
-    share: float = 1.0
-    skip: int = 0
-    count: int | None = None
-    seed: int = 0
-    _seen: int = field(default=0, init=False, repr=False)
-    _dropped: int = field(default=0, init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        if not 0 <= self.cob_id <= EXTENDED_ID_MAX:
-            raise UserError("no CAN identifier", value=self.cob_id, allowed="0 .. 0x1FFFFFFF")
-        if not 0.0 <= self.share <= 1.0:
-            raise UserError("no probability", value=self.share, allowed="0 .. 1")
-        self._random = random.Random(self.seed)
-
-    def __call__(self, frame: Frame, port: Controller, attempt: int) -> FaultAction | None:
-        """Decide about one attempt."""
-        same_format = frame.is_extended_id == (self.cob_id > STANDARD_ID_MAX)
-        if frame.arbitration_id != self.cob_id or not same_format:
-            return None
-        self._seen += 1
-        # One number per frame, drawn even when not needed: the choice for a frame must depend on
-        # its place in the sequence only.
-        hit = self._random.random() < self.share
-        exhausted = self.count is not None and self._dropped >= self.count
-        if self._seen <= self.skip or exhausted or not hit:
-            return None
-        self._dropped += 1
-        return Drop()
-
-
 class Window:
     """Whether a fault acts now; `begin` and `end` are called by whoever knows the moment."""
 
@@ -133,17 +92,18 @@ class Window:
 
 @dataclass
 class FrameFault:
-    """Fault hook for the frames of one standard identifier.
+    """Fault hook for the frames of one standard identifier; by itself it drops them all.
 
-    act: makes the action for a frame that is hit. window: while it is open. share, skip, count:
-    as in `DropById`, counted while the window is open. is_each_attempt: also asked about the
-    repetitions of a frame. random: of this fault alone.
+    act: makes the action for a frame that is hit. window: while it is open, and counting goes by
+    it. share: probability 0..1 per frame. skip: so many frames pass first. count: at most so many
+    are hit, None = no limit. is_each_attempt: also asked about the repetitions of a frame.
+    numbers: the random numbers of this fault alone.
     """
 
     cob_id: int
-    act: Callable[[Frame, random.Random], FaultAction]
-    window: Window
-    random: random.Random
+    act: Callable[[Frame, random.Random], FaultAction] = lambda _frame, _numbers: Drop()
+    window: Window = field(default_factory=Window)
+    numbers: random.Random = field(default_factory=lambda: random.Random(0))
     share: float = 1.0
     skip: int = 0
     count: int | None = None
@@ -155,7 +115,8 @@ class FrameFault:
             return None
         if (attempt and not self.is_each_attempt) or self.count == 0:
             return None
-        is_hit = self.random.random() < self.share
+        # Drawn even when not needed: the choice hangs on a frame's place in the sequence only
+        is_hit = self.numbers.random() < self.share
         if self.skip:
             self.skip -= 1
             return None
@@ -163,4 +124,4 @@ class FrameFault:
             return None
         if self.count is not None:
             self.count -= 1
-        return self.act(frame, self.random)
+        return self.act(frame, self.numbers)

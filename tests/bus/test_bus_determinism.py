@@ -14,7 +14,7 @@ import can
 import canopen
 from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
 from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.faults import DropById, ErrorAtBit
+from bench.bus.faults import FrameFault, ErrorAtBit
 from bench.bus.logs import open_log
 from bench.bus.record import FrameHash
 from bench.bus.segment import Segment
@@ -36,7 +36,7 @@ for name in ("x", "y"):
     segment.observe(digest)
     for log in logs:
         segment.observe(log)
-    segment.add_fault(DropById(0x181, share=0.2, seed=1))
+    segment.add_fault(FrameFault(0x181, share=0.2, numbers=random.Random(1)))
     def destroy(frame, port, attempt):
         return ErrorAtBit(numbers.randint(1, 60)) if numbers.random() < 0.01 else None
     segment.add_fault(destroy)

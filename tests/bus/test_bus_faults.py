@@ -9,10 +9,10 @@ from bench.bus.faults import (
     Alter,
     Delay,
     Drop,
-    DropById,
     Duplicate,
     ErrorAtBit,
     FaultAction,
+    FrameFault,
     Swap,
 )
 from bench.bus.frame import Frame, frame_bits
@@ -20,7 +20,6 @@ from bench.bus.segment import Segment
 from bench.bus.simbus import SimBus
 from kernel.clock import MS, Phase
 from kernel.cosim.scheduler import Scheduler
-from kernel.errors import UserError
 
 Watch = Callable[[Segment], list[tuple[int, int, str]]]
 
@@ -164,9 +163,9 @@ def test_swapped_frames_change_places(scheduler: Scheduler, segment: Segment, wa
     assert [can_id for _, can_id, _ in seen] == [0x182, 0x281, 0x181]
 
 
-def test_drop_by_id_is_seeded(scheduler: Scheduler, segment: Segment) -> None:
+def test_which_frames_are_hit_is_seeded(scheduler: Scheduler, segment: Segment) -> None:
     """The i-th frame of the identifier meets the i-th number of random.Random(seed)."""
-    segment.add_fault(DropById(0x281, share=0.5, skip=3, count=4, seed=9))
+    segment.add_fault(FrameFault(0x281, share=0.5, skip=3, count=4, numbers=random.Random(9)))
     sender, receiver = segment.port("sender"), segment.port("receiver")
     for value in range(40):
         sender.send_raw(0x281, bytes([value]))
@@ -179,23 +178,3 @@ def test_drop_by_id_is_seeded(scheduler: Scheduler, segment: Segment) -> None:
         got[msg.arbitration_id].append(msg.data[0])
     assert got[0x181] == list(range(40))
     assert got[0x281] == [index for index in range(40) if index not in hit]
-
-
-def test_drop_of_an_extended_identifier_spares_the_standard_one(
-    scheduler: Scheduler, segment: Segment
-) -> None:
-    segment.add_fault(DropById(0x1234567))
-    sender, receiver = segment.port("sender"), segment.port("receiver")
-    sender.send_raw(0x1234567, b"")
-    sender.send_raw(0x567, b"")
-    scheduler.run_until(MS)
-    received = receiver.recv(0)
-    assert received is not None
-    assert received.arbitration_id == 0x567
-
-
-def test_a_probability_or_identifier_that_cannot_be_is_refused() -> None:
-    with pytest.raises(UserError, match="probability"):
-        DropById(1, share=1.5)
-    with pytest.raises(UserError, match="identifier"):
-        DropById(0x20000000)

@@ -24,7 +24,7 @@ from canopen.profiles.p402 import BaseNode402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.faults import DropById
+from bench.bus.faults import FrameFault
 from bench.bus.frame import Frame, data_frame
 from bench.bus.segment import Segment
 from bench.bus.simbus import SimBus
@@ -131,7 +131,7 @@ def test_abort_carries_its_code(pair: Pair) -> None:
 
 
 def test_lost_answer_times_out_after_its_simulated_time(pair: Pair, naive_bits: Bits) -> None:
-    pair.segment.add_fault(DropById(0x583, count=1))
+    pair.segment.add_fault(FrameFault(0x583, count=1))
     with pytest.raises(SdoCommunicationError):
         pair.remote.sdo.upload(TARGET, 0)
     assert pair.segment.now_ns == 300 * MS

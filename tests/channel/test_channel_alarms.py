@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop, DropById
+from bench.bus.faults import Drop, FrameFault
 from kernel.errors import Alarm
 
 Make = Callable[..., Any]
@@ -88,7 +88,7 @@ def test_900003_when_the_probe_is_not_led_to_one_of_the_axes(
 
 def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0, missing_cycles=100_000)
-    bench.segment.add_fault(DropById(0x281))
+    bench.segment.add_fault(FrameFault(0x281))
     bench.run([words.probe(1, 1200.0, Z=0.0), words.wait(1), words.end()])
     assert bench.alarm_ids == [900001]
     assert bench.channel.measured_acs_mm("Z") is None
@@ -195,7 +195,7 @@ def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) 
     bench.prepare([words.move(1, 3000.0, Z=60.0), words.end()])
     if moving:
         _moving(bench, "Z", 12.0)
-    bench.segment.add_fault(DropById(0x181))
+    bench.segment.add_fault(FrameFault(0x181))
     assert bench.scheduler.run_while(lambda: not bench.channel.has_ended, 2 * S)
     assert bench.alarm_ids == [900006]
     # Told to stand from the first cycle on: no block has begun
@@ -207,14 +207,14 @@ def test_an_alarm_names_the_block_under_execution(channel_bench: Make, words: An
     bench = channel_bench(words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Z=5.0), words.move(2, 3000.0, Z=60.0), words.end()])
     _moving(bench, "Z", 12.0)
-    bench.segment.add_fault(DropById(0x181))
+    bench.segment.add_fault(FrameFault(0x181))
     bench.finish()
     assert "(line 2, block N20)" in str(bench.channel.alarms[0])
 
 
 def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
-    bench.segment.add_fault(DropById(0x202))  # no controlword reaches Z
+    bench.segment.add_fault(FrameFault(0x202))  # no controlword reaches Z
     bench.run([words.move(1, 3000.0, Z=60.0), words.end()])
     (alarm,) = bench.channel.alarms
     assert (alarm.id, alarm.values["axis"]) == (900008, "Z")

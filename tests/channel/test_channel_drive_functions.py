@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop, DropById
+from bench.bus.faults import Drop, FrameFault
 from kernel.channel.drive_functions import DriveAccess, DriveFunctions
 from kernel.clock import MS, S
 from kernel.drives.functions import DriveFunction
@@ -172,7 +172,7 @@ def test_900032_when_the_drive_is_silent_and_the_program_does_not_hang(
     bench = _bench(channel_bench, words)
     bench.prepare([_write(words, 1, "TORQUE_LIMIT", 50), words.end()])
     bench.scheduler.run_while(lambda: bench.channel.start_ns is None, S)
-    bench.segment.add_fault(DropById(SDO_ANSWER))
+    bench.segment.add_fault(FrameFault(SDO_ANSWER))
     bench.finish()
     (alarm,) = bench.channel.alarms
     assert (alarm.id, alarm.values["answer"]) == (900032, "no answer")

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop, DropById, ErrorAtBit, FaultAction
+from bench.bus.faults import Drop, ErrorAtBit, FaultAction, FrameFault
 from bench.bus.frame import Frame
 from bench.bus.simbus import SimBus
 from bench.drive.profile import DriveProfile
@@ -87,7 +87,7 @@ def test_a_value_needs_status_and_position_of_one_cycle(link_bench: Make, lost: 
     _armed(bench)
     while bench.scheduler.now_ns < 60 * MS:
         bench.cycle()
-    bench.segment.add_fault(DropById(lost, count=1))
+    bench.segment.add_fault(FrameFault(lost, count=1))
     bench.cycle()
     assert bench.link.latched_mm is None
     assert bench.link.has_latched is (lost == TPDO2)
@@ -198,7 +198,7 @@ def test_actuated_follows_the_input(link_bench: Make) -> None:
 
 def test_actuated_is_unknown_without_the_inputs_telegram(link_bench: Make) -> None:
     bench = link_bench(level=True)
-    bench.segment.add_fault(DropById(TPDO3))
+    bench.segment.add_fault(FrameFault(TPDO3))
     bench.commission()
     for _ in range(5):
         bench.cycle()
@@ -212,7 +212,7 @@ def test_900006_in_the_fourth_cycle_without_tpdo1(link_bench: Make) -> None:
     bench = link_bench()
     bench.commission()
     bench.cycle()
-    bench.segment.add_fault(DropById(TPDO1))
+    bench.segment.add_fault(FrameFault(TPDO1))
     for _ in range(3):
         bench.cycle()
     with pytest.raises(Alarm) as caught:
@@ -226,7 +226,7 @@ def test_three_missing_telegrams_are_forgiven_again_and_again(link_bench: Make) 
     bench.commission()
     for _ in range(3):
         bench.cycle(3.0)
-        bench.segment.add_fault(DropById(TPDO1, count=3))
+        bench.segment.add_fault(FrameFault(TPDO1, count=3))
         for _ in range(3):
             bench.cycle(3.0)
             # What came last

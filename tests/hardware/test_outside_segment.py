@@ -7,7 +7,7 @@ from typing import Any
 import can
 import pytest
 
-from bench.bus.faults import DropById
+from bench.bus.faults import FrameFault
 from bench.bus.hardware import interface_names, open_bus, parse_options
 from bench.bus.record import FrameHash
 from kernel.clock import Phase
@@ -113,7 +113,7 @@ def test_a_frame_that_the_interface_does_not_take_is_counted(make_bench: Any) ->
 
 def test_faults_of_the_wire_are_refused(make_bench: Any) -> None:
     with pytest.raises(UserError, match="simulated"):
-        make_bench().segment.add_fault(DropById(0x183, seed=1))
+        make_bench().segment.add_fault(FrameFault(0x183))
 
 
 def test_an_unknown_interface_is_refused_with_the_nearest_names() -> None:

@@ -158,7 +158,7 @@ class BlockUpload(Transfer):
         self._begin = 0  # of the block that is under way, in bytes
         self._sent = 0  # segments of this block
         self._block = 0  # counts the blocks: an event of an older one does nothing
-        self._is_sending = self._has_ended = False
+        self._has_ended = False
 
     def on_frame(self, data: bytes) -> bytes | None:
         """Start, take an acknowledgement, or the end."""
