@@ -93,36 +93,56 @@ class CatalogueEntry:
     """One row of `errors.csv`.
 
     id: the manual's ID, or one of ours from 900000 where none is documented.
-    reaction_class: 1 warning and correction, 2 program aborted, 4 motion stopped, 7 controlled
-        halt of the axis. text: our words with `{name}` places. remedy: what to do. source: where
-        the ID stands.
+    newer_id: what newer builds report instead; older_id: the other way round.
+    reaction_class: what the alarm does (`kernel.channel.reactions`), reaction: the same in words.
+    error_type: 1 from the NC program, 2 parameter transfer, 11 position controller, None where the
+        manuals say none. area: the function that it belongs to.
+    is_raised: whether the function is implemented; else nothing raises it yet.
+    text: our words with `{name}` places. values: these names, with their unit at the end.
+    remedy: what to do. source: where the ID stands. inferred: columns that no source tells.
     """
 
     id: int
     newer_id: int | None
+    older_id: int | None
     reaction_class: int
     reaction: str
+    error_type: int | None
+    area: str
+    is_raised: bool
     text: str
     values: tuple[str, ...]
     remedy: str
     source: str
+    inferred: tuple[str, ...]
+
+    @property
+    def family(self) -> tuple[int, ...]:
+        """The IDs of the same cause, the one that is reported first."""
+        return tuple(i for i in (self.older_id, self.id, self.newer_id) if i is not None)
 
 
 @cache
 def catalogue() -> Mapping[int, CatalogueEntry]:
     """Read `errors.csv`, keyed by ID."""
     text = resources.files(__package__).joinpath("errors.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(text.splitlines())
+    rows = list(csv.DictReader(text.splitlines()))
+    older = {int(row["newer_id"]): int(row["id"]) for row in rows if row["newer_id"]}
     entries = [
         CatalogueEntry(
             id=int(row["id"]),
             newer_id=int(row["newer_id"]) if row["newer_id"] else None,
+            older_id=older.get(int(row["id"])),
             reaction_class=int(row["class"]),
             reaction=row["reaction"],
+            error_type=int(row["type"]) if row["type"] else None,
+            area=row["area"],
+            is_raised=row["raised"] == "yes",
             text=row["text"],
             values=tuple(row["values"].split()),
             remedy=row["remedy"],
             source=row["source"],
+            inferred=tuple(row["inferred"].split()),
         )
         for row in rows
     ]
