@@ -5,28 +5,26 @@ edge follows from it: the SYNC after the latch samples the status word, the cycl
 brakes, its set position acts from the next SYNC on.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from enum import Enum, auto
-from math import dist
 from typing import Any
 
 from kernel.channel.drive_functions import DriveFunctions
-from kernel.channel.lookahead import Lookahead
+from kernel.channel.execution import Execution
+from kernel.channel.measurement import Measurement
 from kernel.channel.monitor import Monitor, PowerUp
+from kernel.channel.path import Path
+from kernel.channel.reactions import Reactions
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.clock import Clock, Phase, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.drives.startup import StartUp
 from kernel.errors import Alarm
-from kernel.measuring.run import MeasuringRun, Order, RunRecord, RunState
-from kernel.motion.dynamics import Dynamics, Motion, path_dynamics
-from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
-from kernel.motion.profile import plan
+from kernel.measuring.run import RunRecord
+from kernel.motion.interpolator import Interpolator
 from kernel.nc import canon
 
 SYNC_COB_ID = 0x80
-NOT_FOLLOWING = 900029  # braking the set position would not stop this axis
-SETTLED_CYCLES = 10
 
 
 class ChannelState(Enum):
@@ -67,40 +65,42 @@ class Channel:
     ) -> None:
         self._clock, self.timing = clock, timing
         self.axes, self.links, self._networks = tuple(axes), tuple(links), tuple(networks)
-        self._index = {axis.name: index for index, axis in enumerate(axes)}
-        self._error_no_signal = error_no_signal
-        self._put_out = put_out
-        self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
-        self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
-        self._lookahead: Lookahead | None = None
         self.state = ChannelState.STARTING
         self._starting = 0
-        self.alarms: list[Alarm] = []
-        self.alarm_ns: list[TimeNs] = []
-        self.records: list[RunRecord] = []
+        self.path = Path(clock, timing, axes, links)
+        by_axis = {link.name: link for link in links}
+        self.measurement = Measurement(clock, self.path, by_axis, error_no_signal=error_no_signal)
+        self.execution = Execution(put_out)
+        self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
         self.end_ns: TimeNs | None = None
         self.has_come_to_rest: Callable[[], bool] = lambda: True
-        self._run: MeasuringRun | None = None
-        self._measuring: tuple[canon.MeasuringRun, Dynamics] | None = None
-        self._block: canon.Block | None = None  # under execution
-        self._measured: dict[str, float | None] = {}
-        self._stop_dynamics: Dynamics | None = None
         self._monitor = monitor or Monitor(self.links, self._networks, clock)
         self.functions = DriveFunctions({})
         self._power_up = PowerUp(self.links, timing)
-        self._settling_since_ns: TimeNs | None = None
-        self._inside_since_ns: TimeNs | None = None
         self._next_sync_ns: TimeNs = 0
         self._sync_count = 0
+        self._assign()
+
+    def _assign(self) -> None:
+        """Say who carries out which command."""
+        known, path = self.execution, self.path
+        known.while_busy(self._is_busy)
+        known.register(canon.LinearMove, self._move)
+        known.register(canon.MeasuringRun, self.measurement.begin, ready=path.is_in_position)
+        known.register(canon.DriveWrite, self._write_function)
+        known.register(canon.DriveRead, self._ask_drive)
+        known.register(canon.DriveWait, self._ask_drive)
+        known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
+        known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
 
     # Life of a program
 
     def load(self, commands: Iterator[canon.Command]) -> None:
         """Take the command stream of an interpreter."""
-        self._lookahead = Lookahead(commands, self._put_out)
+        self.execution.load(commands)
 
     def start_up(self, drives: Sequence[StartUp]) -> None:
         """Start all drives at the same time, then the cyclic exchange.
@@ -115,7 +115,7 @@ class Channel:
     def _on_started(self, alarm: Alarm | None) -> None:
         self._starting -= 1
         if alarm is not None:
-            self._register(alarm)
+            self.reactions.register(alarm)
         if self._starting:
             return
         if any(known.ends_program for known in self.alarms):
@@ -172,232 +172,100 @@ class Channel:
         was_stopping = self.state is ChannelState.STOPPING
         try:
             self._monitor.take()  # 1 what the bus delivered
-            self._measure()  # 2 signals, with the positions of this cycle
-            self._watch()  # 4 drives and exact stop (3, distance control, has its own issue)
-            self._execute()  # 5 refill the queue, begin what comes next
+            if self.state is ChannelState.RUNNING:
+                self.measurement.step()  # 2 signals, with the positions of this cycle
+                self._monitor.check_drives()  # 4 drives (3, distance control, has its own issue)
+                self.functions.check()
+            elif self.state is ChannelState.POWERING:
+                self._power()
+            if self.state is ChannelState.RUNNING:
+                self.execution.step()  # 5 refill the queue, begin what comes next
         except Alarm as alarm:
             self._come_up(alarm)
-        self._send(self.interpolator.advance())  # 5, 6 next set positions through the buffer
+        self.path.advance()  # 5, 6 next set positions through the buffer
         for observer in self.observers:  # 7
             observer(self)
-        if was_stopping and self._has_stopped():
+        if was_stopping and self.path.has_stopped:
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
+
+    def _power(self) -> None:
+        self.path.take_over(tuple(link.actual_mm for link in self.links))
+        if self._power_up.step():
+            self.state = ChannelState.RUNNING
+            self.start_ns = self._clock.now_ns
+
+    # What observers and the command line read
+
+    @property
+    def interpolator(self) -> Interpolator:
+        """The interpolator of the path."""
+        return self.path.interpolator
+
+    @property
+    def records(self) -> list[RunRecord]:
+        """Every measurement run of the program, in order."""
+        return self.measurement.records
+
+    @property
+    def alarms(self) -> list[Alarm]:
+        """What has come up, in order."""
+        return self.reactions.alarms
+
+    @property
+    def alarm_ns(self) -> list[TimeNs]:
+        """When it came up, in the same order."""
+        return self.reactions.alarm_ns
 
     # What the interpreter may ask (MachineView)
 
     def position_acs_mm(self, axis: str) -> float:
         """Return where the interpolation stands, axis coordinates."""
-        return self.interpolator.positions_mm[self._index[axis]]
+        return self.path.position_acs_mm(axis)
 
     def measured_acs_mm(self, axis: str) -> float | None:
         """Return the measured position of the axis' last run, None without a valid one."""
-        return self._measured.get(axis)
+        return self.measurement.measured_acs_mm(axis)
 
     def measurement_ok(self, axis: str) -> bool:
         """Tell whether the axis' last run had a signal (V.A.MERF)."""
-        return self._measured.get(axis) is not None
+        return self.measurement.measured_acs_mm(axis) is not None
 
     def drive_value(self, axis: str, key: str) -> float:
         """Return what the last #DRIVE RD of this function brought."""
         return self.functions.value(axis, key)
 
-    # Steps of the cycle
+    # Carrying out commands
 
-    def _measure(self) -> None:
-        if self._run is None or self.state is not ChannelState.RUNNING:
-            return
-        assert self._measuring is not None
-        order = self._run.evaluate(self._clock.now_ns, self._is_in_position())
-        command, dynamics = self._measuring
-        if order is Order.START:
-            self._begin_path(command.target_acs_mm, command.feed_mm_min / 60.0, dynamics)
-        elif order is Order.BRAKE:
-            self.interpolator.brake(dynamics.stop_deceleration)
-        if self._run.state is RunState.DONE:
-            record = self._run.record
-            self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
-            self._run = self._measuring = None
-
-    def _watch(self) -> None:
-        if self.state is ChannelState.RUNNING:
-            self._monitor.check_drives()
-            self.functions.check()
-        elif self.state is ChannelState.POWERING:
-            actual = tuple(link.actual_mm for link in self.links)
-            self.interpolator.hold(actual)
-            self._buffer = SetpointBuffer(self.timing.buffer_cycles, actual)
-            if self._power_up.step():
-                self.state = ChannelState.RUNNING
-                self.start_ns = self._clock.now_ns
-
-    def _execute(self) -> None:
-        assert self._lookahead is not None
-        while self.state is ChannelState.RUNNING and not self._is_busy():
-            self._lookahead.refill()
-            command = self._lookahead.head
-            if isinstance(command, canon.Wait):
-                if not self._buffer.is_settled:
-                    return
-            elif isinstance(command, canon.EndOfProgram):
-                if not self._is_in_position() or self.functions.is_busy:
-                    return
-                self.state = ChannelState.ENDED
-                self.end_ns = self._clock.now_ns
-            elif isinstance(command, canon.Message):
-                self._put_out(command)
-            elif isinstance(command, canon.MeasuringRun) and not self._is_in_position():
-                return
-            else:
-                self._block = command.block
-                self._begin(command)
-            self._lookahead.pop()
+    def _move(self, command: canon.LinearMove) -> None:
+        self.path.move(command.target_acs_mm, None if command.rapid else command.feed_mm_min)
 
     def _is_busy(self) -> bool:
-        moves = self._run is not None or not self.interpolator.is_standing
-        return moves or self.functions.is_waiting
+        return self.measurement.is_active or self.path.is_moving or self.functions.is_waiting
 
-    def _send(self, positions_mm: Positions) -> None:
-        for link, position_mm in zip(self.links, self._buffer.shift(positions_mm), strict=True):
-            link.send(position_mm)
+    def _ask_drive(self, command: canon.DriveRead | canon.DriveWait) -> None:
+        self.functions.begin(command)
 
-    # Beginning things
+    def _write_function(self, command: canon.DriveWrite) -> None:
+        self.drive_writes.append((self._clock.now_ns, command))
+        self.functions.begin(command)
 
-    def _begin(self, command: canon.LinearMove | canon.MeasuringRun | canon.DriveCommand) -> None:
-        if isinstance(command, canon.LinearMove):
-            self._begin_move(command)
-        elif isinstance(command, canon.MeasuringRun):
-            self._begin_run(command)
-        else:
-            if isinstance(command, canon.DriveWrite):
-                self.drive_writes.append((self._clock.now_ns, command))
-            self.functions.begin(command)
+    def _go_on(self, _command: canon.Wait) -> None:
+        """Nothing to do: the interpreter may decode on."""
 
-    def _begin_move(self, command: canon.LinearMove) -> None:
-        motion = Motion.RAPID if command.rapid else Motion.FEED
-        dynamics = self._path(command.target_acs_mm, motion)
-        if dynamics is None:
-            return
-        feed_mm_s = (
-            dynamics.speed_max_mm_s if command.feed_mm_min is None else command.feed_mm_min / 60.0
-        )
-        self._begin_path(command.target_acs_mm, feed_mm_s, dynamics)
+    def _may_end(self) -> bool:
+        return self.path.is_in_position() and not self.functions.is_busy
 
-    def _begin_run(self, command: canon.MeasuringRun) -> None:
-        place = str(command.block)
-        for name in command.measuring_axes:
-            if not self.axes[self._index[name]].may_measure:
-                raise Alarm(50059, axis=name)
-        dynamics = self._path(command.target_acs_mm, Motion.MEASURING)
-        if dynamics is None:
-            raise Alarm(900103, axes=" ".join(command.programmed_axes))
-        ports = [self.links[self._index[name]] for name in command.measuring_axes]
-        run = MeasuringRun(ports, place, self._clock.now_ns, self._error_no_signal)
-        self._run, self._measuring = run, (command, dynamics)
-        self.records.append(run.record)
+    def _end(self, _command: canon.EndOfProgram) -> None:
+        self.state = ChannelState.ENDED
+        self.end_ns = self._clock.now_ns
 
-    def _path(self, target_mm: Mapping[str, float], motion: Motion) -> Dynamics | None:
-        """Return the dynamics of the straight path to the target, None when nothing moves."""
-        deltas = [
-            target_mm.get(axis.name, here) - here
-            for axis, here in zip(self.axes, self.interpolator.positions_mm, strict=True)
-        ]
-        if not any(deltas):
-            return None
-        return path_dynamics([axis.dynamics[motion] for axis in self.axes], deltas)
-
-    def _begin_path(
-        self, target_mm: Mapping[str, float], feed_mm_s: float, dynamics: Dynamics
-    ) -> None:
-        here = dict(zip(self._index, self.interpolator.positions_mm, strict=True))
-        target = {**here, **target_mm}
-        if self._run is not None:
-            target = self._behind_target(here, target)
-        for link in self.links:
-            if not link.can_reach(target[link.name]):
-                raise Alarm(900012, axis=link.name, target_mm=f"{target[link.name]:.9g}")
-        length_mm = dist(tuple(here.values()), tuple(target.values()))
-        profile = plan(
-            length_mm,
-            min(feed_mm_s, dynamics.speed_max_mm_s),
-            dynamics.acceleration,
-            dynamics.deceleration,
-        )
-        self._stop_dynamics = dynamics
-        self._settling_since_ns = self._inside_since_ns = None
-        self.interpolator.start(here, target, profile)
-
-    def _behind_target(
-        self, here: Mapping[str, float], target: Mapping[str, float]
-    ) -> dict[str, float]:
-        """Lengthen a measuring path by the smallest allowed overtravel (P-AXIS-00467)."""
-        length_mm = dist(tuple(here.values()), tuple(target.values()))
-        extra_mm = min(
-            axis.probing_offset_mm * length_mm / abs(target[axis.name] - here[axis.name])
-            for axis in self.axes
-            if target[axis.name] != here[axis.name]
-        )
-        scale = 1.0 + extra_mm / length_mm
-        return {name: here[name] + (target[name] - here[name]) * scale for name in here}
-
-    # Standing and stopping
-
-    def _has_stopped(self) -> bool:
-        """Whether the same set position is sent again and again."""
-        return self.interpolator.is_standing and self._buffer.is_settled
-
-    def _is_in_position(self) -> bool:
-        """Whether the interpolation stands and every axis is in its exact-stop window.
-
-        They stand when they have been there for SETTLED_CYCLES: an axis that friction has wound up
-        runs through its window once. Raises Alarm 70082 when an axis does not get there within its
-        settling time.
-        """
-        if not self._has_stopped():
-            self._settling_since_ns = self._inside_since_ns = None
-            return False
-        now_ns = self._clock.now_ns
-        if self._settling_since_ns is None:
-            self._settling_since_ns = now_ns
-        for axis, link in zip(self.axes, self.links, strict=True):
-            lag_mm = link.lag_mm
-            if abs(lag_mm) > axis.window_mm:
-                waited_ns = now_ns - self._settling_since_ns
-                if 0 < axis.settling_ns < waited_ns:
-                    raise Alarm(
-                        70082,
-                        axis=axis.name,
-                        lag_mm=f"{lag_mm:.4f}",
-                        window_mm=f"{axis.window_mm:.4f}",
-                        ms=waited_ns // 1_000_000,
-                    )
-                self._inside_since_ns = None
-                return False
-        if self._inside_since_ns is None:
-            self._inside_since_ns = now_ns
-        return now_ns - self._inside_since_ns >= SETTLED_CYCLES * self.timing.period_ns
+    # Stopping
 
     def _come_up(self, alarm: Alarm) -> None:
-        """Register an alarm and react: above class 1 the program ends and the axes stop."""
-        if self.state is ChannelState.STOPPING:
-            return
-        if alarm.place is None and self._block is not None:
-            alarm.place = str(self._block)
-        self._register(alarm)
-        if not alarm.ends_program:
-            return
-        if self._run is not None:
-            for name in self._run.record.axes:
-                self.links[self._index[name]].disarm()
-            self._run = None
-        for link in self.links:
-            link.hold_back()
-            if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
-                link.quick_stop()
-        if not self.interpolator.is_standing and self._stop_dynamics is not None:
-            self.interpolator.brake(self._stop_dynamics.stop_deceleration)
-        self.state = ChannelState.STOPPING
+        if self.state is not ChannelState.STOPPING and self.reactions.come_up(alarm):
+            self.state = ChannelState.STOPPING
 
     def stop(self, alarm: Alarm) -> None:
         """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""
@@ -406,8 +274,4 @@ class Channel:
 
     def warn(self, alarm: Alarm) -> None:
         """Note an alarm of class 1 that stood before the program began."""
-        self._register(alarm)
-
-    def _register(self, alarm: Alarm) -> None:
-        self.alarms.append(alarm)
-        self.alarm_ns.append(self._clock.now_ns)
+        self.reactions.register(alarm)
