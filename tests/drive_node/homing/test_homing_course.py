@@ -1,0 +1,150 @@
+"""Homing: what the statusword says on the way, what breaks it off, and where the zero lies."""
+
+import pytest
+from homing_machine import (
+    ATTAINED,
+    LIMITED,
+    REACHED,
+    SEEN_MM,
+    UNITS_PER_MM,
+    UPPER,
+    Bench,
+    bench_for,
+)
+
+# What the statusword says
+
+
+def test_bits_tell_how_far_homing_is() -> None:
+    """CiA 402-2: 0 0 1 not started, 0 0 0 under way, 0 1 0 attained, 0 1 1 attained and at rest."""
+    bench = Bench(7.0)
+    assert bench.bits == REACHED
+    bench.write(homing_method=34, controlword=0x1F)
+    assert bench.bits == 0
+    seen = []
+    for _ in range(40_000):
+        bench.run_ms(0.25)
+        if not seen or seen[-1] != bench.bits:
+            seen.append(bench.bits)
+        if bench.bits & REACHED:
+            break
+    assert seen == [0, ATTAINED, ATTAINED | REACHED]
+    bench.write(controlword=0x0F)
+    bench.run_ms(5)
+    assert bench.bits == ATTAINED | REACHED
+
+
+def test_bit_4_taken_away_interrupts() -> None:
+    bench = Bench(7.0)
+    bench.write(homing_method=33, controlword=0x1F)
+    bench.run_ms(100)
+    assert bench.bits == 0
+    bench.write(controlword=0x0F)
+    bench.run_ms(200)
+    place_mm = bench.place_mm
+    bench.run_ms(500)
+    assert bench.bits == REACHED
+    assert bench.place_mm == place_mm > 2.5
+
+
+def test_halt_stops_and_homing_goes_on_after_it() -> None:
+    bench = bench_for(19, 0.0)
+    bench.write(homing_method=19, controlword=0x1F)
+    bench.run_ms(100)
+    bench.write(controlword=0x11F)
+    bench.run_ms(300)
+    place_mm = bench.place_mm
+    bench.run_ms(300)
+    assert bench.bits == REACHED
+    assert bench.place_mm == place_mm < UPPER
+    bench.write(controlword=0x1F)
+    bench.run_ms(5000)
+    assert bench.bits == ATTAINED | REACHED
+    found_mm = bench.place_mm - bench.image.position_actual / UNITS_PER_MM
+    assert found_mm == pytest.approx(13.0, abs=SEEN_MM)
+
+
+def test_a_reference_stays_when_the_mode_is_left_and_entered_again() -> None:
+    bench = Bench(7.0)
+    bench.home(34)
+    bench.write(mode=1, controlword=0x0F)
+    bench.run_ms(5)
+    bench.write(mode=6)
+    bench.run_ms(5)
+    assert bench.bits == ATTAINED | REACHED
+
+
+def test_power_off_breaks_it_off() -> None:
+    bench = Bench(7.0)
+    bench.write(homing_method=33, controlword=0x1F)
+    bench.run_ms(100)
+    bench.write(controlword=0x00)
+    assert not bench.axis.is_on
+    for word in (0x06, 0x07, 0x0F):
+        bench.write(controlword=word)
+    bench.run_ms(5)
+    assert bench.bits == REACHED
+
+
+# Where the zero lies
+
+
+@pytest.mark.parametrize(("habit", "at_home"), [("zero", -100_000), ("value", 100_000)])
+def test_home_offset(habit: str, at_home: int) -> None:
+    """CiA 402: the zero lies 607C above home, which so lies at -607C; some drives: home is 607C."""
+    bench = Bench(7.0, home_offset=habit)
+    bench.write(home_offset=100_000)
+    bench.home(37)
+    assert bench.image.position_actual == at_home
+
+
+def test_offset_acts_with_the_next_homing_only() -> None:
+    bench = Bench(7.0)
+    before = bench.image.position_actual
+    bench.write(home_offset=100_000)
+    bench.run_ms(5)
+    assert bench.image.position_actual == before
+
+
+@pytest.mark.parametrize("offset", [0, 100_000])
+def test_software_limits_count_from_home(offset: int) -> None:
+    """607D is relative to the machine home position, whatever the zero: 20 mm above it, 27 mm."""
+    bench = Bench(7.0)
+    bench.write(home_offset=offset, software_limit_min=-100, software_limit_max=20 * 104_858)
+    bench.home(37)
+    bench.write(mode=1, controlword=0x0F, target_position=2**30)
+    bench.run_ms(2)
+    bench.write(controlword=0x3F)
+    bench.run_ms(5000)
+    assert bench.place_mm == pytest.approx(27.0, abs=1e-4)
+    assert bench.image.statusword & LIMITED
+
+
+def test_reset_forgets_the_reference() -> None:
+    bench = Bench(7.0)
+    bench.home(37)
+    bench.servo.reset(bench.scheduler.now_ns)
+    assert bench.image.position_actual == round(7.0 * UNITS_PER_MM)
+    bench.enable()
+    assert bench.bits == REACHED
+
+
+def test_another_position_unit_forgets_the_reference() -> None:
+    """The zero was counted in the old one."""
+    bench = Bench(7.0)
+    bench.write(home_offset=100_000)
+    bench.home(37)
+    bench.write(controlword=0)
+    bench.write(feed=10_000)
+    assert bench.image.position_actual == 7000
+    bench.enable()
+    assert bench.bits == REACHED
+
+
+def test_reset_at_the_stop_lifts_its_torque_limit() -> None:
+    bench = Bench(0.0, wall_mm=2.0)
+    bench.write(homing_method=-3, controlword=0x1F)
+    bench.run_ms(80)
+    assert bench.axis.limits_n[-1][1] < 1000
+    bench.servo.reset(bench.scheduler.now_ns)
+    assert bench.axis.limits_n[-1][1] > 60_000

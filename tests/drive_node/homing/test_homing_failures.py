@@ -1,0 +1,66 @@
+"""Homing: how it fails."""
+
+import pytest
+from homing_machine import ATTAINED, ERROR, FAST, REACHED, Bench, Switch
+
+
+def failed(bench: Bench, method: int) -> float:
+    bench.home(method)
+    assert bench.bits == ERROR | REACHED
+    assert bench.emergencies == []
+    return bench.place_mm
+
+
+@pytest.mark.parametrize("method", [3, 19])
+def test_limit_switch_in_the_way_is_an_error(method: int) -> None:
+    switches = {
+        "negative": Switch(-1e9, -50.0),
+        "positive": Switch(60.0, 1e9),
+        "home": Switch(70.0, 1e9),
+    }
+    place_mm = failed(Bench(0.0, switches), method)
+    # v dt until it is seen, then v2/2a with the homing acceleration of 1000 mm/s2
+    assert 60.0 < place_mm < 60.0 + FAST * 0.5e-3 + FAST**2 / 2000 + 1e-3
+
+
+@pytest.mark.parametrize("method", [7, 11, 23])
+def test_home_switch_that_is_nowhere_is_looked_for_between_both_limits(method: int) -> None:
+    switches = {
+        "negative": Switch(-1e9, -5.0),
+        "positive": Switch(6.0, 1e9),
+        "home": Switch(70.0, 71.0),
+    }
+    bench = Bench(0.0, switches)
+    place_mm = failed(bench, method)
+    beyond_mm = FAST**2 / 2000  # 609A is 1000 mm/s2
+    expected_mm = 6.0 + beyond_mm if method == 11 else -5.0 - beyond_mm
+    assert place_mm == pytest.approx(expected_mm, abs=FAST * 0.5e-3)
+    travelled_mm = [p * 1e3 for p in bench.axis.past]
+    assert min(travelled_mm) < -5.0 < 6.0 < max(travelled_mm)
+
+
+def test_both_limits_at_once_are_an_error() -> None:
+    switches = {"negative": Switch(-1e9, 1e9), "positive": Switch(-1e9, 1e9), "home": Switch(5, 9)}
+    assert failed(Bench(0.0, switches), 23) == pytest.approx(0.0, abs=0.01)
+
+
+@pytest.mark.parametrize("method", [1, 2, 3, 17, 30])
+def test_switch_that_is_not_wired_is_an_error_at_once(method: int) -> None:
+    assert failed(Bench(7.0), method) == 7.0
+
+
+def test_blocked_axis_is_an_error() -> None:
+    assert failed(Bench(0.0, {"home": Switch(50.0, 60.0)}, wall_mm=20.0), 19) == pytest.approx(20.0)
+
+
+def test_a_new_start_clears_the_error() -> None:
+    bench = Bench(7.0)
+    failed(bench, 17)
+    bench.write(controlword=0x0F)
+    bench.home(37)
+    assert bench.bits == ATTAINED | REACHED
+
+
+@pytest.mark.parametrize("method", [0, 15, 16, 31, 32, 36, 40, -5])
+def test_unknown_method_by_pdo_is_an_error(method: int) -> None:
+    assert failed(Bench(7.0), method) == 7.0
