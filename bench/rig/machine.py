@@ -33,7 +33,7 @@ from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State
 from kernel.errors import Alarm, UserError
 from kernel.nc.canon import Message
-from kernel.nc.interpreter import Interpreter
+from kernel.nc.decoder import Interpreter
 from kernel.nc.syntax import Program
 
 SIMULATED_LIMIT_NS = 600_000 * MS

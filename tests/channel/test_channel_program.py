@@ -8,7 +8,7 @@ import pytest
 
 from kernel.channel.lookahead import DEPTH, Lookahead
 from kernel.nc import canon
-from kernel.nc.interpreter import Interpreter
+from kernel.nc.decoder import Interpreter
 from kernel.nc.parser import parse_program
 
 Make = Callable[..., Any]

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
-from kernel.nc.interpreter import Interpreter
+from kernel.nc.decoder import Interpreter
 from kernel.nc.parser import parse_program, read_program
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"

@@ -1,0 +1,114 @@
+"""What the topics of the decoder share: the program, the machine, modal state, values, alarms."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeVar
+
+from kernel.errors import Alarm
+from kernel.nc.canon import Block
+from kernel.nc.coordinates import Coordinates
+from kernel.nc.expressions import NoValue, evaluate
+from kernel.nc.syntax import Expression, Program, Words
+
+Part = TypeVar("Part")
+
+
+class MachineView(Protocol):
+    """What the decoder reads from the machine, at the start and after each `Wait`."""
+
+    def position_acs_mm(self, axis: str) -> float:
+        """Give the axis position at which the interpolation stands."""
+        ...
+
+    def measured_acs_mm(self, axis: str) -> float | None:
+        """Give the axis position latched in the last run; None without a valid value."""
+        ...
+
+    def measurement_ok(self, axis: str) -> bool:
+        """Tell whether the signal of the last run came before the target."""
+        ...
+
+    def drive_value(self, axis: str, key: str) -> float:
+        """Give what the last `DriveRead` of this axis and function brought."""
+        ...
+
+
+@dataclass
+class Modal:
+    """What stays from block to block.
+
+    motion: the G function of a block with nothing but axis words. G1 without F is an alarm;
+    starting in rapid would move before anyone said so.
+    """
+
+    motion: str = "G1"
+    absolute: bool = True
+    feed_mm_min: float | None = None
+
+
+class Context:
+    """The state of one decoding, handed to every handler.
+
+    external: values of `V.E.<name>` by name. default_measuring_type: P-CHAN-00057. read: gives the
+    value of a variable (`variables`). ends: set by the block that ends the program.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        machine: MachineView,
+        external: Mapping[str, float],
+        default_measuring_type: int,
+        read: Callable[["Context", Block, str], float],
+    ) -> None:
+        self.program, self.machine = program, machine
+        self.axes: Sequence[str] = program.axes
+        self.external = external
+        self.default_measuring_type = default_measuring_type
+        self.modal = Modal()
+        self.coordinates = Coordinates(program.axes, dict.fromkeys(program.axes, 0.0))
+        self.ends = False
+        self._read = read
+        self._parts: dict[type, object] = {}
+
+    def begin(self) -> None:
+        """Take over where the axes stand, which the machine knows when the program begins."""
+        self.coordinates = Coordinates(
+            self.program.axes,
+            {axis: self.machine.position_acs_mm(axis) for axis in self.program.axes},
+        )
+
+    def part(self, kind: type[Part]) -> Part:
+        """Give the state that one topic keeps; made without arguments when first asked for."""
+        if kind not in self._parts:
+            self._parts[kind] = kind()
+        found = self._parts[kind]
+        assert isinstance(found, kind)
+        return found
+
+    def axis(self, upper: str) -> str:
+        """Give the name of an axis as the rig spells it; upper: checked to be one."""
+        return next(axis for axis in self.axes if axis.upper() == upper)
+
+    def value(self, block: Block, expression: Expression) -> float:
+        """Give the value of an expression; raises Alarm 900105 when it has none."""
+        try:
+            return evaluate(expression, lambda name: self._read(self, block, name))
+        except NoValue as fault:
+            raise self.alarm(900105, block, reason=str(fault)) from None
+
+    def axis_values(self, block: Block, words: Words) -> dict[str, float]:
+        """Give the values of the axis words, in their order."""
+        return {axis: self.value(block, value) for axis, value in words.axes}
+
+    def feed(self, block: Block, word: str) -> float:
+        """Give the feed in mm/min; raises Alarm 20008 without one above 0."""
+        feed_mm_min = self.modal.feed_mm_min
+        if feed_mm_min is None or feed_mm_min <= 0:
+            raise self.alarm(20008, block, word=word)
+        return feed_mm_min
+
+    def alarm(self, alarm_id: int, block: Block, **values: object) -> Alarm:
+        """Make an alarm with file, line and block number as its place."""
+        file = "" if self.program.file is None else f"{self.program.file} "
+        return Alarm(alarm_id, place=f"{file}{block}", **values)

@@ -1,0 +1,156 @@
+"""Measuring runs, their results, and the measurement offset."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+from kernel.nc import canon
+from kernel.nc.canon import Block
+from kernel.nc.commands import is_measuring_type
+from kernel.nc.coordinates import Measured
+from kernel.nc.decoder.context import Context
+from kernel.nc.decoder.topic import Reader, Topic, silent
+from kernel.nc.measuring_types import measuring_types
+from kernel.nc.syntax import MeasuringMode, Words
+
+
+@dataclass
+class Measurements:
+    """What measuring keeps from run to run.
+
+    chosen_type: by #MEAS MODE, None for the default of the channel. results, signalled: by axis.
+    """
+
+    chosen_type: int | None = None
+    results: dict[str, Measured] = field(default_factory=dict)
+    signalled: dict[str, bool] = field(default_factory=dict)
+
+
+def measuring_type(context: Context) -> int:
+    """Give the measuring type in use."""
+    chosen = context.part(Measurements).chosen_type
+    return context.default_measuring_type if chosen is None else chosen
+
+
+def _measure(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
+    """G100, type 1. Source: FCT-C4 sections 3 and 4."""
+    values = context.axis_values(block, words)
+    type_ = measuring_type(context)
+    kind = measuring_types()[type_]
+    if kind.command != "G100":
+        raise context.alarm(20138, block, type=type_)
+    if kind.axes_max is not None and len(values) > kind.axes_max:
+        raise context.alarm(50061, block, programmed=len(values), maximum=kind.axes_max, type=type_)
+    if not kind.acts:
+        raise context.alarm(900102, block, type=type_)
+    feed_mm_min = context.feed(block, "G100")
+    coordinates = context.coordinates
+    target_mm = coordinates.aim(values, absolute=context.modal.absolute)
+    if not target_mm:
+        raise context.alarm(900103, block, axes=" ".join(values))
+    involved = set(target_mm)
+    if coordinates.transformed:
+        involved |= set(coordinates.main_axes)
+    measuring = tuple(axis for axis in context.axes if axis in involved)
+    yield canon.MeasuringRun(block, target_mm, tuple(values), measuring, feed_mm_min, type_)
+    yield canon.Wait(block)
+    _take_results(context, measuring, tuple(values), moved=tuple(target_mm))
+
+
+def _take_results(
+    context: Context, measuring: Sequence[str], programmed: Sequence[str], moved: Sequence[str]
+) -> None:
+    """Keep what the run gave, as seen in the coordinate system in which it took place.
+
+    Axes that are neither measuring nor programmed keep the values of an earlier run.
+    Source: FCT-C4 section 5, notice on several runs.
+    """
+    kept, machine = context.part(Measurements), context.machine
+    context.coordinates.stand_at({axis: machine.position_acs_mm(axis) for axis in moved})
+    latched_mm = {}
+    for axis in dict.fromkeys((*measuring, *programmed)):
+        kept.results.pop(axis, None)
+        kept.signalled[axis] = axis in measuring and machine.measurement_ok(axis)
+        value_mm = machine.measured_acs_mm(axis) if kept.signalled[axis] else None
+        if value_mm is not None:
+            latched_mm[axis] = value_mm
+    kept.results.update(context.coordinates.measured(latched_mm))
+
+
+def _include_offset(context: Context, block: Block, words: Words) -> None:
+    factors = context.axis_values(block, words)
+    _require_offset_type(context, block, "G101")
+    shifts_mm = {
+        axis: factor * _measured(context, block, axis, "G101").offset_mm
+        for axis, factor in factors.items()
+    }
+    for axis, shift_mm in shifts_mm.items():
+        context.coordinates.include_measurement(axis, shift_mm)
+
+
+def _drop_offset(context: Context, block: Block, words: Words) -> None:
+    values = context.axis_values(block, words)
+    _require_offset_type(context, block, "G102")
+    for axis in tuple(values) or context.axes:
+        context.coordinates.include_measurement(axis, 0.0)
+
+
+def _require_offset_type(context: Context, block: Block, g_function: str) -> None:
+    type_ = measuring_type(context)
+    if measuring_types()[type_].command != "G100":
+        raise context.alarm(20772, block, g_function=g_function, type=type_)
+
+
+def _choose_type(context: Context, block: Block, mode: MeasuringMode) -> None:
+    kept = context.part(Measurements)
+    if mode.measuring_type is None:
+        kept.chosen_type = None
+        return
+    value = context.value(block, mode.measuring_type)
+    if not is_measuring_type(value):
+        raise context.alarm(900104, block, value=f"{value:g}")
+    kept.chosen_type = int(value)
+
+
+def _measured(context: Context, block: Block, axis: str, asked_by: str) -> Measured:
+    results = context.part(Measurements).results
+    if axis not in results:
+        raise context.alarm(900101, block, axis=axis, name=asked_by)
+    return results[axis]
+
+
+def _result(stem: str, value_of: Callable[[Measured], float]) -> Reader:
+    def reader(context: Context, block: Block, axis: str) -> float:
+        return value_of(_measured(context, block, context.axis(axis), f"{stem}.{axis}"))
+
+    return reader
+
+
+def _signalled(context: Context, block: Block, axis: str) -> float:
+    return float(context.part(Measurements).signalled.get(context.axis(axis), False))
+
+
+def _included_mm(context: Context, block: Block, axis: str) -> float:
+    return context.coordinates.measurement_offset_mm(context.axis(axis))
+
+
+def _type(context: Context, block: Block, rest: str) -> float:
+    return float(measuring_type(context))
+
+
+TOPIC = Topic(
+    statements={MeasuringMode: silent(_choose_type)},
+    takes_axes={
+        "G100": _measure,
+        "G101": silent(_include_offset),
+        "G102": silent(_drop_offset),
+    },
+    readers={
+        "V.G.MEAS_TYPE": _type,
+        "V.A.MERF": _signalled,
+        "V.A.MEIN": _included_mm,
+        "V.A.MESS": _result("V.A.MESS", lambda measured: measured.mess_mm),
+        "V.A.MEAS.ACS.VALUE": _result("V.A.MEAS.ACS.VALUE", lambda measured: measured.acs_mm),
+        "V.A.MEAS.PCS.VALUE": _result("V.A.MEAS.PCS.VALUE", lambda measured: measured.pcs_mm),
+        "V.A.MOFFS": _result("V.A.MOFFS", lambda measured: measured.offset_mm),
+    },
+)

@@ -1,0 +1,53 @@
+"""Moves of the axes in a common path, and the words that shape them."""
+
+from collections.abc import Iterator
+
+from kernel.nc import canon
+from kernel.nc.canon import Block
+from kernel.nc.decoder.context import Context
+from kernel.nc.decoder.topic import Topic, silent
+from kernel.nc.syntax import Words
+
+
+def _rapid(context: Context, block: Block, words: Words) -> None:
+    context.modal.motion = "G0"
+
+
+def _straight(context: Context, block: Block, words: Words) -> None:
+    context.modal.motion = "G1"
+
+
+def _absolute(context: Context, block: Block, words: Words) -> None:
+    context.modal.absolute = True
+
+
+def _relative(context: Context, block: Block, words: Words) -> None:
+    context.modal.absolute = False
+
+
+def _feed(context: Context, block: Block, words: Words) -> None:
+    assert words.feed is not None
+    context.modal.feed_mm_min = context.value(block, words.feed)
+
+
+def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
+    """Decode axis words that no other function of the block takes."""
+    values = context.axis_values(block, words)
+    if not values:
+        return
+    rapid = context.modal.motion == "G0"
+    feed_mm_min = None if rapid else context.feed(block, "G1")
+    target_mm = context.coordinates.aim(values, absolute=context.modal.absolute)
+    if target_mm:
+        yield canon.LinearMove(block, target_mm, rapid, feed_mm_min)
+
+
+TOPIC = Topic(
+    addresses={"F": silent(_feed)},
+    settings={
+        "G0": silent(_rapid),
+        "G1": silent(_straight),
+        "G90": silent(_absolute),
+        "G91": silent(_relative),
+    },
+)

@@ -1,0 +1,46 @@
+"""What a topic of the decoder brings: the words, commands and variables that it handles."""
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from kernel.nc import canon
+from kernel.nc.canon import Block
+from kernel.nc.decoder.context import Context
+
+# The third argument is the statement: Words for a word, Command for a # command.
+Handler = Callable[[Context, Block, Any], Iterator[canon.Command]]
+# The third argument is what stands behind the stem: the axis name in upper case, or any name.
+Reader = Callable[[Context, Block, str], float]
+
+
+@dataclass(frozen=True)
+class Topic:
+    """The tables of one module; `registry` puts those of all modules together.
+
+    A block of words is worked off in this order: addresses, settings, axis words, endings.
+
+    statements: by class of statement. commands: by name, upper case with single blanks.
+    addresses: by letter (`F`, `T`). settings: G and M functions that act before the axis words.
+    takes_axes: G functions that take the axis words of their block. endings: M functions that act
+    after the axis words. readers: variables by the stem in front of `<axis>` or `<name>` in
+    variables.csv, without the point.
+    """
+
+    statements: Mapping[type, Handler] = field(default_factory=dict)
+    commands: Mapping[str, Handler] = field(default_factory=dict)
+    addresses: Mapping[str, Handler] = field(default_factory=dict)
+    settings: Mapping[str, Handler] = field(default_factory=dict)
+    takes_axes: Mapping[str, Handler] = field(default_factory=dict)
+    endings: Mapping[str, Handler] = field(default_factory=dict)
+    readers: Mapping[str, Reader] = field(default_factory=dict)
+
+
+def silent(act: Callable[[Context, Block, Any], None]) -> Handler:
+    """Make a handler of something that gives the machine nothing to do."""
+
+    def handler(context: Context, block: Block, statement: Any) -> Iterator[canon.Command]:
+        act(context, block, statement)
+        return iter(())
+
+    return handler

@@ -1,0 +1,6 @@
+"""Variables of the decoder itself: own variables of the program and those of the PLC side."""
+
+from kernel.nc.decoder.topic import Topic
+from kernel.nc.decoder.variables import external, own
+
+TOPIC = Topic(readers={"V.E": external.read, "V.P": own.read})
