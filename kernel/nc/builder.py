@@ -82,7 +82,7 @@ class Builder(Transformer[Token, "tuple[int | None, Statement | None]"]):
             raise self._unknown("function", function, _offset(token), _acting("function"))
         if not word.acts:
             raise not_acting(self._source, _offset(token), function, word)
-        return Call(function, operand)
+        return Call(function, (operand,))
 
     def group(self, operand: Expression) -> Expression:
         """An expression in [ ]."""
@@ -149,8 +149,9 @@ class Builder(Transformer[Token, "tuple[int | None, Statement | None]"]):
         self._check_groups(functions)
         g = tuple(word.word for _, word in functions if word.kind == "G")
         self._check_axis_words(functions, bool(axes))
-        ends = any(word.kind == "M" for _, word in functions)
-        return Words(g, tuple(axes.items()), feed, ends)
+        m = tuple(word.word for _, word in functions if word.kind == "M")
+        addresses = () if feed is None else (("F", feed),)
+        return Words(g, m, tuple(axes.items()), addresses)
 
     def _function(self, item: _Item) -> Word:
         """Find a G or M function; a leading zero of its number has no meaning."""

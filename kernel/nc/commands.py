@@ -48,7 +48,9 @@ class CommandText:
         """Give the values of the one bracket the command has; raises UserError otherwise."""
         if len(self.brackets) != 1 or len(self.brackets[0]) > most:
             raise self.wrong(allowed)
-        values = [value for value in self.brackets[0] if not isinstance(value, Text)]
+        values: list[Expression | None] = [
+            value for value in self.brackets[0] if not isinstance(value, Text)
+        ]
         if len(values) != len(self.brackets[0]):
             raise self.wrong(allowed)
         return values

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping
 
-from kernel.nc.syntax import Call, Chain, Expression, Negative, Number, Variable
+from kernel.nc.syntax import Call, Chain, Expression, Negative, Not, Number, Text, Variable
 
 
 class NoValue(Exception):  # noqa: N818
@@ -23,7 +23,7 @@ def _square_root(value: float) -> float:
     return math.sqrt(value)
 
 
-FUNCTIONS: Mapping[str, Callable[[float], float]] = {
+FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "ABS": abs,
     "SQRT": _square_root,
     "SIN": lambda angle_deg: math.sin(math.radians(angle_deg)),
@@ -52,8 +52,12 @@ def _value(expression: Expression, read: Callable[[str], float]) -> float:
             return read(name)
         case Negative(operand):
             return -evaluate(operand, read)
-        case Call(function, operand):
-            return FUNCTIONS[function](evaluate(operand, read))
+        case Not(operand):
+            return float(not evaluate(operand, read))
+        case Text():
+            raise NoValue("a text is no number")
+        case Call(function, operands):
+            return FUNCTIONS[function](*(evaluate(operand, read) for operand in operands))
         case Chain(first, rest):
             value = evaluate(first, read)
             for sign, operand in rest:
@@ -78,10 +82,15 @@ def _operate(sign: str, left: float, right: float) -> float:
 def variables_of(expression: Expression) -> Iterator[str]:
     """Give the names of all variables an expression reads."""
     match expression:
-        case Variable(name):
+        case Variable(name, indices):
             yield name
-        case Negative(operand) | Call(_, operand):
+            for index in indices:
+                yield from variables_of(index)
+        case Negative(operand) | Not(operand):
             yield from variables_of(operand)
+        case Call(_, operands):
+            for operand in operands:
+                yield from variables_of(operand)
         case Chain(first, rest):
             yield from variables_of(first)
             for _, operand in rest:
