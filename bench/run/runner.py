@@ -27,8 +27,8 @@ from bench.run.metrics import observe
 from bench.run.observe import Observed
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
-from kernel.nc.parser import read_program
 from kernel.nc.syntax import MessageOut, Program
+from kernel.nc.text.parser import read_program
 
 Stopwatch = Callable[[], float]
 """Gives seconds of wall time; handed down by the command line, which alone may read a clock."""

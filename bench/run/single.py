@@ -16,7 +16,7 @@ from bench.rig.settings import as_written, read_settings
 from bench.run.outside import Outside, allow, refuse_processes
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from bench.scenarios.oracle import DEFECTS, Judgement, Result, Truth, judge
 from bench.scenarios.scenario import Scenario, make_scenario
 from kernel.clock import S
 from kernel.errors import UserError
-from kernel.nc.parser import read_program
 from kernel.nc.syntax import Program
+from kernel.nc.text.parser import read_program
 
 FOLDER = Path(__file__).parent
 # A start-up in which every SDO answer comes too late asks some 40 times twice 300 ms

@@ -387,26 +387,9 @@ class Format:
     letter: str
 
 
-Control = (
-    If
-    | ElseIf
-    | Else
-    | EndIf
-    | For
-    | EndFor
-    | While
-    | EndWhile
-    | Do
-    | EndDo
-    | Switch
-    | Case
-    | Default
-    | EndSwitch
-    | Break
-    | Continue
-    | Goto
-    | Label
-)
+Branching = If | ElseIf | Else | EndIf | Switch | Case | Default | EndSwitch
+Looping = For | EndFor | While | EndWhile | Do | EndDo | Break | Continue
+Control = Branching | Looping | Goto | Label
 # The next eight go as soon as the decoder takes `Command`
 Special = MeasuringMode | SystemOn | SystemOff | MessageOut | DriveWrite | DriveRead | DriveWait
 Statement = Words | Command | Assign | Declare | SubprogramCall | Control | Special

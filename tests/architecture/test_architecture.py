@@ -143,8 +143,8 @@ def test_rooms_of_the_exporter_import_what_stands_before_them() -> None:
 @pytest.mark.parametrize(
     ("module", "imported", "fits"),
     [
-        ("kernel.nc.parser", "kernel.errors", True),
-        ("kernel.errors", "kernel.nc.parser", False),
+        ("kernel.nc.text.parser", "kernel.errors", True),
+        ("kernel.errors", "kernel.nc.text.parser", False),
         ("kernel.channel.channel", "bench.rig.machine", False),
         ("bench.rig.machine", "bench.cli", False),
         ("bench.cli", "reports.build", True),

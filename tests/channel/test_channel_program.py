@@ -9,7 +9,7 @@ import pytest
 from kernel.channel.lookahead import DEPTH, Lookahead
 from kernel.nc import canon
 from kernel.nc.decoder import Interpreter
-from kernel.nc.parser import parse_program
+from kernel.nc.text.parser import parse_program
 
 Make = Callable[..., Any]
 MS = 1_000_000

@@ -15,7 +15,7 @@ from bench.cli import main
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import read_settings
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
 TRIP_MM, BEAM_MM, FEED_MM_S = 100.0001234, 200e-6, 10.0

@@ -15,7 +15,7 @@ from bench.plan.assignment import parse_assignment
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import as_written, read_settings
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 # The table tells no velocity, so an edge is known to 1/256 of a fine step of 50 us
 PART_NS = pytest.approx(50e3 / 256, abs=1)

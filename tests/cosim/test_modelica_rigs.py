@@ -11,7 +11,7 @@ from bench.rig.machine import Machine
 from bench.rig.plants import build_plant, describe_plants
 from bench.rig.settings import Settings, as_written, read_settings
 from fmus.build import build
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
 LIBRARY = """package Shop

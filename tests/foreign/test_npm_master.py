@@ -19,7 +19,7 @@ from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import read_settings
 from kernel.clock import MS
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 HERE = Path(__file__).parent
 RIG = HERE.parents[1] / "testplans" / "rigs" / "probe-z.toml"

@@ -15,7 +15,7 @@ from bench.plan.assignment import parse_assignment
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import as_written, read_settings
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 SYNC_BITS = 48

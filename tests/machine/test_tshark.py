@@ -22,7 +22,7 @@ from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import as_written, read_settings
 from kernel.clock import MS, Phase
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 TSHARK = shutil.which("tshark")
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -7,7 +7,7 @@ import pytest
 
 from kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
 from kernel.nc.decoder import Interpreter
-from kernel.nc.parser import parse_program, read_program
+from kernel.nc.text.parser import parse_program, read_program
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 XYZ = ("X", "Y", "Z")

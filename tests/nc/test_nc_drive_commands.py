@@ -7,7 +7,7 @@ import pytest
 
 from kernel.errors import Alarm, UserError
 from kernel.nc import canon
-from kernel.nc.parser import parse_program
+from kernel.nc.text.parser import parse_program
 
 AXES = ("X", "Y", "Z")
 

@@ -5,8 +5,8 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from kernel.errors import UserError
-from kernel.nc.parser import parse_program, read_program
-from kernel.nc.words import variables, words
+from kernel.nc.text.parser import parse_program, read_program
+from kernel.nc.text.words import variables, words
 
 XYZ = ("X", "Y", "Z")
 

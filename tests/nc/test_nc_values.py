@@ -5,7 +5,7 @@ import pytest
 from kernel.errors import UserError
 from kernel.nc.canon import EndOfProgram, LinearMove, Message, Wait
 from kernel.nc.decoder import Interpreter
-from kernel.nc.parser import parse_program
+from kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
 

@@ -9,7 +9,7 @@ from bench.rig.check import check_rig, describe_schedules, overloads, segment_sc
 from bench.rig.machine import Machine
 from bench.rig.settings import FORCED, Settings
 from kernel.errors import UserError
-from kernel.nc.parser import read_program
+from kernel.nc.text.parser import read_program
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

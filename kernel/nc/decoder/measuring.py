@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
-from kernel.nc.commands import is_measuring_type
 from kernel.nc.coordinates import Measured
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Reader, Topic, silent
 from kernel.nc.measuring_types import measuring_types
 from kernel.nc.syntax import MeasuringMode, Words
+from kernel.nc.text.commands import is_measuring_type
 
 
 @dataclass

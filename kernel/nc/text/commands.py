@@ -7,7 +7,6 @@ from kernel.errors import UserError
 from kernel.nc import message
 from kernel.nc.coordinates import MAIN_AXES
 from kernel.nc.measuring_types import measuring_types
-from kernel.nc.source import Source
 from kernel.nc.syntax import (
     Expression,
     MeasuringMode,
@@ -18,7 +17,8 @@ from kernel.nc.syntax import (
     SystemOn,
     Text,
 )
-from kernel.nc.words import Word
+from kernel.nc.text.source import Source
+from kernel.nc.text.words import Word
 
 COMPONENTS = 6
 

@@ -15,13 +15,13 @@ from lark import Lark, TextSlice
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
 
 from kernel.errors import UserError, nearest
-from kernel.nc.builder import Builder
 from kernel.nc.canon import Block
-from kernel.nc.commands import command_name, not_acting
-from kernel.nc.options import drive_statement, find_options_command
-from kernel.nc.source import Source
 from kernel.nc.syntax import Expression, Program, ProgramBlock, Statement
-from kernel.nc.words import words
+from kernel.nc.text.builder import Builder
+from kernel.nc.text.commands import command_name, not_acting
+from kernel.nc.text.options import drive_statement, find_options_command
+from kernel.nc.text.source import Source
+from kernel.nc.text.words import words
 
 _OPENING = re.compile(r"(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<sign>[#$/%])")
 _COMMAND = re.compile(r"#[ \t]*[A-Za-z_][A-Za-z0-9_]*(?:[ \t]+[A-Za-z_][A-Za-z0-9_]*)*")

@@ -8,7 +8,6 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from kernel.nc.source import Source
 from kernel.nc.syntax import (
     DriveRead,
     DriveWait,
@@ -17,7 +16,8 @@ from kernel.nc.syntax import (
     Number,
     Statement,
 )
-from kernel.nc.words import words
+from kernel.nc.text.source import Source
+from kernel.nc.text.words import words
 
 _COMMAND = re.compile(
     r"(?:[Nn][ \t]*(?P<number>[0-9]+)[ \t]*)?(?P<name>#[ \t]*[A-Za-z]+(?:[ \t]+[A-Za-z]+)*)[ \t]*"

@@ -13,9 +13,7 @@ from lark import Token, Transformer, v_args
 from lark.tree import Meta
 
 from kernel.errors import UserError, nearest
-from kernel.nc.commands import Argument, CommandText, command_name, command_statement, not_acting
 from kernel.nc.expressions import NoValue, folded
-from kernel.nc.source import Source
 from kernel.nc.syntax import (
     Call,
     Chain,
@@ -27,7 +25,15 @@ from kernel.nc.syntax import (
     Variable,
     Words,
 )
-from kernel.nc.words import Word, variables, words
+from kernel.nc.text.commands import (
+    Argument,
+    CommandText,
+    command_name,
+    command_statement,
+    not_acting,
+)
+from kernel.nc.text.source import Source
+from kernel.nc.text.words import Word, variables, words
 
 # Axis words of a block serve one of these; without any of them the block is a move.
 TAKES_AXES = ("G92", "G100", "G101", "G102")
