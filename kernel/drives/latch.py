@@ -14,6 +14,7 @@ value. Source: docs/touch-probe.md.
 
 from collections import deque
 from itertools import pairwise
+from math import copysign, sqrt
 from typing import Final
 
 from kernel.errors import Alarm
@@ -57,6 +58,7 @@ class LatchWatch:
 
     def _forget(self) -> None:
         self.increments: int | None = None
+        self.speed_increments = 0.0  # per cycle, at the latch
         self._was_stored = False
         self._repeated: int | None = None
         self._cycles = self._unshown_cycles = 0
@@ -158,6 +160,7 @@ class LatchWatch:
         if self.increments is None:
             self._check_travel(value)
             self.increments = value
+            self.speed_increments = _speed_at(value, list(self._travel))
         elif value != self.increments:
             raise Alarm(
                 900064,
@@ -184,3 +187,18 @@ class LatchWatch:
 def _ahead(count: int, before: int) -> int:
     """Return how far a 16 bit counter is ahead of another; beyond half of it: behind."""
     return count - before & _COUNTER_MASK
+
+
+def _speed_at(value: int, places: list[int]) -> float:
+    """Return the travel in one cycle at the speed that an axis had where it passed `value`.
+
+    places: one per cycle, newest last. A parabola through the three places around it gives the
+    speed of any uniformly accelerated motion: x = x1 + b u + c u^2 has the speed
+    sqrt(b^2 + 4 c (x - x1)) at x. An axis that never was there had the speed of its last cycle.
+    """
+    for at in range(len(places) - 2, 0, -1):
+        before, here, behind = places[at - 1 : at + 2]
+        if here != behind and min(here, behind) <= value <= max(here, behind):
+            b, c = (behind - before) / 2.0, (behind - 2 * here + before) / 2.0
+            return copysign(sqrt(max(b * b + 4.0 * c * (value - here), 0.0)), behind - here)
+    return float(places[-1] - places[-2]) if len(places) > 1 else 0.0

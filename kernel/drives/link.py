@@ -282,6 +282,11 @@ class AxisLink:
         return None if increments is None else increments / self._per_mm
 
     @property
+    def latched_speed_mm(self) -> float:
+        """Travel in one cycle at the speed that the axis had at the latch."""
+        return self._latch.speed_increments / self._per_mm
+
+    @property
     def is_prepared(self) -> bool:
         """Whether everything is known that a latch will be checked with."""
         return self._check is None or self._check.is_ready

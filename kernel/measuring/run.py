@@ -1,19 +1,21 @@
-"""One measurement run with the latch in the drive (measuring type 1, P-AXIS-00516 = DRIVE).
+"""One measurement run of any measuring type that ends by a signal.
 
 The run is a small state machine that is evaluated once per NC cycle with this cycle's values:
 
     CLEARING    latch control word 0 until no drive shows an enabled probe or a stored edge; so a
                 latch of an earlier run can never be taken for one of this run
     ARMING      latch control word set until every drive has acknowledged
-    MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go
+    MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go,
+                unless the run goes on to its target (type 3 with G106)
     COLLECTING  the axes stand; every measuring axis must deliver a value that is proved, and
                 confirm it by SDO
     DONE        results are final
 
-It touches the machine through `LatchPort` only, one per measuring axis.
+It touches the machine through `LatchPort` only, one per measuring axis: the latch in a drive
+(P-AXIS-00516 = DRIVE) is one, and so can be everything that tells a signal and a position.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Protocol
@@ -29,7 +31,10 @@ CHECK_CYCLES_MAX = 200
 
 
 class LatchPort(Protocol):
-    """The latch of one measuring axis."""
+    """The latch of one measuring axis.
+
+    latched_speed_mm: travel of the axis in one cycle at the speed that it had at the latch.
+    """
 
     @property
     def name(self) -> str: ...  # noqa: D102
@@ -41,6 +46,8 @@ class LatchPort(Protocol):
     def has_latched(self) -> bool: ...  # noqa: D102
     @property
     def latched_mm(self) -> float | None: ...  # noqa: D102
+    @property
+    def latched_speed_mm(self) -> float: ...  # noqa: D102
     @property
     def is_actuated(self) -> bool | None: ...  # noqa: D102
     @property
@@ -75,10 +82,13 @@ class RunRecord:
 
     axes: the measuring axes. latched_mm: measured position per axis, ACS; empty without signal.
     block: NC block for messages. signal_ns: cycle in which the first stored edge was seen.
+    goes_on: the signal does not end the motion. inputs: probing input in use per axis.
     """
 
     axes: tuple[str, ...]
     block: str = ""
+    goes_on: bool = False
+    inputs: dict[str, int] = field(default_factory=dict)
     begin_ns: TimeNs = 0
     start_ns: TimeNs | None = None
     signal_ns: TimeNs | None = None
@@ -94,7 +104,10 @@ class RunRecord:
 class MeasuringRun:
     """Evaluates one run; `evaluate` is called once per cycle until `state` is DONE.
 
-    ports: one latch per measuring axis. error_no_signal: P-CHAN-00176, alarm when no signal comes.
+    ports: one latch per measuring axis. error_no_signal: alarm when no signal comes. goes_on: the
+    signal does not brake. delay_cycles: per axis how many cycles the probe signals too late
+    (P-AXIS-00487); the measured value is led back by them at the speed of the latch, so that an
+    acceleration a leaves a t^2 / 2. Source: TF5200 axis parameters 117371403.
     Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
     does not acknowledge), 900003 (only some axes signalled), 900004 (no signal),
     900009 (stale latch), 900082 (switched off on the way),
@@ -102,13 +115,23 @@ class MeasuringRun:
     """
 
     def __init__(
-        self, ports: Sequence[LatchPort], block: str, now_ns: TimeNs, error_no_signal: bool
+        self,
+        ports: Sequence[LatchPort],
+        block: str,
+        now_ns: TimeNs,
+        error_no_signal: bool,
+        *,
+        goes_on: bool = False,
+        delay_cycles: Mapping[str, float] | None = None,
     ) -> None:
         self._ports = ports
         self._error_no_signal = error_no_signal
+        self._delay_cycles = delay_cycles or {}
         self._waited = 0
         self.state = RunState.CLEARING
-        self.record = RunRecord(tuple(p.name for p in ports), block, begin_ns=now_ns)
+        self.record = RunRecord(
+            tuple(p.name for p in ports), block, goes_on=goes_on, begin_ns=now_ns
+        )
         self._steps: dict[RunState, Callable[[TimeNs, bool], Order]] = {
             RunState.CLEARING: self._clearing,
             RunState.ARMING: self._arming,
@@ -172,7 +195,8 @@ class MeasuringRun:
         self._check_still_armed()
         if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
             self.record.signal_ns = now_ns
-            return Order.BRAKE
+            if not self.record.goes_on:
+                return Order.BRAKE
         if is_standing:
             self._enter(RunState.COLLECTING)
             return self._collecting(now_ns, is_standing)
@@ -183,7 +207,8 @@ class MeasuringRun:
         for port in self._ports:
             value, is_open = port.latched_mm, port.name not in self.record.latched_mm
             if value is not None and is_open and port.is_confirmed():
-                self.record.latched_mm[port.name] = value
+                late_mm = self._delay_cycles.get(port.name, 0.0) * port.latched_speed_mm
+                self.record.latched_mm[port.name] = value - late_mm
         if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
             self.record.signal_ns = now_ns
         if self.record.has_signal:

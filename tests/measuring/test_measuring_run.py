@@ -25,6 +25,7 @@ class FakeLatch:
     is_armed: bool = False
     has_latched: bool = False
     latched_mm: float | None = None
+    latched_speed_mm: float = 0.0
     is_actuated: bool | None = None
     is_prepared: bool = True
     confirms: bool = True
