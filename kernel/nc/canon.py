@@ -40,6 +40,24 @@ class LinearMove:
 
 
 @dataclass(frozen=True)
+class ArcMove:
+    """An arc of a circle; everything else moves in proportion to its angle.
+
+    target_acs_mm: every axis that takes part. centre_acs_mm: the axes of the circle; the radius
+    vector from it to where they stand is at right angles to the tangent. tangent: unit vector of
+    the motion at the start, by axis, the same axes. angle_rad: above 0, at most a full turn.
+    feed_mm_min: path feed.
+    """
+
+    block: Block
+    target_acs_mm: Mapping[str, float]
+    centre_acs_mm: Mapping[str, float]
+    tangent: Mapping[str, float]
+    angle_rad: float
+    feed_mm_min: float
+
+
+@dataclass(frozen=True)
 class MeasuringRun:
     """A straight move that the probe signal ends (G100).
 
@@ -116,4 +134,4 @@ class EndOfProgram:
 
 
 DriveCommand = DriveWrite | DriveRead | DriveWait
-Command = LinearMove | MeasuringRun | Message | DriveCommand | Wait | EndOfProgram
+Command = LinearMove | ArcMove | MeasuringRun | Message | DriveCommand | Wait | EndOfProgram
