@@ -1,17 +1,16 @@
 """The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import dist
 
 from kernel.channel.settings import AxisSettings, CycleTiming
-from kernel.clock import Clock, TimeNs
+from kernel.channel.settling import Settling
+from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.motion.dynamics import Dynamics, Motion, path_dynamics
 from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from kernel.motion.profile import plan
-
-SETTLED_CYCLES = 10
 
 
 class Path:
@@ -30,8 +29,10 @@ class Path:
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
         self._stop_dynamics: Dynamics | None = None
-        self._settling_since_ns: TimeNs | None = None
-        self._inside_since_ns: TimeNs | None = None
+        self._settling = Settling(clock, timing.period_ns)
+        self._common = list(range(len(self._axes)))  # the axes of the path
+        self._led: set[int] = set()
+        self.follow: Callable[[], None] | None = None
 
     def position_acs_mm(self, axis: str) -> float:
         """Return where the interpolation stands, axis coordinates."""
@@ -47,10 +48,49 @@ class Path:
         self._buffer = SetpointBuffer(self._timing.buffer_cycles, positions_mm)
 
     def advance(self) -> None:
-        """Send the set positions of this cycle through the buffer to the drives."""
-        positions_mm = self._buffer.shift(self.interpolator.advance())
+        """Send the set positions of this cycle through the buffer to the drives.
+
+        follow: called in between, for axes whose set positions come from those of others.
+        """
+        positions_mm = self.interpolator.advance()
+        if self.follow is not None:
+            self.follow()
+            positions_mm = self.interpolator.positions_mm
+        positions_mm = self._buffer.shift(positions_mm)
         for link, position_mm in zip(self._links, positions_mm, strict=True):
             link.send(position_mm)
+
+    # Axes that something else leads
+
+    def lead(self, axis: str, position_mm: float) -> None:
+        """Put an axis that the path does not move; until `release` the path waits not for it."""
+        index = self._index[axis]
+        if index not in self._led:
+            self._led.add(index)
+            self._common.remove(index)
+        self.interpolator.lead(index, position_mm)
+
+    def release(self, axis: str) -> None:
+        """Give an axis back to the path, where it is."""
+        index = self._index[axis]
+        if index in self._led:
+            self._led.remove(index)
+            self._common = sorted((*self._common, index))
+
+    def put(self, axis: str, position_mm: float) -> None:
+        """Let the set position of a standing axis be this one at once, the buffer with it."""
+        index = self._index[axis]
+        self.interpolator.lead(index, position_mm)
+        self._buffer.put(index, position_mm)
+
+    def use(self, settings: AxisSettings) -> None:
+        """Replace the settings of an axis."""
+        index = self._index[settings.name]
+        self._axes = (*self._axes[:index], settings, *self._axes[index + 1 :])
+
+    def has_axis_stopped(self, axis: str) -> bool:
+        """Whether the same set position of one axis is sent again and again, if it is led."""
+        return self._buffer.is_settled_of((self._index[axis],))
 
     # Moving
 
@@ -100,7 +140,7 @@ class Path:
             dynamics.deceleration,
         )
         self._stop_dynamics = dynamics
-        self._settling_since_ns = self._inside_since_ns = None
+        self._settling.restart()
         self.interpolator.start(here, target, profile)
 
     def brake(self) -> None:
@@ -130,43 +170,22 @@ class Path:
 
     @property
     def is_settled(self) -> bool:
-        """Whether what leaves the buffer stands."""
+        """Whether what leaves the buffer stands, but for axes that something else leads."""
+        if self._led:
+            return self._buffer.is_settled_of(self._common)
         return self._buffer.is_settled
 
     @property
     def has_stopped(self) -> bool:
         """Whether the same set position is sent again and again."""
-        return self.interpolator.is_standing and self._buffer.is_settled
+        return self.interpolator.is_standing and self.is_settled
 
     def is_in_position(self) -> bool:
         """Whether the interpolation stands and every axis is in its exact-stop window.
 
-        They stand when they have been there for SETTLED_CYCLES: an axis that friction has wound up
-        runs through its window once. Raises Alarm 70082 when an axis does not get there within its
-        settling time.
+        Axes that something else leads are left out. Raises Alarm 70082.
         """
         if not self.has_stopped:
-            self._settling_since_ns = self._inside_since_ns = None
+            self._settling.restart()
             return False
-        now_ns = self._clock.now_ns
-        if self._settling_since_ns is None:
-            self._settling_since_ns = now_ns
-        for axis, link in zip(self._axes, self._links, strict=True):
-            lag_mm = link.lag_mm
-            if abs(lag_mm) > axis.window_mm:
-                self._check_settling(axis, lag_mm, now_ns - self._settling_since_ns)
-                self._inside_since_ns = None
-                return False
-        if self._inside_since_ns is None:
-            self._inside_since_ns = now_ns
-        return now_ns - self._inside_since_ns >= SETTLED_CYCLES * self._timing.period_ns
-
-    def _check_settling(self, axis: AxisSettings, lag_mm: float, waited_ns: TimeNs) -> None:
-        if 0 < axis.settling_ns < waited_ns:
-            raise Alarm(
-                70082,
-                axis=axis.name,
-                lag_mm=f"{lag_mm:.4f}",
-                window_mm=f"{axis.window_mm:.4f}",
-                ms=waited_ns // 1_000_000,
-            )
+        return self._settling.judge((self._axes[i], self._links[i]) for i in self._common)

@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from kernel.clock import S, TimeNs
 from kernel.motion.profile import Profile, Slope
@@ -39,6 +39,12 @@ class Interpolator:
         if not self.is_standing:
             raise ValueError("a move has not ended")
         self.positions_mm = positions_mm
+
+    def lead(self, index: int, position_mm: float) -> None:
+        """Put one axis, by its place among `axes`, that the present move leaves alone."""
+        self.positions_mm = _put(self.positions_mm, index, position_mm)
+        self._start_mm = _put(self._start_mm, index, position_mm)
+        self._target_mm = _put(self._target_mm, index, position_mm)
 
     def start(
         self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Profile
@@ -87,6 +93,10 @@ class Interpolator:
         self._cycle, self._braking = 0, True
 
 
+def _put(positions: Positions, index: int, position: float) -> Positions:
+    return (*positions[:index], position, *positions[index + 1 :])
+
+
 class SetpointBuffer:
     """Delays set positions by a number of cycles between interpolator and position control.
 
@@ -106,3 +116,13 @@ class SetpointBuffer:
     def is_settled(self) -> bool:
         """Whether everything in the buffer is the same position: its output stands."""
         return all(positions == self._queue[0] for positions in self._queue)
+
+    def is_settled_of(self, indices: Iterable[int]) -> bool:
+        """Whether the output stands for some of the axes."""
+        first = self._queue[0]
+        return all(p[i] == first[i] for i in indices for p in self._queue)
+
+    def put(self, index: int, position_mm: float) -> None:
+        """Replace everything in the buffer for one axis."""
+        for at, positions_mm in enumerate(self._queue):
+            self._queue[at] = _put(positions_mm, index, position_mm)

@@ -165,3 +165,26 @@ def test_published_overtravel_with_buffer() -> None:
     while not (interpolator.is_standing and buffer.is_settled):
         sent = buffer.shift(interpolator.advance())
     assert sent[0] - at_signal_mm == pytest.approx(1.6 + 5.0)
+
+
+def test_an_axis_can_be_led_while_the_others_move() -> None:
+    interpolator = Interpolator(("X", "Y"), MS)
+    free = Interpolator(("X", "Y"), MS)
+    for path in (interpolator, free):
+        path.start({}, {"X": 10.0}, plan(10.0, 100.0, SLOPE, SLOPE))
+    for cycle in range(1, 1000):
+        interpolator.lead(1, cycle * 0.01)
+        assert interpolator.advance() == (free.advance()[0], cycle * 0.01)
+    assert interpolator.is_standing
+    interpolator.lead(1, -3.0)
+    assert interpolator.advance() == (10.0, -3.0)
+
+
+def test_a_buffer_settles_axis_by_axis_and_one_axis_can_be_put() -> None:
+    buffer = SetpointBuffer(2, (0.0, 0.0))
+    buffer.shift((0.0, 1.0))
+    assert buffer.is_settled_of((0,))
+    assert not buffer.is_settled_of((1,))
+    buffer.put(1, 7.0)
+    assert buffer.is_settled
+    assert buffer.shift((0.0, 8.0)) == (0.0, 7.0)
