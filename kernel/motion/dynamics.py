@@ -6,12 +6,13 @@
 
 import csv
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cache
 from importlib import resources
 
+from kernel.motion.path import Arc
 from kernel.motion.profile import Slope
 from kernel.parameters import ParameterSet
 
@@ -105,6 +106,80 @@ def path_dynamics(axes: Sequence[Dynamics], deltas_mm: Sequence[float]) -> Dynam
         _path_slope((axis.stop_deceleration, share) for axis, share in moving),
         min(axis.speed_max_mm_s / share for axis, share in moving),
     )
+
+
+def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf) -> Dynamics:
+    """Return what a path along an arc may do at up to `feed_mm_s`; axes in the arc's order.
+
+    With k = angle / length and the amplitude A = sqrt(a² + b²) of an axis, x = c + a cos ks + b sin
+    ks + g s, its speed is at most v times the largest |dx/ds| of the arc. Its acceleration at the
+    path acceleration u and speed v is at most sqrt((u k A)² + (v² k² A)²) + u |g|, reached
+    somewhere on a full circle. The centripetal part v² k² A may take 1/sqrt(2) of what the axis
+    may do, which limits the speed; what it leaves at that speed or at the feed is for the ramps,
+    solved for u. Of a slope with two steps the smaller one counts: an axis stands in two points of
+    a circle and is fastest in two others.
+    Source: d²/dt² of the parametric form of `Arc`, Cauchy-Schwarz for a sum of sine and cosine.
+    """
+    turn = arc.angle_rad / arc.length_mm
+    moving = [
+        (axis, _steepest(a, b, turn, rise / arc.length_mm, arc.angle_rad), math.hypot(a, b), rise)
+        for axis, a, b, rise in zip(axes, arc.cosines_mm, arc.sines_mm, arc.rise_mm, strict=True)
+        if a or b or rise
+    ]
+    speed_mm_s = min(axis.speed_max_mm_s / steepest for axis, steepest, _, _ in moving if steepest)
+    for axis, _, amplitude_mm, _ in moving:
+        normal = turn * turn * amplitude_mm
+        if normal > 0.0:
+            speed_mm_s = min(speed_mm_s, math.sqrt(_weakest(axis) / math.sqrt(2.0) / normal))
+    peak_mm_s = min(speed_mm_s, feed_mm_s)
+
+    def along(slope_of: Callable[[Dynamics], Slope]) -> Slope:
+        a_mm_s2 = min(
+            _tangential(
+                _least(slope_of(axis)),
+                turn * amplitude_mm,
+                peak_mm_s * peak_mm_s * turn * turn * amplitude_mm,
+                abs(rise) / arc.length_mm,
+            )
+            for axis, _, amplitude_mm, rise in moving
+        )
+        return Slope(a_mm_s2, a_mm_s2, speed_mm_s)
+
+    return Dynamics(
+        along(lambda axis: axis.acceleration),
+        along(lambda axis: axis.deceleration),
+        along(lambda axis: axis.stop_deceleration),
+        speed_mm_s,
+    )
+
+
+def _steepest(a_mm: float, b_mm: float, turn: float, climb: float, angle_rad: float) -> float:
+    """Return the largest |dx/ds| = |turn (b cos t - a sin t) + climb| for t from 0 to the angle."""
+    amplitude, phase = turn * math.hypot(a_mm, b_mm), math.atan2(-a_mm, b_mm)
+    found = [turn * b_mm, turn * (b_mm * math.cos(angle_rad) - a_mm * math.sin(angle_rad))]
+    for sign, extreme in ((1.0, phase), (-1.0, phase + math.pi)):
+        if extreme % math.tau <= angle_rad:
+            found.append(sign * amplitude)
+    return max(abs(share + climb) for share in found)
+
+
+def _least(slope: Slope) -> float:
+    return min(slope.a_low_mm_s2, slope.a_high_mm_s2)
+
+
+def _weakest(axis: Dynamics) -> float:
+    return min(map(_least, (axis.acceleration, axis.deceleration, axis.stop_deceleration)))
+
+
+def _tangential(limit: float, share: float, centripetal: float, climb: float) -> float:
+    """Solve sqrt((u share)² + centripetal²) + u climb = limit for the path acceleration u.
+
+    Squared: (share² - climb²) u² + 2 limit climb u - (limit² - centripetal²) = 0, in the form
+    without cancellation; the limit is larger than the centripetal part.
+    """
+    rest = (limit - centripetal) * (limit + centripetal)
+    root = math.sqrt(share * share * rest + (climb * centripetal) ** 2)
+    return rest / (limit * climb + root)
 
 
 def _path_slope(slopes: Iterable[tuple[Slope, float]]) -> Slope:

@@ -1,17 +1,17 @@
-"""Interpolator: one set position per cycle along a straight path, and the buffer behind it."""
+"""Interpolator: one set position per cycle along a path, and the buffer behind it."""
 
-import math
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
 from kernel.clock import S, TimeNs
+from kernel.motion.path import Line, Path, Positions
 from kernel.motion.profile import Profile, Slope
 
-Positions = tuple[float, ...]
+__all__ = ["Interpolator", "Positions", "SetpointBuffer"]
 
 
 class Interpolator:
-    """Executes one straight move at a time.
+    """Executes one path at a time.
 
     axes: names; every tuple of positions (mm) is in their order. cycle_ns: time between two calls
     of `advance`. Positions are taken from the profile at k times the cycle, never accumulated.
@@ -23,8 +23,7 @@ class Interpolator:
         self.path_travelled_mm = 0.0
         self.speed_mm_s = 0.0
         self._cycle_ns = cycle_ns
-        self._start_mm = self._target_mm = self.positions_mm
-        self._direction = self.positions_mm
+        self._path: Path = Line(self.positions_mm, self.positions_mm)
         self._profile = Profile(0.0, 0.0, ())
         self._cycle = 0
         self._braking = False
@@ -49,25 +48,26 @@ class Interpolator:
     def start(
         self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Profile
     ) -> None:
-        """Begin a move; the next `advance` gives the positions one cycle later.
+        """Begin a straight move, as `follow` does.
 
-        An axis that is missing in `start_mm` or `target_mm` stands where it is. profile: as long
-        as the distance between start and target. Raises ValueError if it is not, or if a move
-        has not ended.
+        An axis that is missing in `start_mm` or `target_mm` stands where it is.
         """
-        if not self.is_standing:
-            raise ValueError("a move has not ended")
         held = dict(zip(self.axes, self.positions_mm, strict=True)) | dict(start_mm)
         start = tuple(held[axis] for axis in self.axes)
         target = tuple(target_mm.get(axis, held[axis]) for axis in self.axes)
-        length_mm = math.dist(start, target)
-        if abs(profile.end_mm - length_mm) > 1e-9 + 1e-12 * length_mm:
-            raise ValueError(f"profile of {profile.end_mm} mm for a path of {length_mm} mm")
-        scale = 1.0 / length_mm if length_mm > 0.0 else 0.0
-        self._direction = tuple((b - a) * scale for a, b in zip(start, target, strict=True))
-        self._start_mm, self._target_mm = start, target
-        self._profile, self._cycle, self._braking = profile, 0, False
-        self.positions_mm, self.path_travelled_mm, self.speed_mm_s = start, 0.0, 0.0
+        self.follow(Line(start, target), profile)
+
+    def follow(self, path: Path, profile: Profile) -> None:
+        """Begin a move on a path; the next `advance` gives the positions one cycle later.
+
+        profile: as long as the path. Raises ValueError if it is not, or if a move has not ended.
+        """
+        if not self.is_standing:
+            raise ValueError("a move has not ended")
+        if abs(profile.end_mm - path.length_mm) > 1e-9 + 1e-12 * path.length_mm:
+            raise ValueError(f"profile of {profile.end_mm} mm for a path of {path.length_mm} mm")
+        self._path, self._profile, self._cycle, self._braking = path, profile, 0, False
+        self.positions_mm, self.path_travelled_mm, self.speed_mm_s = path.start_mm, 0.0, 0.0
 
     def advance(self) -> Positions:
         """Move on by one cycle and return the set positions; standing, return them unchanged."""
@@ -78,11 +78,9 @@ class Interpolator:
         path_mm, self.speed_mm_s = profile.at(self._cycle * self._cycle_ns / S)
         self.path_travelled_mm = path_mm
         if self.is_standing and not self._braking:
-            self.positions_mm = self._target_mm
+            self.positions_mm = self._path.end_mm
         else:
-            self.positions_mm = tuple(
-                [a + c * path_mm for a, c in zip(self._start_mm, self._direction, strict=True)]
-            )
+            self.positions_mm = self._path.at(path_mm)
         return self.positions_mm
 
     def brake(self, deceleration: Slope) -> None:

@@ -1,0 +1,131 @@
+"""Where a path lies: a straight line or an arc, by the distance travelled on it.
+
+Positions are tuples in mm, in the order of the interpolator's axes. A path begins at `at(0)`; its
+end is given as such and not computed, so that it is hit exactly.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+Positions = tuple[float, ...]
+
+
+class Path(Protocol):
+    """What the interpolator executes: a curve of known length."""
+
+    @property
+    def start_mm(self) -> Positions:
+        """Where the path begins."""
+        ...
+
+    @property
+    def end_mm(self) -> Positions:
+        """Where the path ends."""
+        ...
+
+    @property
+    def length_mm(self) -> float:
+        """How long the path is."""
+        ...
+
+    def at(self, travelled_mm: float) -> Positions:
+        """Give the point on the path after `travelled_mm`."""
+        ...
+
+
+class Line:
+    """The straight path between two points."""
+
+    __slots__ = ("_direction", "end_mm", "length_mm", "start_mm")
+
+    def __init__(self, start_mm: Positions, end_mm: Positions) -> None:
+        self.start_mm, self.end_mm = start_mm, end_mm
+        self.length_mm = math.dist(start_mm, end_mm)
+        scale = 1.0 / self.length_mm if self.length_mm > 0.0 else 0.0
+        self._direction = tuple((b - a) * scale for a, b in zip(start_mm, end_mm, strict=True))
+
+    def at(self, travelled_mm: float) -> Positions:
+        """Give the point after `travelled_mm`, also beyond the end."""
+        return tuple(
+            [a + c * travelled_mm for a, c in zip(self.start_mm, self._direction, strict=True)]
+        )
+
+
+@dataclass(frozen=True)
+class Arc:
+    """An arc of a circle; what the circle does not explain moves linearly with the angle.
+
+    centre_mm: per axis; an axis without a part in the circle stands there where it starts.
+    tangent: unit vector of the motion at the start, in the plane of the circle, at right angles to
+    the radius. angle_rad: above 0, more than one turn allowed.
+    The point at the angle t is centre + r cos t + b sin t + h t / angle with the radius vector
+    r = start - centre, b = |r| tangent and h what is missing to the end: the height of a helix, the
+    way of axes that come along, and what rounding left of the end point.
+    Source: parametric form of the helix; TF5200 programming manual 206089483 (axes that come along
+    move linearly and end with the circle).
+    """
+
+    start_mm: Positions
+    end_mm: Positions
+    centre_mm: Positions
+    tangent: Positions
+    angle_rad: float
+
+    def __post_init__(self) -> None:
+        if self.angle_rad <= 0.0 or self.radius_mm <= 0.0:
+            raise ValueError(f"no arc: radius {self.radius_mm} mm, angle {self.angle_rad} rad")
+        if abs(math.hypot(*self.tangent) - 1.0) > 1e-9:
+            raise ValueError(f"the tangent {self.tangent} is no unit vector")
+        skew = sum(a * b for a, b in zip(self.cosines_mm, self.tangent, strict=True))
+        if abs(skew) > 1e-9 * self.radius_mm:
+            raise ValueError(f"tangent {self.tangent} and radius are not at right angles")
+
+    @cached_property
+    def cosines_mm(self) -> Positions:
+        """Factor of the cosine per axis: the radius vector at the start."""
+        return tuple(a - c for a, c in zip(self.start_mm, self.centre_mm, strict=True))
+
+    @cached_property
+    def radius_mm(self) -> float:
+        """Distance of the start from the centre."""
+        return math.hypot(*self.cosines_mm)
+
+    @cached_property
+    def sines_mm(self) -> Positions:
+        """Factor of the sine per axis."""
+        return tuple(self.radius_mm * share for share in self.tangent)
+
+    @cached_property
+    def rise_mm(self) -> Positions:
+        """What each axis moves besides the circle, over the whole arc."""
+        cosine, sine = math.cos(self.angle_rad), math.sin(self.angle_rad)
+        return tuple(
+            end - (centre + a * cosine + b * sine)
+            for end, centre, a, b in zip(
+                self.end_mm, self.centre_mm, self.cosines_mm, self.sines_mm, strict=True
+            )
+        )
+
+    @cached_property
+    def length_mm(self) -> float:
+        """Length of the helix, sqrt((r angle)² + |h|²)."""
+        return math.hypot(self.radius_mm * self.angle_rad, *self.rise_mm)
+
+    @cached_property
+    def _terms(self) -> Sequence[tuple[float, float, float, float]]:
+        rises = (rise / self.length_mm for rise in self.rise_mm)
+        return tuple(zip(self.centre_mm, self.cosines_mm, self.sines_mm, rises, strict=True))
+
+    def at(self, travelled_mm: float) -> Positions:
+        """Give the point after `travelled_mm`."""
+        angle = self.angle_rad * (travelled_mm / self.length_mm)
+        cosine, sine = math.cos(angle), math.sin(angle)
+        return tuple(
+            [
+                centre + a * cosine + b * sine + rise * travelled_mm
+                for centre, a, b, rise in self._terms
+            ]
+        )
