@@ -14,6 +14,7 @@ from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
 from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.path import Path
+from kernel.channel.pauses import Pauses
 from kernel.channel.reactions import Reactions
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.clock import Clock, Phase, TimeNs
@@ -71,6 +72,7 @@ class Channel:
         by_axis = {link.name: link for link in links}
         self.measurement = Measurement(clock, self.path, by_axis, error_no_signal=error_no_signal)
         self.execution = Execution(put_out)
+        self.pauses = Pauses(clock, timing.period_ns, self.path.is_in_position)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
@@ -89,6 +91,8 @@ class Channel:
         known, path = self.execution, self.path
         known.while_busy(self._is_busy)
         known.register(canon.LinearMove, self._move)
+        known.register(canon.ArcMove, self._move_on_arc)
+        self.pauses.assign(known)
         known.register(canon.MeasuringRun, self.measurement.begin, ready=path.is_in_position)
         known.register(canon.DriveWrite, self._write_function)
         known.register(canon.DriveRead, self._ask_drive)
@@ -240,6 +244,15 @@ class Channel:
 
     def _move(self, command: canon.LinearMove) -> None:
         self.path.move(command.target_acs_mm, None if command.rapid else command.feed_mm_min)
+
+    def _move_on_arc(self, command: canon.ArcMove) -> None:
+        self.path.move_on_arc(
+            command.target_acs_mm,
+            command.centre_acs_mm,
+            command.tangent,
+            command.angle_rad,
+            command.feed_mm_min,
+        )
 
     def _is_busy(self) -> bool:
         return self.measurement.is_active or self.path.is_moving or self.functions.is_waiting

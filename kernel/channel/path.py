@@ -8,7 +8,8 @@ from kernel.channel.settling import Settling
 from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
-from kernel.motion.dynamics import Dynamics, Motion, path_dynamics
+from kernel.motion.curves import Arc, Curve, Line
+from kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
 from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from kernel.motion.profile import plan
 
@@ -103,6 +104,30 @@ class Path:
         feed_mm_s = dynamics.speed_max_mm_s if feed_mm_min is None else feed_mm_min / 60.0
         self.begin(target_acs_mm, feed_mm_s, dynamics)
 
+    def move_on_arc(
+        self,
+        target_acs_mm: Mapping[str, float],
+        centre_acs_mm: Mapping[str, float],
+        tangent: Mapping[str, float],
+        angle_rad: float,
+        feed_mm_min: float,
+    ) -> None:
+        """Begin an arc from where the axes stand; the arguments are those of `canon.ArcMove`."""
+        here = self.interpolator.positions_mm
+        names = [axis.name for axis in self._axes]
+        arc = Arc(
+            start_mm=here,
+            end_mm=tuple(target_acs_mm.get(n, at) for n, at in zip(names, here, strict=True)),
+            centre_mm=tuple(centre_acs_mm.get(n, at) for n, at in zip(names, here, strict=True)),
+            tangent=tuple(tangent.get(name, 0.0) for name in names),
+            angle_rad=angle_rad,
+        )
+        feed_mm_s = feed_mm_min / 60.0
+        axes = [axis.dynamics[Motion.FEED] for axis in self._axes]
+        for corner_mm in arc.box_mm():
+            self._require_reach(corner_mm)
+        self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, feed_mm_s))
+
     def dynamics(self, target_acs_mm: Mapping[str, float], motion: Motion) -> Dynamics | None:
         """Return the dynamics of the straight path to the target, None when nothing moves."""
         deltas = [
@@ -129,19 +154,24 @@ class Path:
         target = {**here, **target_acs_mm}
         if is_measuring:
             target = self._behind_target(here, target)
-        for link in self._links:
-            if not link.can_reach(target[link.name]):
-                raise Alarm(900012, axis=link.name, target_mm=f"{target[link.name]:.9g}")
-        length_mm = dist(tuple(here.values()), tuple(target.values()))
+        self._require_reach(tuple(target.values()))
+        self._follow(Line(tuple(here.values()), tuple(target.values())), feed_mm_s, dynamics)
+
+    def _require_reach(self, positions_mm: Positions) -> None:
+        for link, position_mm in zip(self._links, positions_mm, strict=True):
+            if not link.can_reach(position_mm):
+                raise Alarm(900012, axis=link.name, target_mm=f"{position_mm:.9g}")
+
+    def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
         profile = plan(
-            length_mm,
+            curve.length_mm,
             min(feed_mm_s, dynamics.speed_max_mm_s),
             dynamics.acceleration,
             dynamics.deceleration,
         )
         self._stop_dynamics = dynamics
         self._settling.restart()
-        self.interpolator.start(here, target, profile)
+        self.interpolator.follow(curve, profile)
 
     def brake(self) -> None:
         """Delete the distance to go: stop on the path with what the kind of motion allows."""

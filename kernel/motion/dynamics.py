@@ -12,7 +12,7 @@ from enum import StrEnum
 from functools import cache
 from importlib import resources
 
-from kernel.motion.path import Arc
+from kernel.motion.curves import Arc, swing
 from kernel.motion.profile import Slope
 from kernel.parameters import ParameterSet
 
@@ -155,12 +155,8 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
 
 def _steepest(a_mm: float, b_mm: float, turn: float, climb: float, angle_rad: float) -> float:
     """Return the largest |dx/ds| = |turn (b cos t - a sin t) + climb| for t from 0 to the angle."""
-    amplitude, phase = turn * math.hypot(a_mm, b_mm), math.atan2(-a_mm, b_mm)
-    found = [turn * b_mm, turn * (b_mm * math.cos(angle_rad) - a_mm * math.sin(angle_rad))]
-    for sign, extreme in ((1.0, phase), (-1.0, phase + math.pi)):
-        if extreme % math.tau <= angle_rad:
-            found.append(sign * amplitude)
-    return max(abs(share + climb) for share in found)
+    low, high = swing(b_mm, -a_mm, angle_rad)
+    return max(abs(turn * low + climb), abs(turn * high + climb))
 
 
 def _least(slope: Slope) -> float:

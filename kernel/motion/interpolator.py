@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
 from kernel.clock import S, TimeNs
-from kernel.motion.path import Line, Path, Positions
+from kernel.motion.curves import Curve, Line, Positions, put
 from kernel.motion.profile import Profile, Slope
 
 __all__ = ["Interpolator", "Positions", "SetpointBuffer"]
@@ -23,7 +23,7 @@ class Interpolator:
         self.path_travelled_mm = 0.0
         self.speed_mm_s = 0.0
         self._cycle_ns = cycle_ns
-        self._path: Path = Line(self.positions_mm, self.positions_mm)
+        self._path: Curve = Line(self.positions_mm, self.positions_mm)
         self._profile = Profile(0.0, 0.0, ())
         self._cycle = 0
         self._braking = False
@@ -41,9 +41,8 @@ class Interpolator:
 
     def lead(self, index: int, position_mm: float) -> None:
         """Put one axis, by its place among `axes`, that the present move leaves alone."""
-        self.positions_mm = _put(self.positions_mm, index, position_mm)
-        self._start_mm = _put(self._start_mm, index, position_mm)
-        self._target_mm = _put(self._target_mm, index, position_mm)
+        self.positions_mm = put(self.positions_mm, index, position_mm)
+        self._path = self._path.with_axis(index, position_mm)
 
     def start(
         self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Profile
@@ -57,7 +56,7 @@ class Interpolator:
         target = tuple(target_mm.get(axis, held[axis]) for axis in self.axes)
         self.follow(Line(start, target), profile)
 
-    def follow(self, path: Path, profile: Profile) -> None:
+    def follow(self, path: Curve, profile: Profile) -> None:
         """Begin a move on a path; the next `advance` gives the positions one cycle later.
 
         profile: as long as the path. Raises ValueError if it is not, or if a move has not ended.
@@ -91,10 +90,6 @@ class Interpolator:
         self._cycle, self._braking = 0, True
 
 
-def _put(positions: Positions, index: int, position: float) -> Positions:
-    return (*positions[:index], position, *positions[index + 1 :])
-
-
 class SetpointBuffer:
     """Delays set positions by a number of cycles between interpolator and position control.
 
@@ -123,4 +118,4 @@ class SetpointBuffer:
     def put(self, index: int, position_mm: float) -> None:
         """Replace everything in the buffer for one axis."""
         for at, positions_mm in enumerate(self._queue):
-            self._queue[at] = _put(positions_mm, index, position_mm)
+            self._queue[at] = put(positions_mm, index, position_mm)

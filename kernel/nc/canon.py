@@ -58,6 +58,38 @@ class ArcMove:
 
 
 @dataclass(frozen=True)
+class Dwell:
+    """Nothing moves for a time (G4, #TIME), counted from where the path before has ended."""
+
+    block: Block
+    duration_ns: int
+
+
+@dataclass(frozen=True)
+class ExactStop:
+    """Nothing goes on before every axis is in its exact-stop window (G60, G360)."""
+
+    block: Block
+
+
+@dataclass(frozen=True)
+class ProgramStop:
+    """Nothing goes on before the operator starts again: M0, or M1 (optional)."""
+
+    block: Block
+    optional: bool
+
+
+@dataclass(frozen=True)
+class TechnologyFunction:
+    """An M, H, S or T function is told to the PLC side; letter and number as programmed."""
+
+    block: Block
+    letter: str
+    number: int
+
+
+@dataclass(frozen=True)
 class MeasuringRun:
     """A straight move that the probe signal ends (G100).
 
@@ -134,4 +166,15 @@ class EndOfProgram:
 
 
 DriveCommand = DriveWrite | DriveRead | DriveWait
-Command = LinearMove | ArcMove | MeasuringRun | Message | DriveCommand | Wait | EndOfProgram
+Pause = Dwell | ExactStop | ProgramStop
+Command = (
+    LinearMove
+    | ArcMove
+    | MeasuringRun
+    | Message
+    | DriveCommand
+    | Pause
+    | TechnologyFunction
+    | Wait
+    | EndOfProgram
+)

@@ -6,14 +6,14 @@ end is given as such and not computed, so that it is hit exactly.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
 Positions = tuple[float, ...]
 
 
-class Path(Protocol):
+class Curve(Protocol):
     """What the interpolator executes: a curve of known length."""
 
     @property
@@ -35,6 +35,15 @@ class Path(Protocol):
         """Give the point on the path after `travelled_mm`."""
         ...
 
+    def with_axis(self, index: int, position_mm: float) -> "Curve":
+        """Give the same path with an axis that it does not move at another place."""
+        ...
+
+
+def put(positions: Positions, index: int, position_mm: float) -> Positions:
+    """Replace the position of one axis."""
+    return (*positions[:index], position_mm, *positions[index + 1 :])
+
 
 class Line:
     """The straight path between two points."""
@@ -52,6 +61,14 @@ class Line:
         return tuple(
             [a + c * travelled_mm for a, c in zip(self.start_mm, self._direction, strict=True)]
         )
+
+    def with_axis(self, index: int, position_mm: float) -> "Line":
+        """Give the same line with an axis that it does not move at another place."""
+        moved = Line.__new__(Line)
+        moved.start_mm = put(self.start_mm, index, position_mm)
+        moved.end_mm = put(self.end_mm, index, position_mm)
+        moved.length_mm, moved._direction = self.length_mm, self._direction
+        return moved
 
 
 @dataclass(frozen=True)
@@ -129,3 +146,36 @@ class Arc:
                 for centre, a, b, rise in self._terms
             ]
         )
+
+    def with_axis(self, index: int, position_mm: float) -> "Arc":
+        """Give the same arc with an axis that it does not move at another place."""
+        places = (self.start_mm, self.end_mm, self.centre_mm)
+        start_mm, end_mm, centre_mm = (put(place, index, position_mm) for place in places)
+        return replace(self, start_mm=start_mm, end_mm=end_mm, centre_mm=centre_mm)
+
+    def box_mm(self) -> tuple[Positions, Positions]:
+        """Give positions per axis that no point of the path is below and above of."""
+        spans = [
+            (centre + low + min(rise, 0.0), centre + high + max(rise, 0.0))
+            for (centre, rise), (low, high) in zip(
+                zip(self.centre_mm, self.rise_mm, strict=True),
+                [
+                    swing(a, b, self.angle_rad)
+                    for a, b in zip(self.cosines_mm, self.sines_mm, strict=True)
+                ],
+                strict=True,
+            )
+        ]
+        return tuple(low for low, _ in spans), tuple(high for _, high in spans)
+
+
+def swing(cosine: float, sine: float, angle_rad: float) -> tuple[float, float]:
+    """Return the smallest and the largest cosine * cos t + sine * sin t for t from 0 to the angle.
+
+    It is A cos(t - p) with A = hypot and p = atan2(sine, cosine): extreme at t = p and p + pi.
+    """
+    amplitude, phase = math.hypot(cosine, sine), math.atan2(sine, cosine)
+    ends = (cosine, cosine * math.cos(angle_rad) + sine * math.sin(angle_rad))
+    high = amplitude if phase % math.tau <= angle_rad else max(ends)
+    low = -amplitude if (phase + math.pi) % math.tau <= angle_rad else min(ends)
+    return low, high

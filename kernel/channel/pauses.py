@@ -1,0 +1,61 @@
+"""Where a program waits without moving: dwell time, programmed stop; and what the PLC is told."""
+
+from collections.abc import Callable
+
+from kernel.channel.execution import Execution
+from kernel.clock import Clock, TimeNs
+from kernel.errors import Alarm
+from kernel.nc import canon
+
+
+class Pauses:
+    """Carries out dwell times, stops and technology functions.
+
+    start_after_ns: how long after a programmed stop the operator starts again; None when nobody
+    does. optional_stop: whether M1 stops. is_in_position: exact stop of all axes.
+    told: every function that the PLC side was told, with its instant; it acknowledges at once.
+    stops: every programmed stop with the instants of the stop and of the new start.
+    """
+
+    def __init__(self, clock: Clock, period_ns: TimeNs, is_in_position: Callable[[], bool]) -> None:
+        self._clock, self._period_ns = clock, period_ns
+        self._is_in_position = is_in_position
+        self._until_ns: TimeNs = 0
+        self.start_after_ns: TimeNs | None = None
+        self.optional_stop = False
+        self.told: list[tuple[TimeNs, canon.TechnologyFunction]] = []
+        self.stops: list[tuple[TimeNs, TimeNs, canon.ProgramStop]] = []
+
+    def assign(self, execution: Execution) -> None:
+        """Say which commands are carried out here."""
+        execution.while_busy(lambda: self._clock.now_ns < self._until_ns)
+        execution.register(canon.Dwell, self._dwell)
+        execution.register(canon.ExactStop, _go_on, ready=self._is_in_position)
+        execution.register(canon.ProgramStop, self._stop, ready=self._is_in_position)
+        execution.register(canon.TechnologyFunction, self._tell)
+
+    def _dwell(self, command: canon.Dwell) -> None:
+        """Wait whole cycles, no less than the time: n = ceil(duration / cycle).
+
+        The next block begins n cycles after the one in which the dwell time has begun.
+        """
+        cycles = -(-command.duration_ns // self._period_ns)
+        self._until_ns = self._clock.now_ns + cycles * self._period_ns
+
+    def _stop(self, command: canon.ProgramStop) -> None:
+        """Wait for the operator's start; raises Alarm 900170 when nobody will start."""
+        if command.optional and not self.optional_stop:
+            return
+        if self.start_after_ns is None:
+            raise Alarm(900170, word="M1" if command.optional else "M0")
+        now_ns = self._clock.now_ns
+        cycles = -(-self.start_after_ns // self._period_ns)
+        self._until_ns = now_ns + cycles * self._period_ns
+        self.stops.append((now_ns, self._until_ns, command))
+
+    def _tell(self, command: canon.TechnologyFunction) -> None:
+        self.told.append((self._clock.now_ns, command))
+
+
+def _go_on(_command: canon.ExactStop) -> None:
+    """Nothing to do: the axes are there."""
