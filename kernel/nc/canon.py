@@ -12,13 +12,14 @@ from dataclasses import dataclass, field
 class Block:
     """Where a command comes from.
 
-    line: first line of the block, from 1. number: the N number, None without one.
+    line, column: where the block begins, from 1. number: the N number, None without one.
     text: the block as written, on one line.
     """
 
     line: int
     number: int | None
     text: str
+    column: int = field(default=1, compare=False)
 
     def __str__(self) -> str:
         number = "" if self.number is None else f", block N{self.number}"

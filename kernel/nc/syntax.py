@@ -188,11 +188,13 @@ class Declare:
     """A variable of #VAR ... #ENDVAR: `V.P.NAME[2][3] = [1,2,3,4,5,6]`.
 
     target: the name with `[]` per dimension; its indices are the sizes. values: the first values
-    in the order of the indices, last index fastest; empty for none.
+    in the order of the indices, last index fastest; empty for none. kind: the type behind the
+    colon (`UNS32`, `STRING`), REAL64 where none is written.
     """
 
     target: Variable
     values: tuple[Expression, ...] = ()
+    kind: str = "REAL64"
 
 
 @dataclass(frozen=True)
@@ -254,6 +256,18 @@ class Do:
 @dataclass(frozen=True)
 class EndDo:
     """$ENDDO: the loop goes on as long as the condition holds."""
+
+    condition: Expression
+
+
+@dataclass(frozen=True)
+class Repeat:
+    """$REPEAT."""
+
+
+@dataclass(frozen=True)
+class Until:
+    """$UNTIL: the loop ends as soon as the condition holds."""
 
     condition: Expression
 

@@ -88,7 +88,8 @@ def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[s
             continue
         _check_opening(source, begin, end)
         number, statement = _build(source, builder, axes, begin, end)
-        block = Block(source.place(begin)[0], number, source.block_text(begin, end))
+        line, column = source.place(begin)
+        block = Block(line, number, source.block_text(begin, end), column)
         blocks.append(ProgramBlock(block, statement))
     return Program(
         name=name,
