@@ -38,6 +38,7 @@ def _assert_braked(values: list[float], v_mm_s: float) -> None:
 # 50059
 
 
+@pytest.mark.provokes(50059, 4, axis="Z")
 def test_50059_comes_before_anything_moves(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Y"), words.axis("Z", start_mm=130.0, may_measure=False))
     bench.run([words.probe(2, 600.0, Y=10.0, Z=60.0), words.wait(2), words.end()])
@@ -57,6 +58,7 @@ def test_an_axis_that_stands_still_needs_no_release(channel_bench: Make, words: 
     assert bench.alarm_ids == []
 
 
+@pytest.mark.provokes(50052, 4, axis="Z")
 def test_50052_when_the_probe_is_deflected_before_the_run(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=140.0)
     bench.run([words.probe(3, 600.0, Z=110.0), words.wait(3), words.end()])
@@ -71,6 +73,7 @@ def test_900103_for_a_run_without_path(channel_bench: Make, words: Any) -> None:
     assert bench.alarm_ids == [900103]
 
 
+@pytest.mark.provokes(900003, 4, axis="Y", others="Z")
 def test_900003_when_the_probe_is_not_led_to_one_of_the_axes(
     channel_bench: Make, words: Any
 ) -> None:
@@ -86,6 +89,7 @@ def test_900003_when_the_probe_is_not_led_to_one_of_the_axes(
         assert last[6:8] == b"\x00\x00"
 
 
+@pytest.mark.provokes(900001, 4, axis="Z")
 def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0, missing_cycles=100_000)
     bench.segment.add_fault(FrameFault(0x281))
@@ -97,6 +101,7 @@ def test_900001_when_the_position_never_comes(channel_bench: Make, words: Any) -
 # Exact stop
 
 
+@pytest.mark.provokes(70082, 5, axis="Z", window_mm="0.0100", ms=51)
 def test_70082_when_an_axis_stays_outside_its_window(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(
         words.axis("Z", kv=400.0, droop_mm=0.05, window_mm=0.01, settling_ns=50 * MS)
@@ -142,6 +147,7 @@ def _fault_in_motion(channel_bench: Make, words: Any) -> Any:
     return bench
 
 
+@pytest.mark.provokes(900005, 7, axis="Z")
 def test_900005_tells_statusword_and_emergency(channel_bench: Make, words: Any) -> None:
     (alarm,) = _fault_in_motion(channel_bench, words).channel.alarms
     assert alarm.id == 900005
@@ -190,6 +196,7 @@ def test_an_alarm_of_a_standing_axis_brakes_the_moving_one(channel_bench: Make, 
 
 
 @pytest.mark.parametrize("moving", [True, False])
+@pytest.mark.provokes(900006, 7, axis="Z", pdo="TPDO1", cycles=4)
 def test_900006_ends_the_program(channel_bench: Make, words: Any, moving: bool) -> None:
     bench = channel_bench(words.axis("Z"))
     bench.prepare([words.move(1, 3000.0, Z=60.0), words.end()])
@@ -212,6 +219,7 @@ def test_an_alarm_names_the_block_under_execution(channel_bench: Make, words: An
     assert "(line 2, block N20)" in str(bench.channel.alarms[0])
 
 
+@pytest.mark.provokes(900008, 4, axis="Z", state="SWITCH_ON_DISABLED")
 def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     bench.segment.add_fault(FrameFault(0x202))  # no controlword reaches Z
@@ -222,6 +230,7 @@ def test_900008_when_a_drive_never_gets_ready(channel_bench: Make, words: Any) -
     assert set(bench.set_mm("Z")) == {0.0}
 
 
+@pytest.mark.provokes(900012, 2, axis="Z", target_mm=20480)
 def test_900012_for_a_target_beyond_32_bits(channel_bench: Make, words: Any) -> None:
     """2^31 increments of 10 mm / 2^20 are 20480 mm."""
     bench = channel_bench(words.axis("Z"))
@@ -303,3 +312,24 @@ def test_an_alarm_of_the_interpreter_ends_the_program_standing(
     bench.run(commands())
     assert bench.alarm_ids == [20008]
     assert bench.final_mm("Z") == 5.0
+
+
+# From outside
+
+
+@pytest.mark.provokes(900070, 4)
+@pytest.mark.provokes(900071, 7, segment="can1", reason="adapter is gone")
+@pytest.mark.parametrize(
+    ("alarm_id", "values"),
+    [(900070, {}), (900071, {"segment": "can1", "reason": "adapter is gone"})],
+)
+def test_operator_and_lost_interface_brake_between_two_cycles(
+    channel_bench: Make, words: Any, alarm_id: int, values: dict[str, str]
+) -> None:
+    bench = channel_bench(words.axis("Z"))
+    bench.prepare([words.move(1, 3000.0, Z=60.0), words.end()])
+    _moving(bench, "Z", 12.0)
+    bench.channel.stop(Alarm(alarm_id, **values))
+    bench.finish()
+    assert bench.alarm_ids == [alarm_id]
+    _assert_braked(bench.set_mm("Z"), 50.0)

@@ -153,6 +153,7 @@ def _late(bench: Any) -> Any:
     return hook
 
 
+@pytest.mark.provokes(900032, 4, axis="Z", key="MODE")
 def test_900032_when_the_drive_refuses(channel_bench: Make, words: Any) -> None:
     """6060 = 77 is no mode of any drive."""
     mode = replace(TORQUE, key="MODE", index=0x6060, data_type="SGN08", factor=1.0)
@@ -182,6 +183,9 @@ def test_900032_when_the_drive_is_silent_and_the_program_does_not_hang(
     ("key", "value", "alarm_id"),
     [("POWER", 1, 900110), ("TORQUE_LIMIT", 2.5, 900111), ("TORQUE_LIMIT", 6554, 900112)],
 )
+@pytest.mark.provokes(900110, 2, axis="Z", key="POWER")
+@pytest.mark.provokes(900111, 2, value=2.5)
+@pytest.mark.provokes(900112, 2, value=65540, data_type="UNS16")
 def test_what_cannot_be_written_ends_the_program(
     channel_bench: Make, words: Any, key: str, value: float, alarm_id: int
 ) -> None:

@@ -91,6 +91,7 @@ def test_900006_for_each_cyclic_telegram_after_the_cycles_of_the_rig(
     assert alarm.values == {"axis": "Z", "pdo": pdo, "cycles": missing_cycles + 1}
 
 
+@pytest.mark.provokes(900024, 7, axis="Z", node=2)
 def test_900024_when_the_drive_restarts_and_it_is_not_enabled_again(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(0, bytes((129, Z)))
@@ -99,6 +100,7 @@ def test_900024_when_the_drive_restarts_and_it_is_not_enabled_again(trouble: Any
     assert case.controlwords_behind_the_alarm == {0}
 
 
+@pytest.mark.provokes(900025, 7, axis="Z")
 def test_900025_for_an_emergency_without_a_fault(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, struct.pack("<HB5x", 0x4310, 0x09))
@@ -116,6 +118,7 @@ def test_an_unknown_emergency_stops_too(trouble: Any) -> None:
     assert "does not know" in str(alarm)
 
 
+@pytest.mark.provokes(900035, 1, axis="Z")
 def test_900035_warns_and_the_program_goes_on(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, struct.pack("<HB5x", 0x8120, 0x11))
@@ -131,6 +134,7 @@ def test_an_emergency_that_says_error_reset_is_no_alarm(trouble: Any) -> None:
     assert case.bench.alarm_ids == []
 
 
+@pytest.mark.provokes(900081, 7, axis="Z", pdo="TPDO1", cycles=4)
 def test_900081_for_a_statusword_of_no_state(trouble: Any) -> None:
     case = trouble()
     case.change(TPDO1, _alter(0, "<H", 0x0001))
@@ -138,6 +142,7 @@ def test_900081_for_a_statusword_of_no_state(trouble: Any) -> None:
     assert (alarm.id, alarm.values["pdo"]) == (900081, "TPDO1")
 
 
+@pytest.mark.provokes(900027, 7, axis="Z", state="READY_TO_SWITCH_ON")
 def test_900027_when_somebody_takes_the_drive_out_of_operation(trouble: Any) -> None:
     case = trouble()
     case.change(RPDO1, _alter(0, "<H", 0x0006))
@@ -146,6 +151,7 @@ def test_900027_when_somebody_takes_the_drive_out_of_operation(trouble: Any) -> 
     assert alarm.values["state"] == "READY_TO_SWITCH_ON"
 
 
+@pytest.mark.provokes(900028, 7, axis="Z", pdo="TPDO1", length=6, expected=8)
 def test_900028_for_a_telegram_that_does_not_fit(trouble: Any) -> None:
     case = trouble()
     case.change(TPDO1, lambda frame: Alter(frame.data[:6]), count=1)
@@ -154,6 +160,7 @@ def test_900028_for_a_telegram_that_does_not_fit(trouble: Any) -> None:
     assert alarm.values == {"axis": "Z", "pdo": "TPDO1", "length": 6, "expected": 8}
 
 
+@pytest.mark.provokes(900029, 7, axis="Z")
 def test_900029_for_a_position_that_jumps(trouble: Any) -> None:
     """v_max 500 mm/s: 0.5 mm per cycle, twice that is credible."""
     case = trouble()
@@ -172,6 +179,7 @@ def test_900005_when_set_positions_do_not_reach_the_drive(trouble: Any) -> None:
     assert "0x8250, RPDO has timed out" in str(alarm)
 
 
+@pytest.mark.provokes(900036, 7, axis="Z", limit_mm=2)
 def test_900036_when_the_lag_is_beyond_the_limit_of_the_rig(trouble: Any) -> None:
     """Running at 40 mm/s with kv 40 1/s the axis is 1 mm behind; the drive stands, so it grows."""
     case = trouble(lag_limit_mm=2.0)
@@ -181,6 +189,7 @@ def test_900036_when_the_lag_is_beyond_the_limit_of_the_rig(trouble: Any) -> Non
     assert 2.0 < abs(float(alarm.values["lag_mm"])) < 2.1
 
 
+@pytest.mark.provokes(900030, 7)
 def test_900030_when_the_kernels_controller_goes_bus_off(trouble: Any) -> None:
     """32 errors of its own telegrams: 32 * 8 > 255."""
     case = trouble()
@@ -192,6 +201,7 @@ def test_900030_when_the_kernels_controller_goes_bus_off(trouble: Any) -> None:
     assert case.only_alarm(6).id == 900030
 
 
+@pytest.mark.provokes(900031, 7)
 def test_900031_when_the_bus_takes_no_sync(trouble: Any) -> None:
     case = trouble()
     for _ in range(40):  # 5 ms of a node that sends without pause
@@ -251,6 +261,7 @@ def _heartbeat(**options: Any) -> dict[str, Any]:
     return {"start_up": StartUpSettings(heartbeat_ms=10), "watches": (watch, watch), **options}
 
 
+@pytest.mark.provokes(900023, 7, axis="Z", node=2, what="heartbeat", ms=20)
 def test_900023_when_the_heartbeat_stops(trouble: Any) -> None:
     case = trouble(**_heartbeat())
     case.change(HEARTBEAT, lambda _frame: Drop())
@@ -265,6 +276,7 @@ def test_a_regular_heartbeat_is_no_alarm(trouble: Any) -> None:
     assert case.bench.alarm_ids == []
 
 
+@pytest.mark.provokes(900034, 7, axis="Z", state="pre-operational")
 def test_900034_when_a_drive_is_made_pre_operational(trouble: Any) -> None:
     case = trouble(**_heartbeat(missing_cycles=100))
     case.other.send_message(0, bytes((128, Z)))

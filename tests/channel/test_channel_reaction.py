@@ -103,6 +103,7 @@ def test_without_signal_the_run_ends_at_the_target(channel_bench: Make, words: A
     assert not bench.channel.measurement_ok("Z")
 
 
+@pytest.mark.provokes(900004, 4, axis="Z")
 def test_without_signal_and_with_p_chan_00176_it_is_an_alarm(
     channel_bench: Make, words: Any
 ) -> None:

@@ -75,6 +75,9 @@ def test_a_value_beyond_a_limit_is_moved_to_it_without_a_message(tmp_path: Path)
         ("min_limit 300;max_limit 2", 70385, {"low": "300", "high": "2"}),
     ],
 )
+@pytest.mark.provokes(70383, 1, high=7000, corrected=6553.5)
+@pytest.mark.provokes(70384, 1, low=-1, corrected=0)
+@pytest.mark.provokes(70385, 1, low=300, high=2)
 def test_limits_that_cannot_be_are_corrected_with_a_warning(
     tmp_path: Path, lines: str, alarm_id: int, values: dict[str, str]
 ) -> None:

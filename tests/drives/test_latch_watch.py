@@ -108,10 +108,12 @@ def test_a_late_telegram_at_rest_is_no_cleared_counter() -> None:
     assert latch.increments is None
 
 
+@pytest.mark.provokes(900060, 4, axis="Z", count=2)
 def test_two_latches_where_one_was_armed() -> None:
     assert alarm_of(armed(7), (3, 1001, 9)) == 900060
 
 
+@pytest.mark.provokes(900063, 4, axis="Z", cycles=5)
 def test_a_latch_that_the_status_never_shows() -> None:
     assert alarm_of(armed(7), *[(1, 1001, 8)] * 9) == 900063
 
@@ -152,6 +154,7 @@ def test_the_position_of_the_run_before_needs_more_of_them() -> None:
 # Contradictions
 
 
+@pytest.mark.provokes(900061, 4, axis="Z")
 def test_a_position_where_the_axis_was_not() -> None:
     """0.1 mm and the longest way of a cycle are allowed beyond the travel."""
     for value in (1000 + 101, 1000 - 101):
@@ -162,10 +165,12 @@ def test_a_position_where_the_axis_was_not() -> None:
         assert latch.increments == value
 
 
+@pytest.mark.provokes(900062, 4, axis="Z", status="0x0001")
 def test_a_latch_that_goes_again() -> None:
     assert alarm_of(armed(7), (3, 1001, 8), (1, 1001, 8)) == 900062
 
 
+@pytest.mark.provokes(900064, 4, axis="Z", first_mm="1.001000", then_mm="1.002000")
 def test_a_latch_that_changes() -> None:
     assert alarm_of(armed(7), (3, 1001, 8), (3, 1002, 8)) == 900064
 

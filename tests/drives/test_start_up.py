@@ -145,6 +145,7 @@ def test_what_was_declared_stands_in_the_drive(link_bench: Make) -> None:
     assert (bench.remote.sdo[0x6065].raw, bench.remote.sdo[0x6066].raw) == (5000, 9)
 
 
+@pytest.mark.provokes(900020, 4, node=3, ms=800, attempts=4)
 def test_900020_when_the_node_does_not_boot(link_bench: Make) -> None:
     bench = link_bench(silent=True)
     alarm = _result(bench, StartUpSettings(boot_timeout_ns=200 * MS, boot_attempts=4))
@@ -175,6 +176,7 @@ def test_900011_when_the_drive_refuses_a_value(link_bench: Make) -> None:
     assert str(alarm.values["answer"]).startswith("abort 0x0609003")
 
 
+@pytest.mark.provokes(900011, 4, axis="Z", node=3)
 def test_900011_names_object_and_value_of_a_mapping(link_bench: Make) -> None:
     """A drive whose EDS has more than it has: 60D5, 16 bits, as the second object of TPDO2."""
     bench = link_bench(profile=DriveProfile(lacks="60D5", input_delay_ns=0))
@@ -201,6 +203,7 @@ def test_900021_when_another_device_answers(link_bench: Make) -> None:
     assert "0x1018:2" in str(alarm.values["step"])
 
 
+@pytest.mark.provokes(900021, 4, found="0x20192", expected="0x191")
 def test_900021_when_the_node_is_no_drive(link_bench: Make) -> None:
     bench = link_bench()
     alarm = _result(bench, StartUpSettings(device_type=401))
@@ -215,6 +218,7 @@ def test_900021_when_the_node_is_no_drive(link_bench: Make) -> None:
         (Scaling(1 << 20, Fraction(10_000)), "1048576 increments and 10000 position units"),
     ],
 )
+@pytest.mark.provokes(900022, 4, axis="Z", node=3)
 def test_900022_tells_both_scalings(link_bench: Make, scaling: Scaling, expected: str) -> None:
     alarm = _result(link_bench(), scaling=scaling)
     assert alarm is not None

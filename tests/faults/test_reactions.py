@@ -44,6 +44,7 @@ def test_the_reaction_is_the_documented_one(row: dict[str, str]) -> None:
         ("second_sender=Z.TPDO1", 900080), ("reset=Z command=pre_operational", 900006),
     ],
 )  # fmt: skip
+@pytest.mark.provokes(900080, 7, axis="Z", pdo="TPDO1", cycles=4)
 def test_the_axis_is_stopped_within_the_configured_cycles(fault: str, alarm_id: int) -> None:
     """The cycle after `missing_cycles` bad ones brakes: its number counts from the first bad one.
 

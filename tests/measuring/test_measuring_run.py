@@ -130,6 +130,15 @@ def test_a_finished_run_asks_for_nothing_more() -> None:
     assert latch.orders == orders
 
 
+@pytest.mark.provokes(900082, 4, axis="Z")
+def test_900082_when_the_probe_is_switched_off_during_the_run() -> None:
+    latch = FakeLatch()
+    stage = Stage(latch).move()
+    stage.cycles(3)
+    latch.is_armed = False
+    assert _alarm(stage, 1)[0].id == 900082
+
+
 # Probe already actuated
 
 
@@ -165,6 +174,7 @@ def test_a_drive_that_does_not_tell_the_level_gives_no_50052() -> None:
 # Handshake
 
 
+@pytest.mark.provokes(900009, 4, axis="Z")
 def test_900009_when_the_drive_never_clears_its_latch() -> None:
     latch = FakeLatch(is_clear=False)
     alarm, number = _alarm(Stage(latch), HANDSHAKE_CYCLES_MAX + 5)
@@ -173,6 +183,7 @@ def test_900009_when_the_drive_never_clears_its_latch() -> None:
     assert "arm" not in latch.orders
 
 
+@pytest.mark.provokes(900002, 4, axis="Z")
 def test_900002_when_the_drive_never_acknowledges() -> None:
     willing, silent = FakeLatch("X"), FakeLatch("Z")
     stage = Stage(willing, silent)
@@ -354,6 +365,7 @@ def test_an_edge_that_comes_with_its_value_while_standing_has_an_instant() -> No
     assert stage.run.record.signal_ns == 7 * MS
 
 
+@pytest.mark.provokes(900083, 4, axis="Z", cycles=200)
 def test_a_latch_that_sdo_does_not_confirm_is_no_measurement() -> None:
     latch = FakeLatch(confirms=False)
     stage = Stage(latch).move()

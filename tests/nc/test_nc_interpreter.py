@@ -297,6 +297,17 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
         ("N7 #CS OFF", 900108),
     ],
 )
+@pytest.mark.provokes(20008, 2)
+@pytest.mark.provokes(20138, 2)
+@pytest.mark.provokes(20772, 2)
+@pytest.mark.provokes(50061, 4)
+@pytest.mark.provokes(900101, 2)
+@pytest.mark.provokes(900102, 2)
+@pytest.mark.provokes(900103, 2)
+@pytest.mark.provokes(900104, 2, value=0)
+@pytest.mark.provokes(900105, 2)
+@pytest.mark.provokes(900107, 2, format="%d")
+@pytest.mark.provokes(900108, 2)
 def test_alarms_name_file_line_and_block(run, text, alarm_id):
     with pytest.raises(Alarm) as caught:
         run(text)

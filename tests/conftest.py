@@ -1,0 +1,116 @@
+"""Tests say which alarms they provoke; class, values and reaction are checked here for all.
+
+    @pytest.mark.provokes(50059, 4, axis="Z")
+
+says: in this test alarm 50059 comes up, it is of class 4, its value `axis` is Z. Further values
+are optional, every value has to be there. Where the alarm reaches a channel, the channel must end
+the program for a class above 1, and go on for class 1. Several marks may stand over one test: all
+of them come up; over one that is parametrized by `alarm_id`, the one of each row. The end of a
+test run lists the IDs that something raises (`raised` of `kernel/errors.csv`) and no test provokes.
+"""
+
+import re
+from collections.abc import Generator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kernel.channel.reactions import Reactions
+from kernel.errors import Alarm, catalogue
+
+_MARK = re.compile(r"mark\.provokes\(\s*(\d+)")
+
+
+@dataclass
+class _Seen:
+    """What came up during a test; ended: what a channel has decided."""
+
+    alarms: list[Alarm] = field(default_factory=list)
+    ended: list[tuple[Alarm, bool]] = field(default_factory=list)
+
+
+def not_yet_provoked() -> list[int]:
+    """The IDs that something raises and that no test says it provokes."""
+    files = Path(__file__).parent.rglob("test_*.py")
+    provoked = {int(i) for path in files for i in _MARK.findall(path.read_text(encoding="utf-8"))}
+    return [i for i, entry in catalogue().items() if entry.is_raised and i not in provoked]
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.addinivalue_line(
+        "markers", "provokes(alarm_id, reaction_class, **values): the alarm comes up in this test"
+    )
+
+
+@pytest.fixture(scope="session")
+def unprovoked() -> list[int]:
+    return not_yet_provoked()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    ids = " ".join(map(str, not_yet_provoked()))
+    terminalreporter.write_line(f"alarm IDs not yet provoked: {ids or 'none'}")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item: pytest.Item) -> Generator[None, object, object]:
+    marks = list(item.iter_markers("provokes"))
+    if not marks:
+        return (yield)
+    with pytest.MonkeyPatch.context() as patch:
+        seen = _watch(patch)
+        result = yield
+    rows = getattr(item, "callspec", None)
+    if rows is not None and "alarm_id" in rows.params:
+        marks = _of_row(item, marks, rows.params["alarm_id"])
+    for mark in marks:
+        _check(seen, *mark.args, **mark.kwargs)
+    return result
+
+
+def _watch(patch: pytest.MonkeyPatch) -> _Seen:
+    seen = _Seen()
+    make, come_up = Alarm.__init__, Reactions.come_up
+
+    def made(alarm: Alarm, *args: Any, **values: Any) -> None:
+        make(alarm, *args, **values)
+        seen.alarms.append(alarm)
+
+    def came_up(reactions: Reactions, alarm: Alarm) -> bool:
+        ends = come_up(reactions, alarm)
+        seen.ended.append((alarm, ends))
+        return ends
+
+    patch.setattr(Alarm, "__init__", made)
+    patch.setattr(Reactions, "come_up", came_up)
+    return seen
+
+
+def _of_row(item: pytest.Item, marks: list[pytest.Mark], alarm_id: int) -> list[pytest.Mark]:
+    """The mark of this row of a parametrized test; every mark must have a row."""
+    rows = set()
+    for table in item.iter_markers("parametrize"):
+        names = table.args[0]
+        names = names.replace(",", " ").split() if isinstance(names, str) else list(names)
+        if "alarm_id" in names:
+            values = [getattr(row, "values", row) for row in table.args[1]]
+            place = names.index("alarm_id")
+            rows |= {row[place] if isinstance(row, list | tuple) else row for row in values}
+    assert {mark.args[0] for mark in marks} <= rows, "a mark without a row"
+    return [mark for mark in marks if mark.args[0] == alarm_id]
+
+
+def _check(seen: _Seen, alarm_id: int, reaction_class: int, **values: object) -> None:
+    mine = [alarm for alarm in seen.alarms if alarm.id == alarm_id]
+    assert mine, f"{alarm_id} has not come up, but {[alarm.id for alarm in seen.alarms]}"
+    assert mine[0].entry.reaction_class == reaction_class
+    for alarm in mine:
+        assert [n for n, value in alarm.values.items() if value is None or value == ""] == []
+        assert str(alarm).startswith(f"ID {alarm_id} class {reaction_class}: ")
+    expected = {name: str(value) for name, value in values.items()}
+    found = [{n: str(alarm.values.get(n)) for n in expected} for alarm in mine]
+    assert expected in found
+    assert {ends for alarm, ends in seen.ended if alarm.id == alarm_id} <= {reaction_class > 1}
