@@ -145,6 +145,7 @@ def test_programmed_stop_lasts_until_the_operator_starts(channel_bench: Any, wor
     assert bench.alarm_ids == []
 
 
+@pytest.mark.provokes(900170, 2, word="M0")
 def test_programmed_stop_without_an_operator_ends_the_program(
     channel_bench: Any, words: Any
 ) -> None:
