@@ -1,0 +1,28 @@
+"""Coordinate systems of a channel: shifts, tools, planes, circles; all in mm, degrees and ACS.
+
+`Coordinates` leads a programmed position through every shift to the axes and a latched one back.
+Nothing here reads NC text; docs/coordinates.md has the order of all shifts as one picture.
+"""
+
+from kernel.nc.coordinates.circle import CircleError, CircleWords
+from kernel.nc.coordinates.frames import MAIN_AXES, Frame
+from kernel.nc.coordinates.shifts import Shifts
+from kernel.nc.coordinates.stack import Arc, Coordinates, Measured
+from kernel.nc.coordinates.tables import OffsetTables
+from kernel.nc.coordinates.tools import Tool, Tools
+from kernel.nc.coordinates.zero_offsets import ZeroOffsets
+
+__all__ = [
+    "MAIN_AXES",
+    "Arc",
+    "CircleError",
+    "CircleWords",
+    "Coordinates",
+    "Frame",
+    "Measured",
+    "OffsetTables",
+    "Shifts",
+    "Tool",
+    "Tools",
+    "ZeroOffsets",
+]

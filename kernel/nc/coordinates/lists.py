@@ -1,0 +1,148 @@
+"""Zero offset and tool lists in the format of the manuals: one name and one value per line.
+
+What may stand there is `lists.csv`: number, list, path (`[i]`, `[j]` for indices), type, unit, min
+and max (blank = the range of the type), default, acts: yes; `ignored` = read and without effect;
+or the only value that may stand there.
+"""
+
+import csv
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from pathlib import Path
+
+from kernel.errors import UserError, nearest
+from kernel.parameters import INTEGER_RANGES, Origin, Value, convert
+
+INCH_MM = 25.4
+UNITS_PER_MM = 10_000
+UNITS_PER_INCH = 10_000
+
+ZERO_OFFSETS, TOOLS = "zero offsets", "tools"
+# Highest index of each bracket, by list: 97 groups, 201 tools, 32 axes, 70 parameters
+LAST_INDEX: Mapping[str, tuple[int, ...]] = {ZERO_OFFSETS: (96, 31), TOOLS: (200, 69)}
+
+_INDEX = re.compile(r"\s*\[\s*([0-9]{1,4})\s*\]")
+_COMMENT = re.compile(r"[#;].*|\([^()]*\)\s*$")
+_LINE = re.compile(r"\s*(?P<name>.*?\S)\s+(?P<value>\S+)\s*$")
+_PLACE = re.compile(r"\[[ij]\]")
+
+
+@dataclass(frozen=True)
+class Form:
+    """One row of `lists.csv`."""
+
+    number: str
+    path: str
+    type: str
+    unit: str
+    low: float | None
+    high: float | None
+    acts: str
+    meaning: str
+    source: str
+
+    @property
+    def allowed(self) -> str:
+        """Say what may be written."""
+        if self.acts not in ("yes", "ignored"):
+            return self.acts
+        limits = [f"{limit:g}" for limit in (self.low, self.high) if limit is not None]
+        return f"{' .. '.join(limits) or 'any number'} {self.unit}".rstrip()
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One value of a list. path: with `[i]`, `[j]`; indices: their values."""
+
+    path: str
+    indices: tuple[int, ...]
+    value: Value
+
+
+@cache
+def forms(name: str) -> Mapping[str, Form]:
+    """Give what may stand in a list, by path."""
+    text = resources.files(__package__).joinpath("lists.csv").read_text(encoding="utf-8")
+    rows = csv.DictReader(text.splitlines())
+    return {row["path"]: _form(row) for row in rows if row["list"] == name}
+
+
+def _form(row: Mapping[str, str]) -> Form:
+    low, high = INTEGER_RANGES.get(row["type"], (None, None))
+    return Form(
+        number=row["number"],
+        path=row["path"],
+        type=row["type"],
+        unit=row["unit"],
+        low=float(row["min"]) if row["min"] else low,
+        high=float(row["max"]) if row["max"] else high,
+        acts=row["acts"],
+        meaning=row["meaning"],
+        source=row["source"],
+    )
+
+
+def read_entry(name: str, path: str, text: str, origin: Origin) -> Entry:
+    """Read one value of the list `name`, written as path and value.
+
+    Raises UserError for a path that the list does not have, a value of another type or out of its
+    range, and one that would have to act and does not.
+    """
+    known = forms(name)
+    indices = tuple(int(index) for index in _INDEX.findall(path))
+    places = iter(("[i]", "[j]", "[k]", "[l]"))
+    key = _INDEX.sub(lambda _: next(places, "[]"), path)
+    form = known.get(key)
+    if form is None:
+        close = nearest(key, known) or list(known)[:3]
+        message = f"unknown name in a list of {name}"
+        raise origin.error(message, value=path, hint=f"nearest names: {', '.join(close)}")
+    for index, last in zip(indices, LAST_INDEX[name], strict=False):
+        if index > last:
+            raise origin.error("index too large", value=path, allowed=f"0 .. {last}")
+    try:
+        value = convert(text, form.type)
+    except ValueError as error:
+        message = f"{form.path} ({form.number}) takes a value of type {form.type}"
+        raise origin.error(message, value=text, allowed=form.allowed) from error
+    number = float(value)
+    out = (form.low is not None and number < form.low) or (
+        form.high is not None and number > form.high
+    )
+    if out:
+        message = f"value of {form.path} ({form.number}) is outside its range"
+        raise origin.error(message, value=text, allowed=form.allowed)
+    if form.acts not in ("yes", "ignored") and number != float(form.acts):
+        message = f"{form.path} ({form.number}) = {text} is known to the manuals, does not act yet"
+        raise origin.error(message, allowed=form.acts, hint="remove the line")
+    return Entry(key, indices, value)
+
+
+def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:
+    """Read a list file with the places of its values; a name stands once.
+
+    `#` and `;` begin a comment, brackets at the end of a line are one. Raises UserError.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
+    except OSError as error:
+        message = f"the list of {name} cannot be read"
+        raise UserError(message, file=path, hint=error.strerror) from error
+    lines: dict[tuple[str, tuple[int, ...]], int] = {}
+    for number, line in enumerate(text.splitlines(), start=1):
+        bare = _COMMENT.sub("", line)
+        if not bare.strip():
+            continue
+        match = _LINE.match(bare)
+        origin = Origin(str(path), number, len(bare) - len(bare.lstrip()) + 1)
+        if match is None:
+            raise origin.error("no value behind the name", value=bare.strip())
+        entry = read_entry(name, match["name"], match["value"], origin)
+        key = (entry.path, entry.indices)
+        if key in lines:
+            raise origin.error(f"it stands in line {lines[key]} already", value=match["name"])
+        lines[key] = number
+        yield entry, origin
