@@ -185,6 +185,8 @@ class Machine:
         if self._hardware is None:
             channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
+        channel.pauses.start_after_ns = self.settings.operator.start_after_ns
+        channel.pauses.optional_stop = self.settings.operator.optional_stop
         for warning in warnings:
             channel.warn(warning)
         return channel

@@ -5,7 +5,7 @@ a wrong value is told with the place where it was written.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from pydantic import ValidationError
@@ -14,6 +14,7 @@ from bench.drive.profiles import value_of
 from bench.plan.assignment import Assignment
 from bench.rig.faults import Fault, needs_heartbeats, read_faults
 from bench.rig.file import DriveTable, RigFile, SegmentTable, rig_error
+from kernel.clock import MS, TimeNs
 from kernel.errors import UserError, nearest
 from kernel.parameters import ParameterSet, read_list
 
@@ -39,12 +40,25 @@ def as_written(error: UserError, assignment: Assignment) -> UserError:
     )
 
 
+@dataclass(frozen=True)
+class Operator:
+    """Who starts a program again that M0 has stopped.
+
+    start_after_ns: how long after the stop; None when nobody does. optional_stop: whether M1
+    stops as well.
+    """
+
+    start_after_ns: TimeNs | None = None
+    optional_stop: bool = False
+
+
 @dataclass
 class Settings:
     """A rig with the assignments of one run applied.
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
-    external: V.E variables by the name behind the prefix. faults: what goes wrong.
+    external: V.E variables by the name behind the prefix. operator: how stops go on.
+    faults: what goes wrong.
     has_kernel: false where only the drives of the rig run, for the master of somebody else.
     written: the rig as its files have it. assigned: what was applied to it, in its order.
     """
@@ -57,6 +71,7 @@ class Settings:
     segment: dict[str, SegmentTable]
     start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
     external: dict[str, float] = field(default_factory=dict)
+    operator: Operator = Operator()
     faults: list[Fault] = field(default_factory=list)
     has_kernel: bool = True
     assigned: Sequence[Assigned] = ()
@@ -132,11 +147,21 @@ class Settings:
             ) from error
 
     def _plc(self, item: Assignment, _located: Located) -> None:
+        if item.name == "start_ms":
+            if not 0.0 <= item.si() <= 1e9:
+                raise UserError("no time", value=item.value, allowed="0 .. 1e9 ms")
+            self.operator = replace(self.operator, start_after_ns=round(item.si() * MS))
+            return
+        if item.name == "optional_stop":
+            if item.value not in ("0", "1"):
+                raise UserError("optional_stop is on or off", value=item.value, allowed="0, 1")
+            self.operator = replace(self.operator, optional_stop=item.value == "1")
+            return
         if not item.name.startswith("V.E."):
             raise UserError(
-                "only external variables come from the PLC side so far",
+                "the PLC side has no such key",
                 value=item.name,
-                allowed="V.E.<NAME>",
+                allowed="V.E.<NAME>, start_ms, optional_stop",
             )
         if item.name == "V.E.":
             raise UserError("the external variable has no name", value=item.name)

@@ -91,6 +91,7 @@ class Channel:
         known, path = self.execution, self.path
         known.while_busy(self._is_busy)
         known.register(canon.LinearMove, self._move)
+        known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, self.measurement.begin, ready=path.is_in_position)
@@ -286,5 +287,5 @@ class Channel:
             self._come_up(alarm)
 
     def warn(self, alarm: Alarm) -> None:
-        """Note an alarm of class 1 that stood before the program began."""
+        """Note an alarm of class 1: the program goes on."""
         self.reactions.register(alarm)

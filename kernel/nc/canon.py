@@ -7,6 +7,8 @@ channel moves axes, runs measurements and puts out messages without reading a wo
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from kernel.errors import Alarm
+
 
 @dataclass(frozen=True)
 class Block:
@@ -153,6 +155,14 @@ class DriveWait:
 
 
 @dataclass(frozen=True)
+class Warn:
+    """An alarm of class 1: it is told when the machining has got here, and the program goes on."""
+
+    block: Block
+    alarm: Alarm
+
+
+@dataclass(frozen=True)
 class Wait:
     """The interpreter goes on only after everything before this has been executed."""
 
@@ -176,6 +186,7 @@ Command = (
     | DriveCommand
     | Pause
     | TechnologyFunction
+    | Warn
     | Wait
     | EndOfProgram
 )

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
-from kernel.nc.decoder import motion, registry
+from kernel.nc.decoder import motion, registry, technology
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.variables import external as external_variables
-from kernel.nc.syntax import Program, ProgramBlock, Words
+from kernel.nc.syntax import Command, Program, ProgramBlock, Words
 
 
 class Interpreter:
@@ -52,6 +52,8 @@ class Interpreter:
         statement = part.statement
         if isinstance(statement, Words):
             yield from _decode_words(self._context, part.block, statement)
+        elif isinstance(statement, Command):
+            yield from registry.COMMANDS[statement.name](self._context, part.block, statement)
         elif statement is not None:
             handler = registry.STATEMENTS[type(statement)]
             yield from handler(self._context, part.block, statement)
@@ -60,10 +62,11 @@ class Interpreter:
 def _decode_words(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     if words.feed is not None:
         yield from registry.ADDRESSES["F"](context, block, words)
-    functions = (*words.g, *(("M30",) if words.ends_program else ()))
+    functions = (*words.g, *words.m)
     for function in functions:
         if function in registry.SETTINGS:
             yield from registry.SETTINGS[function](context, block, words)
+    yield from technology.announce(context, block, words)
     taking = next((g for g in functions if g in registry.TAKES_AXES), None)
     takes = motion.move if taking is None else registry.TAKES_AXES[taking]
     yield from takes(context, block, words)

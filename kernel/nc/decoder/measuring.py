@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import Measured
+from kernel.nc.decoder import pauses
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Reader, Topic, silent
 from kernel.nc.measuring_types import measuring_types
@@ -33,6 +34,7 @@ def measuring_type(context: Context) -> int:
 
 def _measure(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """G100, type 1. Source: FCT-C4 sections 3 and 4."""
+    pauses.require_no_contouring(context, block, words)
     values = context.axis_values(block, words)
     type_ = measuring_type(context)
     kind = measuring_types()[type_]

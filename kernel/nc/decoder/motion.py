@@ -1,9 +1,10 @@
 """Moves of the axes in a common path, and the words that shape them."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.decoder import pauses
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic, silent
 from kernel.nc.syntax import Words
@@ -33,8 +34,12 @@ def _feed(context: Context, block: Block, words: Words) -> None:
 def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Decode axis words that no other function of the block takes."""
     values = context.axis_values(block, words)
-    if not values:
-        return
+    if values:
+        yield from _go(context, block, values)
+    yield from pauses.block_end(context, block, words)
+
+
+def _go(context: Context, block: Block, values: Mapping[str, float]) -> Iterator[canon.Command]:
     rapid = context.modal.motion == "G0"
     feed_mm_min = None if rapid else context.feed(block, "G1")
     target_mm = context.coordinates.aim(values, absolute=context.modal.absolute)

@@ -3,7 +3,17 @@
 from collections.abc import Iterable, Mapping
 from typing import TypeVar
 
-from kernel.nc.decoder import axes, drives, flow, measuring, messages, motion, offsets, systems
+from kernel.nc.decoder import (
+    axes,
+    drives,
+    flow,
+    measuring,
+    messages,
+    motion,
+    offsets,
+    pauses,
+    systems,
+)
 from kernel.nc.decoder import variables as variables_
 from kernel.nc.decoder.topic import Handler, Reader
 
@@ -12,7 +22,18 @@ Value = TypeVar("Value")
 
 TOPICS = tuple(
     module.TOPIC
-    for module in (motion, measuring, systems, offsets, axes, drives, messages, flow, variables_)
+    for module in (
+        motion,
+        pauses,
+        measuring,
+        systems,
+        offsets,
+        axes,
+        drives,
+        messages,
+        flow,
+        variables_,
+    )
 )
 
 
