@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from enum import Enum, auto
 from typing import Any
 
+from kernel.channel.axes import SingleAxes
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
@@ -73,7 +74,9 @@ class Channel:
         self.measurement = Measurement(clock, self.path, by_axis, error_no_signal=error_no_signal)
         self.execution = Execution(put_out)
         self.pauses = Pauses(clock, timing.period_ns, self.path.is_in_position)
+        self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
+        self.reactions.stops.append(self.single.stop)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
@@ -98,6 +101,7 @@ class Channel:
         known.register(canon.DriveWrite, self._write_function)
         known.register(canon.DriveRead, self._ask_drive)
         known.register(canon.DriveWait, self._ask_drive)
+        self.single.assign(known)
         known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
         known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
 
@@ -179,6 +183,8 @@ class Channel:
             self._monitor.take()  # 1 what the bus delivered
             if self.state is ChannelState.RUNNING:
                 self.measurement.step()  # 2 signals, with the positions of this cycle
+                if self.single.is_active:
+                    self.single.step()
                 self._monitor.check_drives()  # 4 drives (3, distance control, has its own issue)
                 self.functions.check()
             elif self.state is ChannelState.POWERING:
@@ -187,10 +193,12 @@ class Channel:
                 self.execution.step()  # 5 refill the queue, begin what comes next
         except Alarm as alarm:
             self._come_up(alarm)
+        if self.single.is_active:
+            self.single.advance()
         self.path.advance()  # 5, 6 next set positions through the buffer
         for observer in self.observers:  # 7
             observer(self)
-        if was_stopping and self.path.has_stopped:
+        if was_stopping and self.path.has_stopped and not self.single.is_moving:
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
@@ -269,7 +277,9 @@ class Channel:
         """Nothing to do: the interpreter may decode on."""
 
     def _may_end(self) -> bool:
-        return self.path.is_in_position() and not self.functions.is_busy
+        return (
+            not self.single.is_moving and self.path.is_in_position() and not self.functions.is_busy
+        )
 
     def _end(self, _command: canon.EndOfProgram) -> None:
         self.state = ChannelState.ENDED

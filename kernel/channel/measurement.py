@@ -10,6 +10,8 @@ from kernel.measuring.run import MeasuringRun, Order, RunRecord, RunState
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.nc import canon
 
+ONE_AXIS = 2  # measuring type
+
 
 class Measurement:
     """Runs one measurement on the path at a time.
@@ -49,6 +51,21 @@ class Measurement:
         self._run, self._order = run, (command, dynamics)
         self.records.append(run.record)
 
+    def begin_beside(self, command: canon.IndependentMove) -> MeasuringRun:
+        """Make the run of an independent axis, which evaluates it and gives it back to `keep`.
+
+        Type 2 always wants a signal (FCT-C4 section 3). Raises Alarm 50052.
+        """
+        wants_signal = self._error_no_signal or command.measuring_type == ONE_AXIS
+        link, place = self._links[command.axis], str(command.block)
+        run = MeasuringRun([link], place, self._clock.now_ns, wants_signal)
+        self.records.append(run.record)
+        return run
+
+    def keep(self, record: RunRecord) -> None:
+        """Keep what a run brought."""
+        self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
+
     def step(self) -> None:
         """Evaluate the run with this cycle's values and lead the path by what it orders."""
         if self._run is None:
@@ -62,8 +79,7 @@ class Measurement:
         elif order is Order.BRAKE:
             self._path.brake()
         if self._run.state is RunState.DONE:
-            record = self._run.record
-            self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
+            self.keep(self._run.record)
             self._run = self._order = None
 
     def abort(self) -> None:

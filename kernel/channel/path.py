@@ -77,6 +77,11 @@ class Path:
         if index in self._led:
             self._led.remove(index)
             self._common = sorted((*self._common, index))
+            self._settling.restart()  # this axis has had no time yet
+
+    def put_beside(self, axis: str, position_mm: float) -> None:
+        """Give an axis that no path moves its set position of this cycle."""
+        self.interpolator.lead(self._index[axis], position_mm)
 
     def put(self, axis: str, position_mm: float) -> None:
         """Let the set position of a standing axis be this one at once, the buffer with it."""

@@ -1,6 +1,6 @@
 """What the channel does about an alarm."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
@@ -27,6 +27,7 @@ class Reactions:
         self._measurement, self._execution = measurement, execution
         self.alarms: list[Alarm] = []
         self.alarm_ns: list[TimeNs] = []
+        self.stops: list[Callable[[], None]] = []  # of what moves beside the path
 
     def register(self, alarm: Alarm) -> None:
         """Note an alarm with its instant."""
@@ -46,4 +47,6 @@ class Reactions:
             if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
                 link.quick_stop()
         self._path.brake()
+        for stop in self.stops:
+            stop()
         return True

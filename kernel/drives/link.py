@@ -68,7 +68,11 @@ class LinkSettings:
 
 
 class AxisLink:
-    """One drive on a canopen network (simulated or real), read and written once per cycle."""
+    """One drive on a canopen network (simulated or real), read and written once per cycle.
+
+    mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
+    itself (homing), so that there is no lag and its position may jump to a new reference.
+    """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
         self.settings, self.network, self.sdo = settings, network, sdo
@@ -105,6 +109,8 @@ class AxisLink:
         self.controlword = 0
         self.power = False
         self.resets_fault = False
+        self.mode_bits = 0
+        self.leads_itself = False
         self._is_held_back = self._stops_quickly = False
         self._function_word = 0
         self.set_mm = 0.0
@@ -183,7 +189,12 @@ class AxisLink:
     def _take_actual(self, increments: int) -> None:
         moved, age = abs(increments - self.actual_increments), self._actual_age
         limit = self._jump_increments
-        if moved > limit and age is not None and moved > limit * (age + 1):
+        if (
+            moved > limit
+            and not self.leads_itself
+            and age is not None
+            and moved > limit * (age + 1)
+        ):
             self.jump_mm = moved / self._per_mm
         self.actual_increments, self._actual_age = increments, 0
 
@@ -237,6 +248,8 @@ class AxisLink:
 
         Source: docs/ambiguities.md, "Two position lags".
         """
+        if self.leads_itself:
+            return 0.0
         return (self._set_history[0] if self._set_history else self.set_mm) - self.actual_mm
 
     # The latch, as the measuring run sees it
@@ -325,7 +338,7 @@ class AxisLink:
 
     def send(self, set_mm: float) -> None:
         """Send set position, controlword and latch control word of this cycle."""
-        self.controlword = self._controlword()
+        self.controlword = self._controlword() | self.mode_bits
         self.set_mm = set_mm
         self._set_history.append(set_mm)
         values, position = self._control_out

@@ -7,7 +7,7 @@
 import csv
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import cache
 from importlib import resources
@@ -39,6 +39,16 @@ class Dynamics:
     deceleration: Slope
     stop_deceleration: Slope
     speed_max_mm_s: float
+
+    def weighted(self, share: float) -> "Dynamics":
+        """Return the same with both ramps scaled; what a signal or feedhold brakes with stays."""
+        if share == 1.0:
+            return self
+        return replace(
+            self,
+            acceleration=self.acceleration.scaled(share),
+            deceleration=self.deceleration.scaled(share),
+        )
 
 
 @cache

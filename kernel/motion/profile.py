@@ -22,6 +22,21 @@ class Slope:
         if min(self.a_low_mm_s2, self.a_high_mm_s2, self.change_over_mm_s) <= 0.0:
             raise ValueError(f"a slope needs positive values: {self}")
 
+    def scaled(self, share: float) -> "Slope":
+        """Return the slope with both steps times `share`."""
+        return Slope(self.a_low_mm_s2 * share, self.a_high_mm_s2 * share, self.change_over_mm_s)
+
+    def weaker(self, other: "Slope") -> "Slope":
+        """Return the slope that both allow at every speed."""
+        change_mm_s = min(self.change_over_mm_s, other.change_over_mm_s)
+        high = [
+            s.a_high_mm_s2
+            if s.change_over_mm_s <= change_mm_s
+            else min(s.a_low_mm_s2, s.a_high_mm_s2)
+            for s in (self, other)
+        ]
+        return Slope(min(self.a_low_mm_s2, other.a_low_mm_s2), min(high), change_mm_s)
+
     def distance_mm(self, speed_mm_s: float) -> float:
         """Return the path between standstill and `speed_mm_s`.
 

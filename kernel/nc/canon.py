@@ -176,6 +176,77 @@ class EndOfProgram:
     block: Block
 
 
+@dataclass(frozen=True)
+class IndependentMove:
+    """One axis moves by itself, beside the path (INDP_SYN, INDP_ASYN).
+
+    target_acs_mm: in axis coordinates. Its speed is one of feed_mm_min (FEED), time_s (TIME, for
+    the whole motion) and speed_share (FEED_MAX_WEIGHT, of P-AXIS-00212); all None in rapid
+    traverse (G00). acceleration_share: ACC_WEIGHT or RAPID_ACC_WEIGHT. measuring_type: of a
+    measurement run (G100), else None.
+    """
+
+    block: Block
+    axis: str
+    target_acs_mm: float
+    feed_mm_min: float | None = None
+    time_s: float | None = None
+    speed_share: float | None = None
+    acceleration_share: float = 1.0
+    measuring_type: int | None = None
+
+
+@dataclass(frozen=True)
+class WaitIndependent:
+    """Nothing goes on before these axes are at their targets (INDP_SYN, #WAIT INDP)."""
+
+    block: Block
+    axes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class AxisPair:
+    """A slave and the master it follows; limits_mm: of a gantry, None without watch."""
+
+    slave: str
+    master: str
+    limits_mm: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class AxisLinkOn:
+    """The slaves of a coupling group follow their masters from here on (#ENABLE AX LINK)."""
+
+    block: Block
+    group: int
+    pairs: tuple[AxisPair, ...]
+
+
+@dataclass(frozen=True)
+class AxisLinkOff:
+    """They follow no longer (#DISABLE AX LINK)."""
+
+    block: Block
+    group: int
+
+
+@dataclass(frozen=True)
+class Homing:
+    """Axes look for their reference, group after group, all of a group together (G74)."""
+
+    block: Block
+    groups: tuple[tuple[str, ...], ...]
+
+
+@dataclass(frozen=True)
+class AdoptActual:
+    """The set positions of standing axes become their actual ones (#CHANNEL INIT [ACTPOS])."""
+
+    block: Block
+    axes: tuple[str, ...]
+
+
+AxisOrder = IndependentMove | WaitIndependent | AxisLinkOn | AxisLinkOff | Homing | AdoptActual
 DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop
 Command = (
@@ -184,6 +255,7 @@ Command = (
     | MeasuringRun
     | Message
     | DriveCommand
+    | AxisOrder
     | Pause
     | TechnologyFunction
     | Warn

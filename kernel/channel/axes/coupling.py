@@ -1,0 +1,106 @@
+"""Axis couplings: the set positions of slaves follow those of their masters (soft gantry).
+
+A slave keeps the distance to its master at which it was coupled. Sources: TF5200 programming
+manual 207120267 and 207133579; ISG 285662475 (gantry coupling and its limits).
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from kernel.channel.path import Path
+from kernel.channel.settings import AxisSettings
+from kernel.drives.link import AxisLink
+from kernel.errors import Alarm
+from kernel.motion.dynamics import Dynamics
+from kernel.nc import canon
+
+BEYOND_FIRST, BEYOND_SECOND = 900192, 900193
+
+
+@dataclass(frozen=True)
+class _Coupled:
+    """A slave on its way; offset_mm: its set position less that of the master."""
+
+    pair: canon.AxisPair
+    offset_mm: float
+    master_alone: AxisSettings
+
+
+class Couplings:
+    """The couplings that are on; links: by axis. watched: whether any gantry is among them."""
+
+    def __init__(self, path: Path, links: Mapping[str, AxisLink]) -> None:
+        self._path, self._links = path, links
+        self._groups: dict[int, list[_Coupled]] = {}
+        self._slaves: list[_Coupled] = []
+        self.watched = False
+
+    def switch_on(self, command: canon.AxisLinkOn) -> None:
+        """Couple standing axes where they are."""
+        self._groups[command.group] = [self._couple(pair) for pair in command.pairs]
+        self._renew()
+
+    def switch_off(self, command: canon.AxisLinkOff) -> None:
+        """Let the slaves of a group stand where they are."""
+        for coupled in reversed(self._groups.pop(command.group, [])):
+            self._path.use(coupled.master_alone)
+        self._renew()
+
+    def _couple(self, pair: canon.AxisPair) -> _Coupled:
+        path = self._path
+        master, slave = path.settings(pair.master), path.settings(pair.slave)
+        master_mm = path.position_acs_mm(pair.master)
+        slave_mm = path.position_acs_mm(pair.slave)
+        path.use(_for_both(master, slave))
+        return _Coupled(pair, slave_mm - master_mm, master)
+
+    def _renew(self) -> None:
+        self._slaves = [coupled for group in self._groups.values() for coupled in group]
+        self.watched = any(coupled.pair.limits_mm for coupled in self._slaves)
+        self._path.follow = self._follow if self._slaves else None
+
+    def _follow(self) -> None:
+        path = self._path
+        for coupled in self._slaves:
+            pair = coupled.pair
+            path.put_beside(pair.slave, path.position_acs_mm(pair.master) + coupled.offset_mm)
+
+    def watch(self) -> None:
+        """Raise Alarm 900192 or 900193 when the actual positions of a gantry have come apart."""
+        for coupled in self._slaves:
+            pair = coupled.pair
+            if pair.limits_mm is None:
+                continue
+            apart_mm = self._links[pair.slave].actual_mm - self._links[pair.master].actual_mm
+            difference_mm = apart_mm - coupled.offset_mm
+            for alarm_id, limit_mm in zip(
+                (BEYOND_SECOND, BEYOND_FIRST), reversed(pair.limits_mm), strict=True
+            ):
+                if abs(difference_mm) > limit_mm:
+                    raise Alarm(
+                        alarm_id,
+                        axis=pair.slave,
+                        master=pair.master,
+                        difference_mm=f"{difference_mm:.4f}",
+                        limit_mm=f"{limit_mm:g}",
+                    )
+
+
+def _for_both(master: AxisSettings, slave: AxisSettings) -> AxisSettings:
+    """Let the master move only as both axes may."""
+    return replace(
+        master,
+        dynamics={
+            motion: _weaker(dynamics, slave.dynamics[motion])
+            for motion, dynamics in master.dynamics.items()
+        },
+    )
+
+
+def _weaker(one: Dynamics, other: Dynamics) -> Dynamics:
+    return Dynamics(
+        one.acceleration.weaker(other.acceleration),
+        one.deceleration.weaker(other.deceleration),
+        one.stop_deceleration.weaker(other.stop_deceleration),
+        min(one.speed_max_mm_s, other.speed_max_mm_s),
+    )

@@ -1,0 +1,201 @@
+"""Axes that move by themselves beside the path (INDP_SYN, INDP_ASYN), each with its own profile.
+
+An axis that measures (G100) has its own run and latch, so several can measure at once and beside
+a run of the path. Sources: FCT-C4 section 2, TF5200 programming manual 208612235.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from kernel.channel.measurement import Measurement
+from kernel.channel.path import Path
+from kernel.channel.settings import AxisSettings, CycleTiming
+from kernel.channel.settling import Settling
+from kernel.clock import Clock
+from kernel.drives.link import AxisLink
+from kernel.errors import Alarm
+from kernel.measuring.run import MeasuringRun, Order, RunState
+from kernel.motion.dynamics import Dynamics, Motion
+from kernel.motion.interpolator import Interpolator
+from kernel.motion.profile import plan
+from kernel.motion.timed import speed_for
+from kernel.nc import canon
+
+# What the run of an axis tells by these is one documented alarm for independent axes
+NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664
+
+
+@dataclass
+class Mover:
+    """One axis on its way; run: its measurement, None without. waits: until it stands for one."""
+
+    command: canon.IndependentMove
+    settings: AxisSettings
+    link: AxisLink
+    dynamics: Dynamics
+    interpolator: Interpolator
+    settling: Settling
+    run: MeasuringRun | None = None
+    waits: bool = False
+
+    @property
+    def position_mm(self) -> float:
+        """Where the interpolation of the axis stands."""
+        return self.interpolator.positions_mm[0]
+
+
+class IndependentAxes:
+    """Begins, leads and ends the independent motions of a channel; links: by axis."""
+
+    def __init__(
+        self,
+        clock: Clock,
+        timing: CycleTiming,
+        path: Path,
+        measurement: Measurement,
+        links: Mapping[str, AxisLink],
+    ) -> None:
+        self._clock, self._timing, self._path = clock, timing, path
+        self._measurement, self._links = measurement, links
+        self._movers: dict[str, Mover] = {}
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether any axis is under way or measures."""
+        return bool(self._movers)
+
+    def are_moving(self, axes: Iterable[str]) -> bool:
+        """Whether any of these axes is under way or measures."""
+        return any(axis in self._movers for axis in axes)
+
+    # Beginning
+
+    def begin(self, command: canon.IndependentMove) -> None:
+        """Begin the motion of an axis; without a way there is nothing to do.
+
+        Raises Alarm 900012 for a target that cannot be told to the drive, for G100 also 50059,
+        900103.
+        """
+        path, axis = self._path, command.axis
+        here_mm, settings = path.position_acs_mm(axis), path.settings(axis)
+        if not self._links[axis].can_reach(command.target_acs_mm):
+            raise Alarm(900012, axis=axis, target_mm=f"{command.target_acs_mm:.9g}")
+        measures = command.measuring_type is not None
+        if measures and not settings.may_measure:
+            raise Alarm(50059, axis=axis)
+        if command.target_acs_mm == here_mm:
+            if measures:
+                raise Alarm(900103, axes=axis)
+            return
+        interpolator = Interpolator((axis,), self._timing.period_ns)
+        interpolator.hold((here_mm,))
+        mover = Mover(
+            command,
+            settings,
+            self._links[axis],
+            settings.dynamics[_motion(command)].weighted(command.acceleration_share),
+            interpolator,
+            Settling(self._clock, self._timing.period_ns),
+        )
+        mover.waits = measures
+        if not measures:
+            _start(mover)
+        self._movers[axis] = mover
+        path.lead(axis, here_mm)
+
+    # Each cycle
+
+    def step(self) -> None:
+        """Evaluate the measurement runs with this cycle's values.
+
+        Raises the alarms of a run, with 50664 for a probe that is not enabled.
+        """
+        for axis, mover in list(self._movers.items()):
+            try:
+                if mover.waits:
+                    self._begin_run(mover)
+                elif mover.run is not None:
+                    self._evaluate(axis, mover, mover.run)
+            except Alarm as alarm:
+                raise _judged(mover, alarm) from None
+
+    def _begin_run(self, mover: Mover) -> None:
+        """A lagging axis could take its own retract for an actuated probe: it stands first."""
+        if self._stands(mover):
+            mover.run = self._measurement.begin_beside(mover.command)
+            mover.waits = False
+
+    def _evaluate(self, axis: str, mover: Mover, run: MeasuringRun) -> None:
+        order = run.evaluate(self._clock.now_ns, self._stands(mover))
+        if order is Order.START:
+            _start(mover, mover.settings.probing_offset_mm)
+        elif order is Order.BRAKE:
+            mover.interpolator.brake(mover.dynamics.stop_deceleration)
+        if run.state is RunState.DONE:
+            self._measurement.keep(run.record)
+            self._end(axis)
+
+    def advance(self) -> None:
+        """Lead every axis on by one cycle."""
+        for axis, mover in list(self._movers.items()):
+            if not mover.interpolator.is_standing:
+                self._path.lead(axis, mover.interpolator.advance()[0])
+            measures = mover.waits or mover.run is not None
+            if not measures and mover.interpolator.is_standing:
+                self._end(axis)
+
+    def stop(self) -> None:
+        """Stop every axis on its way and end the runs without a result."""
+        for axis, mover in list(self._movers.items()):
+            if mover.run is not None:
+                mover.link.disarm()
+            mover.run, mover.waits = None, False
+            if mover.interpolator.is_standing:
+                self._end(axis)
+            else:
+                mover.interpolator.brake(mover.dynamics.stop_deceleration)
+
+    def _end(self, axis: str) -> None:
+        del self._movers[axis]
+        self._path.release(axis)
+
+    def _stands(self, mover: Mover) -> bool:
+        """Whether the axis is in its exact-stop window; raises Alarm 70082."""
+        if not mover.interpolator.is_standing or not self._path.has_axis_stopped(mover.link.name):
+            mover.settling.restart()
+            return False
+        return mover.settling.judge(((mover.settings, mover.link),))
+
+
+def _judged(mover: Mover, alarm: Alarm) -> Alarm:
+    """Give an alarm of a run the place of its block, and the ID of independent axes."""
+    place = str(mover.command.block)
+    if alarm.id in (NOT_ARMED, SWITCHED_OFF):
+        return Alarm(NOT_INITIALISED, place=place, axis=mover.command.axis)
+    alarm.place = alarm.place or place
+    return alarm
+
+
+def _motion(command: canon.IndependentMove) -> Motion:
+    if command.measuring_type is not None:
+        return Motion.MEASURING
+    speeds = (command.feed_mm_min, command.time_s, command.speed_share)
+    return Motion.FEED if any(speed is not None for speed in speeds) else Motion.RAPID
+
+
+def _start(mover: Mover, beyond_mm: float = 0.0) -> None:
+    """Begin the motion to the target, and as far behind it as a run may go (P-AXIS-00467)."""
+    command, dynamics = mover.command, mover.dynamics
+    here_mm, target_mm = mover.position_mm, command.target_acs_mm
+    target_mm += beyond_mm if target_mm > here_mm else -beyond_mm
+    length_mm, fastest = abs(target_mm - here_mm), dynamics.speed_max_mm_s
+    if command.feed_mm_min is not None:
+        speed_mm_s = min(command.feed_mm_min / 60.0, fastest)
+    elif command.time_s is not None:
+        slopes = dynamics.acceleration, dynamics.deceleration
+        speed_mm_s = speed_for(length_mm, command.time_s, *slopes, fastest)
+    else:
+        speed_mm_s = fastest * (1.0 if command.speed_share is None else command.speed_share)
+    profile = plan(length_mm, speed_mm_s, dynamics.acceleration, dynamics.deceleration)
+    axis = command.axis
+    mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)

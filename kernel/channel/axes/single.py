@@ -1,0 +1,96 @@
+"""Everything that single axes do beside or instead of the common path, as the channel sees it."""
+
+from collections.abc import Mapping
+
+from kernel.channel.axes.coupling import Couplings
+from kernel.channel.axes.homing import Homing
+from kernel.channel.axes.independent import IndependentAxes
+from kernel.channel.execution import Execution
+from kernel.channel.measurement import Measurement
+from kernel.channel.path import Path
+from kernel.channel.settings import CycleTiming
+from kernel.clock import Clock
+from kernel.drives.link import AxisLink
+from kernel.nc import canon
+
+
+class SingleAxes:
+    """Carries out the commands of single axes; links: by axis."""
+
+    def __init__(
+        self,
+        clock: Clock,
+        timing: CycleTiming,
+        path: Path,
+        measurement: Measurement,
+        links: Mapping[str, AxisLink],
+    ) -> None:
+        self._clock, self._path, self._links = clock, path, links
+        self.independent = IndependentAxes(clock, timing, path, measurement, links)
+        self.couplings = Couplings(path, links)
+        self._homing: Homing | None = None
+        self._awaited: tuple[str, ...] = ()
+
+    def assign(self, execution: Execution) -> None:
+        """Say what is carried out here."""
+        execution.while_busy(self._is_busy)
+        execution.register(canon.IndependentMove, self.independent.begin)
+        execution.register(canon.WaitIndependent, self._wait)
+        execution.register(canon.AxisLinkOn, self.couplings.switch_on, ready=self._stand)
+        execution.register(canon.AxisLinkOff, self.couplings.switch_off, ready=self._stand)
+        execution.register(canon.Homing, self._home, ready=self._are_in_position)
+        execution.register(canon.AdoptActual, self._adopt, ready=self._stand)
+
+    @property
+    def is_active(self) -> bool:
+        """Whether anything is to be done in this cycle."""
+        return self.independent.is_moving or self.couplings.watched or self._homing is not None
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether an independent axis is under way."""
+        return self.independent.is_moving
+
+    def _is_busy(self) -> bool:
+        if self._homing is not None:
+            return True
+        if self._awaited and not self.independent.are_moving(self._awaited):
+            self._awaited = ()
+        return bool(self._awaited)
+
+    def _wait(self, command: canon.WaitIndependent) -> None:
+        self._awaited = command.axes
+
+    def _stand(self) -> bool:
+        return self._path.has_stopped and not self.independent.is_moving
+
+    def _are_in_position(self) -> bool:
+        return not self.independent.is_moving and self._path.is_in_position()
+
+    def _home(self, command: canon.Homing) -> None:
+        self._homing = Homing(command.groups, self._path, self._links, self._clock)
+
+    def _adopt(self, command: canon.AdoptActual) -> None:
+        for axis in command.axes:
+            self._path.put(axis, self._links[axis].actual_mm)
+
+    # Each cycle
+
+    def step(self) -> None:
+        """Evaluate what came with this cycle."""
+        self.independent.step()
+        if self.couplings.watched:
+            self.couplings.watch()
+        if self._homing is not None and self._homing.step():
+            self._homing = None
+
+    def advance(self) -> None:
+        """Lead the axes on by one cycle."""
+        self.independent.advance()
+
+    def stop(self) -> None:
+        """Stop after an alarm: every axis on its own, homing broken off."""
+        self.independent.stop()
+        if self._homing is not None:
+            self._homing.abort()
+            self._homing = None

@@ -1,0 +1,119 @@
+"""G74: the drive homes, the channel takes over where it then stands."""
+
+import itertools
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kernel.drives.startup_steps import StartUpSettings
+from kernel.nc import canon
+
+Make = Callable[..., Any]
+S = 1_000_000_000
+INCREMENT_MM = 10 / 2**20
+PRESENT_POSITION, NEGATIVE_SWITCH = 35, 17
+
+
+def home(*groups: tuple[str, ...]) -> canon.Homing:
+    return canon.Homing(canon.Block(3, 30, "N30"), groups)
+
+
+def told(method: int, home_mm: float) -> StartUpSettings:
+    """Tell every drive its method, and where home lies in its positions."""
+    offset = round(-home_mm / INCREMENT_MM)
+    return StartUpSettings(writes=[(0x6098, 0, method), (0x607C, 0, offset)])
+
+
+def modes(bench: Any, node: int) -> list[int]:
+    """What was written to 6060 over SDO."""
+    return [
+        data[4]
+        for _, can_id, data in bench.frames
+        if can_id == 0x600 + node and data[0] >> 5 == 1 and data[1:4] == b"\x60\x60\x00"
+    ]
+
+
+def test_home_is_where_the_drive_says_and_the_program_goes_on_from_there(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=40.0), start_up=told(PRESENT_POSITION, 100.0))
+    bench.run(
+        [words.move(2, 600.0, Z=42.0), home(("Z",)), words.move(4, 600.0, Z=103.0), words.end()]
+    )
+    assert bench.alarm_ids == []
+    assert bench.final_mm("Z") == 103.0
+    # the machine has moved by 2 mm and by the 3 mm from home on, nothing else
+    assert bench.axes["Z"].position_at(bench.scheduler.now_ns) * 1e3 == pytest.approx(45, abs=0.01)
+    assert modes(bench, 1) == [8, 6, 8]
+
+
+def test_the_jump_to_the_reference_and_the_lag_are_no_faults(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(
+        words.axis("Z", start_mm=40.0), lag_limit_mm=0.5, start_up=told(PRESENT_POSITION, 500.0)
+    )
+    bench.run([home(("Z",)), words.end()])
+    assert bench.alarm_ids == []
+    assert bench.final_mm("Z") == pytest.approx(500.0, abs=INCREMENT_MM)
+
+
+@pytest.mark.parametrize("buffer_cycles", [0, 5])
+def test_nothing_of_the_time_before_is_left_in_the_buffer(
+    channel_bench: Make, words: Any, buffer_cycles: int
+) -> None:
+    bench = channel_bench(
+        words.axis("Z", start_mm=40.0),
+        buffer_cycles=buffer_cycles,
+        start_up=told(PRESENT_POSITION, 500.0),
+    )
+    bench.run(
+        [words.move(2, 600.0, Z=42.0), home(("Z",)), words.move(4, 600.0, Z=501.0), words.end()]
+    )
+    assert bench.alarm_ids == []
+    sent = [sample.sent_mm[0] for sample in bench.samples]
+    jumps = [b for a, b in itertools.pairwise(sent) if abs(b - a) > 1.0]
+    assert len(jumps) <= 2  # of the first cycle of all, and to the reference
+    moved_mm = [axis.position_at(bench.scheduler.now_ns) * 1e3 for axis in bench.axes.values()]
+    assert moved_mm == pytest.approx([43.0], abs=0.01)
+
+
+def test_groups_home_one_after_the_other_and_a_group_together(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("X"), words.axis("Z"), start_up=told(PRESENT_POSITION, 10.0))
+    bench.run([home(("Z",), ("X",)), home(("X", "Z")), words.end()])
+    assert bench.alarm_ids == []
+    entered = {
+        node: [t for t, i, d in bench.frames if i == 0x600 + node and d[1:5] == b"\x60\x60\0\x06"]
+        for node in (1, 2)
+    }
+    left = [t for t, i, d in bench.frames if i == 0x602 and d[1:5] == b"\x60\x60\0\x08"]
+    assert entered[2][0] < left[1] < entered[1][0]  # left[0]: the start-up
+    assert abs(entered[1][1] - entered[2][1]) < 1_000_000
+
+
+@pytest.mark.provokes(900190, 4, axis="Z", method=17, error="0x0000")
+def test_900190_tells_what_the_drive_says(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(
+        words.axis("Z", start_mm=40.0), start_up=told(NEGATIVE_SWITCH, 0.0)
+    )  # no switch is wired
+    bench.run([home(("Z",)), words.move(4, 600.0, Z=41.0), words.end()])
+    (alarm,) = bench.channel.alarms
+    assert (alarm.id, alarm.entry.reaction_class) == (900190, 4)
+    assert (alarm.values["axis"], alarm.values["method"]) == ("Z", NEGATIVE_SWITCH)
+    assert int(alarm.values["statusword"], 16) & 1 << 13
+    assert alarm.values["error"] == "0x0000"
+    assert "N30" in str(alarm)
+
+
+def test_adopting_the_actual_position_moves_an_axis_by_its_droop(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=40.0, droop_mm=0.02, window_mm=0.1))
+    adopt = canon.AdoptActual(canon.Block(3, 30, "N30"), ("Z",))
+    bench.run([words.move(2, 600.0, Z=45.0), adopt, words.end()])
+    assert bench.alarm_ids == []
+    lag_mm = 45.0 - bench.final_mm("Z")
+    assert lag_mm > 0.02 - INCREMENT_MM  # what was left of the lag then, and the droop

@@ -1,0 +1,27 @@
+"""The speed at which a motion takes a given time."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kernel.motion.profile import Slope, plan
+from kernel.motion.timed import speed_for
+
+SLOPE = Slope(1000.0, 1000.0, 1000.0)
+
+
+@given(distance=st.floats(0.01, 1e4), slower=st.floats(1.01, 1e3))
+def test_the_motion_takes_the_time(distance: float, slower: float) -> None:
+    time_s = plan(distance, 500.0, SLOPE, SLOPE).duration_s * slower
+    speed = speed_for(distance, time_s, SLOPE, SLOPE, 500.0)
+    assert distance / speed + speed / 1000.0 == pytest.approx(time_s, rel=1e-9)
+
+
+def test_what_cannot_be_done_in_time_is_done_as_fast_as_possible() -> None:
+    assert speed_for(10.0, 0.01, SLOPE, SLOPE, 500.0) == 500.0
+
+
+def test_the_weaker_of_two_slopes_at_every_speed() -> None:
+    early, late = Slope(100.0, 400.0, 10.0), Slope(300.0, 200.0, 20.0)
+    assert early.weaker(late) == Slope(100.0, 200.0, 10.0)
+    assert late.weaker(early) == Slope(100.0, 200.0, 10.0)
