@@ -187,7 +187,7 @@ class Machine:
         channel.functions = DriveFunctions(self._accesses)
         channel.pauses.start_after_ns = self.settings.operator.start_after_ns
         channel.pauses.optional_stop = self.settings.operator.optional_stop
-        for warning in warnings:
+        for warning in [*self.settings.warnings, *warnings]:
             channel.warn(warning)
         return channel
 

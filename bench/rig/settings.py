@@ -13,10 +13,11 @@ from pydantic import ValidationError
 from bench.drive.profiles import value_of
 from bench.plan.assignment import Assignment
 from bench.rig.faults import Fault, needs_heartbeats, read_faults
-from bench.rig.file import DriveTable, RigFile, SegmentTable, rig_error
+from bench.rig.file import DriveTable, RigFile, SegmentTable
+from bench.rig.lists import inert_notes, read_lists, take_over
 from kernel.clock import MS, TimeNs
-from kernel.errors import UserError, nearest
-from kernel.parameters import ParameterSet, read_list
+from kernel.errors import Alarm, UserError, nearest
+from kernel.parameters import ParameterSet
 
 EVERY_SEGMENT = "all"
 """Stands for all segments in a `bus:` column."""
@@ -61,6 +62,7 @@ class Settings:
     faults: what goes wrong.
     has_kernel: false where only the drives of the rig run, for the master of somebody else.
     written: the rig as its files have it. assigned: what was applied to it, in its order.
+    warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
     """
 
     rig: RigFile
@@ -75,6 +77,8 @@ class Settings:
     faults: list[Fault] = field(default_factory=list)
     has_kernel: bool = True
     assigned: Sequence[Assigned] = ()
+    warnings: list[Alarm] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
     def apply(self, assignment: Assignment, located: Located) -> None:
         """Apply one assignment. Raises UserError, with its place, for one that does not fit."""
@@ -173,24 +177,26 @@ class Settings:
 
 def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigned]) -> Settings:
     """Read the parameter lists of a rig and apply assignments in their order."""
-    lists: list[tuple[tuple[str, ...], str]] = [(("channel", "list"), rig.channel.list)]
-    lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
-    for keys, path in lists:
-        if not Path(path).is_file():
-            raise rig_error(
-                files, keys, f"the parameter list {Path(path).name} is no file", value=path
-            )
+    channel, axes = read_lists(rig, files)
     settings = Settings(
         rig=rig,
         written=rig,
         assigned=tuple(assignments),
         files=files,
-        channel=read_list(rig.channel.list, "channel"),
-        axis={name: read_list(axis.list, "axis") for name, axis in rig.axis.items()},
+        channel=channel,
+        axis=axes,
         segment=dict(rig.segment),
     )
     for assignment, located in assignments:
         settings.apply(assignment, located)
+    try:
+        settings.warnings = take_over(channel, axes)
+        settings.notes = inert_notes(rig, channel, axes)
+    except UserError as error:
+        for assignment, located in assignments:
+            if assignment.column == error.file:
+                raise located(error, assignment) from error
+        raise
     for assignment, located in assignments:  # when every key of the drives is known
         if assignment.kind == "fault":
             try:

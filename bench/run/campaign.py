@@ -227,7 +227,9 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         plant.close()
     tables = describe_schedules(settings)
     plants = ["\n".join(told)] if told else []
-    axes = "\n".join(describe_axes(settings))
+    told_lists = [f"warning: {warning}" for warning in settings.warnings]
+    told_lists += [f"note: {note}" for note in settings.notes]
+    axes = "\n".join([*describe_axes(settings), *told_lists])
     return "\n\n".join([f"{path}: {rig.title}", axes, *tables, *plants])
 
 

@@ -165,6 +165,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         messages=[message.text for message in machine.messages],
         log=[
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
+            *machine.settings.notes,
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(fault.in_words() for fault in machine.faults),

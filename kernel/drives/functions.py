@@ -136,7 +136,14 @@ def _function(
     read = parameters.word(f"{path}.rd_ident") or written
     read_index, read_sub = _ident(axis, f"{path}.rd_ident", read)
     data_type = parameters.word(f"{path}.data_type")
-    scaled = parameters.word(f"{path}.scaling_type") == "LINEAR"
+    scaling = parameters.word(f"{path}.scaling_type")
+    if scaling == "TORQUE_DRIVE_SIDE":
+        raise UserError(
+            f"axis {axis}: {path}.scaling_type is known to the manuals, does not act yet",
+            value=scaling,
+            allowed="UNSCALED, LINEAR",
+        )
+    scaled = scaling == "LINEAR"
     factor = float(parameters.get(f"{path}.scaling_factor")) if scaled else 1.0
     if not factor:
         raise UserError(f"axis {axis}: {path}.scaling_factor must not be 0", value=factor)

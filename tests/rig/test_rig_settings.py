@@ -77,7 +77,7 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("set:Q.kenngr.measure.edge=NEG", "Q", "channel, Z"),
         ("set:Z.kenngr.measure.edges=NEG", "kenngr.measure.edges", "kenngr.measure.edge"),
         ("set:Z.kenngr.measure.edge=LEFT", "LEFT", "POS, NEG"),
-        ("set:Z.kenngr.measure.input=3", "3", "0 .. 2"),
+        ("set:Z.kenngr.measure.input=3", "3", "1 .. 2"),
         ("set:Z.kenngr.messachse=yes", "yes", "0 .. 1"),
         ("set:channel.messtyp=8", "8", "1 .. 7"),
         ("set:channel.messtyp=2", None, "1"),

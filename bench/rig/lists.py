@@ -1,0 +1,49 @@
+"""The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
+
+from pathlib import Path
+
+from bench.rig.file import RigFile, rig_error
+from kernel.errors import Alarm
+from kernel.parameters import ParameterSet, read_list, start_up, written
+
+
+def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str, ParameterSet]]:
+    """Read the lists of the channel and of all axes; axes may share one list.
+
+    Raises UserError for a list that is no file and for what is not accepted in one.
+    """
+    lists: list[tuple[tuple[str, ...], str]] = [(("channel", "list"), rig.channel.list)]
+    lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
+    for keys, path in lists:
+        if not Path(path).is_file():
+            raise rig_error(
+                files, keys, f"the parameter list {Path(path).name} is no file", value=path
+            )
+    axes = {name: read_list(axis.list, "axis", name) for name, axis in rig.axis.items()}
+    return read_list(rig.channel.list, "channel"), axes
+
+
+def take_over(channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[Alarm]:
+    """Correct what the control corrects at its start and return the warnings.
+
+    Raises UserError for a combination of settings that cannot be.
+    """
+    warnings = start_up(channel, "")
+    for name, parameters in axes.items():
+        warnings += start_up(parameters, name)
+    return warnings
+
+
+def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[str]:
+    """Tell for each list which of its settings do not act yet."""
+    notes = []
+    for of, path, parameters in (
+        ("channel", rig.channel.list, channel),
+        *((f"axis {name}", rig.axis[name].list, axes[name]) for name in axes),
+    ):
+        inert = parameters.inert()
+        if inert:
+            names = ", ".join(f"{name} = {written(value)}" for name, value in inert)
+            what = "1 setting does" if len(inert) == 1 else f"{len(inert)} settings do"
+            notes.append(f"{of}: {what} not act yet ({Path(path).name}): {names}")
+    return notes
