@@ -11,7 +11,7 @@ Source: programming manual, G54 (206487307), G92 (206057739), G101, D (306370955
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -287,7 +287,7 @@ class Coordinates:
             raise CircleError(900152, plane=self.plane.g, axes=" ".join(self.axes))
         return first, second
 
-    def centre_axes(self) -> tuple[str, str]:
+    def centre_letters(self) -> tuple[str, str]:
         """Give the letters of the centre in the plane: I and J in G17."""
         return "IJK"[self.plane.first], "IJK"[self.plane.second]
 
@@ -335,6 +335,15 @@ class Coordinates:
         self.acs_mm.update(acs_mm)
         for axis, position_mm in self._from_acs(self.acs_mm).items():
             self._state[axis].absolute_mm = position_mm
+
+    def take_as_target(self, axes: Iterable[str]) -> None:
+        """Let what was programmed for axes be where they stand.
+
+        Source: programming manual 206197003, G310 after the signal.
+        """
+        for axis in axes:
+            state = self._state[axis]
+            state.programmed_mm = state.absolute_mm - state.shifts.total_mm
 
     # ---- measured values
 

@@ -6,7 +6,8 @@ from typing import Protocol, TypeVar
 
 from kernel.errors import Alarm
 from kernel.nc.canon import Block
-from kernel.nc.coordinates import Coordinates
+from kernel.nc.coordinates import Coordinates, OffsetTables
+from kernel.nc.coordinates.lists import INCH_MM
 from kernel.nc.expressions import NoValue, evaluate
 from kernel.nc.syntax import Expression, Program, Words
 
@@ -38,19 +39,21 @@ class Modal:
     """What stays from block to block.
 
     motion: the G function of a block with nothing but axis words. G1 without F is an alarm;
-    starting in rapid would move before anyone said so.
+    starting in rapid would move before anyone said so. inch: G70.
     """
 
     motion: str = "G1"
     absolute: bool = True
     feed_mm_min: float | None = None
+    inch: bool = False
 
 
 class Context:
     """The state of one decoding, handed to every handler.
 
     external: values of `V.E.<name>` by name. default_measuring_type: P-CHAN-00057. read: gives the
-    value of a variable (`variables`). ends: set by the block that ends the program.
+    value of a variable (`variables`). tables: zero offsets and tools as the rig has them; the
+    program works on copies. ends: set by the block that ends the program.
     """
 
     def __init__(
@@ -60,6 +63,7 @@ class Context:
         external: Mapping[str, float],
         default_measuring_type: int,
         read: Callable[["Context", Block, str], float],
+        tables: OffsetTables | None = None,
     ) -> None:
         self.program, self.machine = program, machine
         self.axes: Sequence[str] = program.axes
@@ -67,6 +71,9 @@ class Context:
         self.default_measuring_type = default_measuring_type
         self.modal = Modal()
         self.coordinates = Coordinates(program.axes, dict.fromkeys(program.axes, 0.0))
+        self.tables = tables or OffsetTables()
+        self.zero_offsets = self.tables.zero_offsets.copy()
+        self.tools = self.tables.tools.copy()
         self.ends = False
         self._read = read
         self._parts: dict[type, object] = {}
@@ -77,6 +84,12 @@ class Context:
             self.program.axes,
             {axis: self.machine.position_acs_mm(axis) for axis in self.program.axes},
         )
+        self.select_zero(self.zero_offsets.default_group)
+
+    def select_zero(self, group: int) -> None:
+        """Take a group of zero offsets into use."""
+        offsets = [self.zero_offsets.shift_mm(group, at) for at in range(len(self.axes))]
+        self.coordinates.select_zero(group, offsets)
 
     def part(self, kind: type[Part]) -> Part:
         """Give the state that one topic keeps; made without arguments when first asked for."""
@@ -97,9 +110,31 @@ class Context:
         except NoValue as fault:
             raise self.alarm(900105, block, reason=str(fault)) from None
 
+    @property
+    def unit_mm(self) -> float:
+        """How many mm a programmed length of 1 is: 25.4 under G70."""
+        return INCH_MM if self.modal.inch else 1.0
+
+    def mm(self, axis: str, programmed: float) -> float:
+        """Give a programmed coordinate in mm; for a rotary axis it is in degrees anyway."""
+        turns = axis in self.tables.rotary
+        return programmed if turns or not self.modal.inch else programmed * INCH_MM
+
+    def shown(self, axis: str, value_mm: float) -> float:
+        """Give a coordinate in the unit that the program has chosen, as V.A. variables read it.
+
+        Source: TF5200 programming manual 207902603 (unit for input and output: mm, inch).
+        """
+        turns = axis in self.tables.rotary
+        return value_mm if turns or not self.modal.inch else value_mm / INCH_MM
+
     def axis_values(self, block: Block, words: Words) -> dict[str, float]:
-        """Give the values of the axis words, in their order."""
-        return {axis: self.value(block, value) for axis, value in words.axes}
+        """Give the coordinates or distances of the axis words in mm, in their order."""
+        return {axis: self.mm(axis, value) for axis, value in self.axis_factors(block, words)}
+
+    def axis_factors(self, block: Block, words: Words) -> list[tuple[str, float]]:
+        """Give the values of the axis words as they are written: factors, or of no meaning."""
+        return [(axis, self.value(block, value)) for axis, value in words.axes]
 
     def feed(self, block: Block, word: str) -> float:
         """Give the feed in mm/min; raises Alarm 20008 without one above 0."""

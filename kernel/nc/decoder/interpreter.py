@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.coordinates import OffsetTables
 from kernel.nc.decoder import motion, registry, technology
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.variables import external as external_variables
@@ -15,7 +16,7 @@ class Interpreter:
 
     axes: those the program was checked for, main axes first. external: values of `V.E.<name>` by
     name, read whenever a block uses one; upper and lower case do not differ.
-    default_measuring_type: P-CHAN-00057.
+    default_measuring_type: P-CHAN-00057. tables: zero offsets and tools of the rig.
     Raises UserError for a `V.E.` variable that `external` does not have.
     """
 
@@ -27,11 +28,12 @@ class Interpreter:
         *,
         external: Mapping[str, float],
         default_measuring_type: int = 1,
+        tables: OffsetTables | None = None,
     ) -> None:
         assert tuple(axes) == program.axes, "the program was checked for other axes"
         external_variables.check(program, external)
         self._program = program
-        self._context = Context(program, machine, external, default_measuring_type, read)
+        self._context = Context(program, machine, external, default_measuring_type, read, tables)
 
     def commands(self) -> Iterator[canon.Command]:
         """Yield the commands of the program, `EndOfProgram` last.
@@ -60,12 +62,13 @@ class Interpreter:
 
 
 def _decode_words(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    if words.feed is not None:
-        yield from registry.ADDRESSES["F"](context, block, words)
     functions = (*words.g, *words.m)
     for function in functions:
         if function in registry.SETTINGS:
             yield from registry.SETTINGS[function](context, block, words)
+    for letter in dict.fromkeys(letter for letter, _ in words.addresses):
+        if letter in registry.ADDRESSES:
+            yield from registry.ADDRESSES[letter](context, block, words)
     yield from technology.announce(context, block, words)
     taking = next((g for g in functions if g in registry.TAKES_AXES), None)
     takes = motion.move if taking is None else registry.TAKES_AXES[taking]

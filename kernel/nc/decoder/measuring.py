@@ -75,24 +75,25 @@ def _take_results(
         value_mm = machine.measured_acs_mm(axis) if kept.signalled[axis] else None
         if value_mm is not None:
             latched_mm[axis] = value_mm
-    kept.results.update(context.coordinates.measured(latched_mm))
+    counts = context.tables.ball_radius_counts
+    radius_mm = context.coordinates.tool.radius_mm if counts else 0.0
+    kept.results.update(context.coordinates.measured(latched_mm, ball_radius_mm=radius_mm))
 
 
 def _include_offset(context: Context, block: Block, words: Words) -> None:
-    factors = context.axis_values(block, words)
+    factors = context.axis_factors(block, words)
     _require_offset_type(context, block, "G101")
     shifts_mm = {
-        axis: factor * _measured(context, block, axis, "G101").offset_mm
-        for axis, factor in factors.items()
+        axis: factor * _measured(context, block, axis, "G101").offset_mm for axis, factor in factors
     }
     for axis, shift_mm in shifts_mm.items():
         context.coordinates.include_measurement(axis, shift_mm)
 
 
 def _drop_offset(context: Context, block: Block, words: Words) -> None:
-    values = context.axis_values(block, words)
+    values = context.axis_factors(block, words)
     _require_offset_type(context, block, "G102")
-    for axis in tuple(values) or context.axes:
+    for axis in [axis for axis, _ in values] or context.axes:
         context.coordinates.include_measurement(axis, 0.0)
 
 
@@ -121,8 +122,9 @@ def _measured(context: Context, block: Block, axis: str, asked_by: str) -> Measu
 
 
 def _result(stem: str, value_of: Callable[[Measured], float]) -> Reader:
-    def reader(context: Context, block: Block, axis: str) -> float:
-        return value_of(_measured(context, block, context.axis(axis), f"{stem}.{axis}"))
+    def reader(context: Context, block: Block, upper: str) -> float:
+        axis = context.axis(upper)
+        return context.shown(axis, value_of(_measured(context, block, axis, f"{stem}.{upper}")))
 
     return reader
 
@@ -131,8 +133,9 @@ def _signalled(context: Context, block: Block, axis: str) -> float:
     return float(context.part(Measurements).signalled.get(context.axis(axis), False))
 
 
-def _included_mm(context: Context, block: Block, axis: str) -> float:
-    return context.coordinates.measurement_offset_mm(context.axis(axis))
+def _included(context: Context, block: Block, upper: str) -> float:
+    axis = context.axis(upper)
+    return context.shown(axis, context.coordinates.measurement_offset_mm(axis))
 
 
 def _type(context: Context, block: Block, rest: str) -> float:
@@ -149,7 +152,7 @@ TOPIC = Topic(
     readers={
         "V.G.MEAS_TYPE": _type,
         "V.A.MERF": _signalled,
-        "V.A.MEIN": _included_mm,
+        "V.A.MEIN": _included,
         "V.A.MESS": _result("V.A.MESS", lambda measured: measured.mess_mm),
         "V.A.MEAS.ACS.VALUE": _result("V.A.MEAS.ACS.VALUE", lambda measured: measured.acs_mm),
         "V.A.MEAS.PCS.VALUE": _result("V.A.MEAS.PCS.VALUE", lambda measured: measured.pcs_mm),

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
-from kernel.nc.decoder import pauses
+from kernel.nc.decoder import circles, pauses
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic, silent
 from kernel.nc.syntax import Words
@@ -28,14 +28,18 @@ def _relative(context: Context, block: Block, words: Words) -> None:
 
 def _feed(context: Context, block: Block, words: Words) -> None:
     assert words.feed is not None
-    context.modal.feed_mm_min = context.value(block, words.feed)
+    context.modal.feed_mm_min = context.value(block, words.feed) * context.unit_mm
 
 
 def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Decode axis words that no other function of the block takes."""
-    values = context.axis_values(block, words)
-    if values:
-        yield from _go(context, block, values)
+    if context.modal.motion in circles.ARCS:
+        yield from circles.arc(context, block, words)
+    else:
+        circles.refuse_centre(context, block, words)
+        values = context.axis_values(block, words)
+        if values:
+            yield from _go(context, block, values)
     yield from pauses.block_end(context, block, words)
 
 

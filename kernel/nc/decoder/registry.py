@@ -5,6 +5,7 @@ from typing import TypeVar
 
 from kernel.nc.decoder import (
     axes,
+    circles,
     drives,
     flow,
     measuring,
@@ -13,6 +14,7 @@ from kernel.nc.decoder import (
     offsets,
     pauses,
     systems,
+    tools,
 )
 from kernel.nc.decoder import variables as variables_
 from kernel.nc.decoder.topic import Handler, Reader
@@ -25,9 +27,11 @@ TOPICS = tuple(
     for module in (
         motion,
         pauses,
+        circles,
         measuring,
         systems,
         offsets,
+        tools,
         axes,
         drives,
         messages,

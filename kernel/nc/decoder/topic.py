@@ -18,10 +18,11 @@ Reader = Callable[[Context, Block, str], float]
 class Topic:
     """The tables of one module; `registry` puts those of all modules together.
 
-    A block of words is worked off in this order: addresses, settings, axis words, endings.
+    A block of words is worked off in this order: settings, addresses, axis words, endings.
 
     statements: by class of statement. commands: by name, upper case with single blanks.
-    addresses: by letter (`F`, `T`). settings: G and M functions that act before the axis words.
+    addresses: by letter (`F`, `T`), those that act before the axis words. settings: G and M
+    functions that act before everything else: G70 counts for the F of its block.
     takes_axes: G functions that take the axis words of their block. endings: M functions that act
     after the axis words. readers: variables by the stem in front of `<axis>` or `<name>` in
     variables.csv, without the point.

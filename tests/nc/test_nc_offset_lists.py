@@ -1,0 +1,116 @@
+"""Zero offset and tool lists in the format of the manuals."""
+
+import pytest
+
+from kernel.errors import UserError
+from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, forms
+from kernel.nc.coordinates.tables import Lists
+from kernel.parameters import Origin
+
+# After TF5200 zero offsets 103727115 and tool data 104781195
+ZERO_LIST = """\
+# zero offsets
+g53_verfuegbar    1    ( offsets unequal to 0 are evaluated )
+default_index     2    ( G55 is in use when a program begins )
+np_grp[0].achse[0].versch   80000   # 8 mm
+np_grp[1].achse [0].versch 100000 ; a blank as printed
+np_grp[1].achse[1].versch  200000
+np_grp[1].achse[1].inaktiv      1
+np_grp[2].achse[0].versch       1
+"""
+TOOL_LIST = """\
+wz[5].laenge        600000   # 60 mm
+wz[5].radius         20000
+wz[5].gueltig            1
+wz[5].ax_versatz[0] 2050000
+wz[5].ax_versatz[3] -4080000
+wz[5].log_ax_nr_spdl     6
+wz[8].laenge         10000
+wz[8].mass_einheit       1
+wz[8].gueltig            1
+wz[8].tool_fixed         1
+wz[9].laenge          5000
+"""
+
+
+@pytest.fixture
+def lists(tmp_path):
+    def read(name, text):
+        path = tmp_path / "some.lst"
+        path.write_text(text)
+        lists = Lists()
+        lists.read(name, path)
+        return lists
+
+    return read
+
+
+def test_zero_offsets_of_a_list(lists):
+    table = lists(ZERO_OFFSETS, ZERO_LIST).tables(rotary=(), ball_radius_counts=True).zero_offsets
+    assert table.default_group == 2
+    assert table.shift_mm(0, 0) == 8.0
+    assert table.shift_mm(1, 0) == 10.0
+    assert table.shift_mm(1, 1) == 0.0
+    assert table.shift_mm(2, 0) == 0.0001
+    assert table.shift_mm(3, 0) == 0.0
+
+
+def test_g53_is_without_offset_unless_the_list_says_so(lists):
+    table = lists(ZERO_OFFSETS, "np_grp[0].achse[0].versch 80000").tables(
+        rotary=(), ball_radius_counts=True
+    )
+    assert table.zero_offsets.shift_mm(0, 0) == 0.0
+
+
+def test_tools_of_a_list(lists):
+    tools = lists(TOOLS, TOOL_LIST).tables(rotary=(), ball_radius_counts=True).tools
+    five, eight = tools.find(5), tools.find(8)
+    assert five is not None
+    assert eight is not None
+    assert (five.length_mm, five.radius_mm, five.fixed) == (60.0, 2.0, False)
+    assert five.offsets_mm == {0: 205.0, 3: -408.0}
+    assert (eight.length_mm, eight.fixed) == (pytest.approx(25.4), True)
+    assert tools.find(9) is None, "without gueltig the data may not be used"
+    assert tools.find(0) is not None, "D0 is always there"
+
+
+def test_single_values_come_after_the_file(lists):
+    both = lists(TOOLS, TOOL_LIST)
+    both.set(TOOLS, "wz[5].radius", "30000", Origin("set:tools.wz[5].radius"))
+    tool = both.tables(rotary=(), ball_radius_counts=True).tools.find(5)
+    assert tool is not None
+    assert tool.radius_mm == 3.0
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        (ZERO_OFFSETS, "default index 2", "unknown name in a list of zero offsets"),
+        (ZERO_OFFSETS, "default_index 97", "outside its range"),
+        (ZERO_OFFSETS, "np_grp[97].achse[0].versch 1", "index too large"),
+        (ZERO_OFFSETS, "np_grp[1].achse[0].versch 1.5", "takes a value of type SGN32"),
+        (ZERO_OFFSETS, "np_grp[1].achse[0].inaktiv 80000", "outside its range"),
+        (ZERO_OFFSETS, "g53_verfuegbar", "no value behind the name"),
+        (TOOLS, "wz[1].length 5", "unknown name in a list of tools"),
+        (TOOLS, "wz[1].laenge 99999999999", "outside its range"),
+        (TOOLS, "wz[1].orientation_vector[2] -1", "does not act yet"),
+        (TOOLS, "wz[1].radius 5\nwz[1].radius 6", "it stands in line 1 already"),
+    ],
+)
+def test_what_a_list_may_not_hold(lists, name, text, message):
+    with pytest.raises(UserError, match=message) as error:
+        lists(name, text)
+    assert error.value.file is not None
+    assert error.value.line == text.count("\n") + 1
+
+
+def test_a_list_that_is_not_there(tmp_path):
+    with pytest.raises(UserError, match="the list of tools cannot be read"):
+        Lists().read(TOOLS, tmp_path / "none.lst")
+
+
+def test_the_table_has_a_source_and_a_meaning_for_every_name():
+    for name in (ZERO_OFFSETS, TOOLS):
+        for form in forms(name).values():
+            assert form.number.startswith("P-"), form.path
+            assert all((form.meaning, form.source)), form.path
