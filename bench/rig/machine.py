@@ -70,8 +70,7 @@ class Machine:
             raise UserError(
                 "the rig has a real CAN interface", hint="only axisrig run, nc and drive open one"
             )
-        self.outside = outside_axes(settings)
-        self.is_stopped = False
+        self.outside, self.is_stopped = outside_axes(settings), False
         self._lost: set[str] = set()
         self._hardware = hardware if is_paced(settings) else None
         self.settings = settings
@@ -115,11 +114,12 @@ class Machine:
             self._inject_faults(seed)
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
+            self.channel.external.values.update(settings.external)
             interpreter = Interpreter(
                 program,
                 tuple(settings.rig.axis),
                 self.channel,
-                external=settings.external,
+                external=self.channel.external.values,
                 default_measuring_type=settings.channel.integer("messtyp"),
             )
             self.channel.load(interpreter.commands())
@@ -185,6 +185,7 @@ class Machine:
         if self._hardware is None:
             channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
+        channel.external.values.update(self.settings.external)
         channel.pauses.start_after_ns = self.settings.operator.start_after_ns
         channel.pauses.optional_stop = self.settings.operator.optional_stop
         for warning in [*self.settings.warnings, *warnings]:

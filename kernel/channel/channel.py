@@ -12,6 +12,7 @@ from typing import Any
 from kernel.channel.axes import SingleAxes
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.channel.execution import Execution
+from kernel.channel.external import ExternalVariables
 from kernel.channel.measurement import Measurement
 from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.path import Path
@@ -71,19 +72,13 @@ class Channel:
         self._starting = 0
         self.path = Path(clock, timing, axes, links)
         by_axis = {link.name: link for link in links}
-        self.measurement = Measurement(
-            clock,
-            self.path,
-            by_axis,
-            period_ns=timing.period_ns,
-            error_no_signal=error_no_signal,
-            warn=self.warn,
-        )
+        self.measurement = Measurement(clock, self.path, by_axis, error_no_signal=error_no_signal)
         self.execution = Execution(put_out)
         self.pauses = Pauses(clock, timing.period_ns, self.path.is_in_position)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.reactions.stops.append(self.single.stop)
+        self.external = ExternalVariables(clock)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
@@ -92,8 +87,7 @@ class Channel:
         self._monitor = monitor or Monitor(self.links, self._networks, clock)
         self.functions = DriveFunctions({})
         self._power_up = PowerUp(self.links, timing)
-        self._next_sync_ns: TimeNs = 0
-        self._sync_count = 0
+        self._next_sync_ns, self._sync_count = 0, 0
         self._assign()
 
     def _assign(self) -> None:
@@ -105,12 +99,11 @@ class Channel:
         known.register(canon.ArcMove, self._move_on_arc)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, self.measurement.begin, ready=path.is_in_position)
-        known.register(canon.ProbeSettings, self.measurement.choose)
-        known.register(canon.PrepareProbe, self.measurement.prepare)
         known.register(canon.DriveWrite, self._write_function)
         known.register(canon.DriveRead, self._ask_drive)
         known.register(canon.DriveWait, self._ask_drive)
         self.single.assign(known)
+        known.register(canon.ExternalWrite, self.external.write)
         known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
         known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
 
@@ -254,18 +247,6 @@ class Channel:
         """Tell whether the axis' last run had a signal (V.A.MERF)."""
         return self.measurement.measured_acs_mm(axis) is not None
 
-    def actual_acs_mm(self, axis: str) -> float:
-        """Return the actual position of an axis."""
-        return next(link.actual_mm for link in self.links if link.name == axis)
-
-    def may_measure(self, axis: str) -> bool:
-        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
-        return self.path.settings(axis).may_measure
-
-    def axis_numbered(self, number: int) -> str | None:
-        """Return the axis with a logical number (P-AXIS-00016), None when there is none."""
-        return next((axis.name for axis in self.axes if axis.number == number), None)
-
     def drive_value(self, axis: str, key: str) -> float:
         """Return what the last #DRIVE RD of this function brought."""
         return self.functions.value(axis, key)
@@ -305,7 +286,6 @@ class Channel:
     def _end(self, _command: canon.EndOfProgram) -> None:
         self.state = ChannelState.ENDED
         self.end_ns = self._clock.now_ns
-        self.measurement.end_program()
 
     # Stopping
 

@@ -66,8 +66,11 @@ class Execution:
     def step(self) -> None:
         """Begin what can begin in this cycle; returns at the end of the program."""
         assert self._queue is not None
+        self._queue.begin_cycle()
         while not self._is_busy():
             self._queue.refill()
+            if self._queue.is_empty:
+                return
             command = self._queue.head
             step = self._steps[type(command)]
             if not step.ready():

@@ -1,7 +1,7 @@
-"""The block queue between the interpreter and the execution.
+"""The block queue between the decoder and the execution.
 
 Blocks are decoded ahead until one needs the machine: a `Wait` closes the queue until everything
-before it has been executed.
+before it has been executed. Nothing else closes it.
 """
 
 from collections import deque
@@ -15,7 +15,7 @@ DEPTH = 16
 class Lookahead:
     """A queue of decoded commands.
 
-    commands: the interpreter's. put_out: takes messages that do not wait for the machine.
+    commands: the decoder's. put_out: takes messages that do not wait for the machine.
     """
 
     def __init__(self, commands: Iterator[Command], put_out: Callable[[Message], None]) -> None:
@@ -23,10 +23,15 @@ class Lookahead:
         self._put_out = put_out
         self._queue: deque[Command] = deque()
         self._is_closed = False
+        self._closed_for_cycle = False
+
+    def begin_cycle(self) -> None:
+        """Let the decoder go on behind a wait for the next cycle."""
+        self._closed_for_cycle = False
 
     def refill(self) -> None:
         """Decode ahead as far as the queue is deep and no block waits for the machine."""
-        while not self._is_closed and len(self._queue) < DEPTH:
+        while not self._is_closed and not self._closed_for_cycle and len(self._queue) < DEPTH:
             command = next(self._commands)
             if isinstance(command, Message) and not command.synchronous:
                 self._put_out(command)
@@ -35,11 +40,18 @@ class Lookahead:
             self._is_closed = isinstance(command, Wait | EndOfProgram)
 
     @property
+    def is_empty(self) -> bool:
+        """Whether there is nothing to execute in this cycle."""
+        return not self._queue
+
+    @property
     def head(self) -> Command:
         """The command to be executed next."""
         return self._queue[0]
 
     def pop(self) -> None:
-        """Take the head off; taking a `Wait` off lets the interpreter go on."""
-        if isinstance(self._queue.popleft(), Wait):
+        """Take the head off; taking a `Wait` off lets the decoder go on."""
+        command = self._queue.popleft()
+        if isinstance(command, Wait):
             self._is_closed = False
+            self._closed_for_cycle = command.for_cycle

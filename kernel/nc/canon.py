@@ -94,13 +94,11 @@ class TechnologyFunction:
 
 @dataclass(frozen=True)
 class MeasuringRun:
-    """A straight move that the probe signal ends (G100, G310).
+    """A straight move that the probe signal ends (G100).
 
     target_acs_mm: every axis that changes. programmed_axes: the axes named in the block.
     measuring_axes: the axes that must be released and must signal: the moved ones without a
-    transformation, all three main axes as well under #CS. feed_mm_min: path feed, None for rapid
-    (G310 with G0) and for the speed of the axis (type 2). goes_on: the signal does not end the
-    motion (G106). error_no_signal: ERR_NO_SIGNAL of #MEAS, None = P-CHAN-00176.
+    transformation, all three main axes as well under #CS.
     Source: FCT-C4 section 4.
     """
 
@@ -108,33 +106,8 @@ class MeasuringRun:
     target_acs_mm: Mapping[str, float]
     programmed_axes: tuple[str, ...]
     measuring_axes: tuple[str, ...]
-    feed_mm_min: float | None
+    feed_mm_min: float
     measuring_type: int
-    goes_on: bool = False
-    error_no_signal: bool | None = None
-
-
-@dataclass(frozen=True)
-class ProbeSettings:
-    """Which signal an axis measures with from its next run on (#MEAS); None = as it was.
-
-    edge: POS or NEG. probe_input: of the drive. probe: 0 or 1 for INPUT=PROBE0 or PROBE1, which
-    stand for an input of the parameter list.
-    """
-
-    block: Block
-    axis: str
-    edge: str | None = None
-    probe_input: int | None = None
-    probe: int | None = None
-
-
-@dataclass(frozen=True)
-class PrepareProbe:
-    """The probes of these axes are to be made ready ahead of their run (#MEAS PREPARE)."""
-
-    block: Block
-    axes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -190,10 +163,26 @@ class Warn:
 
 
 @dataclass(frozen=True)
-class Wait:
-    """The interpreter goes on only after everything before this has been executed."""
+class ExternalWrite:
+    """A value for a variable of the PLC side, given out when the machining has got here.
+
+    name: behind `V.E.`, as the PLC side spells it.
+    """
 
     block: Block
+    name: str
+    value: float
+
+
+@dataclass(frozen=True)
+class Wait:
+    """The interpreter goes on only after everything before this has been executed.
+
+    for_cycle: and only in the next cycle, so that a loop that asks the PLC side takes time.
+    """
+
+    block: Block
+    for_cycle: bool = False
 
 
 @dataclass(frozen=True)
@@ -276,17 +265,30 @@ class AdoptActual:
 AxisOrder = IndependentMove | WaitIndependent | AxisLinkOn | AxisLinkOff | Homing | AdoptActual
 DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop
-Measuring = MeasuringRun | ProbeSettings | PrepareProbe
 Command = (
     LinearMove
     | ArcMove
-    | Measuring
+    | MeasuringRun
     | Message
     | DriveCommand
     | AxisOrder
     | Pause
     | TechnologyFunction
     | Warn
+    | ExternalWrite
     | Wait
     | EndOfProgram
+)
+
+# What the machine is busy with for a while: a loop that holds one of these is not endless at once
+TAKES_TIME = (
+    LinearMove,
+    ArcMove,
+    MeasuringRun,
+    Dwell,
+    ProgramStop,
+    DriveRead,
+    DriveWait,
+    IndependentMove,
+    Homing,
 )

@@ -334,9 +334,6 @@ class SubprogramCall:
     parameters: tuple[tuple[str, Option], ...] = ()
 
 
-# ---- statements that the decoder still takes in a form of their own
-
-
 @dataclass(frozen=True)
 class MeasuringMode:
     """#MEAS MODE; measuring_type None chooses the default type of the channel."""
@@ -404,7 +401,6 @@ class Format:
 Branching = If | ElseIf | Else | EndIf | Switch | Case | Default | EndSwitch
 Looping = For | EndFor | While | EndWhile | Do | EndDo | Break | Continue
 Control = Branching | Looping | Goto | Label
-# The next eight go as soon as the decoder takes `Command`
 Special = MeasuringMode | SystemOn | SystemOff | MessageOut | DriveWrite | DriveRead | DriveWait
 Statement = Words | Command | Assign | Declare | SubprogramCall | Control | Special
 

@@ -50,7 +50,8 @@ ERRORS = [
     ("G1 G1", 1, 4, "exclude each other", "G1"),
     # known, not acting
     ("G2 X1", 1, 1, "not acting yet", "G2"),
-    ("N1 G108 X1", 1, 4, "not acting yet", "G108"),
+    ("N1 G310 X1", 1, 4, "not acting yet", "G310"),
+    ("G106", 1, 1, "not acting yet", "G106"),
     ("G54", 1, 1, "not acting yet", "G54"),
     ("D1", 1, 1, "not acting yet", "D1"),
     ("P1=3", 1, 1, "not acting yet", "P1"),
@@ -64,7 +65,7 @@ ERRORS = [
     ("$IF 3", 1, 1, "not acting yet", "$"),
     ("/N10 G0", 1, 1, "not acting yet", "/"),
     ("X=ROUND[3]", 1, 3, "not acting yet", "ROUND"),
-    ("X=V.L.A", 1, 3, "not acting yet", "V.L.A"),
+    ("X=V.CYC.A", 1, 3, "not acting yet", "V.CYC.A"),
     ("V.E.A=3", 1, 1, "not written", "V.E.A"),
     # commands
     ("N10 #MES MODE[1]", 1, 5, "unknown # command", "#MES MODE"),

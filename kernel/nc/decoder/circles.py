@@ -135,6 +135,7 @@ def _last_centre(letter: str) -> Reader:
 
 
 TOPIC = Topic(
+    read_addresses=("I", "J", "K", "R"),
     addresses={"R": silent(_radius)},
     settings={
         **{g: _choose(g) for g in ARCS},

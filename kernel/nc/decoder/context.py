@@ -1,15 +1,17 @@
 """What the topics of the decoder share: the program, the machine, modal state, values, alarms."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from kernel.errors import Alarm
+from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import Coordinates, OffsetTables
 from kernel.nc.coordinates.lists import INCH_MM
-from kernel.nc.expressions import NoValue, evaluate
-from kernel.nc.syntax import Expression, Program, Words
+from kernel.nc.decoder.frames import Flow
+from kernel.nc.expressions import DivisionByZero, NoValue, Value, evaluate, is_true, value_of
+from kernel.nc.syntax import Expression, Program, Variable, Words
 
 Part = TypeVar("Part")
 
@@ -29,20 +31,22 @@ class MachineView(Protocol):
         """Tell whether the signal of the last run came before the target."""
         ...
 
-    def actual_acs_mm(self, axis: str) -> float:
-        """Give the actual position of an axis."""
-        ...
-
-    def may_measure(self, axis: str) -> bool:
-        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
-        ...
-
-    def axis_numbered(self, number: int) -> str | None:
-        """Give the axis with a logical number (P-AXIS-00016), None when there is none."""
-        ...
-
     def drive_value(self, axis: str, key: str) -> float:
         """Give what the last `DriveRead` of this axis and function brought."""
+        ...
+
+
+class VariableAccess(Protocol):
+    """Who reads and writes variables, all topics together (`registry`)."""
+
+    def read(self, context: "Context", block: Block, variable: Variable) -> Value:
+        """Give the value of a variable."""
+        ...
+
+    def write(
+        self, context: "Context", block: Block, variable: Variable, value: Value
+    ) -> Iterator[canon.Command]:
+        """Give a variable a value; what the machine has to do for it is yielded."""
         ...
 
 
@@ -63,8 +67,8 @@ class Modal:
 class Context:
     """The state of one decoding, handed to every handler.
 
-    external: values of `V.E.<name>` by name. default_measuring_type: P-CHAN-00057. read: gives the
-    value of a variable (`variables`). tables: zero offsets and tools as the rig has them; the
+    external: values of `V.E.<name>` by name, those of the moment. default_measuring_type:
+    P-CHAN-00057. flow: the open calls. tables: zero offsets and tools as the rig has them; the
     program works on copies. ends: set by the block that ends the program.
     """
 
@@ -74,7 +78,8 @@ class Context:
         machine: MachineView,
         external: Mapping[str, float],
         default_measuring_type: int,
-        read: Callable[["Context", Block, str], float],
+        flow: Flow,
+        variables: VariableAccess,
         tables: OffsetTables | None = None,
     ) -> None:
         self.program, self.machine = program, machine
@@ -86,8 +91,9 @@ class Context:
         self.tables = tables or OffsetTables()
         self.zero_offsets = self.tables.zero_offsets.copy()
         self.tools = self.tables.tools.copy()
+        self.flow = flow
         self.ends = False
-        self._read = read
+        self._variables = variables
         self._parts: dict[type, object] = {}
 
     def begin(self) -> None:
@@ -115,12 +121,33 @@ class Context:
         """Give the name of an axis as the rig spells it; upper: checked to be one."""
         return next(axis for axis in self.axes if axis.upper() == upper)
 
+    # ---- values
+
     def value(self, block: Block, expression: Expression) -> float:
-        """Give the value of an expression; raises Alarm 900105 when it has none."""
+        """Give the number an expression stands for.
+
+        Raises Alarm 20396 for a division by 0 and 900105 for everything else without a value.
+        """
         try:
-            return evaluate(expression, lambda name: self._read(self, block, name))
+            return evaluate(expression, lambda variable: self.read(block, variable))
         except NoValue as fault:
-            raise self.alarm(900105, block, reason=str(fault)) from None
+            raise self._no_value(block, fault) from None
+
+    def any_value(self, block: Block, expression: Expression) -> Value:
+        """Give the number or the text an expression stands for; raises as `value`."""
+        try:
+            return value_of(expression, lambda variable: self.read(block, variable))
+        except NoValue as fault:
+            raise self._no_value(block, fault) from None
+
+    def _no_value(self, block: Block, fault: NoValue) -> Alarm:
+        if isinstance(fault, DivisionByZero):
+            return self.alarm(20396, block, value=f"{fault.dividend:g}")
+        return self.alarm(900105, block, reason=str(fault))
+
+    def holds(self, block: Block, condition: Expression) -> bool:
+        """Tell whether a condition holds."""
+        return is_true(self.value(block, condition))
 
     @property
     def unit_mm(self) -> float:
@@ -148,6 +175,14 @@ class Context:
         """Give the values of the axis words as they are written: factors, or of no meaning."""
         return [(axis, self.value(block, value)) for axis, value in words.axes]
 
+    def read(self, block: Block, variable: Variable) -> Value:
+        """Give the value of a variable."""
+        return self._variables.read(self, block, variable)
+
+    def write(self, block: Block, variable: Variable, value: Value) -> Iterator[canon.Command]:
+        """Give a variable a value; what the machine has to do for it is yielded."""
+        yield from self._variables.write(self, block, variable, value)
+
     def feed(self, block: Block, word: str) -> float:
         """Give the feed in mm/min; raises Alarm 20008 without one above 0."""
         feed_mm_min = self.modal.feed_mm_min
@@ -155,7 +190,13 @@ class Context:
             raise self.alarm(20008, block, word=word)
         return feed_mm_min
 
+    # ---- alarms
+
     def alarm(self, alarm_id: int, block: Block, **values: object) -> Alarm:
         """Make an alarm with file, line and block number as its place."""
-        file = "" if self.program.file is None else f"{self.program.file} "
+        file = "" if self.flow.file is None else f"{self.flow.file} "
         return Alarm(alarm_id, place=f"{file}{block}", **values)
+
+    def not_acting(self, block: Block, word: str, what: str) -> Alarm:
+        """Make the alarm of a word that the manuals know and the kernel does not carry out."""
+        return self.alarm(900100, block, word=word, what=what)

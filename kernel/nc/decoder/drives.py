@@ -6,7 +6,7 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic
-from kernel.nc.decoder.variables.own import OwnVariables
+from kernel.nc.decoder.variables import own
 from kernel.nc.syntax import DriveRead, DriveWait, DriveWrite
 
 
@@ -23,7 +23,7 @@ def _read(context: Context, block: Block, reading: DriveRead) -> Iterator[canon.
     yield canon.DriveRead(block, reading.axis, reading.key)
     yield canon.Wait(block)
     value = context.machine.drive_value(reading.axis, reading.key)
-    context.part(OwnVariables).values[reading.variable] = value
+    own.store(context, block, reading.variable, value)
 
 
 TOPIC = Topic(statements={DriveWrite: _write, DriveWait: _wait, DriveRead: _read})

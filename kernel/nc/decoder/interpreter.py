@@ -2,22 +2,34 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import OffsetTables
 from kernel.nc.decoder import motion, registry, technology
+from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
+from kernel.nc.decoder.frames import Flow
+from kernel.nc.decoder.subprograms import link
 from kernel.nc.decoder.variables import external as external_variables
-from kernel.nc.syntax import Command, Program, ProgramBlock, Words
+from kernel.nc.decoder.variables import own
+from kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
+from kernel.nc.text.words import words as known_words
+
+# How many blocks may be decoded in a row that give the machine nothing to do
+IDLE_BLOCKS_MAX = 200_000
+NOT_ACTING = 900100
 
 
 class Interpreter:
     """Decodes a program for one channel.
 
     axes: those the program was checked for, main axes first. external: values of `V.E.<name>` by
-    name, read whenever a block uses one; upper and lower case do not differ.
-    default_measuring_type: P-CHAN-00057. tables: zero offsets and tools of the rig.
-    Raises UserError for a `V.E.` variable that `external` does not have.
+    name, read when the machining has got to the block that uses one; upper and lower case do not
+    differ. default_measuring_type: P-CHAN-00057. tables: zero offsets and tools of the rig. kept:
+    the variables V.S., which outlive a program; hand the same one to the next of the session.
+    Raises UserError for control structures, labels, subprograms and variables that cannot be
+    right (`subprograms.link`), and for a `V.E.` variable that `external` does not have.
     """
 
     def __init__(
@@ -29,11 +41,23 @@ class Interpreter:
         external: Mapping[str, float],
         default_measuring_type: int = 1,
         tables: OffsetTables | None = None,
+        kept: Store | None = None,
     ) -> None:
         assert tuple(axes) == program.axes, "the program was checked for other axes"
-        external_variables.check(program, external)
-        self._program = program
-        self._context = Context(program, machine, external, default_measuring_type, read, tables)
+        main = link(program)
+        external_variables.check(main, external)
+        own.check(main)
+        self._context = Context(
+            program,
+            machine,
+            external,
+            default_measuring_type,
+            Flow(main.main),
+            registry.Variables(),
+            tables,
+        )
+        if kept is not None:
+            self._context.part(own.OwnVariables).kept = kept
 
     def commands(self) -> Iterator[canon.Command]:
         """Yield the commands of the program, `EndOfProgram` last.
@@ -41,24 +65,65 @@ class Interpreter:
         After a `Wait` the generator must be resumed only when everything before is executed.
         Raises Alarm with the file, line and block number as its place.
         """
-        self._context.begin()
+        context, flow = self._context, self._context.flow
+        context.begin()
         block = Block(1, None, "")
-        for part in self._program.blocks:
+        while not context.ends and (part := flow.advance()) is not None:
             block = part.block
-            yield from self._decode(part)
-            if self._context.ends:
-                break
+            if flow.idle_blocks > IDLE_BLOCKS_MAX:
+                raise _endless(context, block)
+            for command in _decode(context, part):
+                yield command
+                takes_time = isinstance(command, canon.TAKES_TIME)
+                if takes_time or (isinstance(command, canon.Wait) and command.for_cycle):
+                    flow.idle_blocks = 0
         yield canon.EndOfProgram(block)
 
-    def _decode(self, part: ProgramBlock) -> Iterator[canon.Command]:
-        statement = part.statement
-        if isinstance(statement, Words):
-            yield from _decode_words(self._context, part.block, statement)
-        elif isinstance(statement, Command):
-            yield from registry.COMMANDS[statement.name](self._context, part.block, statement)
-        elif statement is not None:
-            handler = registry.STATEMENTS[type(statement)]
-            yield from handler(self._context, part.block, statement)
+
+def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
+    """Decode one block; what does not act ends the program when the machine gets there."""
+    block = part.block
+    try:
+        yield from _decode_part(context, part)
+    except Alarm as alarm:
+        if alarm.id == NOT_ACTING:
+            yield canon.Wait(block)
+        raise
+
+
+def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
+    block, statement = part.block, part.statement
+    if part.not_acting:
+        first = part.not_acting[0]
+        raise context.not_acting(block, first.word, first.what)
+    if statement is None:
+        return
+    frame = context.flow.frame
+    waits = frame.routine.waits.get(frame.place)
+    if waits is None:
+        waits = frame.routine.waits[frame.place] = registry.waits_of(statement)
+    commands = _decode_statement(context, block, statement)
+    if waits:
+        yield canon.Wait(block, for_cycle=waits == "cycle")
+        first_command = next(commands, None)
+        # A command that waits as well has nothing to wait for any more
+        if first_command is not None and type(first_command) is not canon.Wait:
+            yield first_command
+    yield from commands
+
+
+def _decode_statement(
+    context: Context, block: Block, statement: Statement
+) -> Iterator[canon.Command]:
+    if isinstance(statement, Words):
+        yield from _decode_words(context, block, statement)
+    elif isinstance(statement, Command):
+        handler = registry.COMMANDS.get(statement.name)
+        if handler is None:
+            raise _not_handled(context, block, "command", statement.name)
+        yield from handler(context, block, statement)
+    else:
+        yield from registry.STATEMENTS[type(statement)](context, block, statement)
 
 
 def _decode_words(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
@@ -66,10 +131,19 @@ def _decode_words(context: Context, block: Block, words: Words) -> Iterator[cano
     for function in functions:
         if function in registry.SETTINGS:
             yield from registry.SETTINGS[function](context, block, words)
+        elif function[0] == "G" and function not in registry.TAKES_AXES:
+            raise _not_handled(context, block, "G", function)
     for letter in dict.fromkeys(letter for letter, _ in words.addresses):
         if letter in registry.ADDRESSES:
             yield from registry.ADDRESSES[letter](context, block, words)
+        elif letter not in registry.READ_ADDRESSES:
+            raise _not_handled(context, block, "address", letter)
     yield from technology.announce(context, block, words)
+    for command in words.axis_commands:
+        handler = registry.AXIS_COMMANDS.get(command.name)
+        if handler is None:
+            raise context.not_acting(block, f"{command.axis}[{command.name}]", "single axis")
+        yield from handler(context, block, command)
     taking = next((g for g in functions if g in registry.TAKES_AXES), None)
     takes = motion.move if taking is None else registry.TAKES_AXES[taking]
     yield from takes(context, block, words)
@@ -78,13 +152,16 @@ def _decode_words(context: Context, block: Block, words: Words) -> Iterator[cano
             yield from registry.ENDINGS[function](context, block, words)
 
 
-def read(context: Context, block: Block, name: str) -> float:
-    """Give the value of a variable; the table of variables has checked its name."""
-    if name in registry.READERS:
-        return registry.READERS[name](context, block, "")
-    parts = name.split(".")
-    for count in range(len(parts) - 1, 0, -1):
-        reader = registry.READERS.get(".".join(parts[:count]))
-        if reader is not None:
-            return reader(context, block, ".".join(parts[count:]))
-    raise AssertionError(f"nobody reads {name}")
+def _not_handled(context: Context, block: Block, kind: str, word: str) -> Exception:
+    row = known_words(kind).get(word)
+    shown = f"#{word}" if kind == "command" else word
+    return context.not_acting(block, shown, kind if row is None else row.meaning)
+
+
+def _endless(context: Context, block: Block) -> Exception:
+    loop = context.flow.busiest_loop()
+    if loop is None:
+        return context.alarm(900120, block, blocks=IDLE_BLOCKS_MAX, loop="a jump", turns="many")
+    begin, turns = loop
+    shown = f"the loop of line {begin.line} ({begin.text})"
+    return context.alarm(900120, block, blocks=IDLE_BLOCKS_MAX, loop=shown, turns=turns)

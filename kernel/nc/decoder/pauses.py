@@ -122,6 +122,7 @@ def require_no_contouring(context: Context, block: Block, words: Words) -> None:
 
 
 TOPIC = Topic(
+    read_addresses=(DWELL_ADDRESS,),
     takes_axes={"G4": _dwell},
     settings={
         "G8": silent(_nothing),

@@ -7,34 +7,43 @@ from typing import Any
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
+from kernel.nc.expressions import Value
 
-# The third argument is the statement: Words for a word, Command for a # command.
+# The third argument is the statement: Words for a word, Command for a # command, AxisCommand.
 Handler = Callable[[Context, Block, Any], Iterator[canon.Command]]
-# The third argument is what stands behind the stem: the axis name in upper case, or any name.
-Reader = Callable[[Context, Block, str], float]
+# (context, block, what stands behind the stem, *indices): the axis in upper case, or any name.
+Reader = Callable[..., Value]
+# (context, block, what stands behind the stem, value, *indices)
+Writer = Callable[..., Iterator[canon.Command]]
 
 
 @dataclass(frozen=True)
 class Topic:
     """The tables of one module; `registry` puts those of all modules together.
 
-    A block of words is worked off in this order: settings, addresses, axis words, endings.
+    A block of words is worked off in this order: settings, addresses, commands to single axes,
+    axis words, endings. What nobody handles ends with alarm 900100.
 
-    statements: by class of statement. commands: by name, upper case with single blanks.
-    addresses: by letter (`F`, `T`), those that act before the axis words. settings: G and M
-    functions that act before everything else: G70 counts for the F of its block.
+    statements: by class of statement. commands: # commands by name, upper case with single blanks.
+    axis_commands: by first word (`INDP_SYN`). addresses: by letter (`F`, `T`), those that act
+    before the axis words, once for each block. read_addresses: letters that a G function reads.
+    settings: G and M functions that act before everything else: G70 counts for the F of its block.
     takes_axes: G functions that take the axis words of their block. endings: M functions that act
-    after the axis words. readers: variables by the stem in front of `<axis>` or `<name>` in
-    variables.csv, without the point.
+    after the axis words. readers, writers: variables by the stem in front of `<axis>` or `<name>`
+    in variables.csv, without the point; a name with indices has `[]` for each
+    (`V.G.KIN_STEP[].ID[].PARAM[]`).
     """
 
     statements: Mapping[type, Handler] = field(default_factory=dict)
     commands: Mapping[str, Handler] = field(default_factory=dict)
+    axis_commands: Mapping[str, Handler] = field(default_factory=dict)
     addresses: Mapping[str, Handler] = field(default_factory=dict)
     settings: Mapping[str, Handler] = field(default_factory=dict)
     takes_axes: Mapping[str, Handler] = field(default_factory=dict)
     endings: Mapping[str, Handler] = field(default_factory=dict)
     readers: Mapping[str, Reader] = field(default_factory=dict)
+    writers: Mapping[str, Writer] = field(default_factory=dict)
+    read_addresses: tuple[str, ...] = ()
 
 
 def silent(act: Callable[[Context, Block, Any], None]) -> Handler:

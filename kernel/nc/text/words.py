@@ -26,10 +26,16 @@ class Word:
 
 @dataclass(frozen=True)
 class VariableName:
-    """One row of `variables.csv`; `<axis>` and `<name>` in the name stand for any."""
+    """One row of `variables.csv`; `<axis>` and `<name>` in the name stand for any.
+
+    waits: what reading it waits for: nothing, `machine` (all before it is executed) or `cycle`
+    (and the next cycle). written: whether a program can give it a value.
+    """
 
     name: str
     acts: bool
+    waits: str
+    written: bool
     unit: str
     source: str
     meaning: str
@@ -64,6 +70,8 @@ def words(kind: str) -> Mapping[str, Word]:
 def variables() -> tuple[VariableName, ...]:
     """Give the variables in the order of the table."""
     return tuple(
-        VariableName(**{**row, "acts": row["acts"] == "yes"})  # type: ignore[arg-type]
+        VariableName(
+            **{**row, "acts": row["acts"] == "yes", "written": row["written"] == "yes"}  # type: ignore[arg-type]
+        )
         for row in _rows("variables.csv")
     )

@@ -3,4 +3,8 @@
 from kernel.nc.decoder.topic import Topic
 from kernel.nc.decoder.variables import external, own
 
-TOPIC = Topic(readers={"V.E": external.read, "V.P": own.read})
+TOPIC = Topic(
+    statements=own.TOPIC.statements,
+    readers={**own.TOPIC.readers, "V.E": external.read},
+    writers={**own.TOPIC.writers, "V.E": external.write},
+)

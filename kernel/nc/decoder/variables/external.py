@@ -1,29 +1,61 @@
-"""Variables of the PLC side (V.E.)."""
+"""Variables of the PLC side (V.E.).
 
-from collections.abc import Mapping
+A value is read when the machining has got to the block, and given out when it gets there.
+Source: TF5200 external variables 1091998347 (synchronous access).
+"""
+
+from collections.abc import Iterator, Mapping
 
 from kernel.errors import UserError, nearest
+from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
-from kernel.nc.syntax import Program
+from kernel.nc.decoder.subprograms import Unit, reachable
+from kernel.nc.decoder.variables.own import spelled
+from kernel.nc.expressions import Value
 
 
-def read(context: Context, block: Block, name: str) -> float:
+def read(context: Context, block: Block, name: str, *indices: int) -> float:
     """Give the present value of V.E.<name>; upper and lower case do not differ."""
-    spelled = next(known for known in context.external if known.upper() == name)
-    return float(context.external[spelled])
+    return float(context.external[_known(context, block, name, indices)])
 
 
-def check(program: Program, external: Mapping[str, float]) -> None:
-    """Refuse a program that reads a V.E. variable which the PLC side does not have."""
+def write(
+    context: Context, block: Block, name: str, value: Value, *indices: int
+) -> Iterator[canon.Command]:
+    """Give out a value when the machining gets to the block."""
+    known = _known(context, block, name, indices)
+    if isinstance(value, str):
+        raise context.alarm(900122, block, name=f"V.E.{known}", kind="a number", value=value)
+    yield canon.ExternalWrite(block, known, value)
+
+
+def _known(context: Context, block: Block, name: str, indices: tuple[int, ...]) -> str:
+    """Give the name as the PLC side spells it."""
+    asked = spelled(name, indices)
+    known = next((other for other in context.external if other.upper() == asked), None)
+    if known is None:
+        close = nearest(asked, context.external)
+        near = f"; the nearest: {', '.join(f'V.E.{other}' for other in close)}" if close else ""
+        raise context.alarm(900113, block, name=f"V.E.{asked}", near=near)
+    return known
+
+
+def check(main: Unit, external: Mapping[str, float]) -> None:
+    """Refuse a program with a V.E. variable which the PLC side does not have."""
     known_names = {name.upper() for name in external}
-    for name, line, column in program.variables:
-        key = name.removeprefix("V.E.")
-        if name.startswith("V.E.") and key not in known_names:
+    fields = {name.partition("[")[0] for name in known_names if "[" in name}
+    for unit in reachable(main):
+        for name, line, column in unit.program.variables:
+            if not name.startswith("V.E."):
+                continue
+            key = name.removeprefix("V.E.")
+            if key in known_names or key.partition("[")[0] in fields:
+                continue
             close = nearest(key, external)
             raise UserError(
                 "the PLC side has no such variable",
-                file=program.file,
+                file=unit.program.file,
                 line=line,
                 column=column,
                 value=name,

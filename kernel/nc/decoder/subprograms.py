@@ -1,0 +1,155 @@
+"""The texts a run can reach: the main program, its local subprograms, files of global ones.
+
+Source: TF5200 programming manual 206828043 (local), 206834699 (global).
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import NoReturn
+
+from kernel.errors import UserError, nearest
+from kernel.nc.canon import Block
+from kernel.nc.decoder.structure import Structure, resolve
+from kernel.nc.syntax import Program, ProgramBlock, SubprogramCall
+from kernel.nc.text.parser import read_program
+
+# What is tried behind the name of a global subprogram, in this order
+EXTENSIONS = ("", ".nc")
+
+
+@dataclass(eq=False)
+class Unit:
+    """One file: its main program and its local subprograms by name in upper case.
+
+    called: the units of the global subprograms that this file calls, by name as written.
+    """
+
+    program: Program
+    main: "Routine"
+    local: Mapping[str, "Routine"]
+    called: dict[str, "Unit"] = field(default_factory=dict)
+
+
+@dataclass(eq=False)
+class Routine:
+    """One sequence of blocks that is worked off as a whole.
+
+    waits: what the block of a place waits for because of what it reads, once it was decoded.
+    """
+
+    name: str
+    file: str | None
+    blocks: Sequence[ProgramBlock]
+    structure: Structure
+    unit: Unit = field(init=False)
+    waits: dict[int, str] = field(default_factory=dict)
+
+
+def link(program: Program) -> Unit:
+    """Resolve every jump and every call that a program can reach.
+
+    Raises UserError for structures that are not closed, labels and subprograms that do not exist,
+    and for everything wrong in the files of global subprograms, with the name of the file in which
+    it stands.
+    """
+    units: dict[Path, Unit] = {}
+    main = _unit(program)
+    if program.file is not None:
+        units[Path(program.file).resolve()] = main
+    waiting = [main]
+    while waiting:
+        unit = waiting.pop()
+        for block, call in _calls(unit):
+            if call.scope == "local":
+                local(unit, block, call.name)
+            elif call.scope == "global" and call.name not in unit.called:
+                path = _file(program, unit, block, call.name)
+                if path not in units:
+                    units[path] = _unit(read_program(path, program.axes))
+                    waiting.append(units[path])
+                unit.called[call.name] = units[path]
+    return main
+
+
+def reachable(main: Unit) -> list[Unit]:
+    """Give the unit itself and those of all global subprograms it can reach."""
+    found = [main]
+    for unit in found:
+        found += [other for other in unit.called.values() if other not in found]
+    return found
+
+
+def local(unit: Unit, block: Block, name: str) -> Routine:
+    """Find a local subprogram; raises UserError with the nearest names."""
+    if name.upper() not in unit.local:
+        known = [routine.name for routine in unit.local.values()]
+        close = nearest(name, known)
+        _refuse(
+            unit,
+            block,
+            "this file has no such local subprogram (%L)",
+            name,
+            known or "none: a local subprogram stands in front of the main program",
+            f"nearest: {', '.join(close)}" if close else None,
+        )
+    return unit.local[name.upper()]
+
+
+def _unit(program: Program) -> Unit:
+    def routine(name: str, blocks: Sequence[ProgramBlock]) -> Routine:
+        return Routine(name, program.file, blocks, resolve(program.file, blocks))
+
+    locals_ = {name.upper(): routine(name, part) for name, part in program.subprograms.items()}
+    unit = Unit(program, routine(program.name or "main program", program.blocks), locals_)
+    for each in (unit.main, *locals_.values()):
+        each.unit = unit
+    return unit
+
+
+def _calls(unit: Unit) -> Iterator[tuple[Block, SubprogramCall]]:
+    for routine in (unit.main, *unit.local.values()):
+        for part in routine.blocks:
+            if isinstance(part.statement, SubprogramCall):
+                yield part.block, part.statement
+
+
+def _file(program: Program, unit: Unit, block: Block, name: str) -> Path:
+    """Find the file of a global subprogram, beside the main program or beside its caller."""
+    files = (program.file, unit.program.file)
+    folders = dict.fromkeys(Path(file).resolve().parent for file in files if file is not None)
+    asked = Path(name)
+    tried = [
+        (folder / asked).with_name(asked.name + extension)
+        for folder in ([asked.parent] if asked.is_absolute() else folders)
+        for extension in EXTENSIONS
+    ]
+    for path in tried:
+        if path.is_file():
+            return path.resolve()
+    places = ", ".join(str(path) for path in tried)
+    beside = sorted(path.name for folder in folders for path in folder.glob("*.nc"))
+    close = nearest(asked.name, beside)
+    _refuse(
+        unit,
+        block,
+        "the file of the global subprogram is not there",
+        name,
+        f"one of {places}" if tried else "a file: this program has no place of its own",
+        f"nearest: {', '.join(close)}" if close else None,
+    )
+
+
+def _refuse(
+    unit: Unit, block: Block, message: str, name: str, allowed: object, hint: str | None
+) -> NoReturn:
+    at = max(block.text.upper().find(name.upper()), 0)
+    raise UserError(
+        message,
+        file=unit.program.file,
+        line=block.line,
+        column=block.column + at,
+        value=name,
+        allowed=allowed,  # type: ignore[arg-type]
+        hint=hint,
+    )
