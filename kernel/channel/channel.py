@@ -72,7 +72,14 @@ class Channel:
         self._starting = 0
         self.path = Path(clock, timing, axes, links)
         by_axis = {link.name: link for link in links}
-        self.measurement = Measurement(clock, self.path, by_axis, error_no_signal=error_no_signal)
+        self.measurement = Measurement(
+            clock,
+            self.path,
+            by_axis,
+            period_ns=timing.period_ns,
+            error_no_signal=error_no_signal,
+            warn=self.warn,
+        )
         self.execution = Execution(put_out)
         self.pauses = Pauses(clock, timing.period_ns, self.path.is_in_position)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
@@ -99,6 +106,8 @@ class Channel:
         known.register(canon.ArcMove, self._move_on_arc)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, self.measurement.begin, ready=path.is_in_position)
+        known.register(canon.ProbeSettings, self.measurement.choose)
+        known.register(canon.PrepareProbe, self.measurement.prepare)
         known.register(canon.DriveWrite, self._write_function)
         known.register(canon.DriveRead, self._ask_drive)
         known.register(canon.DriveWait, self._ask_drive)
@@ -247,6 +256,18 @@ class Channel:
         """Tell whether the axis' last run had a signal (V.A.MERF)."""
         return self.measurement.measured_acs_mm(axis) is not None
 
+    def actual_acs_mm(self, axis: str) -> float:
+        """Return the actual position of an axis."""
+        return next(link.actual_mm for link in self.links if link.name == axis)
+
+    def may_measure(self, axis: str) -> bool:
+        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
+        return self.path.settings(axis).may_measure
+
+    def axis_numbered(self, number: int) -> str | None:
+        """Return the axis with a logical number (P-AXIS-00016), None when there is none."""
+        return next((axis.name for axis in self.axes if axis.number == number), None)
+
     def drive_value(self, axis: str, key: str) -> float:
         """Return what the last #DRIVE RD of this function brought."""
         return self.functions.value(axis, key)
@@ -286,6 +307,7 @@ class Channel:
     def _end(self, _command: canon.EndOfProgram) -> None:
         self.state = ChannelState.ENDED
         self.end_ns = self._clock.now_ns
+        self.measurement.end_program()
 
     # Stopping
 

@@ -1,33 +1,56 @@
 """The measurement run of the channel: begins it, leads its path, keeps what it brought."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 
 from kernel.channel.path import Path
-from kernel.clock import Clock
+from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
+from kernel.measuring.rules import highest_speed, misses_signal
 from kernel.measuring.run import MeasuringRun, Order, RunRecord, RunState
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.nc import canon
+from kernel.nc.measuring_types import measuring_types
 
-ONE_AXIS = 2  # measuring type
+S_PER_MIN = 60.0
+
+
+@dataclass(frozen=True)
+class _Order:
+    """What a run does once its probes are armed."""
+
+    target_acs_mm: Mapping[str, float]
+    speed_mm_s: float
+    dynamics: Dynamics
+    overtravel_mm: Mapping[str, float]
 
 
 class Measurement:
     """Runs one measurement on the path at a time.
 
-    links: by axis. error_no_signal: P-CHAN-00176. records: every run of the program, in order.
+    links: by axis. period_ns: of the NC cycle. error_no_signal: P-CHAN-00176. warn: takes alarms
+    of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
+    named; with the signal of the drive nothing is to be made ready, so that it stays a note.
     """
 
     def __init__(
-        self, clock: Clock, path: Path, links: Mapping[str, AxisLink], *, error_no_signal: bool
+        self,
+        clock: Clock,
+        path: Path,
+        links: Mapping[str, AxisLink],
+        *,
+        period_ns: TimeNs,
+        error_no_signal: bool,
+        warn: Callable[[Alarm], None],
     ) -> None:
         self._clock, self._path, self._links = clock, path, links
-        self._error_no_signal = error_no_signal
+        self._period_ns, self._error_no_signal, self._warn = period_ns, error_no_signal, warn
         self._run: MeasuringRun | None = None
-        self._order: tuple[canon.MeasuringRun, Dynamics] | None = None
+        self._order: _Order | None = None
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
+        self.prepared: set[str] = set()
 
     @property
     def is_active(self) -> bool:
@@ -38,27 +61,81 @@ class Measurement:
         """Return the measured position of the axis' last run, None without a valid one."""
         return self._measured.get(axis)
 
-    def begin(self, command: canon.MeasuringRun) -> None:
-        """Begin a run; raises Alarm 50059, 900103 and those of the run itself."""
-        for name in command.measuring_axes:
-            if not self._path.settings(name).may_measure:
-                raise Alarm(50059, axis=name)
-        dynamics = self._path.dynamics(command.target_acs_mm, Motion.MEASURING)
-        if dynamics is None:
-            raise Alarm(900103, axes=" ".join(command.programmed_axes))
-        ports = [self._links[name] for name in command.measuring_axes]
-        run = MeasuringRun(ports, str(command.block), self._clock.now_ns, self._error_no_signal)
-        self._run, self._order = run, (command, dynamics)
-        self.records.append(run.record)
+    # Settings (#MEAS)
 
-    def begin_beside(self, command: canon.IndependentMove) -> MeasuringRun:
-        """Make the run of an independent axis, which evaluates it and gives it back to `keep`.
+    def choose(self, command: canon.ProbeSettings) -> None:
+        """Measure with another edge or input; raises Alarm 50637 and 900223."""
+        self._check_released(command.axis, 50637)
+        link, input_ = self._links[command.axis], command.probe_input
+        if command.probe is not None:
+            input_ = self._path.settings(command.axis).measuring.probe_inputs[command.probe]
+        link.choose_latch(input_ or link.probe_input, command.edge or link.edge)
 
-        Type 2 always wants a signal (FCT-C4 section 3). Raises Alarm 50052.
+    def prepare(self, command: canon.PrepareProbe) -> None:
+        """Note which axes are to be ready for a run; raises Alarm 50059."""
+        for name in command.axes:
+            self._check_released(name, 50059)
+        self.prepared.update(command.axes)
+
+    def forget_prepared(self, axis: str) -> None:
+        """Reset the preparation of all axes when this one is among them.
+
+        To be called when it is homed or leaves the channel. Source: FCT-C4 section 7.2.
         """
-        wants_signal = self._error_no_signal or command.measuring_type == ONE_AXIS
-        link, place = self._links[command.axis], str(command.block)
-        run = MeasuringRun([link], place, self._clock.now_ns, wants_signal)
+        if axis in self.prepared:
+            self.prepared.clear()
+
+    def end_program(self) -> None:
+        """Go back to what the parameter lists say. Source: FCT-C4 section 7.2, PROG 207092107."""
+        self.prepared.clear()
+        for link in self._links.values():
+            chosen = link.settings.probe_input, link.settings.edge
+            if (link.probe_input, link.edge) != chosen:
+                link.choose_latch(*chosen)
+
+    # The run
+
+    def begin(self, command: canon.MeasuringRun) -> None:
+        """Begin a run on the path.
+
+        Raises Alarm 50059, 900103, 900224 and those of the run itself.
+        """
+        for name in dict.fromkeys((*command.programmed_axes, *command.measuring_axes)):
+            self._check_released(name, 50059)
+        self._order = self._planned(command)
+        self._run = self.arm(
+            command.measuring_type,
+            command.measuring_axes,
+            command.block,
+            error_no_signal=command.error_no_signal,
+            goes_on=command.goes_on,
+        )
+
+    def arm(
+        self,
+        measuring_type: int,
+        axes: Sequence[str],
+        block: canon.Block,
+        *,
+        error_no_signal: bool | None = None,
+        goes_on: bool = False,
+    ) -> MeasuringRun:
+        """Make a run of released axes, and note it; who moves them has to evaluate it.
+
+        error_no_signal: None = P-CHAN-00176. Raises Alarm 50052.
+        """
+        kind = measuring_types()[measuring_type]
+        wants_signal = self._error_no_signal if error_no_signal is None else error_no_signal
+        delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
+        run = MeasuringRun(
+            [self._links[name] for name in axes],
+            str(block),
+            self._clock.now_ns,
+            misses_signal(kind, wants_signal),
+            goes_on=goes_on,
+            delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
+        )
+        run.record.inputs.update({name: self._links[name].probe_input for name in axes})
         self.records.append(run.record)
         return run
 
@@ -66,16 +143,77 @@ class Measurement:
         """Keep what a run brought."""
         self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
 
+    def speed_mm_s(
+        self,
+        measuring_type: int,
+        block: canon.Block,
+        named: Sequence[str],
+        moving: Sequence[str],
+        wanted_mm_s: float,
+        dynamics: Dynamics,
+    ) -> float:
+        """Return the speed of a run: that of its axis (type 2), within the stroke of its probe.
+
+        named: axes of the block. moving: those that the path moves. dynamics: of the path. Warns
+        with 900222 when the stroke lowers it; raises Alarm 900224 for a probe without a stroke.
+        """
+        kind = measuring_types()[measuring_type]
+        axes = {name: self._path.settings(name).measuring for name in moving}
+        if kind.has_own_speed:
+            wanted_mm_s = self._path.settings(named[0]).measuring.speed_mm_s
+        wanted_mm_s = min(wanted_mm_s, dynamics.speed_max_mm_s)
+        highest_mm_s = highest_speed(kind, list(axes.values()), dynamics.stop_deceleration)
+        if wanted_mm_s <= highest_mm_s:
+            return wanted_mm_s
+        least = min(axes, key=lambda name: axes[name].stroke_mm)
+        if not highest_mm_s:
+            raise Alarm(900224, axis=least, type=measuring_type)
+        warning = Alarm(
+            900222,
+            place=str(block),
+            axis=least,
+            speed_mm_min=f"{wanted_mm_s * S_PER_MIN:.9g}",
+            stroke_mm=f"{axes[least].stroke_mm:.9g}",
+            corrected_mm_min=f"{highest_mm_s * S_PER_MIN:.9g}",
+        )
+        self._warn(warning)
+        return highest_mm_s
+
+    def _check_released(self, axis: str, alarm_id: int) -> None:
+        if not self._path.settings(axis).may_measure:
+            raise Alarm(alarm_id, axis=axis)
+
+    def _planned(self, command: canon.MeasuringRun) -> _Order:
+        target, type_ = command.target_acs_mm, command.measuring_type
+        dynamics = self._path.dynamics(target, Motion.MEASURING)
+        rapid = self._path.dynamics(target, Motion.RAPID)
+        if dynamics is None or rapid is None:
+            raise Alarm(900103, axes=" ".join(command.programmed_axes))
+        feed_mm_min = command.feed_mm_min
+        wanted_mm_s = rapid.speed_max_mm_s if feed_mm_min is None else feed_mm_min / S_PER_MIN
+        speed_mm_s = self.speed_mm_s(
+            type_, command.block, command.programmed_axes, tuple(target), wanted_mm_s, dynamics
+        )
+        kind = measuring_types()[type_]
+        overtravel_mm = {
+            name: self._path.settings(name).measuring.overtravel_mm(kind) for name in target
+        }
+        return _Order(target, speed_mm_s, dynamics, overtravel_mm)
+
     def step(self) -> None:
         """Evaluate the run with this cycle's values and lead the path by what it orders."""
         if self._run is None:
             return
         assert self._order is not None
-        command, dynamics = self._order
+        ordered = self._order
         order = self._run.evaluate(self._clock.now_ns, self._path.is_in_position())
         if order is Order.START:
-            feed_mm_s = command.feed_mm_min / 60.0
-            self._path.begin(command.target_acs_mm, feed_mm_s, dynamics, is_measuring=True)
+            self._path.begin(
+                ordered.target_acs_mm,
+                ordered.speed_mm_s,
+                ordered.dynamics,
+                overtravel_mm=ordered.overtravel_mm,
+            )
         elif order is Order.BRAKE:
             self._path.brake()
         if self._run.state is RunState.DONE:

@@ -1,13 +1,13 @@
 """The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
 
 from collections.abc import Callable, Mapping, Sequence
-from math import dist
 
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.channel.settling import Settling
 from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
+from kernel.measuring.rules import lengthened
 from kernel.motion.curves import Arc, Curve, Line
 from kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
 from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
@@ -149,16 +149,16 @@ class Path:
         feed_mm_s: float,
         dynamics: Dynamics,
         *,
-        is_measuring: bool = False,
+        overtravel_mm: Mapping[str, float] | None = None,
     ) -> None:
-        """Begin a straight path; a measuring one is longer by P-AXIS-00467.
+        """Begin a straight path; overtravel_mm: how far its axes may go behind their targets.
 
         Raises Alarm 900012 for a target that cannot be told to a drive.
         """
         here = dict(zip(self._index, self.interpolator.positions_mm, strict=True))
         target = {**here, **target_acs_mm}
-        if is_measuring:
-            target = self._behind_target(here, target)
+        if overtravel_mm is not None:
+            target = lengthened(here, target, overtravel_mm)
         self._require_reach(tuple(target.values()))
         self._follow(Line(tuple(here.values()), tuple(target.values())), feed_mm_s, dynamics)
 
@@ -182,19 +182,6 @@ class Path:
         """Delete the distance to go: stop on the path with what the kind of motion allows."""
         if not self.interpolator.is_standing and self._stop_dynamics is not None:
             self.interpolator.brake(self._stop_dynamics.stop_deceleration)
-
-    def _behind_target(
-        self, here: Mapping[str, float], target: Mapping[str, float]
-    ) -> dict[str, float]:
-        """Lengthen a measuring path by the smallest allowed overtravel (P-AXIS-00467)."""
-        length_mm = dist(tuple(here.values()), tuple(target.values()))
-        extra_mm = min(
-            axis.probing_offset_mm * length_mm / abs(target[axis.name] - here[axis.name])
-            for axis in self._axes
-            if target[axis.name] != here[axis.name]
-        )
-        scale = 1.0 + extra_mm / length_mm
-        return {name: here[name] + (target[name] - here[name]) * scale for name in here}
 
     # Standing
 

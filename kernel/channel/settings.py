@@ -1,8 +1,9 @@
 """What the channel takes from the parameter lists, converted once to its own units."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from kernel.clock import MS, US, TimeNs
+from kernel.measuring.rules import MeasuringAxis
 from kernel.motion.dynamics import Dynamics, Motion, axis_slopes
 from kernel.parameters import ParameterSet
 
@@ -25,17 +26,18 @@ class CycleTiming:
 class AxisSettings:
     """One axis as the channel sees it.
 
-    may_measure: P-AXIS-00118. probing_offset_mm: P-AXIS-00467. window_mm: P-AXIS-00236, exact
-    stop. settling_ns: P-AXIS-00532 or P-AXIS-00151, 0 = not monitored. dynamics: per kind of
-    motion.
+    may_measure: P-AXIS-00118. window_mm: P-AXIS-00236, exact stop. settling_ns: P-AXIS-00532 or
+    P-AXIS-00151, 0 = not monitored. dynamics: per kind of motion. measuring: of its runs. number:
+    P-AXIS-00016.
     """
 
     name: str
     may_measure: bool
-    probing_offset_mm: float
     window_mm: float
     settling_ns: TimeNs
     dynamics: dict[Motion, Dynamics]
+    measuring: MeasuringAxis = field(default_factory=MeasuringAxis)
+    number: int = 0
 
     @classmethod
     def read(cls, name: str, axis: ParameterSet, channel: ParameterSet) -> "AxisSettings":
@@ -43,8 +45,9 @@ class AxisSettings:
         return cls(
             name=name,
             may_measure=axis.flag("kenngr.messachse"),
-            probing_offset_mm=axis.mm("kenngr.probing_offset"),
             window_mm=axis.mm("getriebe[0].window"),
             settling_ns=axis.ns("getriebe[0].position_settling_time"),
             dynamics={motion: axis_slopes(axis, channel, motion) for motion in Motion},
+            measuring=MeasuringAxis.read(axis),
+            number=axis.integer("kopf.achs_nr"),
         )

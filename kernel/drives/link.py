@@ -84,16 +84,9 @@ class AxisLink:
             counter=settings.has_counter,
             inputs=settings.has_inputs,
         )
-        source = "object" if settings.trigger_source == "DRIVE_DEFINED" else "input"
-        self._function = probe_function(settings.probe_input, settings.edge, source=source)
-        self._latch = LatchWatch(
-            settings.axis,
-            enabled_bit(settings.probe_input),
-            stored_bit(settings.probe_input, settings.edge),
-            settings.increments_per_mm,
-        )
-        self._check: LatchCheck | None = None
-        self._input_bit = input_bit(settings.probe_input)
+        self._checked_by: SdoClient | None = None
+        self._watches: dict[tuple[int, str], LatchWatch] = {}
+        self._take_up(settings.probe_input, settings.edge)
         self._per_mm = settings.increments_per_mm
         pdos = self._pdos = ProcessData(self.telegrams, settings.node_id, network)
         self._control_out, self._target_out = _needed(pdos, "controlword"), _needed(pdos, "target")
@@ -223,7 +216,8 @@ class AxisLink:
     def forget(self) -> None:
         """Forget latch and state: the drive has restarted, its positions mean something else."""
         self._function_word = 0
-        self._latch.restart()
+        for watch in self._watches.values():
+            watch.restart()
         self.statusword, self.state = 0, State.NOT_READY_TO_SWITCH_ON
 
     def hold_back(self) -> None:
@@ -254,12 +248,48 @@ class AxisLink:
 
     # The latch, as the measuring run sees it
 
+    def choose_latch(self, probe_input: int, edge: str) -> None:
+        """Measure with another input or edge from the next run on.
+
+        Raises Alarm 900223 when no cyclic telegram carries the latch object of both.
+        """
+        wanted = latch_object(probe_input, edge)
+        if not self._pdos.choose_latch(wanted, counter_object(probe_input, edge)):
+            raise Alarm(
+                900223, axis=self.name, input=probe_input, edge=edge, object=f"0x{wanted:04X}"
+            )
+        self._take_up(probe_input, edge)
+
+    def _take_up(self, probe_input: int, edge: str) -> None:
+        self.probe_input, self.edge = probe_input, edge
+        source = "object" if self.settings.trigger_source == "DRIVE_DEFINED" else "input"
+        self._function = probe_function(probe_input, edge, source=source)
+        self._input_bit = input_bit(probe_input)
+        if (probe_input, edge) not in self._watches:
+            self._watches[probe_input, edge] = LatchWatch(
+                self.name,
+                enabled_bit(probe_input),
+                stored_bit(probe_input, edge),
+                self.settings.increments_per_mm,
+            )
+        self._latch = self._watches[probe_input, edge]
+        self._check = self._checker()
+
+    def _checker(self) -> LatchCheck | None:
+        if self._checked_by is None:
+            return None
+        probe, edge = self.probe_input, self.edge
+        return LatchCheck(
+            self._checked_by,
+            stored_bit(probe, edge),
+            latch_object(probe, edge),
+            counter_object(probe, edge),
+        )
+
     def check_latches(self, sdo: SdoClient) -> None:
         """Believe a latch only when the drive tells it by SDO too; else telegrams are enough."""
-        probe, edge = self.settings.probe_input, self.settings.edge
-        self._check = LatchCheck(
-            sdo, stored_bit(probe, edge), self.latch_object, counter_object(probe, edge)
-        )
+        self._checked_by = sdo
+        self._check = self._checker()
 
     def arm(self) -> None:
         """Enable the touch probe with the next telegram."""
@@ -317,7 +347,7 @@ class AxisLink:
         if self._inputs is None:
             return None
         level = bool(self._inputs & self._input_bit)
-        return level == (self.settings.edge == "POS")
+        return level == (self.edge == "POS")
 
     def _controlword(self) -> int:
         """Lead the drive on; out of a fault only the operator leads, never a running program."""

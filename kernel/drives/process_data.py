@@ -35,11 +35,7 @@ class ProcessData:
         self._cyclic = [t for t in everything if t.is_cyclic and not t.is_received]
         self.names = [t.name for t in self._cyclic]
         self._count = len(self._cyclic)
-        self._places = [self._place(field) for field in TAKEN]
-        latch, count = (self._places[TAKEN.index(field)] for field in ("latch", "latch_count"))
-        if latch is not None and count is not None and latch[0] != count[0]:
-            # A counter proves a latch only when one telegram carries both
-            self._places[TAKEN.index("latch_count")] = None
+        self._places = [self._place(_of_field(field)) for field in TAKEN]
         self._pick = self._picker()
         self._unpack_all = _joined([t.codec for t in self._cyclic])
         self._data: list[bytes | None] = [None] * self._count
@@ -76,16 +72,34 @@ class ProcessData:
 
     # Received
 
-    def _place(self, field: str) -> Place | None:
-        """Return where a field stands: number of its cyclic TPDO, position in it."""
+    def choose_latch(self, latch_object: int, counter_object: int) -> bool:
+        """Take the latched position and its counter from these objects from now on.
+
+        Returns False, and changes nothing, when no TPDO brings the position with every SYNC.
+        """
+        latch = self._place(lambda mapped: mapped.index == latch_object)
+        if latch is None or self._cyclic[latch[0]].transmission != 1:
+            return False
+        self._places[TAKEN.index("latch")] = latch
+        count = self._place(lambda mapped: mapped.index == counter_object)
+        self._places[TAKEN.index("latch_count")] = count
+        self._pick = self._picker()
+        return True
+
+    def _place(self, wanted: Callable[[MappedObject], bool]) -> Place | None:
+        """Return where an object stands: number of its cyclic TPDO, position in it."""
         for slot, telegram in enumerate(self._cyclic):
             for position, mapped in enumerate(telegram.objects):
-                if mapped.field == field:
+                if wanted(mapped):
                     return slot, position
         return None
 
     def _picker(self) -> Callable[[Sequence[int | None]], Sequence[int | None]]:
         """Make the function that picks the fields from the values of all TPDOs in a row."""
+        latch, count = (self._places[TAKEN.index(field)] for field in ("latch", "latch_count"))
+        if latch is not None and count is not None and latch[0] != count[0]:
+            # A counter proves a latch only when one telegram carries both
+            self._places[TAKEN.index("latch_count")] = None
         begins = [sum(len(t.objects) for t in self._cyclic[:slot]) for slot in range(self._count)]
         # Behind all values stands a None, for fields that are not mapped
         return itemgetter(*(begins[p[0]] + p[1] if p else -1 for p in self._places))
@@ -167,6 +181,10 @@ class ProcessData:
         """Send every RPDO with its present values."""
         for cob_id, pack, values in self._pack:
             self._network.send_message(cob_id, pack(*values))
+
+
+def _of_field(field: str) -> Callable[[MappedObject], bool]:
+    return lambda mapped: mapped.field == field
 
 
 def _joined(codecs: Sequence[Any]) -> Callable[[bytes], tuple[int, ...]] | None:

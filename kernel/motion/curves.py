@@ -97,7 +97,7 @@ class Arc:
         if abs(math.hypot(*self.tangent) - 1.0) > 1e-9:
             raise ValueError(f"the tangent {self.tangent} is no unit vector")
         skew = sum(a * b for a, b in zip(self.cosines_mm, self.tangent, strict=True))
-        if abs(skew) > 1e-9 * self.radius_mm:
+        if abs(skew) > 1e-9 + 1e-9 * self.radius_mm:  # rounding of large coordinates
             raise ValueError(f"tangent {self.tangent} and radius are not at right angles")
 
     @cached_property

@@ -94,11 +94,13 @@ class TechnologyFunction:
 
 @dataclass(frozen=True)
 class MeasuringRun:
-    """A straight move that the probe signal ends (G100).
+    """A straight move that the probe signal ends (G100, G310).
 
     target_acs_mm: every axis that changes. programmed_axes: the axes named in the block.
     measuring_axes: the axes that must be released and must signal: the moved ones without a
-    transformation, all three main axes as well under #CS.
+    transformation, all three main axes as well under #CS. feed_mm_min: path feed, None for rapid
+    (G310 with G0) and for the speed of the axis (type 2). goes_on: the signal does not end the
+    motion (G106). error_no_signal: ERR_NO_SIGNAL of #MEAS, None = P-CHAN-00176.
     Source: FCT-C4 section 4.
     """
 
@@ -106,8 +108,33 @@ class MeasuringRun:
     target_acs_mm: Mapping[str, float]
     programmed_axes: tuple[str, ...]
     measuring_axes: tuple[str, ...]
-    feed_mm_min: float
+    feed_mm_min: float | None
     measuring_type: int
+    goes_on: bool = False
+    error_no_signal: bool | None = None
+
+
+@dataclass(frozen=True)
+class ProbeSettings:
+    """Which signal an axis measures with from its next run on (#MEAS); None = as it was.
+
+    edge: POS or NEG. probe_input: of the drive. probe: 0 or 1 for INPUT=PROBE0 or PROBE1, which
+    stand for an input of the parameter list.
+    """
+
+    block: Block
+    axis: str
+    edge: str | None = None
+    probe_input: int | None = None
+    probe: int | None = None
+
+
+@dataclass(frozen=True)
+class PrepareProbe:
+    """The probes of these axes are to be made ready ahead of their run (#MEAS PREPARE)."""
+
+    block: Block
+    axes: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -265,10 +292,11 @@ class AdoptActual:
 AxisOrder = IndependentMove | WaitIndependent | AxisLinkOn | AxisLinkOff | Homing | AdoptActual
 DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop
+Measuring = MeasuringRun | ProbeSettings | PrepareProbe
 Command = (
     LinearMove
     | ArcMove
-    | MeasuringRun
+    | Measuring
     | Message
     | DriveCommand
     | AxisOrder

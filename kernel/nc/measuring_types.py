@@ -11,14 +11,23 @@ from importlib import resources
 class MeasuringType:
     """One row of `measuring_types.csv`.
 
-    command: the G function that measures. axes_max: None = as many as there are. acts: whether it
-    does something yet.
+    command: the G function that measures. axes_max: None = as many as there are. main_axes_only:
+    other axes may not be named. has_own_speed: P-AXIS-00215 instead of F. keeps_stroke: the speed
+    is lowered for P-AXIS-00086. overtravel: the parameters that lengthen the path, the first that
+    is not 0 counts. no_signal: what decides about an alarm when no signal comes, or `alarm`, or
+    `goes on`. acts: whether it does something yet.
     """
 
     number: int
     command: str
     axes_max: int | None
+    main_axes_only: bool
+    has_own_speed: bool
+    keeps_stroke: bool
+    overtravel: tuple[str, ...]
+    no_signal: str
     acts: bool
+    meaning: str
 
 
 @cache
@@ -30,7 +39,13 @@ def measuring_types() -> Mapping[int, MeasuringType]:
             int(row["type"]),
             row["command"],
             int(row["axes_max"]) if row["axes_max"] else None,
+            row["axes"] == "main",
+            row["speed"] == "P-AXIS-00215",
+            row["stroke"] == "yes",
+            tuple(row["overtravel"].split()),
+            row["no_signal"],
             row["acts"] == "yes",
+            row["meaning"],
         )
         for row in csv.DictReader(text.splitlines())
     }

@@ -29,6 +29,7 @@ from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
 from kernel.drives.watch import WatchSettings
+from kernel.measuring.rules import MeasuringAxis
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.profile import Slope
 from kernel.nc import canon
@@ -167,9 +168,22 @@ class AxisSpec:
     speed_max_mm_s: float = 500.0
     may_measure: bool = True
     probing_offset_mm: float = 0.0
+    old_offset_mm: float = 0.0
+    measuring_mm_s: float = 10.0
+    stroke_mm: float = math.inf
+    delay_ns: int = 0
     window_mm: float = 0.001
     settling_ns: int = 2 * S
     probed: bool = True
+
+    def measuring(self) -> MeasuringAxis:
+        return MeasuringAxis(
+            self.measuring_mm_s,
+            self.stroke_mm,
+            self.probing_offset_mm,
+            self.old_offset_mm,
+            self.delay_ns,
+        )
 
     def settings(self) -> AxisSettings:
         slope = Slope(self.a_mm_s2, self.a_mm_s2, self.speed_max_mm_s)
@@ -177,10 +191,10 @@ class AxisSpec:
         return AxisSettings(
             self.name,
             self.may_measure,
-            self.probing_offset_mm,
             self.window_mm,
             self.settling_ns,
             dict.fromkeys(Motion, dynamics),
+            self.measuring(),
         )
 
 
@@ -350,9 +364,27 @@ def move(number: int, feed_mm_min: float, **target_mm: float) -> canon.LinearMov
     return canon.LinearMove(block(number), target_mm, False, feed_mm_min)
 
 
-def probe(number: int, feed_mm_min: float, **target_mm: float) -> canon.MeasuringRun:
+def probe(
+    number: int,
+    feed_mm_min: float | None,
+    kind: int = 1,
+    *,
+    goes_on: bool = False,
+    error_no_signal: bool | None = None,
+    **target_mm: float,
+) -> canon.MeasuringRun:
     axes = tuple(target_mm)
-    return canon.MeasuringRun(block(number), target_mm, axes, axes, feed_mm_min, 1)
+    return canon.MeasuringRun(
+        block(number), target_mm, axes, axes, feed_mm_min, kind, goes_on, error_no_signal
+    )
+
+
+def probe_settings(number: int, axis: str, **settings: Any) -> canon.ProbeSettings:
+    return canon.ProbeSettings(block(number), axis, **settings)
+
+
+def prepare(number: int, *axes: str) -> canon.PrepareProbe:
+    return canon.PrepareProbe(block(number), axes)
 
 
 def message(number: int, text: str, *, synchronous: bool) -> canon.Message:
@@ -373,6 +405,8 @@ class Words:
 
     move: Callable[..., canon.LinearMove] = move
     probe: Callable[..., canon.MeasuringRun] = probe
+    probe_settings: Callable[..., canon.ProbeSettings] = probe_settings
+    prepare: Callable[..., canon.PrepareProbe] = prepare
     message: Callable[..., canon.Message] = message
     wait: Callable[..., canon.Wait] = wait
     end: Callable[..., canon.EndOfProgram] = end

@@ -1,6 +1,7 @@
 """What blocks do in time on the channel: arcs, dwell times, exact stops, programmed stops."""
 
 import math
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
@@ -176,3 +177,19 @@ def test_technology_functions_are_told_in_order_and_cost_no_time(
     bench = channel_bench(words.axis("X")).run([*functions, words.end()])
     assert [command for _, command in bench.channel.pauses.told] == functions
     assert len({time_ns for time_ns, _ in bench.channel.pauses.told}) == 1
+
+
+@pytest.mark.parametrize("target_mm", [10_000.0001, 10_000.0002, 9_999.9999, -0.0001])
+def test_a_tenth_of_a_micrometre_over_ten_metres_reaches_the_drive(
+    channel_bench: Any, words: Any, target_mm: float
+) -> None:
+    """What is sent is the whole increment next to the programmed number: 2^20 for 10 mm."""
+    start_mm = float(round(target_mm))
+    bench = channel_bench(words.axis("X", start_mm=start_mm, window_mm=0.01)).run(
+        [words.move(1, 600.0, X=target_mm), words.end()]
+    )
+    assert bench.alarm_ids == []
+    assert bench.final_mm("X") == target_mm
+    last = [data for _, can_id, data in bench.frames if can_id == 0x201][-1]
+    increments = round(Fraction(repr(target_mm)) * 2**20 / 10)
+    assert int.from_bytes(last[2:6], "little", signed=True) == increments

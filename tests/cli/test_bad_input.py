@@ -43,7 +43,7 @@ def _holds(message: str, *fragments: str) -> None:
 PROGRAMS = [
     ("unknown word", "N10 G1 Z132 Q5 F100\n", ["part.nc:1:13:", "'Q'", "allowed: Z"]),
     ("unknown G", "N10 G90\nN20 G999 Z1 F1\n", ["part.nc:2:5:", "'G999'", "G100", "G102"]),
-    ("later G", "G310 Z120 F100\n", ["part.nc:1:1:", "'G310'", "not acting yet"]),
+    ("later G", "G108 Z120 F100\n", ["part.nc:1:1:", "'G108'", "not acting yet"]),
     ("unknown command", "N10 #MESS MODE[2]\n", ["part.nc:1:5:", "'#MESS MODE'", "#MEAS MODE"]),
     ("later command", "#WAIT FOR[1]\n", ["part.nc:1:1:", "not acting yet"]),
     ("unknown variable", 'N1 #MSG["%f",V.A.MEES.Z]\n', ["part.nc:1:14:", "nearest: V.A.MESS.Z"]),
@@ -128,7 +128,7 @@ ALARMS = [
     ("no feed", "N10 G1 Z132\n", "ID 20008 class 2:", "line 1, block N10"),
     ("feed from outside", "N10 G1 Z132 F=V.E.FEED\n", "ID 20008", "line 1, block N10"),
     ("no value yet", 'N10 #MSG["%f", V.A.MESS.Z]\n', "ID 900101", "V.A.MERF"),
-    ("later type", "#MEAS MODE[2]\nN20 G100 Z1 F100\n", "ID 900102", "line 2, block N20"),
+    ("later type", "#MEAS MODE[7]\nN20 G100 Z1 F100\n", "ID 900100", "line 2, block N20"),
     ("no #CS", "N10 #CS OFF\n", "ID 900108", "line 1, block N10"),
     ("past the encoder, slow", "N10 G1 Z30000 F100\n", "ID ", "line 1, block N10"),
     ("past the encoder, rapid", "N10 G0 Z-1000000000\n", "ID ", "line 1, block N10"),

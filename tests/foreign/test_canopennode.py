@@ -64,7 +64,7 @@ class MasterBench:
         self.network = SimNetwork(self.segment.port("cnc")).connect()
         self.link = AxisLink(LinkSettings("Z", NODE_ID, PER_MM, lag_delay_cycles=2), self.network)
         dynamics = Dynamics(SLOPE, SLOPE, SLOPE, 500.0)
-        axis = AxisSettings("Z", True, 0.0, 0.01, 2 * S, dict.fromkeys(Motion, dynamics))
+        axis = AxisSettings("Z", True, 0.01, 2 * S, dict.fromkeys(Motion, dynamics))
         self.channel = Channel(
             self.scheduler,
             CycleTiming(MS, 620 * US, 0),

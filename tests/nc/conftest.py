@@ -29,6 +29,8 @@ class PlaneMachine:
         self.acs_mm = dict(start_acs_mm)
         self.plane = plane
         self.silent = silent
+        self.lag_mm = 0.0
+        self.not_released: tuple[str, ...] = ()
         self.latched: dict[str, float | None] = {}
         self.queue: list[Command] = []
 
@@ -41,6 +43,15 @@ class PlaneMachine:
 
     def measurement_ok(self, axis: str) -> bool:
         return self.latched.get(axis) is not None
+
+    def actual_acs_mm(self, axis: str) -> float:
+        return self.acs_mm[axis] + self.lag_mm
+
+    def may_measure(self, axis: str) -> bool:
+        return axis not in self.not_released
+
+    def axis_numbered(self, number: int) -> str | None:
+        return dict(enumerate(self.acs_mm, 1)).get(number)
 
     def execute(self) -> None:
         for command in self.queue:
@@ -59,7 +70,7 @@ class PlaneMachine:
             path_mm = target[axis] - self.acs_mm[axis]
             if path_mm and 0 <= (position_mm - self.acs_mm[axis]) / path_mm <= 1:
                 share, hit = (position_mm - self.acs_mm[axis]) / path_mm, True
-        self.acs_mm = {
+        reached_mm = {
             axis: (
                 self.plane[1]
                 if hit and self.plane is not None and axis == self.plane[0]
@@ -67,8 +78,9 @@ class PlaneMachine:
             )
             for axis, start in self.acs_mm.items()
         }
+        self.acs_mm = target if run.goes_on else reached_mm
         self.latched = {
-            axis: self.acs_mm[axis] if hit and axis not in self.silent else None
+            axis: reached_mm[axis] if hit and axis not in self.silent else None
             for axis in run.measuring_axes
         }
 

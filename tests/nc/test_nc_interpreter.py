@@ -279,10 +279,7 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
         ('N7 #MSG ["%f", V.A.MEAS.ACS.VALUE.X]', 900101),
         ('N7 #MSG ["%f", V.A.MEAS.PCS.VALUE.X]', 900101),
         ('N7 #MSG ["%f", V.A.MOFFS.X]', 900101),
-        ("#MEAS MODE[2]\nN7 G100 X1 F100", 900102),
-        ("#MEAS MODE[3]\nN7 G100 X1 F100", 900102),
-        ("#MEAS MODE[4]\nN7 G100 X1 F100", 900102),
-        ("#MEAS MODE[7]\nN7 G100 X1 F100", 900102),
+        ("#MEAS MODE[7]\nN7 G100 X1 F100", 900100),
         ("#MEAS MODE[2]\nN7 G100 X1 Y1 F100", 50061),
         ("N7 G100 X0 F100", 900103),
         ("N7 #MEAS MODE[V.A.ABS.X]", 900104),
@@ -302,7 +299,7 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
 @pytest.mark.provokes(20772, 2)
 @pytest.mark.provokes(50061, 4)
 @pytest.mark.provokes(900101, 2)
-@pytest.mark.provokes(900102, 2)
+@pytest.mark.provokes(900100, 2, word="measuring type 7")
 @pytest.mark.provokes(900103, 2)
 @pytest.mark.provokes(900104, 2, value=0)
 @pytest.mark.provokes(900105, 2)
@@ -318,8 +315,8 @@ def test_alarms_name_file_line_and_block(run, text, alarm_id):
 def test_default_measuring_type_is_that_of_the_channel(run):
     assert value_of(run, "V.G.MEAS_TYPE", "#MEAS MODE[5]\n#MEAS MODE") == 1
     with pytest.raises(Alarm) as caught:
-        run("G100 X1 F100", default_measuring_type=3)
-    assert caught.value.id == 900102
+        run("G100 X1 F100", default_measuring_type=5)
+    assert caught.value.id == 20138
 
 
 def test_switching_off_all_systems_needs_none(run):

@@ -50,8 +50,7 @@ ERRORS = [
     ("G1 G1", 1, 4, "exclude each other", "G1"),
     # known, not acting
     ("G2 X1", 1, 1, "not acting yet", "G2"),
-    ("N1 G310 X1", 1, 4, "not acting yet", "G310"),
-    ("G106", 1, 1, "not acting yet", "G106"),
+    ("N1 G108 X1", 1, 4, "not acting yet", "G108"),
     ("G54", 1, 1, "not acting yet", "G54"),
     ("D1", 1, 1, "not acting yet", "D1"),
     ("P1=3", 1, 1, "not acting yet", "P1"),

@@ -4,7 +4,7 @@ An axis that measures (G100) has its own run and latch, so several can measure a
 a run of the path. Sources: FCT-C4 section 2, TF5200 programming manual 208612235.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from kernel.channel.measurement import Measurement
@@ -20,6 +20,7 @@ from kernel.motion.interpolator import Interpolator
 from kernel.motion.profile import plan
 from kernel.motion.timed import speed_for
 from kernel.nc import canon
+from kernel.nc.measuring_types import measuring_types
 
 # What the run of an axis tells by these is one documented alarm for independent axes
 NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664
@@ -122,18 +123,34 @@ class IndependentAxes:
     def _begin_run(self, mover: Mover) -> None:
         """A lagging axis could take its own retract for an actuated probe: it stands first."""
         if self._stands(mover):
-            mover.run = self._measurement.begin_beside(mover.command)
+            command = mover.command
+            assert command.measuring_type is not None
+            kind = command.measuring_type
+            mover.run = self._measurement.arm(kind, (command.axis,), command.block)
             mover.waits = False
 
     def _evaluate(self, axis: str, mover: Mover, run: MeasuringRun) -> None:
         order = run.evaluate(self._clock.now_ns, self._stands(mover))
         if order is Order.START:
-            _start(mover, mover.settings.probing_offset_mm)
+            self._start_run(mover)
         elif order is Order.BRAKE:
             mover.interpolator.brake(mover.dynamics.stop_deceleration)
         if run.state is RunState.DONE:
             self._measurement.keep(run.record)
             self._end(axis)
+
+    def _start_run(self, mover: Mover) -> None:
+        """Begin the motion of a run with what its type says about speed and overtravel."""
+        command, axes = mover.command, (mover.command.axis,)
+        assert command.measuring_type is not None
+        type_ = command.measuring_type
+
+        def allowed(wanted_mm_s: float) -> float:
+            return self._measurement.speed_mm_s(
+                type_, command.block, axes, axes, wanted_mm_s, mover.dynamics
+            )
+
+        _start(mover, mover.settings.measuring.overtravel_mm(measuring_types()[type_]), allowed)
 
     def advance(self) -> None:
         """Lead every axis on by one cycle."""
@@ -183,8 +200,13 @@ def _motion(command: canon.IndependentMove) -> Motion:
     return Motion.FEED if any(speed is not None for speed in speeds) else Motion.RAPID
 
 
-def _start(mover: Mover, beyond_mm: float = 0.0) -> None:
-    """Begin the motion to the target, and as far behind it as a run may go (P-AXIS-00467)."""
+def _start(
+    mover: Mover, beyond_mm: float = 0.0, allowed: Callable[[float], float] = lambda mm_s: mm_s
+) -> None:
+    """Begin the motion to the target, and as far behind it as a run may go (P-AXIS-00467).
+
+    allowed: gives the speed of a run for the one that the command wants.
+    """
     command, dynamics = mover.command, mover.dynamics
     here_mm, target_mm = mover.position_mm, command.target_acs_mm
     target_mm += beyond_mm if target_mm > here_mm else -beyond_mm
@@ -196,6 +218,7 @@ def _start(mover: Mover, beyond_mm: float = 0.0) -> None:
         speed_mm_s = speed_for(length_mm, command.time_s, *slopes, fastest)
     else:
         speed_mm_s = fastest * (1.0 if command.speed_share is None else command.speed_share)
+    speed_mm_s = allowed(speed_mm_s)
     profile = plan(length_mm, speed_mm_s, dynamics.acceleration, dynamics.deceleration)
     axis = command.axis
     mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)

@@ -31,6 +31,18 @@ class MachineView(Protocol):
         """Tell whether the signal of the last run came before the target."""
         ...
 
+    def actual_acs_mm(self, axis: str) -> float:
+        """Give the actual position of an axis."""
+        ...
+
+    def may_measure(self, axis: str) -> bool:
+        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
+        ...
+
+    def axis_numbered(self, number: int) -> str | None:
+        """Give the axis with a logical number (P-AXIS-00016), None when there is none."""
+        ...
+
     def drive_value(self, axis: str, key: str) -> float:
         """Give what the last `DriveRead` of this axis and function brought."""
         ...

@@ -9,19 +9,23 @@ from kernel.nc.coordinates import Measured
 from kernel.nc.decoder import pauses
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Reader, Topic, silent
-from kernel.nc.measuring_types import measuring_types
+from kernel.nc.measuring_types import MeasuringType, measuring_types
 from kernel.nc.syntax import MeasuringMode, Words
 from kernel.nc.text.commands import is_measuring_type
+
+TO_THE_TARGET = 3  # the type that goes on after the signal
 
 
 @dataclass
 class Measurements:
     """What measuring keeps from run to run.
 
-    chosen_type: by #MEAS MODE, None for the default of the channel. results, signalled: by axis.
+    chosen_type: by #MEAS MODE, None for the default of the channel. error_no_signal: by #MEAS,
+    None for P-CHAN-00176. results, signalled: by axis.
     """
 
     chosen_type: int | None = None
+    error_no_signal: bool | None = None
     results: dict[str, Measured] = field(default_factory=dict)
     signalled: dict[str, bool] = field(default_factory=dict)
 
@@ -33,19 +37,50 @@ def measuring_type(context: Context) -> int:
 
 
 def _measure(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """G100, type 1. Source: FCT-C4 sections 3 and 4."""
+    """G100: types 1 to 4. Source: FCT-C4 sections 3 and 4."""
     pauses.require_no_contouring(context, block, words)
-    values = context.axis_values(block, words)
-    type_ = measuring_type(context)
-    kind = measuring_types()[type_]
+    kind = measuring_types()[measuring_type(context)]
     if kind.command != "G100":
-        raise context.alarm(20138, block, type=type_)
-    if kind.axes_max is not None and len(values) > kind.axes_max:
-        raise context.alarm(50061, block, programmed=len(values), maximum=kind.axes_max, type=type_)
+        raise context.alarm(20138, block, type=kind.number)
+    _check_axes(context, block, kind, [axis for axis, _ in words.axes])
+    goes_on = "G106" in words.g
+    if goes_on and kind.number != TO_THE_TARGET:
+        raise context.alarm(20772, block, g_function="G106", type=kind.number)
+    feed_mm_min = None if kind.has_own_speed else context.feed(block, "G100")
+    yield from _run(context, block, words, kind, feed_mm_min, goes_on=goes_on)
+
+
+def _interruptible(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
+    """G310 (G210): type 5. Source: FCT-C4 section 3, programming manual 206197003."""
+    pauses.require_no_contouring(context, block, words)
+    kind = measuring_types()[measuring_type(context)]
+    if kind.command != "G310":
+        raise context.alarm(20956, block, type=kind.number)
+    named = [axis for axis, _ in words.axes]
     if not kind.acts:
-        raise context.alarm(900102, block, type=type_)
-    feed_mm_min = context.feed(block, "G100")
-    coordinates = context.coordinates
+        raise context.alarm(900221, block, type=kind.number, axes=" ".join(named))
+    _check_axes(context, block, kind, named)
+    feed_mm_min = None if context.modal.motion == "G0" else context.feed(block, "G310")
+    yield from _run(context, block, words, kind, feed_mm_min)
+    kept, machine = context.part(Measurements), context.machine
+    if not any(kept.signalled[axis] for axis in named):
+        return
+    measuring = [axis for axis in context.axes if machine.may_measure(axis)]
+    context.coordinates.stand_at({axis: machine.actual_acs_mm(axis) for axis in measuring})
+    context.coordinates.take_as_target(measuring)
+
+
+def _run(
+    context: Context,
+    block: Block,
+    words: Words,
+    kind: MeasuringType,
+    feed_mm_min: float | None,
+    *,
+    goes_on: bool = False,
+) -> Iterator[canon.Command]:
+    """Measure, wait for the end of the run, and keep its results."""
+    values, coordinates = context.axis_values(block, words), context.coordinates
     target_mm = coordinates.aim(values, absolute=context.modal.absolute)
     if not target_mm:
         raise context.alarm(900103, block, axes=" ".join(values))
@@ -53,9 +88,37 @@ def _measure(context: Context, block: Block, words: Words) -> Iterator[canon.Com
     if coordinates.transformed:
         involved |= set(coordinates.main_axes)
     measuring = tuple(axis for axis in context.axes if axis in involved)
-    yield canon.MeasuringRun(block, target_mm, tuple(values), measuring, feed_mm_min, type_)
+    yield canon.MeasuringRun(
+        block,
+        target_mm,
+        tuple(values),
+        measuring,
+        feed_mm_min,
+        kind.number,
+        goes_on=goes_on,
+        error_no_signal=context.part(Measurements).error_no_signal,
+    )
     yield canon.Wait(block)
     _take_results(context, measuring, tuple(values), moved=tuple(target_mm))
+
+
+def _check_axes(context: Context, block: Block, kind: MeasuringType, axes: Sequence[str]) -> None:
+    if kind.axes_max is not None and len(axes) > kind.axes_max:
+        raise context.alarm(
+            50061, block, programmed=len(axes), maximum=kind.axes_max, type=kind.number
+        )
+    if not kind.acts:
+        word = f"measuring type {kind.number}"
+        raise context.alarm(900100, block, word=word, what=kind.meaning)
+    others = [axis for axis in axes if axis not in context.coordinates.main_axes]
+    if kind.main_axes_only and others:
+        raise context.alarm(900220, block, type=kind.number, axis=others[0])
+
+
+def _without_run(context: Context, block: Block, words: Words) -> None:
+    """G106 belongs to G100."""
+    if "G100" not in words.g:
+        raise context.alarm(900228, block)
 
 
 def _take_results(
@@ -144,8 +207,11 @@ def _type(context: Context, block: Block, rest: str) -> float:
 
 TOPIC = Topic(
     statements={MeasuringMode: silent(_choose_type)},
+    settings={"G106": silent(_without_run)},
     takes_axes={
         "G100": _measure,
+        "G210": _interruptible,
+        "G310": _interruptible,
         "G101": silent(_include_offset),
         "G102": silent(_drop_offset),
     },

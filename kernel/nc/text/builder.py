@@ -36,8 +36,8 @@ from kernel.nc.text.source import Source
 from kernel.nc.text.words import Word, variables, words
 
 # Axis words of a block serve one of these; without any of them the block is a move.
-TAKES_AXES = ("G92", "G100", "G101", "G102")
-NEEDS_AXES = ("G92", "G100", "G101")
+TAKES_AXES = ("G92", "G100", "G101", "G102", "G210", "G310")
+NEEDS_AXES = ("G92", "G100", "G101", "G210", "G310")
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,267 @@
+"""Types 2 to 5 on drives with closed forms: speed, stroke, what the signal ends, what it costs."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from math import sqrt
+from typing import Any
+
+import pytest
+
+from kernel.nc import canon
+
+Make = Callable[..., Any]
+
+MS = 1_000_000
+INCREMENT_MM = 10 / 2**20
+
+
+def _top_speed_mm_s(bench: Any, axis: str) -> float:
+    places = bench.set_mm(axis)
+    return max(abs(b - a) for a, b in pairwise(places)) * 1e3
+
+
+@pytest.mark.parametrize("feed_mm_min", [60.0, 6000.0, None])
+def test_type_2_goes_at_the_speed_of_the_parameter_list(
+    channel_bench: Make, words: Any, feed_mm_min: float | None
+) -> None:
+    """P-AXIS-00215 is 10 mm/s here, whatever F says."""
+    bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0)
+    bench.run([words.probe(1, feed_mm_min, 2, Z=110.0), words.wait(1), words.end()])
+    assert _top_speed_mm_s(bench, "Z") == pytest.approx(10.0)
+    assert bench.channel.records[0].latched_mm["Z"] == pytest.approx(120.0, abs=INCREMENT_MM)
+
+
+def test_type_2_always_wants_a_signal(channel_bench: Make, words: Any) -> None:
+    for allowed in (None, False):
+        bench = channel_bench(words.axis("Z", start_mm=130.0))
+        run = words.probe(1, None, 2, error_no_signal=allowed, Z=128.0)
+        bench.run([run, words.wait(1), words.end()])
+        assert bench.alarm_ids == [900004]
+        assert bench.final_mm("Z") == 128.0
+
+
+@pytest.mark.parametrize(("kind", "end_mm"), [(1, 128.0), (2, 126.0), (5, 128.0)])
+def test_p_axis_00114_lengthens_type_2_only(
+    channel_bench: Make, words: Any, kind: int, end_mm: float
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0, old_offset_mm=2.0))
+    bench.run([words.probe(1, 600.0, kind, Z=128.0), words.wait(1), words.end()])
+    assert bench.final_mm("Z") == pytest.approx(end_mm, abs=1e-9)
+
+
+@pytest.mark.parametrize("kind", [1, 3, 4])
+def test_err_no_signal_of_meas_wins_over_p_chan_00176(
+    channel_bench: Make, words: Any, kind: int
+) -> None:
+    for parameter, programmed, alarms in (
+        (False, None, []),
+        (True, None, [900004]),
+        (False, True, [900004]),
+        (True, False, []),
+    ):
+        bench = channel_bench(words.axis("Z", start_mm=130.0), error_no_signal=parameter)
+        run = words.probe(1, 600.0, kind, error_no_signal=programmed, Z=129.0)
+        bench.run([run, words.wait(1), words.end()])
+        assert bench.alarm_ids == alarms
+
+
+def test_type_3_goes_on_to_its_target_without_braking(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0, probing_offset_mm=2.0), plane_mm=120.0)
+    bench.run([words.probe(1, 600.0, 3, goes_on=True, Z=110.0), words.wait(1), words.end()])
+    record = bench.channel.records[0]
+    assert record.latched_mm["Z"] == pytest.approx(120.0, abs=INCREMENT_MM)
+    assert bench.final_mm("Z") == 110.0  # and no overtravel (P-AXIS-00467)
+    assert record.signal_ns is not None
+    behind = [sample.set_mm[0] for sample in bench.samples if sample.time_ns >= record.signal_ns]
+    steps = [a - b for a, b in pairwise(behind[:401])]
+    assert steps == pytest.approx([0.01] * 400)
+
+
+def test_type_3_without_g106_brakes_as_type_1(channel_bench: Make, words: Any) -> None:
+    ends = []
+    for kind in (1, 3):
+        bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0)
+        bench.run([words.probe(1, 600.0, kind, Z=110.0), words.wait(1), words.end()])
+        ends.append((bench.final_mm("Z"), bench.channel.records[0].latched_mm["Z"]))
+    assert ends[0] == ends[1]
+    assert ends[0][0] > 119.0
+
+
+def test_type_3_without_signal_is_at_its_target(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0))
+    bench.run([words.probe(1, 600.0, 3, goes_on=True, Z=128.0), words.wait(1), words.end()])
+    assert (bench.final_mm("Z"), bench.alarm_ids) == (128.0, [])
+    assert not bench.channel.measurement_ok("Z")
+
+
+# Stroke of the probe, P-AXIS-00086
+
+
+@pytest.mark.parametrize("kind", [2, 4])
+@pytest.mark.provokes(900222, 1, axis="Z", stroke_mm="0.1")
+def test_types_2_and_4_are_slow_enough_for_the_stroke(
+    channel_bench: Make, words: Any, kind: int
+) -> None:
+    """0.1 mm at 1000 mm/s2: sqrt(2 * 1000 * 0.1) = 14.142 mm/s; then braking takes 0.1 mm."""
+    v = sqrt(2 * 1000.0 * 0.1)
+    bench = channel_bench(
+        words.axis("Z", start_mm=130.0, stroke_mm=0.1, measuring_mm_s=50.0), plane_mm=120.0
+    )
+    bench.run([words.probe(1, 3000.0, kind, Z=110.0), words.wait(1), words.end()])
+    assert _top_speed_mm_s(bench, "Z") == pytest.approx(v)
+    (warning,) = bench.channel.alarms
+    assert (warning.id, warning.entry.reaction_class, warning.ends_program) == (900222, 1, False)
+    assert warning.values == {
+        "axis": "Z",
+        "speed_mm_min": "3000",
+        "stroke_mm": "0.1",
+        "corrected_mm_min": f"{v * 60:.9g}",
+    }
+    record = bench.channel.records[0]
+    at_brake_mm = next(
+        before.set_mm[0]
+        for before, sample in zip(bench.samples, bench.samples[1:], strict=False)
+        if sample.time_ns == record.signal_ns
+    )
+    assert at_brake_mm - bench.final_mm("Z") == pytest.approx(0.1, abs=1e-9)
+
+
+def test_a_speed_within_the_stroke_stays_as_it_is(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0, stroke_mm=0.1), plane_mm=120.0)
+    bench.run([words.probe(1, 848.0, 4, Z=110.0), words.wait(1), words.end()])
+    assert bench.alarm_ids == []
+    assert _top_speed_mm_s(bench, "Z") == pytest.approx(848.0 / 60)
+
+
+@pytest.mark.parametrize("kind", [1, 3, 5])
+def test_other_types_know_no_stroke(channel_bench: Make, words: Any, kind: int) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0, stroke_mm=0.0), plane_mm=120.0)
+    bench.run([words.probe(1, 3000.0, kind, Z=110.0), words.wait(1), words.end()])
+    assert bench.alarm_ids == []
+    assert _top_speed_mm_s(bench, "Z") == pytest.approx(50.0)
+
+
+@pytest.mark.provokes(900224, 4, axis="Z", type=4)
+def test_900224_a_probe_without_stroke_cannot_be_kept_to_it(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0, stroke_mm=0.0))
+    bench.run([words.probe(1, 3000.0, 4, Z=110.0), words.wait(1), words.end()])
+    (alarm,) = bench.channel.alarms
+    assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (
+        900224,
+        4,
+        {"axis": "Z", "type": 4},
+    )
+    assert bench.final_mm("Z") == pytest.approx(130.0, abs=INCREMENT_MM)
+
+
+# Who may measure
+
+
+@pytest.mark.provokes(50059, 4, axis="Y")
+def test_50059_for_an_axis_that_is_named_and_stands(channel_bench: Make, words: Any) -> None:
+    """All programmed axes must be released. Source: programming manual 206171147."""
+    bench = channel_bench(words.axis("Y", may_measure=False), words.axis("Z", start_mm=130.0))
+    run = canon.MeasuringRun(canon.Block(1, 10, "N10"), {"Z": 110.0}, ("Y", "Z"), ("Z",), 600.0, 1)
+    bench.run([run, words.wait(1), words.end()])
+    (alarm,) = bench.channel.alarms
+    assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (50059, 4, {"axis": "Y"})
+
+
+@pytest.mark.provokes(50637, 4, axis="Z")
+def test_50637_for_settings_of_an_axis_that_does_not_measure(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0, may_measure=False))
+    bench.run([words.probe_settings(1, "Z", edge="NEG"), words.end()])
+    (alarm,) = bench.channel.alarms
+    assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (50637, 4, {"axis": "Z"})
+
+
+@pytest.mark.parametrize(
+    ("settings", "values"),
+    [
+        ({"edge": "NEG"}, {"axis": "Z", "input": 1, "edge": "NEG", "object": "0x60BB"}),
+        ({"probe_input": 2}, {"axis": "Z", "input": 2, "edge": "POS", "object": "0x60BC"}),
+    ],
+)
+@pytest.mark.provokes(900223, 4, axis="Z")
+def test_900223_for_a_latch_that_is_not_mapped(
+    channel_bench: Make, words: Any, settings: dict[str, Any], values: dict[str, Any]
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0)
+    bench.run(
+        [
+            words.probe_settings(1, "Z", **settings),
+            words.probe(2, 600.0, Z=110.0),
+            words.wait(2),
+            words.end(),
+        ]
+    )
+    (alarm,) = bench.channel.alarms
+    assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (900223, 4, values)
+
+
+def test_probe0_and_probe1_stand_for_inputs_of_the_list(channel_bench: Make, words: Any) -> None:
+    """Both are input 1 here (P-AXIS-00583)."""
+    for probe in (0, 1):
+        bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0)
+        bench.run(
+            [
+                words.probe_settings(1, "Z", edge="POS", probe=probe),
+                words.probe(2, 600.0, Z=110.0),
+                words.wait(2),
+                words.end(),
+            ]
+        )
+        assert bench.channel.measured_acs_mm("Z") == pytest.approx(120.0, abs=INCREMENT_MM)
+
+
+# Preparation
+
+
+def test_prepared_axes_are_forgotten_by_homing_exchange_and_program_end(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Y"), words.axis("Z", start_mm=130.0))
+    bench.run([words.prepare(1, "Y", "Z"), words.move(2, 600.0, Z=129.0), words.end()])
+    measurement = bench.channel.measurement
+    assert measurement.prepared == set()  # program end
+    measurement.prepared.update(("Y", "Z"))
+    measurement.forget_prepared("X")  # was not prepared
+    assert measurement.prepared == {"Y", "Z"}
+    measurement.forget_prepared("Y")
+    assert measurement.prepared == set()
+
+
+def test_50059_for_the_preparation_of_an_axis_that_does_not_measure(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", may_measure=False))
+    bench.run([words.prepare(1, "Z"), words.end()])
+    assert bench.alarm_ids == [50059]
+
+
+# Dead time of the probe, P-AXIS-00487
+
+
+def test_a_measured_value_is_led_back_by_v_t(channel_bench: Make, words: Any) -> None:
+    """10 mm/s for 10 ms: 0.1 mm; the axis comes from above."""
+    bench = channel_bench(words.axis("Z", start_mm=130.0, delay_ns=10 * MS), plane_mm=120.0)
+    bench.run([words.probe(1, 600.0, Z=110.0), words.wait(1), words.end()])
+    value_mm = bench.channel.records[0].latched_mm["Z"]
+    assert value_mm == pytest.approx(120.1, abs=21 * INCREMENT_MM)
+
+
+def test_inside_a_ramp_half_a_t_squared_is_left(channel_bench: Make, words: Any) -> None:
+    """From 300 mm/s at 1000 mm/s2 to the target 50 mm; 2.5 mm before it the axis has 71 mm/s.
+
+    The axis follows with 1/Kv = 25 ms and has the acceleration of its demand by then; what is
+    left is 1000 * 0.01^2 / 2 = 0.05 mm, against where the axis was 10 ms before the edge.
+    """
+    bench = channel_bench(words.axis("Z", start_mm=230.0, delay_ns=10 * MS), plane_mm=52.5)
+    bench.run([words.probe(1, 18000.0, Z=50.0), words.wait(1), words.end()])
+    was_mm = bench.axes["Z"].position_at(bench.edge_ns() - 10 * MS) * 1e3
+    residual_mm = bench.channel.records[0].latched_mm["Z"] - was_mm
+    assert residual_mm == pytest.approx(-0.05, abs=0.001)

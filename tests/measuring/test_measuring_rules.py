@@ -1,0 +1,100 @@
+"""What the types say about speed, stroke, overtravel and a missing signal."""
+
+from math import inf, sqrt
+
+import pytest
+
+from kernel.measuring.rules import (
+    MeasuringAxis,
+    highest_speed,
+    lengthened,
+    misses_signal,
+    speed_within,
+)
+from kernel.motion.profile import Slope
+from kernel.nc.measuring_types import measuring_types
+from kernel.parameters import ParameterSet
+
+FLAT = Slope(1000.0, 1000.0, 100.0)
+TYPES = measuring_types()
+
+
+@pytest.mark.parametrize("stroke_mm", [0.0, 0.01, 1.0, 5.0, 50.0])
+def test_one_slope_stops_from_the_root_of_two_a_s(stroke_mm: float) -> None:
+    assert speed_within(stroke_mm, FLAT) == pytest.approx(sqrt(2 * 1000.0 * stroke_mm))
+
+
+def test_two_steps_stop_from_a_speed_of_the_upper_one() -> None:
+    """To 50 mm/s 500 mm/s2: 2.5 mm. The other 2.5 mm at 2000: v^2 = 2500 + 2 * 2000 * 2.5."""
+    assert speed_within(5.0, Slope(500.0, 2000.0, 50.0)) == pytest.approx(sqrt(12500.0))
+    assert speed_within(2.5, Slope(500.0, 2000.0, 50.0)) == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize("stroke_mm", [0.3, 2.5, 4.0, 40.0])
+def test_the_braking_distance_of_that_speed_is_the_stroke(stroke_mm: float) -> None:
+    slope = Slope(700.0, 1900.0, 61.0)
+    assert slope.distance_mm(speed_within(stroke_mm, slope)) == pytest.approx(stroke_mm)
+
+
+@pytest.mark.parametrize(("number", "keeps"), [(1, False), (2, True), (3, False), (4, True)])
+def test_types_2_and_4_keep_to_the_smallest_stroke_of_the_path(number: int, keeps: bool) -> None:
+    axes = [MeasuringAxis(stroke_mm=5.0), MeasuringAxis(stroke_mm=2.0)]
+    expected = sqrt(2 * 1000.0 * 2.0) if keeps else inf
+    assert highest_speed(TYPES[number], axes, FLAT) == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("number", "new_mm", "old_mm", "expected_mm"),
+    [
+        (1, 2.0, 3.0, 2.0),
+        (1, 0.0, 3.0, 0.0),
+        (2, 2.0, 3.0, 2.0),
+        (2, 0.0, 3.0, 3.0),
+        (3, 2.0, 3.0, 0.0),
+        (4, 2.0, 3.0, 2.0),
+        (5, 2.0, 3.0, 2.0),
+    ],
+)
+def test_overtravel_of_each_type(
+    number: int, new_mm: float, old_mm: float, expected_mm: float
+) -> None:
+    """P-AXIS-00467 for all but type 3; P-AXIS-00114 for type 2 while 00467 is 0."""
+    axis = MeasuringAxis(offset_mm=new_mm, old_offset_mm=old_mm)
+    assert axis.overtravel_mm(TYPES[number]) == expected_mm
+
+
+def test_the_axis_that_allows_least_decides_how_far_a_path_goes_on() -> None:
+    """30 and 40 mm: 3 mm are a tenth of the first, 2 mm a twentieth of the second."""
+    target = lengthened({"Y": 0.0, "Z": 0.0}, {"Y": 30.0, "Z": 40.0}, {"Y": 3.0, "Z": 2.0})
+    assert target == pytest.approx({"Y": 31.5, "Z": 42.0})
+    same = {"Y": 0.1, "Z": 0.3}
+    assert lengthened({"Y": 0.0, "Z": 0.3}, same, {"Y": 0.0}) == same
+
+
+@pytest.mark.parametrize(
+    ("number", "with_parameter", "without"),
+    [(1, True, False), (2, True, True), (3, True, False), (4, True, False), (5, False, False)],
+)
+def test_which_types_want_a_signal(number: int, with_parameter: bool, without: bool) -> None:
+    assert misses_signal(TYPES[number], True) is with_parameter
+    assert misses_signal(TYPES[number], False) is without
+
+
+def test_parameters_of_an_axis_in_the_units_of_the_kernel() -> None:
+    axis = ParameterSet("axis")
+    for path, text in {
+        "kenngr.vb_messen": "5000",
+        "kenngr.hub_messtaster": "20000",
+        "kenngr.probing_offset": "15000",
+        "kenngr.mess_offset": "2500",
+        "kenngr.probe_actuation_time_delay": "10000",
+        "kenngr.measure.input": "2",
+        "kenngr.measure.probe[1].input": "1",
+    }.items():
+        axis.set(path, text, "test")
+    assert MeasuringAxis.read(axis) == MeasuringAxis(5.0, 2.0, 1.5, 0.25, 10_000_000, (2, 1))
+
+
+def test_an_axis_without_settings_has_those_of_the_manual() -> None:
+    """16666 um/s, 5 mm of stroke."""
+    assert MeasuringAxis.read(ParameterSet("axis")) == MeasuringAxis(16.666, 5.0)

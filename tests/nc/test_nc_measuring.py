@@ -1,0 +1,150 @@
+"""Measuring types 2 to 6 as a program says them: what the channel is told, what is refused."""
+
+from typing import Any
+
+import pytest
+
+from kernel.errors import Alarm
+from kernel.nc.canon import MeasuringRun, Message
+
+XYZ = ("X", "Y", "Z")
+
+
+def _runs(commands: list[Any]) -> list[MeasuringRun]:
+    return [command for command in commands if isinstance(command, MeasuringRun)]
+
+
+def _texts(commands: list[Any]) -> list[str]:
+    return [command.text for command in commands if isinstance(command, Message)]
+
+
+def _alarm(run: Any, text: str, **options: Any) -> Alarm:
+    with pytest.raises(Alarm) as caught:
+        run(text, **options)
+    return caught.value
+
+
+def test_type_2_needs_no_feed_and_hands_none_on(run) -> None:
+    (told,) = _runs(run("#MEAS MODE[2]\nG100 X5"))
+    assert (told.measuring_type, told.feed_mm_min) == (2, None)
+    (told,) = _runs(run("#MEAS MODE[2]\nG100 X5 F77"))
+    assert told.feed_mm_min is None
+
+
+def test_an_f_in_a_block_of_type_2_holds_for_what_follows(run) -> None:
+    *_, move = [c for c in run("#MEAS MODE[2]\nG100 X5 F77\nG1 X6") if hasattr(c, "rapid")]
+    assert move.feed_mm_min == 77
+
+
+def test_g106_lets_a_run_of_type_3_go_on(run, plane_machine) -> None:
+    program = '#MEAS MODE[3]\nG100 X9 F100{}\n#MSG["%g %g", V.A.MESS.X, V.A.ABS.X]'
+    for word, stands in ((" G106", 9), ("", 4)):
+        machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+        commands = run(program.format(word), machine)
+        assert _runs(commands)[0].goes_on is bool(word)
+        assert _texts(commands) == [f"4 {stands}"]
+
+
+def test_g91_goes_on_from_the_target_after_g106(run, plane_machine) -> None:
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+    run("#MEAS MODE[3]\nG100 X9 F100 G106\nG91 G1 X1", machine)
+    assert machine.acs_mm["X"] == 10
+
+
+@pytest.mark.parametrize("type_", [1, 2, 4])
+@pytest.mark.provokes(20772, 2, g_function="G106")
+def test_20772_g106_with_another_type(run, type_: int) -> None:
+    alarm = _alarm(run, f"#MEAS MODE[{type_}]\nN7 G100 X9 F100 G106")
+    assert (alarm.id, alarm.values) == (20772, {"g_function": "G106", "type": type_})
+
+
+@pytest.mark.provokes(900228, 2)
+def test_900228_g106_without_g100(run) -> None:
+    alarm = _alarm(run, "#MEAS MODE[3]\nN7 G1 X9 F100 G106")
+    assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (900228, 2, {})
+
+
+@pytest.mark.provokes(50061, 4, programmed=4, maximum=3, type=4)
+@pytest.mark.provokes(900220, 2, type=4, axis="B")
+def test_type_4_measures_with_main_axes(run) -> None:
+    axes = ("X", "Y", "Z", "A", "B")
+    (told,) = _runs(run("#MEAS MODE[4]\nG100 X1 Y2 Z3 F100", axes=axes))
+    assert told.programmed_axes == ("X", "Y", "Z")
+    alarm = _alarm(run, "#MEAS MODE[4]\nN7 G100 X1 Y2 Z3 A4 F100", axes=axes)
+    assert alarm.id == 50061
+    assert alarm.values == {"programmed": 4, "maximum": 3, "type": 4}
+    alarm = _alarm(run, "#MEAS MODE[4]\nN7 G100 X1 B4 F100", axes=axes)
+    assert (alarm.id, alarm.values) == (900220, {"type": 4, "axis": "B"})
+    assert alarm.entry.reaction_class == 2
+
+
+# Types 5 and 6
+
+
+@pytest.mark.parametrize("word", ["G310", "G210"])
+def test_g310_measures_with_feed_or_in_rapid_traverse(run, word: str) -> None:
+    for motion, feed in (("G1 F100", 100), ("G0", None), ("F50", 50)):
+        (told,) = _runs(run(f"#MEAS MODE[5]\n{word} {motion} X5"))
+        assert (told.measuring_type, told.feed_mm_min, told.goes_on) == (5, feed, False)
+
+
+@pytest.mark.parametrize("type_", [1, 2, 3, 4, 7])
+@pytest.mark.provokes(20956, 2)
+def test_20956_g310_with_a_type_of_g100(run, type_: int) -> None:
+    alarm = _alarm(run, f"#MEAS MODE[{type_}]\nN7 G310 X5 F100")
+    assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (20956, 2, {"type": type_})
+
+
+@pytest.mark.provokes(900221, 2, type=6, axes="X Y")
+def test_900221_type_6_needs_a_sercos_axis(run) -> None:
+    alarm = _alarm(run, "#MEAS MODE[6]\nN7 G310 X5 Y6 F100")
+    assert (alarm.id, alarm.entry.reaction_class) == (900221, 2)
+    assert alarm.values == {"type": 6, "axes": "X Y"}
+
+
+def test_the_target_becomes_the_actual_position_of_every_measuring_axis(run, plane_machine) -> None:
+    """Also of axes that the block does not name; not of those that do not measure."""
+    machine = plane_machine({"X": 0.0, "Y": 1.0, "Z": 2.0}, ("X", 4.0))
+    machine.lag_mm, machine.not_released = 0.5, ("Z",)
+    text = (
+        "#MEAS MODE[5]\nG310 X9 F100\n"
+        '#MSG["%g %g %g", V.A.PROG.X, V.A.PROG.Y, V.A.PROG.Z]\n'
+        '#MSG["%g %g", V.A.ABS.X, V.A.MESS.X]\n#MSG["%g", V.A.MOFFS.X]'
+    )
+    assert _texts(run(text, machine)) == ["4.5 1.5 2", "4.5 4", "-5"]
+
+
+def test_without_signal_the_target_stays_what_was_programmed(run, plane_machine) -> None:
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    machine.lag_mm = 0.5
+    text = '#MEAS MODE[5]\nG310 X9 F100\n#MSG["%g %g %d", V.A.PROG.X, V.A.ABS.X, V.A.MERF.X]'
+    assert _texts(run(text, machine)) == ["9 9 0"]
+
+
+def test_moves_go_on_from_there(run, plane_machine) -> None:
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+    run("#MEAS MODE[5]\nG310 X9 F100\nG91 G1 X1", machine)
+    assert machine.acs_mm["X"] == 5
+
+
+# What other axes keep
+
+
+def test_merf_and_values_of_axes_that_are_not_named_stay(run, plane_machine) -> None:
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+    text = (
+        "#MEAS MODE[{}]\nG100 X9 F100\n#MEAS MODE[{}]\nG100 Y3 F100\n"
+        '#MSG["%d %d %g", V.A.MERF.X, V.A.MERF.Y, V.A.MESS.X]'
+    )
+    for first in (1, 2, 3, 4):
+        for second in (1, 2, 3, 4):
+            machine.acs_mm = dict.fromkeys(XYZ, 0.0)
+            assert _texts(run(text.format(first, second), machine)) == ["1 0 4"]
+
+
+def test_under_cs_all_three_main_axes_must_signal_in_every_type(run, plane_machine) -> None:
+    for type_, word in ((1, "G100"), (2, "G100"), (3, "G100"), (4, "G100"), (5, "G310")):
+        machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+        text = f"#MEAS MODE[{type_}]\n#CS ON[0,0,0,0,0,0]\n{word} X9 F100"
+        (told,) = _runs(run(text, machine))
+        assert told.measuring_axes == XYZ
