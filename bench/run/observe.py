@@ -11,6 +11,7 @@ from bench.bus.confinement import ErrorState
 from bench.results.writer import WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
+from bench.run.plc import plc_side
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact, PlantProbe
 from kernel.drives.ds402 import State
@@ -188,7 +189,7 @@ class Observed:
             label = f"ID {alarm.id}" + ("" if alarm.ends_program else WARNING)
             marks.append(Event(time_ns, "alarm", label, None))
         marks += self._drive_marks()
-        marks += self._plc_marks()
+        marks += [Event(t, "mark", label, None) for t, label, _ in plc_side(self.machine)]
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))
 
     def _drive_marks(self) -> list[Event]:
@@ -209,16 +210,4 @@ class Observed:
         for time_ns, write in self.machine.channel.drive_writes:
             label = f"#DRIVE WR {write.axis} {write.key} = {write.value:.15g}"
             marks.append(Event(time_ns, "mark", label, write.axis))
-        return marks
-
-    def _plc_marks(self) -> list[Event]:
-        """Programmed stops with their new starts, and what the PLC side was told."""
-        pauses = self.machine.channel.pauses
-        marks = []
-        for stop_ns, start_ns, stop in pauses.stops:
-            word = "M1" if stop.optional else "M0"
-            marks.append(Event(stop_ns, "mark", f"{word}: stop", None))
-            marks.append(Event(start_ns, "mark", f"{word}: started again", None))
-        for time_ns, told in pauses.told:
-            marks.append(Event(time_ns, "mark", f"{told.letter}{told.number} to the PLC", None))
         return marks

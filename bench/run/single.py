@@ -14,6 +14,7 @@ from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import as_written, read_settings
 from bench.run.outside import Outside, allow, refuse_processes
+from bench.run.plc import plc_log
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.text.parser import read_program
@@ -84,4 +85,5 @@ def run_program(
     ]
     notes += [Ended(text, False) for text in plant_log(machine.plant)]
     notes += [Ended(text, False) for text in in_words(machine.real_time())]
+    notes += [Ended(text, False) for text in plc_log(machine)]
     return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
