@@ -121,6 +121,7 @@ class Machine:
                 self.channel,
                 external=self.channel.external.values,
                 default_measuring_type=settings.channel.integer("messtyp"),
+                tables=settings.offset_tables,
             )
             self.channel.load(interpreter.commands())
             guard.pop_all()
