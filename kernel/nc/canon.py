@@ -226,7 +226,7 @@ class IndependentMove:
     target_acs_mm: in axis coordinates. Its speed is one of feed_mm_min (FEED), time_s (TIME, for
     the whole motion) and speed_share (FEED_MAX_WEIGHT, of P-AXIS-00212); all None in rapid
     traverse (G00). acceleration_share: ACC_WEIGHT or RAPID_ACC_WEIGHT. measuring_type: of a
-    measurement run (G100), else None.
+    measurement run (G100), else None; error_no_signal: of that run, None = P-CHAN-00176.
     """
 
     block: Block
@@ -237,6 +237,7 @@ class IndependentMove:
     speed_share: float | None = None
     acceleration_share: float = 1.0
     measuring_type: int | None = None
+    error_no_signal: bool | None = None
 
 
 @dataclass(frozen=True)
@@ -282,6 +283,15 @@ class Homing:
 
 
 @dataclass(frozen=True)
+class AxisExchange:
+    """Axes have left the channel (#PUT AX) or are back (#CALL AX)."""
+
+    block: Block
+    given: tuple[str, ...]
+    called: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class AdoptActual:
     """The set positions of standing axes become their actual ones (#CHANNEL INIT [ACTPOS])."""
 
@@ -289,7 +299,15 @@ class AdoptActual:
     axes: tuple[str, ...]
 
 
-AxisOrder = IndependentMove | WaitIndependent | AxisLinkOn | AxisLinkOff | Homing | AdoptActual
+AxisOrder = (
+    IndependentMove
+    | WaitIndependent
+    | AxisLinkOn
+    | AxisLinkOff
+    | Homing
+    | AxisExchange
+    | AdoptActual
+)
 DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop
 Measuring = MeasuringRun | ProbeSettings | PrepareProbe

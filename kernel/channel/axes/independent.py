@@ -126,7 +126,9 @@ class IndependentAxes:
             command = mover.command
             assert command.measuring_type is not None
             kind = command.measuring_type
-            mover.run = self._measurement.arm(kind, (command.axis,), command.block)
+            mover.run = self._measurement.arm(
+                kind, (command.axis,), command.block, error_no_signal=command.error_no_signal
+            )
             mover.waits = False
 
     def _evaluate(self, axis: str, mover: Mover, run: MeasuringRun) -> None:

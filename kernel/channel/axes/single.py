@@ -26,6 +26,7 @@ class SingleAxes:
         links: Mapping[str, AxisLink],
     ) -> None:
         self._clock, self._path, self._links = clock, path, links
+        self._measurement = measurement
         self.independent = IndependentAxes(clock, timing, path, measurement, links)
         self.couplings = Couplings(path, links)
         self._homing: Homing | None = None
@@ -39,6 +40,7 @@ class SingleAxes:
         execution.register(canon.AxisLinkOn, self.couplings.switch_on, ready=self._stand)
         execution.register(canon.AxisLinkOff, self.couplings.switch_off, ready=self._stand)
         execution.register(canon.Homing, self._home, ready=self._are_in_position)
+        execution.register(canon.AxisExchange, self._exchange, ready=self._stand)
         execution.register(canon.AdoptActual, self._adopt, ready=self._stand)
 
     @property
@@ -67,7 +69,15 @@ class SingleAxes:
     def _are_in_position(self) -> bool:
         return not self.independent.is_moving and self._path.is_in_position()
 
+    def _exchange(self, command: canon.AxisExchange) -> None:
+        """Nothing moves: the drive of an axis that is away holds it."""
+        for axis in command.given:
+            self._measurement.forget_prepared(axis)
+
     def _home(self, command: canon.Homing) -> None:
+        for group in command.groups:
+            for axis in group:
+                self._measurement.forget_prepared(axis)
         self._homing = Homing(command.groups, self._path, self._links, self._clock)
 
     def _adopt(self, command: canon.AdoptActual) -> None:

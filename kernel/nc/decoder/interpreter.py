@@ -6,7 +6,7 @@ from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import OffsetTables
-from kernel.nc.decoder import motion, registry, technology
+from kernel.nc.decoder import axes, motion, registry, technology
 from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.frames import Flow
@@ -127,6 +127,7 @@ def _decode_statement(
 
 
 def _decode_words(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
+    yield from axes.before_block(context, block, words)
     functions = (*words.g, *words.m)
     for function in functions:
         if function in registry.SETTINGS:
@@ -146,7 +147,8 @@ def _decode_words(context: Context, block: Block, words: Words) -> Iterator[cano
         yield from handler(context, block, command)
     taking = next((g for g in functions if g in registry.TAKES_AXES), None)
     takes = motion.move if taking is None else registry.TAKES_AXES[taking]
-    yield from takes(context, block, words)
+    yield from axes.synchronised(context, block, takes(context, block, words))
+    yield from axes.after_block(context, block, words)
     for function in functions:
         if function in registry.ENDINGS:
             yield from registry.ENDINGS[function](context, block, words)

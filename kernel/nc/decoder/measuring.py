@@ -99,7 +99,7 @@ def _run(
         error_no_signal=context.part(Measurements).error_no_signal,
     )
     yield canon.Wait(block)
-    _take_results(context, measuring, tuple(values), moved=tuple(target_mm))
+    take_results(context, measuring, tuple(values), moved=tuple(target_mm))
 
 
 def _check_axes(context: Context, block: Block, kind: MeasuringType, axes: Sequence[str]) -> None:
@@ -121,7 +121,7 @@ def _without_run(context: Context, block: Block, words: Words) -> None:
         raise context.alarm(900228, block)
 
 
-def _take_results(
+def take_results(
     context: Context, measuring: Sequence[str], programmed: Sequence[str], moved: Sequence[str]
 ) -> None:
     """Keep what the run gave, as seen in the coordinate system in which it took place.
