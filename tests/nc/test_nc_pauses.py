@@ -1,5 +1,6 @@
 """What the decoder makes of dwell times, block ends, stops and functions for the PLC side."""
 
+from collections.abc import Iterator
 from typing import Any
 
 import pytest
@@ -8,7 +9,16 @@ from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder import Interpreter
-from kernel.nc.syntax import Command, Number, Program, ProgramBlock, Statement, Words
+from kernel.nc.syntax import (
+    Chain,
+    Command,
+    Number,
+    Program,
+    ProgramBlock,
+    Statement,
+    Variable,
+    Words,
+)
 
 ORIGIN = dict.fromkeys("XYZ", 0.0)
 
@@ -31,12 +41,17 @@ class Standing:
 
 def decoded(*statements: Statement) -> list[Any]:
     """Decode blocks N10, N20, ... and leave the end of the program out."""
+    return list(commands_of(statements, {}))[:-1]
+
+
+def commands_of(
+    statements: tuple[Statement, ...], external: dict[str, float]
+) -> Iterator[canon.Command]:
     blocks = tuple(
         ProgramBlock(Block(n, 10 * n, ""), statement) for n, statement in enumerate(statements, 1)
     )
     program = Program("", None, ("X", "Y", "Z"), blocks, ())
-    commands = list(Interpreter(program, ("X", "Y", "Z"), Standing(), external={}).commands())
-    return commands[:-1]
+    return Interpreter(program, ("X", "Y", "Z"), Standing(), external=external).commands()
 
 
 def words(*g: str, m: tuple[str, ...] = (), **values: float) -> Words:
@@ -175,6 +190,39 @@ def test_measuring_run_without_polynomial_contouring(before: list[Statement]) ->
 def test_emptying_the_channel_waits_only_where_it_says_so() -> None:
     assert decoded(Command("FLUSH"), Command("FLUSH CONTINUE")) == []
     assert kinds(decoded(Command("FLUSH WAIT"))) == ["Wait"]
+
+
+def test_waiting_for_the_plc_side_asks_in_every_cycle() -> None:
+    """The manual's #WAIT FOR V.E.EXT1 == 5."""
+    external = {"EXT1": 0.0}
+    condition = Chain(Variable("V.E.EXT1"), (("==", Number(5.0)),))
+    commands = commands_of((Command("WAIT FOR", (condition,)),), external)
+    for _ in range(4):
+        wait = next(commands)
+        assert isinstance(wait, canon.Wait)
+        assert wait.for_cycle
+    external["EXT1"] = 5.0
+    assert isinstance(next(commands), canon.EndOfProgram)
+
+
+@pytest.mark.parametrize(("value", "waits"), [(0.5, True), (0.51, False), (1.0, False)])
+def test_a_condition_holds_above_one_half(value: float, waits: bool) -> None:
+    commands = commands_of((Command("WAIT FOR", (Variable("V.E.READY"),)),), {"READY": value})
+    next(commands)  # a block that reads V.E. waits for the machine
+    assert isinstance(next(commands), canon.Wait) is waits
+
+
+@pytest.mark.provokes(900173, 2)
+def test_waiting_for_what_nothing_changes_is_refused() -> None:
+    with pytest.raises(Alarm) as caught:
+        decoded(Command("WAIT FOR", (Number(0.0),)))
+    assert caught.value.id == 900173
+    assert decoded(Command("WAIT FOR", (Number(1.0),))) == []
+
+
+def test_exact_stop_behind_a_full_circle_without_axis_words() -> None:
+    commands = decoded(words("G2", "G60", "G162", I=5.0, F=100.0))
+    assert kinds(commands) == ["ArcMove", "ExactStop"]
 
 
 # ---- stops and functions

@@ -31,6 +31,10 @@ def _feed(context: Context, block: Block, words: Words) -> None:
     context.modal.feed_mm_min = context.value(block, words.feed) * context.unit_mm
 
 
+def _feed_per_minute(context: Context, block: Block, words: Words) -> None:
+    """G94 is what F means here: mm/min."""
+
+
 def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Decode axis words that no other function of the block takes."""
     if context.modal.motion in circles.ARCS:
@@ -58,5 +62,6 @@ TOPIC = Topic(
         "G1": silent(_straight),
         "G90": silent(_absolute),
         "G91": silent(_relative),
+        "G94": silent(_feed_per_minute),
     },
 )

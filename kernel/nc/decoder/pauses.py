@@ -7,7 +7,8 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic, silent
-from kernel.nc.syntax import Command, Expression, Words
+from kernel.nc.decoder.walk import read_by
+from kernel.nc.syntax import Command, Expression, Group, Name, Words
 
 # Dwell times are kept in us of 32 bits (TF5200 diagnosis 252425611, 252429963)
 DWELL_MAX_US = 2**32 - 1
@@ -15,6 +16,7 @@ NS_PER_US = 1000
 US_PER_S = 1_000_000
 # The address of a time that stands behind G4 without one
 DWELL_ADDRESS = "G4"
+CENTRE = "IJK"  # a full circle needs no axis word
 
 
 @dataclass
@@ -76,6 +78,20 @@ def _flush_wait(context: Context, block: Block, command: Command) -> Iterator[ca
     yield canon.Wait(block)
 
 
+def _wait_for(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """Decode on when the condition holds (above 0.5), asked in every cycle.
+
+    Raises Alarm 900173 when nothing in it can change meanwhile.
+    Source: TF5200 programming manual 207058059.
+    """
+    (condition,) = command.arguments
+    assert not isinstance(condition, Name | Group | None)
+    while context.value(block, condition) <= 0.5:
+        if not any(variable.name.startswith("V.E.") for variable in read_by(command)):
+            raise context.alarm(900173, block)
+        yield canon.Wait(block, for_cycle=True)
+
+
 def _exact_stop_on(context: Context, block: Block, words: Words) -> None:
     context.part(BlockEnds).exact_stop = True
 
@@ -103,7 +119,7 @@ def block_end(context: Context, block: Block, words: Words) -> Iterator[canon.Co
     Source: TF5200 programming manual 206301707 (G60, G359, G360).
     """
     ends = context.part(BlockEnds)
-    if words.axes:
+    if words.axes or any(letter in CENTRE for letter, _ in words.addresses):
         ends.rounds = "G61" in words.g
         if ends.exact_stop or "G60" in words.g:
             yield canon.ExactStop(block)
@@ -142,6 +158,7 @@ TOPIC = Topic(
         "FLUSH": silent(_flush),
         "FLUSH CONTINUE": silent(_flush),
         "FLUSH WAIT": _flush_wait,
+        "WAIT FOR": _wait_for,
         "CONTOUR MODE": silent(_nothing),
         "CONTOUR MODE ON": silent(_contouring_on),
         "CONTOUR MODE OFF": silent(_contouring_off),
