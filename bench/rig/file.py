@@ -69,9 +69,11 @@ class CycleTable(Table):
 
 
 class ChannelTable(Table):
-    """`[channel]`: the channel parameter list in the manual's format."""
+    """`[channel]`: its lists in the manual's format: parameters, zero offsets, tools."""
 
     list: str
+    zero_offsets: str | None = None
+    tools: str | None = None
 
 
 def _known_interface(name: str) -> str:
@@ -326,16 +328,18 @@ def _load(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], lis
 
 def _anchor_paths(table: dict[str, Any], folder: Path) -> None:
     lists = [table.get("channel"), *_tables(table.get("axis"))]
-    for entry in lists:
-        if isinstance(entry, dict) and isinstance(entry.get("list"), str):
-            entry["list"] = str((folder / entry["list"]).resolve())
-    for entry in _tables(table.get("drive")):
-        for key in ("eds", "pdo_map"):
-            if isinstance(entry, dict) and isinstance(entry.get(key), str):
-                entry[key] = str((folder / entry[key]).resolve())
+    _anchor(folder, lists, ("list", "zero_offsets", "tools"))
+    _anchor(folder, _tables(table.get("drive")), ("eds", "pdo_map"))
     for entry in _tables(table.get("plant")):
         if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith(".fmu"):
             entry["fmu"] = str((folder / entry["fmu"]).resolve())
+
+
+def _anchor(folder: Path, entries: list[Any], keys: tuple[str, ...]) -> None:
+    for entry in entries:
+        for key in keys:
+            if isinstance(entry, dict) and isinstance(entry.get(key), str):
+                entry[key] = str((folder / entry[key]).resolve())
 
 
 def _tables(value: Any) -> list[Any]:

@@ -4,7 +4,12 @@ from pathlib import Path
 
 from bench.rig.file import RigFile, rig_error
 from kernel.errors import Alarm
+from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS
+from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import ParameterSet, read_list, start_up, written
+
+# Keys of `[channel]` and targets of `set:` columns -> the lists they stand for
+OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
 
 
 def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str, ParameterSet]]:
@@ -21,6 +26,23 @@ def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str,
             )
     axes = {name: read_list(axis.list, "axis", name) for name, axis in rig.axis.items()}
     return read_list(rig.channel.list, "channel"), axes
+
+
+def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
+    """Read the lists of zero offsets and tools, as far as the rig names them.
+
+    Raises UserError for a list that is no file and for what is not accepted in one.
+    """
+    lists = Lists()
+    for key, name in OFFSET_LISTS.items():
+        path = getattr(rig.channel, key)
+        if path is None:
+            continue
+        if not Path(path).is_file():
+            message = f"the list of {name} {Path(path).name} is no file"
+            raise rig_error(files, ("channel", key), message, value=path)
+        lists.read(name, path)
+    return lists
 
 
 def take_over(channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[Alarm]:

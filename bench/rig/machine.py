@@ -114,16 +114,19 @@ class Machine:
             self._inject_faults(seed)
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
-            self.channel.external.values.update(settings.external)
-            interpreter = Interpreter(
-                program,
-                tuple(settings.rig.axis),
-                self.channel,
-                external=self.channel.external.values,
-                default_measuring_type=settings.channel.integer("messtyp"),
-            )
-            self.channel.load(interpreter.commands())
+            self.channel.load(self._interpreter(program).commands())
             guard.pop_all()
+
+    def _interpreter(self, program: Program) -> Interpreter:
+        self.channel.external.values.update(self.settings.external)
+        return Interpreter(
+            program,
+            tuple(self.settings.rig.axis),
+            self.channel,
+            external=self.channel.external.values,
+            default_measuring_type=self.settings.channel.integer("messtyp"),
+            tables=self.settings.offset_tables,
+        )
 
     def _expect_answers(self) -> None:
         """Tell real segments which telegrams their drives answer a SYNC with."""

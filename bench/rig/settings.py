@@ -14,10 +14,12 @@ from bench.drive.profiles import value_of
 from bench.plan.assignment import Assignment
 from bench.rig.faults import Fault, needs_heartbeats, read_faults
 from bench.rig.file import DriveTable, RigFile, SegmentTable
-from bench.rig.lists import inert_notes, read_lists, take_over
+from bench.rig.lists import OFFSET_LISTS, inert_notes, read_lists, read_offsets, take_over
 from kernel.clock import MS, TimeNs
 from kernel.errors import Alarm, UserError, nearest
-from kernel.parameters import ParameterSet
+from kernel.nc.coordinates import OffsetTables
+from kernel.nc.coordinates.tables import Lists
+from kernel.parameters import Origin, ParameterSet
 
 EVERY_SEGMENT = "all"
 """Stands for all segments in a `bus:` column."""
@@ -62,6 +64,7 @@ class Settings:
     faults: what goes wrong.
     has_kernel: false where only the drives of the rig run, for the master of somebody else.
     written: the rig as its files have it. assigned: what was applied to it, in its order.
+    offsets: values of the lists of zero offsets and tools.
     warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
     """
 
@@ -79,6 +82,15 @@ class Settings:
     assigned: Sequence[Assigned] = ()
     warnings: list[Alarm] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    offsets: Lists = field(default_factory=Lists)
+
+    @property
+    def offset_tables(self) -> OffsetTables:
+        """Zero offsets and tools as a program finds them."""
+        return self.offsets.tables(
+            rotary=[name for name, parameters in self.axis.items() if parameters.is_rotary],
+            ball_radius_counts=not self.channel.flag("meas_pcs_value_no_probe_radius"),
+        )
 
     def apply(self, assignment: Assignment, located: Located) -> None:
         """Apply one assignment. Raises UserError, with its place, for one that does not fit."""
@@ -96,8 +108,13 @@ class Settings:
 
     def _set(self, item: Assignment, _located: Located) -> None:
         known = {"channel": self.channel, **self.axis}
+        if item.target in OFFSET_LISTS and item.target not in known:
+            name = OFFSET_LISTS[item.target]
+            self.offsets.set(name, item.name, item.value, Origin(item.column))
+            return
         if item.target not in known:
-            raise UserError("the rig has no such axis", value=item.target, allowed=known)
+            allowed = [*known, *OFFSET_LISTS]
+            raise UserError("the rig has no such axis", value=item.target, allowed=allowed)
         known[item.target].set(item.name, item.value, item.column)
 
     def _plant(self, item: Assignment, located: Located) -> None:
@@ -186,6 +203,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
         channel=channel,
         axis=axes,
         segment=dict(rig.segment),
+        offsets=read_offsets(rig, files),
     )
     for assignment, located in assignments:
         settings.apply(assignment, located)

@@ -73,12 +73,19 @@ def _readings(text: str, kind: Kind) -> list[str]:
     readings = []
     for match, end in zip(matches, ends, strict=True):
         name = _squashed(kind)[_bare(match[0])]
-        for index in re.findall(r"\[\s*([0-9]+)\s*\]", match[0]):
-            name = name.replace("[0]", f"[{index}]", 1) if index != "0" else name
+        name = _indexed(name, re.findall(r"\[\s*([0-9]+)\s*\]", match[0]))
         row = table(kind).row(name)
         value = text[match.end() : end].strip()
         readings.append(f"{name} {_joined(value, row)}".strip())
     return readings
+
+
+def _indexed(name: str, indices: list[str]) -> str:
+    """Put indices in place of the 0 of each bracket."""
+    parts = name.split("[0]")
+    return "".join(
+        part + (f"[{indices[at]}]" if at < len(indices) else "") for at, part in enumerate(parts)
+    )
 
 
 def _joined(value: str, row: Parameter | None) -> str:

@@ -85,7 +85,8 @@ def _key(parameters: ParameterSet, name: str, value: str, origin: Origin, line: 
     try:
         return parameters.find(name, origin)[1]
     except UserError as error:
-        hint = damaged_name(line, parameters.kind)
+        is_known = table(parameters.kind).row(name) is not None  # only its index is wrong
+        hint = None if is_known else damaged_name(line, parameters.kind)
         if hint is None:
             raise
         message = "damaged parameter name"

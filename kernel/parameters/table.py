@@ -8,9 +8,10 @@ fallback    paths that decide while the value is unset; of several the smallest 
             the first switch that is set gives the word; `1:path` only for index 1 of the parameter
 unset       when the fallback decides: `=0`, `<0`, `<=0`, or `blank` for a STRING
 otherwise   the value where the fallback leaves it unset too, blank = what the fallback has
-correction  ID of the warning with which a value out of range is corrected to the nearer limit;
-            `low=x` the value in place of a limit that is not allowed itself; `keep`: warned, not
-            corrected; `old=ID`: the ID where the setting has an older path
+alarm       ID of the warning with which a value out of range is corrected to the nearer limit; a
+            second one where the setting has an older path without index
+correction  `low=x`: the value in place of a limit that is not allowed itself; `keep`: warned, not
+            corrected; `above`: only a value above the range
 acts        yes, no, or the only values that have an effect now; `indexed`: of every index, else
             of index 0
 """
@@ -48,6 +49,7 @@ class Correction:
 
     alarm_id: int
     is_kept: bool = False
+    is_above_only: bool = False
     low: Value | None = None
     older_id: int | None = None
 
@@ -107,7 +109,7 @@ class Parameter:
             raise origin.error(message, value=text, allowed=self.allowed) from error
         low, high = INTEGER_RANGES.get(self.type, (None, None))
         if low is not None and high is not None and not low <= float(value) <= high:
-            raise self._out_of_range(text, origin)
+            raise self.out_of_range(text, origin)
         return value
 
     def accept(self, text: str, origin: Origin) -> Value:
@@ -117,7 +119,7 @@ class Parameter:
         """
         value = self.convert(text, origin)
         if not self.is_within(value):
-            raise self._out_of_range(text, origin)
+            raise self.out_of_range(text, origin)
         return value
 
     def is_within(self, value: Value) -> bool:
@@ -126,12 +128,16 @@ class Parameter:
             return not self.values or value in self.values or value == self.default
         return self._is_above(value) and (self.maximum is None or value <= self.maximum)
 
-    def corrected(self, value: Value) -> Value:
-        """Return what the control makes of a number out of its range."""
-        if self.correction is None or isinstance(value, str) or self.correction.is_kept:
+    def corrected(self, value: Value) -> Value | None:
+        """Return what the control makes of a number out of its range; None: it is refused."""
+        if self.correction is None or isinstance(value, str):
+            return None
+        if self.correction.is_kept:
             return value
         if self._is_above(value):
             return value if self.maximum is None else convert(written(self.maximum), self.type)
+        if self.correction.is_above_only:
+            return None
         low = self.correction.low
         return convert(written(self.minimum or 0), self.type) if low is None else low
 
@@ -140,7 +146,8 @@ class Parameter:
             return True
         return value > self.minimum if self.is_open else value >= self.minimum
 
-    def _out_of_range(self, text: str, origin: Origin) -> UserError:
+    def out_of_range(self, text: str, origin: Origin) -> UserError:
+        """Build the refusal of a value that is not corrected."""
         message = f"value of {self.label} is outside its range"
         return origin.error(message, value=text, allowed=self.allowed)
 
@@ -271,7 +278,7 @@ def _parameter(row: Mapping[str, str], topic: str) -> Parameter:
         index_max=tuple(map(int, row["indices"].split())),
         unset=row["unset"],
         otherwise=convert(row["otherwise"], row["type"]) if row["otherwise"] else None,
-        correction=_correction(row["correction"].split(), row["type"]),
+        correction=_correction(row["alarm"].split(), row["correction"].split(), row["type"]),
         topic=topic,
     )
 
@@ -288,13 +295,14 @@ def _fallback(text: str) -> Fallback:
     return Fallback(rest, int(index) if index else None, word or None)
 
 
-def _correction(words: list[str], type_name: str) -> Correction | None:
-    if not words:
+def _correction(ids: list[str], words: list[str], type_name: str) -> Correction | None:
+    if not ids:
         return None
-    options = dict(word.partition("=")[::2] for word in words[1:])
+    options = dict(word.partition("=")[::2] for word in words)
     return Correction(
-        int(words[0]),
+        int(ids[0]),
         is_kept="keep" in options,
+        is_above_only="above" in options,
         low=convert(options["low"], type_name) if "low" in options else None,
-        older_id=int(options["old"]) if "old" in options else None,
+        older_id=int(ids[1]) if ids[1:] else None,
     )

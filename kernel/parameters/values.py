@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from kernel.clock import US, TimeNs
-from kernel.errors import nearest
+from kernel.errors import UserError, nearest
 from kernel.parameters.origin import Origin
 from kernel.parameters.table import KINDS, Kind, Parameter, indices_of, table
 from kernel.parameters.types import Value
@@ -89,7 +89,7 @@ class ParameterSet:
         except KeyError as error:
             raise self._unknown(path, origin) from error
 
-    def _unknown(self, path: str, origin: Origin) -> Exception:
+    def _unknown(self, path: str, origin: Origin) -> UserError:
         row = self._table.row(path)
         if row is not None:
             limits = ", ".join(f"0 .. {limit}" for limit in row.index_max) or "a number"
@@ -105,13 +105,14 @@ class ParameterSet:
         return origin.error(f"unknown {self.kind} parameter", value=path, hint=hint)
 
     def _store(self, path: str, parameter: Parameter, key: str, text: str, origin: Origin) -> None:
-        how = parameter.correction
-        value = parameter.convert(text, origin) if how else parameter.accept(text, origin)
+        value = parameter.convert(text, origin)
         self._corrected.pop(key, None)
-        if how is not None and not parameter.is_within(value):
-            is_old = how.older_id is not None and path.partition("[")[0] != key.partition("[")[0]
-            alarm_id = how.older_id if is_old and how.older_id else how.alarm_id
-            corrected = parameter.corrected(value)
+        if not parameter.is_within(value):
+            how, corrected = parameter.correction, parameter.corrected(value)
+            if how is None or corrected is None:
+                raise parameter.out_of_range(text, origin)
+            has_index = "[" in path or "[" not in key
+            alarm_id = how.alarm_id if has_index or how.older_id is None else how.older_id
             self._corrected[key] = Corrected(parameter, key, alarm_id, value, corrected, origin)
             value = corrected
         self._values[key], self._origins[key] = value, origin

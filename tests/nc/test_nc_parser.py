@@ -49,9 +49,9 @@ ERRORS = [
     ("M2 M30", 1, 4, "exclude each other", "M30"),
     ("G1 G1", 1, 4, "exclude each other", "G1"),
     # known, not acting
-    ("G2 X1", 1, 1, "not acting yet", "G2"),
+    ("G41 X1", 1, 1, "not acting yet", "G41"),
     ("N1 G108 X1", 1, 4, "not acting yet", "G108"),
-    ("G54", 1, 1, "not acting yet", "G54"),
+    ("G42", 1, 1, "not acting yet", "G42"),
     ("D1", 1, 1, "not acting yet", "D1"),
     ("P1=3", 1, 1, "not acting yet", "P1"),
     ("M0", 1, 1, "not acting yet", "M0"),

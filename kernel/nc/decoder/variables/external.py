@@ -11,7 +11,7 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.subprograms import Unit, reachable
-from kernel.nc.decoder.variables.own import spelled
+from kernel.nc.decoder.variables.own import nearest_with_value, spelled
 from kernel.nc.expressions import Value
 
 
@@ -36,7 +36,7 @@ def _known(context: Context, block: Block, name: str, indices: tuple[int, ...]) 
     known = next((other for other in context.external if other.upper() == asked), None)
     if known is None:
         close = nearest(asked, context.external)
-        near = f"; the nearest: {', '.join(f'V.E.{other}' for other in close)}" if close else ""
+        near = nearest_with_value([f"V.E.{other}" for other in close])
         raise context.alarm(900113, block, name=f"V.E.{asked}", near=near)
     return known
 

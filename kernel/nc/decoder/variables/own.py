@@ -7,7 +7,7 @@ makes a single value without. Source: TF5200 programming manual 207981323 (V.L a
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NoReturn
 
@@ -68,7 +68,12 @@ def _near(context: Context, name: str, indices: tuple[int, ...]) -> str:
         for place in itertools.islice(cell.values, 20)
     ]
     close = nearest(spelled(name, indices), known)
-    return f"; the nearest with a value: {', '.join(close)}" if close else ""
+    return nearest_with_value(close)
+
+
+def nearest_with_value(names: Sequence[str]) -> str:
+    """Say for an alarm which names look alike and have a value."""
+    return f"the nearest with one: {', '.join(names)}" if names else "nothing like it has one"
 
 
 def spelled(name: str, indices: tuple[int, ...]) -> str:

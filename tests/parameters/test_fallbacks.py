@@ -1,0 +1,145 @@
+"""Every fallback chain, each of its links set alone. By hand: FCT-C4 8.2.2, facts of the pages."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from kernel.parameters import KINDS, Kind, Origin, Parameter, ParameterSet, Value, table
+
+STOP, DETECT = "kenngr.measure.fixed_stop_detect", "antr.fixed_stop.detect"
+SLOPE, SHAPE = "getriebe[0].lslope_profil", "getriebe[0].slope_profil"
+
+
+@dataclass(frozen=True)
+class Chain:
+    """links: path, a written value that decides, what then comes out. end: nothing is set."""
+
+    links: tuple[tuple[str, str, Value], ...]
+    end: Value
+    kind: Kind = "axis"
+
+
+CHAINS = [
+    Chain(((f"{STOP}.pos_lag_limit", "7", 7), (f"{DETECT}.pos_lag_limit", "8", 8),
+           ("kenngr.fixed_stop_pos_lag_limit", "9", 9)), 0),
+    Chain(((f"{STOP}.min_time", "7", 7), (f"{DETECT}.min_time", "8", 8),
+           ("kenngr.fixed_stop_nbr_cycles", "9", 9)), 0),
+    Chain(((f"{STOP}.start_distance", "7", 7),), 0),
+    Chain(((f"{STOP}.start_distance_per_mille", "7", 7),
+           (f"{DETECT}.start_distance_per_mille", "8", 8)), -1),
+    Chain(((f"{STOP}.max_delta_position_window", "7", 7),
+           (f"{DETECT}.max_delta_position_window", "8", 8)), -1),
+    Chain((("kenngr.measure.signal", "PLC_TIMESTAMP", "PLC_TIMESTAMP"),
+           ("kenngr.meas_signal_fixed_stop", "1", "FIXED_STOP"),
+           ("kenngr.probing_signal_via_plc", "1", "PLC"),
+           ("kenngr.mess_signal_achs_steuer", "1", "PLC"),
+           ("kenngr.meas_signal_drive", "1", "DRIVE"),
+           ("kenngr.mess_signal_sercos", "1", "DRIVE"),
+           ("kenngr.mess_signal_taster", "1", "DRIVE")), "DRIVE"),
+    Chain((("kenngr.measure.input", "2", 2), ("antr.probing_input_nbr", "2", 2),
+           ("antr.canopen.probing_input_number", "2", 2)), 1),
+    Chain((("kenngr.measure.probe[0].input", "2", 2), ("kenngr.measure.input", "2", 2),
+           ("antr.probing_input_nbr", "2", 2), ("antr.canopen.probing_input_number", "2", 2)), 1),
+    Chain((("kenngr.measure.probe[1].input", "2", 2),
+           ("kenngr.measure.input_edge_banding", "2", 2), ("kenngr.measure.input", "2", 2),
+           ("antr.probing_input_nbr", "2", 2), ("antr.canopen.probing_input_number", "2", 2)), 1),
+    Chain((("kenngr.measure.input_edge_banding", "2", 2), ("kenngr.measure.input", "2", 2)), 1),
+    Chain((("kenngr.measure.edge", "NEG", "NEG"), ("kenngr.mess_neg_flanke", "1", "NEG")), "POS"),
+    Chain((("kenngr.dist_ctrl[0].a_max", "7", 7), ("getriebe[0].dynamik.a_max", "8", 8)), 1000),
+    Chain(((f"{SLOPE}.d_stufe_1", "7", 7), (f"{SLOPE}.a_stufe_1", "8", 8)), 1000),
+    Chain(((f"{SLOPE}.d_stufe_2", "7", 7), (f"{SLOPE}.a_stufe_2", "8", 8)), 1000),
+    Chain(((f"{SLOPE}.d_grenz_stufe_1", "7", 7), (f"{SLOPE}.a_grenz_stufe_1", "8", 8)), 1000),
+    Chain(((f"{SLOPE}.d_grenz_stufe_2", "7", 7), (f"{SLOPE}.a_grenz_stufe_2", "8", 8)), 1000),
+    Chain(((f"{SLOPE}.a_feedh", "7", 7), (f"{SLOPE}.a_grenz_stufe_1", "8", 8)), 1000),
+    Chain(((f"{SLOPE}.a_feedh", "7", 7), (f"{SLOPE}.a_grenz_stufe_2", "8", 8)), 1000),
+    Chain(((f"{SHAPE}.a_feedh", "7", 7), (f"{SHAPE}.a_grenz", "8", 8)), 1000),
+    Chain(((f"{SHAPE}.tr_feedh", "7", 7), (f"{SHAPE}.tr_grenz", "8", 8)), 10_000),
+    Chain((("getriebe[0].position_settling_time", "7", 7),
+           ("getriebe[0].pos_einschw_zeit", "8", 8)), 1_000_000),
+    Chain((("trafo[2].type", "7", 7), ("trafo[2].id", "9", 9)), 0, "channel"),
+]  # fmt: skip
+HERE = Origin("list.lst", 1)
+
+
+def holding(chain: Chain, *links: tuple[str, str, Value]) -> ParameterSet:
+    parameters = ParameterSet(chain.kind)
+    for path, text, _ in links:
+        parameters.load(path, text, HERE)
+    return parameters
+
+
+def head(chain: Chain) -> str:
+    return chain.links[0][0]
+
+
+@pytest.mark.parametrize("chain", CHAINS, ids=lambda chain: f"{head(chain)}-{len(chain.links)}")
+def test_each_link_of_a_chain_decides_when_it_alone_is_set(chain: Chain) -> None:
+    nothing = ParameterSet(chain.kind)
+    assert nothing.get(head(chain)) == chain.end
+    assert nothing.resolve(head(chain)).origin is None
+    for link in chain.links:
+        alone = holding(chain, link)
+        assert alone.get(head(chain)) == link[2], link
+        found = alone.resolve(head(chain))
+        assert (found.key, found.origin) == (link[0], HERE)
+
+
+@pytest.mark.parametrize("chain", CHAINS, ids=lambda chain: f"{head(chain)}-{len(chain.links)}")
+def test_the_first_link_wins_over_the_later_ones(chain: Chain) -> None:
+    for at, link in enumerate(chain.links):
+        later = holding(chain, *chain.links[at:])
+        assert later.get(head(chain)) == link[2], link
+
+
+def test_every_parameter_with_a_fallback_stands_above() -> None:
+    listed = {table(c.kind).find(head(c))[0].path for c in CHAINS}
+    # the middle links, which the chains of their heads pass through
+    listed |= {f"{DETECT}.pos_lag_limit", f"{DETECT}.min_time", "antr.probing_input_nbr"}
+    rows = [row for kind in KINDS for row in table(kind).parameters if row.fallback]
+    assert {row.path for row in rows} == listed
+
+
+@pytest.mark.parametrize(
+    "row",
+    [row for kind in KINDS for row in table(kind).parameters if row.fallback],
+    ids=lambda row: row.path,
+)
+def test_the_default_of_a_parameter_with_a_fallback_leaves_the_decision(row: Parameter) -> None:
+    if row.path.endswith("start_distance"):  # 0 = at once; only a negative path falls back
+        return
+    assert row.is_unset(row.default)
+
+
+def test_a_negative_start_distance_falls_back_and_ends_at_the_start_of_the_block() -> None:
+    axis = ParameterSet("axis")
+    axis.load(f"{STOP}.start_distance", "-5", HERE)
+    assert axis.integer(f"{STOP}.start_distance") == 0
+    axis.load(f"{DETECT}.start_distance", "300", HERE)
+    assert axis.integer(f"{STOP}.start_distance") == 300
+
+
+@pytest.mark.parametrize(("lag", "effective"), [("0", 0), ("-1", 9), ("-77", 9), ("5", 5)])
+def test_lag_of_0_switches_the_criterion_off_and_negative_asks_the_older_one(
+    lag: str, effective: int
+) -> None:
+    axis = ParameterSet("axis")
+    axis.load("kenngr.fixed_stop_pos_lag_limit", "9", HERE)
+    axis.load(f"{STOP}.pos_lag_limit", lag, HERE)
+    assert axis.integer(f"{STOP}.pos_lag_limit") == effective
+
+
+def test_a_chain_that_ends_in_cycles_is_a_time_once_the_cycle_is_known() -> None:
+    axis = ParameterSet("axis")
+    axis.load("kenngr.fixed_stop_nbr_cycles", "20", HERE)
+    assert axis.ns(f"{STOP}.min_time", cycle_ns=2_000_000) == 40_000_000
+    with pytest.raises(TypeError):
+        axis.ns(f"{STOP}.min_time")
+    axis.load(f"{DETECT}.min_time", "1500", HERE)
+    assert axis.ns(f"{STOP}.min_time", cycle_ns=2_000_000) == 1_500_000
+
+
+def test_a_set_default_still_counts_as_set() -> None:
+    axis = ParameterSet("axis")
+    assert not axis.is_set(f"{STOP}.start_distance")
+    axis.load(f"{STOP}.start_distance", "0", HERE)
+    assert axis.is_set(f"{STOP}.start_distance")

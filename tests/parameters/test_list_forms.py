@@ -1,0 +1,216 @@
+"""The format of parameter lists: comments, quotes, several axes, older names, damaged names."""
+
+import string
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from kernel.errors import UserError
+from kernel.parameters import (
+    KINDS,
+    Kind,
+    Origin,
+    ParameterSet,
+    read_list,
+    read_sections,
+    start_up,
+    table,
+    write_list,
+    written,
+)
+from kernel.parameters.errata import meant
+
+Listed = Callable[..., ParameterSet]
+Sections = Callable[..., list[ParameterSet]]
+Refused = Callable[..., UserError]
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "kenngr.messachse 1",
+        "\tkenngr.messachse\t1\t",
+        "kenngr.messachse 1# comment",
+        "kenngr.messachse 1 ; comment # more",
+        "kenngr.messachse 1 ( P-AXIS-00118 )",
+        "kenngr.messachse 0x1",
+        "kenngr.messachse TRUE",
+        '   kenngr.messachse "1"   # quoted',
+    ],
+)
+def test_one_line_in_many_forms(listed: Listed, line: str) -> None:
+    assert listed(f"{line}\r\n").flag("kenngr.messachse") is True
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [('"MON WINDOW"', "MON WINDOW"), ("'a # b'", "a # b"), ('""', ""), ('"x;(y)"', "x;(y)"),
+     ("'say \"it\"'", 'say "it"')],
+)  # fmt: skip
+def test_texts_in_quotes_keep_blanks_and_signs(
+    listed: Listed, tmp_path: Path, text: str, value: str
+) -> None:
+    axis = listed(f"antr.function[3].id {text} # comment\n")
+    assert axis.word("antr.function[3].id") == value
+    write_list(axis, tmp_path / "out.lst")
+    assert read_list(tmp_path / "out.lst", "axis").word("antr.function[3].id") == value
+
+
+def test_each_axis_of_a_list_begins_with_its_number(sections: Sections) -> None:
+    parts = sections(
+        "kopf.achs_nr 1\nkopf.log_achs_name X\nkenngr.messachse 1\n"
+        "kopf.achs_nr 2\nkopf.log_achs_name Y\n"
+    )
+    assert [part.word("kopf.log_achs_name") for part in parts] == ["X", "Y"]
+    assert [part.flag("kenngr.messachse") for part in parts] == [True, False]
+
+
+def test_one_axis_out_of_a_list_of_several(tmp_path: Path) -> None:
+    path = tmp_path / "axes.lst"
+    path.write_text("kopf.achs_nr 1\nkopf.log_achs_name X\nkopf.achs_nr 4\nkopf.log_achs_name Z\n")
+    assert read_list(path, "axis", "Z").integer("kopf.achs_nr") == 4
+    with pytest.raises(UserError, match=r"none of them is Y.*allowed: X, Z"):
+        read_list(path, "axis", "Y")
+    with pytest.raises(UserError, match="several axes"):
+        read_list(path, "axis")
+
+
+def test_a_name_twice_in_one_axis_is_told_with_the_way_to_the_next(refused: Refused) -> None:
+    error = refused("kopf.achs_nr 1\nkenngr.messachse 1\nkopf.achs_nr 2\n"
+                    "kenngr.messachse 1\nkenngr.messachse 1\n")  # fmt: skip
+    assert error.line == 5
+    assert "line 4" in error.message
+    assert "kopf.achs_nr begins the next axis" in str(error.hint)
+
+
+@pytest.mark.parametrize(
+    ("older", "present"),
+    [
+        ("kenngr.distc.kp", "kenngr.dist_ctrl[0].kp"),
+        ("kenngr.distc.max_abweichung", "kenngr.dist_ctrl[0].max_deviation"),
+        ("kenngr.dist_ctrl[0].max_istw_sprung", "kenngr.dist_ctrl[0].max_act_value_change"),
+        ("kenngr.distc.toleranz", "kenngr.dist_ctrl[0].tolerance"),
+    ],
+)
+def test_older_and_german_names_are_the_same_parameter(
+    listed: Listed, refused: Refused, older: str, present: str
+) -> None:
+    assert [name for name, _ in listed(f"{older} 2\n").items()] == [present]
+    assert "line 1" in refused(f"{present} 1\n{older} 2\n").message
+
+
+@pytest.mark.parametrize(
+    ("path", "allowed"),
+    [
+        ("kenngr.dist_ctrl[1].kp", "index 0 .. 0"),
+        ("kenngr.measure.probe[2].input", "index 0 .. 1"),
+        ("antr.function[10].id", "index 0 .. 9"),
+        ("antr.function[0].wr_ident[2]", "index 0 .. 9, 0 .. 1"),
+    ],
+)
+def test_an_index_that_does_not_exist(refused: Refused, path: str, allowed: str) -> None:
+    error = refused(f"{path} 1\n")
+    assert "no such index" in error.message
+    assert error.allowed == allowed
+
+
+def test_a_parameter_of_another_list_is_recognised(refused: Refused) -> None:
+    assert "the channel" in str(refused("messtyp 1\n").hint)
+    assert "list of external variables" in str(refused("var[0].name A\n", "channel").hint)
+    assert "start-up" in str(refused("configuration.channel[0].decoder.function -\n").hint)
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [
+        ("kopf.achs nr 4", "it means kopf.achs_nr 4"),
+        ("kenngr.hub_messtaster2000", "it means kenngr.hub_messtaster 2000"),
+        ("kenngr.hub\\_messtaster 7", "it means kenngr.hub_messtaster 7"),
+        ("kenngr.DIST<sup>-</sup>CTRL[0].kp 1", "it means kenngr.dist_ctrl[0].kp 1"),
+        ("Kenngr.Messachse 1", "it means kenngr.messachse 1"),
+        ("antr.function[4].wr ident[0] 6065 00", "it means antr.function[4].wr_ident[0] 6065_00"),
+        ("kenngr.distc.n cycles 30 # comment", "it means kenngr.distc.n_cycles 30"),
+    ],
+)
+def test_a_damaged_name_is_refused_with_what_is_meant(
+    refused: Refused, listed: Listed, line: str, hint: str
+) -> None:
+    error = refused(f"\n{line}\n")
+    assert error.message == "damaged parameter name"
+    assert (error.line, error.hint) == (2, hint)
+    listed(hint.removeprefix("it means ") + "\n")  # and that is accepted
+
+
+@pytest.mark.parametrize(
+    ("line", "hint"),
+    [
+        ("antr.function[0].id MON WINDOW", "MON_WINDOW, or the text in quotes"),
+        ("antr.function[0].mask NOT USED", "NOT_USED, or the text in quotes"),
+        ("kenngr.measure.signal PLC TIMESTAMP", "it means PLC_TIMESTAMP"),
+        ("kenngr.messachse 1 0", None),
+    ],
+)
+def test_a_value_in_several_words(refused: Refused, line: str, hint: str | None) -> None:
+    error = refused(f"{line}\n")
+    assert "more than one value" in error.message
+    assert error.hint == hint
+
+
+def test_errata_leave_undamaged_lists_alone() -> None:
+    text = "kopf.achs_nr 1\nkenngr.messachse 1\n"
+    assert meant(text) == text
+
+
+# --- every parameter, every text ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_parameter_is_written_and_read_back(tmp_path: Path, kind: Kind) -> None:
+    whole = ParameterSet(kind)
+    for row in table(kind).parameters:
+        path = row.path.replace("[i]", "[0]")
+        value = row.values[-1] if row.values else written(row.default) or "word"
+        whole.load(path, value, Origin("here", 1))
+    write_list(whole, tmp_path / "all.lst")
+    again = read_sections(tmp_path / "all.lst", kind)
+    assert [list(part.items()) for part in again] == [list(whole.items())]
+    assert len(list(whole.items())) == len(table(kind).parameters)
+
+
+NAMES = [name for kind in KINDS for name in table(kind).paths()]
+words = st.one_of(
+    st.sampled_from(NAMES),
+    st.sampled_from(["kopf.achs_nr", "kenngr.distc.kp", "1", "-1", "0x", "DRIVE", '"', "'a b'"]),
+    st.integers().map(str),
+    st.floats().map(str),
+    st.text(alphabet=string.printable + "äµ€\0\u2028", max_size=12),
+)
+lists = st.lists(st.lists(words, max_size=4).map(" ".join), max_size=8).map("\n".join)
+
+
+@given(text=lists, kind=st.sampled_from(KINDS))
+@example(text="kopf.achs_nr " + "9" * 10_000, kind="axis")
+@example(text="kenngr.distc.kp 1e999", kind="axis")
+@example(text="(" * 5000, kind="axis")
+@example(text="kopf.achs nr " * 400, kind="axis")
+@example(text='a "', kind="axis")
+@settings(
+    max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+def test_no_text_ends_in_anything_but_a_list_or_a_user_error(
+    tmp_path: Path, text: str, kind: Kind
+) -> None:
+    path = tmp_path / "any.lst"
+    path.write_text(text, encoding="utf-8", newline="")
+    try:
+        parts = read_sections(path, kind)
+        for part in parts:
+            start_up(part, "Z")
+    except UserError:
+        return
+    write_list(parts, path)
+    again = read_sections(path, kind)
+    assert [list(part.items()) for part in again] == [list(part.items()) for part in parts]
