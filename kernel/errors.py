@@ -121,6 +121,13 @@ class CatalogueEntry:
         """The IDs of the same cause, the one that is reported first."""
         return tuple(i for i in (self.older_id, self.id, self.newer_id) if i is not None)
 
+    @property
+    def relation(self) -> str:
+        """A sentence about the other ID of the same cause, or nothing."""
+        if self.newer_id is not None:
+            return f"Newer builds report {self.newer_id}."
+        return f"Older builds report {self.older_id}." if self.older_id is not None else ""
+
 
 @cache
 def catalogue() -> Mapping[int, CatalogueEntry]:
@@ -149,6 +156,12 @@ def catalogue() -> Mapping[int, CatalogueEntry]:
     return {entry.id: entry for entry in entries}
 
 
+def same_cause(alarm_id: int) -> int:
+    """Return the ID under which the cause of this one is reported; an unknown ID as it is."""
+    entry = catalogue().get(alarm_id)
+    return alarm_id if entry is None else entry.family[0]
+
+
 class Alarm(Exception):  # noqa: N818
     """An entry of the catalogue that has come up, with the values of its text.
 
@@ -174,7 +187,5 @@ class Alarm(Exception):  # noqa: N818
     def __str__(self) -> str:
         text = self.entry.text.format(**self.values)
         place = f" ({self.place})" if self.place else ""
-        return (
-            f"ID {self.entry.id} class {self.entry.reaction_class}: {text}{place}."
-            f" {self.entry.remedy}"
-        )
+        told = f"ID {self.entry.id} class {self.entry.reaction_class}: {text}{place}."
+        return " ".join(filter(None, (told, self.entry.remedy, self.entry.relation)))

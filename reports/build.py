@@ -18,6 +18,7 @@ from markupsafe import Markup
 
 from bench.plan.verdict import Verdict
 from bench.results.stored import StoredResults, StoredRun, read_results
+from bench.results.writer import BESIDES
 from kernel.errors import UserError
 from reports.bar import bar
 from reports.realtime import real_time
@@ -148,7 +149,12 @@ def _alarms(ids: str, log: list[str]) -> list[dict[str, str]]:
     """Each alarm with its number and, from the log, what it says."""
     told = [match for line in log if (match := _ALARM.match(line))]
     texts = {match["id"]: match["text"] for match in told}
-    return [{"id": number, "text": texts.get(number, "")} for number in ids.split()]
+    lines = [line.removeprefix(BESIDES) for line in log if line.startswith(BESIDES)]
+    besides = [match for line in lines if (match := _ALARM.match(line))]
+    return [
+        *({"id": number, "text": texts.get(number, "")} for number in ids.split()),
+        *({"id": match["id"], "text": BESIDES + match["text"]} for match in besides),
+    ]
 
 
 def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:

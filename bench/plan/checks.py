@@ -3,7 +3,7 @@
 import csv
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from decimal import Decimal
 from functools import cache
@@ -11,7 +11,7 @@ from importlib import resources
 from numbers import Real
 
 from bench.plan.verdict import Verdict
-from kernel.errors import UserError, nearest
+from kernel.errors import UserError, nearest, same_cause
 
 Value = float | int | str | Sequence[int] | None
 """What a metric can be: a number, a text, the IDs of alarms in order, or None when missing."""
@@ -129,12 +129,17 @@ class Condition:
     def _holds(self, value: Value) -> bool:
         if self.kind in {"text", "not_text"}:
             return (str(value) == self.expected[0]) == (self.kind == "text")
-        found = value_text(value).split()
+        found, expected = _causes(value_text(value).split()), _causes(self.expected)
         if self.kind == "contains":
-            return set(self.expected) <= set(found)
+            return set(expected) <= set(found)
         if self.kind == "one_of":
-            return set(found or ["none"]) <= set(self.expected)
-        return (found == list(self.expected)) == (self.kind == "alarms")
+            return set(found or ["none"]) <= set(expected)
+        return (found == expected) == (self.kind == "alarms")
+
+
+def _causes(ids: Iterable[str]) -> list[str]:
+    """Either ID of a family stands for the same cause."""
+    return [str(same_cause(int(word))) if word.isdecimal() else word for word in ids]
 
 
 _NUMBER_KINDS = frozenset({"range", "unequal"})

@@ -43,6 +43,8 @@ _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "panda
 
 WARNING = " (warning)"
 """Ends the label of an alarm that did not end the program."""
+BESIDES = "besides: "
+"""Begins what is told of an alarm that came up while the axes were already stopping."""
 
 
 @dataclass(frozen=True)

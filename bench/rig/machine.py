@@ -189,6 +189,8 @@ class Machine:
             channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
         channel.external.values.update(self.settings.external)
+        halts = self.settings.channel.flag("independent_axis_error_stop")
+        channel.reactions.each_axis_halts = halts
         channel.pauses.start_after_ns = self.settings.operator.start_after_ns
         channel.pauses.optional_stop = self.settings.operator.optional_stop
         for warning in [*self.settings.warnings, *warnings]:

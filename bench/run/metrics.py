@@ -114,6 +114,12 @@ def alarms(observed: Observed, _axis: str | None) -> Observation:
 
 
 @_of_program
+def further_alarms(observed: Observed, _axis: str | None) -> Observation:
+    """IDs of what came up while the axes were already stopping."""
+    return Observation([alarm.id for alarm in observed.machine.channel.further_alarms])
+
+
+@_of_program
 def duration_s(observed: Observed, _axis: str | None) -> Observation:
     """Simulated time from the first enabled cycle to the end of the program."""
     start_ns = observed.machine.channel.start_ns

@@ -8,7 +8,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from bench.bus.confinement import ErrorState
-from bench.results.writer import WARNING, Event
+from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
 from bench.run.plc import plc_side
@@ -188,6 +188,9 @@ class Observed:
         for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
             label = f"ID {alarm.id}" + ("" if alarm.ends_program else WARNING)
             marks.append(Event(time_ns, "alarm", label, None))
+        reactions = channel.reactions
+        for time_ns, alarm in zip(reactions.further_ns, reactions.further, strict=True):
+            marks.append(Event(time_ns, "alarm", f"{BESIDES}ID {alarm.id}", None))
         marks += self._drive_marks()
         marks += [Event(t, "mark", label, None) for t, label, _ in plc_side(self.machine)]
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))

@@ -15,7 +15,7 @@ from bench.plan.assignment import Assignment
 from bench.plan.checks import judge
 from bench.plan.plan import Case
 from bench.plan.verdict import Verdict, worst
-from bench.results.writer import CaseResult, no_values
+from bench.results.writer import BESIDES, CaseResult, no_values
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
@@ -168,6 +168,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *machine.settings.notes,
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
+            *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
             *(fault.in_words() for fault in machine.faults),
             *in_words(machine.real_time()),
         ],

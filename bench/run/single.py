@@ -6,6 +6,7 @@ from pathlib import Path
 
 from bench.bus.deadlines import in_words
 from bench.plan.assignment import parse_assignment
+from bench.results.writer import BESIDES
 from bench.rig.check import overloads
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
@@ -86,4 +87,6 @@ def run_program(
     notes += [Ended(text, False) for text in plant_log(machine.plant)]
     notes += [Ended(text, False) for text in in_words(machine.real_time())]
     notes += [Ended(text, False) for text in plc_log(machine)]
-    return notes + [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
+    ended = [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
+    besides = [Ended(f"{BESIDES}{alarm}", False) for alarm in machine.channel.further_alarms]
+    return notes + ended + besides

@@ -200,6 +200,8 @@ class Channel:
                 self.functions.check()
             elif self.state is ChannelState.POWERING:
                 self._power()
+            elif self.state is ChannelState.STOPPING and self.start_ns is not None:
+                self._monitor.check_drives()
             if self.state is ChannelState.RUNNING:
                 self.execution.step()  # 5 refill the queue, begin what comes next
         except Alarm as alarm:
@@ -209,7 +211,8 @@ class Channel:
         self.path.advance()  # 5, 6 next set positions through the buffer
         for observer in self.observers:  # 7
             observer(self)
-        if was_stopping and self.path.has_stopped and not self.single.is_moving:
+        has_stopped = self.path.has_stopped and not self.single.is_moving
+        if was_stopping and has_stopped and self.reactions.has_stopped:
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
@@ -241,6 +244,11 @@ class Channel:
     def alarm_ns(self) -> list[TimeNs]:
         """When it came up, in the same order."""
         return self.reactions.alarm_ns
+
+    @property
+    def further_alarms(self) -> list[Alarm]:
+        """What came up besides, while the axes stopped."""
+        return self.reactions.further
 
     # What the interpreter may ask (MachineView)
 
@@ -312,8 +320,13 @@ class Channel:
     # Stopping
 
     def _come_up(self, alarm: Alarm) -> None:
-        if self.state is not ChannelState.STOPPING and self.reactions.come_up(alarm):
+        if self.state is ChannelState.STOPPING:
+            self.reactions.register_further(alarm)
+        elif self.reactions.come_up(alarm):
             self.state = ChannelState.STOPPING
+        for further in self._monitor.further:
+            self.reactions.register_further(further)
+        self._monitor.further = []
 
     def stop(self, alarm: Alarm) -> None:
         """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from kernel.channel.lookahead import Lookahead
+from kernel.errors import Alarm
 from kernel.nc import canon
 
 Ready = Callable[[], bool]
@@ -59,6 +60,11 @@ class Execution:
     def load(self, commands: Iterator[canon.Command]) -> None:
         """Take the command stream of an interpreter."""
         self._queue = Lookahead(commands, self._put_out)
+
+    @property
+    def failed(self) -> Alarm | None:
+        """The alarm of a block that could not be decoded."""
+        return None if self._queue is None else self._queue.failed
 
     def _is_busy(self) -> bool:
         return any(is_busy() for is_busy in self._busy)

@@ -35,6 +35,7 @@ class Monitor:
         self._drives = [DriveWatch(link, clock, s) for link, s in zip(links, settings, strict=True)]
         self._buses = [BusWatch(network) for network in networks]
         self._late_sync: Alarm | None = None
+        self.further: list[Alarm] = []
 
     def prepare(self) -> None:
         """Let the drives hear the kernel, before they are told to watch it."""
@@ -62,30 +63,32 @@ class Monitor:
     def take(self) -> None:
         """Take the telegrams of every link.
 
-        Raises the alarm that tells most: own controller, SYNC, connection of a drive, telegrams.
+        Raises the alarm that tells most: own controller, SYNC, connection of a drive, telegrams;
+        the others of this cycle are in `further`.
         """
-        lost: Alarm | None = None
+        silent: list[Alarm] = []
         for link in self._links:
             try:
                 link.take()
             except Alarm as alarm:
-                lost = lost or alarm
-        for bus in self._buses:
-            if (found := bus.check()) is not None:
-                raise found
+                silent.append(alarm)
+        found = [told for bus in self._buses if (told := bus.check()) is not None]
         if self._late_sync is not None:
-            raise self._late_sync
-        for drive in self._drives:
-            if (found := drive.communication()) is not None:
-                raise found
-        if lost is not None:
-            raise lost
+            found.append(self._late_sync)
+        found += [told for drive in self._drives if (told := drive.communication()) is not None]
+        self._raise(found + silent)
 
     def check_drives(self) -> None:
-        """Raise the alarm of the first drive that does not follow its set values any more."""
-        for drive in self._drives:
-            if (found := drive.condition()) is not None:
-                raise found
+        """Raise the alarm of the first drive that does not follow its set values any more.
+
+        Those of other drives are in `further`.
+        """
+        self._raise([told for drive in self._drives if (told := drive.condition()) is not None])
+
+    def _raise(self, found: list[Alarm]) -> None:
+        if found:
+            self.further = found[1:]
+            raise found[0]
 
 
 class PowerUp:

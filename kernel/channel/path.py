@@ -1,10 +1,11 @@
 """The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
 
+from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.channel.settling import Settling
-from kernel.clock import Clock
+from kernel.clock import Clock, S
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.measuring.rules import lengthened
@@ -12,6 +13,7 @@ from kernel.motion.curves import Arc, Curve, Line
 from kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
 from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from kernel.motion.profile import plan
+from kernel.motion.ramp import Ramp
 
 
 class Path:
@@ -34,6 +36,7 @@ class Path:
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
+        self._recent = deque([self.interpolator.positions_mm] * 3, maxlen=3)
 
     def position_acs_mm(self, axis: str) -> float:
         """Return where the interpolation stands, axis coordinates."""
@@ -47,6 +50,7 @@ class Path:
         """Stand where the axes are, with nothing left in the buffer."""
         self.interpolator.hold(positions_mm)
         self._buffer = SetpointBuffer(self._timing.buffer_cycles, positions_mm)
+        self._recent.extend([positions_mm] * 3)
 
     def advance(self) -> None:
         """Send the set positions of this cycle through the buffer to the drives.
@@ -57,6 +61,7 @@ class Path:
         if self.follow is not None:
             self.follow()
             positions_mm = self.interpolator.positions_mm
+        self._recent.append(positions_mm)
         positions_mm = self._buffer.shift(positions_mm)
         for link, position_mm in zip(self._links, positions_mm, strict=True):
             link.send(position_mm)
@@ -182,6 +187,22 @@ class Path:
         """Delete the distance to go: stop on the path with what the kind of motion allows."""
         if not self.interpolator.is_standing and self._stop_dynamics is not None:
             self.interpolator.brake(self._stop_dynamics.stop_deceleration)
+
+    def own_ramp(self, axis: str, *, at_once: bool) -> Ramp:
+        """Return the ramp that stops one axis by itself; `at_once` has none.
+
+        Its velocity is that of the parabola through the last three set positions, v = (3 x0 - 4 x1
+        + x2) / 2T: exact while the acceleration is constant, whatever has moved the axis.
+        """
+        index, period_ns = self._index[axis], self._timing.period_ns
+        x2, x1, x0 = (positions_mm[index] for positions_mm in self._recent)
+        velocity_mm_s = (3.0 * x0 - 4.0 * x1 + x2) / (2.0 * period_ns / S)
+        slope = None if at_once else self._axes[index].own_stop
+        return Ramp(x0, velocity_mm_s, slope, period_ns)
+
+    def put_off_path(self, axis: str, position_mm: float) -> None:
+        """Give an axis its set position of this cycle, whatever the path says."""
+        self.interpolator.put(self._index[axis], position_mm)
 
     # Standing
 

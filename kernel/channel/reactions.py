@@ -1,6 +1,13 @@
-"""What the channel does about an alarm."""
+"""What the channel does about an alarm, by its class.
+
+1 goes on. 2 and 3 end the program: what is decoded has been carried out, nothing more is. 4 stops
+all axes on the path by the feedhold ramp. 5, 6 and 7 take axes off the path: 5 the faulty one stops
+at once, 6 every axis does, 7 the faulty one brakes by its own ramp; the others stop on the path.
+Source: ISG kernel, overview of the error reaction classes (249161867); P-AXIS-00003; P-CHAN-00218.
+"""
 
 from collections.abc import Callable, Sequence
+from enum import IntEnum
 
 from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
@@ -8,12 +15,30 @@ from kernel.channel.path import Path
 from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
+from kernel.motion.ramp import Ramp
 
 NOT_FOLLOWING = 900029  # braking the set position would not stop this axis
 
 
+class ReactionClass(IntEnum):
+    """The classes of the manual."""
+
+    WARNING = 1
+    PROGRAM_ENDS = 2
+    JOB_ENDS = 3
+    FEEDHOLD = 4
+    AXIS_STOPS_AT_ONCE = 5
+    ALL_STOP_AT_ONCE = 6
+    AXIS_HALTS = 7
+
+
 class Reactions:
-    """Registers alarms and reacts: above class 1 the program ends and the axes stop."""
+    """Registers alarms and reacts: above class 1 the program ends.
+
+    each_axis_halts: P-CHAN-00218, every axis brakes by its own ramp when one is faulty.
+    stops: called to stop what moves beside the path. alarms: warnings and the one that has ended
+    the program; further: what came up with it and while the axes stopped, which changes nothing.
+    """
 
     def __init__(
         self,
@@ -25,14 +50,30 @@ class Reactions:
     ) -> None:
         self._clock, self._path, self._links = clock, path, tuple(links)
         self._measurement, self._execution = measurement, execution
+        self.each_axis_halts = False
+        self._ramps: dict[str, Ramp] = {}
+        self.stops: list[Callable[[], None]] = []
         self.alarms: list[Alarm] = []
         self.alarm_ns: list[TimeNs] = []
-        self.stops: list[Callable[[], None]] = []  # of what moves beside the path
+        self.further: list[Alarm] = []
+        self.further_ns: list[TimeNs] = []
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether the axes that were taken off the path stand."""
+        return all(ramp.is_standing for ramp in self._ramps.values())
 
     def register(self, alarm: Alarm) -> None:
         """Note an alarm with its instant."""
         self.alarms.append(alarm)
         self.alarm_ns.append(self._clock.now_ns)
+
+    def register_further(self, alarm: Alarm) -> None:
+        """Note what comes up beside the alarm that stops or behind it: each ID once per axis."""
+        known = [(a.id, _who(a)) for a in (*self.alarms, *self.further)]
+        if (alarm.id, _who(alarm)) not in known:
+            self.further.append(alarm)
+            self.further_ns.append(self._clock.now_ns)
 
     def come_up(self, alarm: Alarm) -> bool:
         """Register an alarm of the running program and react; return whether the program ends."""
@@ -41,12 +82,51 @@ class Reactions:
         self.register(alarm)
         if not alarm.ends_program:
             return False
-        self._measurement.abort()
+        if self._execution.failed is not None:
+            self.register_further(self._execution.failed)
         for link in self._links:
             link.hold_back()
             if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
                 link.quick_stop()
-        self._path.brake()
+        self._stop(ReactionClass(alarm.entry.reaction_class), _who(alarm))
+        return True
+
+    def _stop(self, reaction: ReactionClass, faulty: Sequence[str]) -> None:
+        """Stop what moves: beside the path, on it, and off it."""
+        if self._measurement.is_active or reaction >= ReactionClass.FEEDHOLD:
+            self._path.brake()
+        self._measurement.abort()
+        self._take_off(reaction, faulty)
         for stop in self.stops:
             stop()
-        return True
+
+    def _take_off(self, reaction: ReactionClass, faulty: Sequence[str]) -> None:
+        """Take axes off the path that do not stop on it."""
+        if reaction <= ReactionClass.FEEDHOLD:
+            return
+        names = [link.name for link in self._links]
+        stops_at_once = reaction is not ReactionClass.AXIS_HALTS
+        leaving = {axis: stops_at_once for axis in names if axis in faulty}
+        if reaction is ReactionClass.ALL_STOP_AT_ONCE:
+            leaving = dict.fromkeys(names, True)
+        elif leaving and self.each_axis_halts:
+            leaving = dict.fromkeys(names, False) | leaving
+        if leaving:
+            self._ramps = {
+                axis: self._path.own_ramp(axis, at_once=at_once)
+                for axis, at_once in leaving.items()
+            }
+            follow = self._path.follow
+            self._path.follow = lambda: self._lead(follow)
+
+    def _lead(self, follow: Callable[[], None] | None) -> None:
+        """Put the axes that are off the path; coupled axes follow them."""
+        for axis, ramp in self._ramps.items():
+            self._path.put_off_path(axis, ramp.advance())
+        if follow is not None:
+            follow()
+
+
+def _who(alarm: Alarm) -> tuple[str, ...]:
+    """The axes that an alarm names."""
+    return tuple(str(alarm.values.get("axis", "")).split())

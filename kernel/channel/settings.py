@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from kernel.clock import MS, US, TimeNs
 from kernel.measuring.rules import MeasuringAxis
 from kernel.motion.dynamics import Dynamics, Motion, axis_slopes
+from kernel.motion.profile import Slope
 from kernel.parameters import ParameterSet
 
 
@@ -28,7 +29,7 @@ class AxisSettings:
 
     may_measure: P-AXIS-00118. window_mm: P-AXIS-00236, exact stop. settling_ns: P-AXIS-00532 or
     P-AXIS-00151, 0 = not monitored. dynamics: per kind of motion. measuring: of its runs. number:
-    P-AXIS-00016.
+    P-AXIS-00016. emergency: P-AXIS-00003, else P-AXIS-00008, None without either.
     """
 
     name: str
@@ -38,6 +39,12 @@ class AxisSettings:
     dynamics: dict[Motion, Dynamics]
     measuring: MeasuringAxis = field(default_factory=MeasuringAxis)
     number: int = 0
+    emergency: Slope | None = None
+
+    @property
+    def own_stop(self) -> Slope:
+        """How the axis brakes when it stops by itself: its emergency stop, else its feedhold."""
+        return self.emergency or self.dynamics[Motion.FEED].stop_deceleration
 
     @classmethod
     def read(cls, name: str, axis: ParameterSet, channel: ParameterSet) -> "AxisSettings":
@@ -50,4 +57,14 @@ class AxisSettings:
             dynamics={motion: axis_slopes(axis, channel, motion) for motion in Motion},
             measuring=MeasuringAxis.read(axis),
             number=axis.integer("kopf.achs_nr"),
+            emergency=_emergency(axis),
         )
+
+
+def _emergency(axis: ParameterSet) -> Slope | None:
+    """Read the deceleration of an emergency stop; None where a list sets neither of the two."""
+    path = "getriebe[0].dynamik.a_emergency"
+    if axis.resolve(path).origin is None:
+        return None
+    a_mm_s2 = axis.mm_s2(path)
+    return Slope(a_mm_s2, a_mm_s2, 1.0)

@@ -104,7 +104,7 @@ class AxisLink:
         self.resets_fault = False
         self.mode_bits = 0
         self.leads_itself = False
-        self._is_held_back = self._stops_quickly = False
+        self._is_held_back = self.stops_quickly = False
         self._function_word = 0
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
@@ -229,7 +229,7 @@ class AxisLink:
 
     def quick_stop(self) -> None:
         """Let the drive stop by itself: it does not follow what it is told."""
-        self._is_held_back = self._stops_quickly = True
+        self._is_held_back = self.stops_quickly = True
 
     @property
     def actual_mm(self) -> float:
@@ -356,7 +356,7 @@ class AxisLink:
             return ~self.controlword & RESET  # only a rising edge counts
         if state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
             return STATES[State.FAULT].hold
-        if self._stops_quickly and state is State.OPERATION_ENABLED:
+        if self.stops_quickly and state is State.OPERATION_ENABLED:
             return COMMANDS[Command.QUICK_STOP].value
         if self._is_held_back:
             if state not in (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE):

@@ -129,6 +129,8 @@ class DriveWatch:
         operation enabled).
         """
         link = self._link
+        if link.stops_quickly:
+            return None  # as it was told
         if link.state is State.OPERATION_ENABLED and link.emergency is None:
             return self._lag()
         word = f"0x{link.statusword:04X}"

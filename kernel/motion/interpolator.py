@@ -44,6 +44,10 @@ class Interpolator:
         self.positions_mm = put(self.positions_mm, index, position_mm)
         self._path = self._path.with_axis(index, position_mm)
 
+    def put(self, index: int, position_mm: float) -> None:
+        """Replace the set position of one axis in this cycle; the path stays as it is."""
+        self.positions_mm = put(self.positions_mm, index, position_mm)
+
     def start(
         self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Profile
     ) -> None:

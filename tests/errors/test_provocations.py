@@ -23,7 +23,8 @@ def _ids_in_use() -> dict[int, list[str]]:
     for path in sorted(set(KERNEL.rglob("*.csv")) - {CATALOGUE}):
         table = csv.DictReader(io.StringIO(path.read_text(encoding="utf-8")))
         for row in table:
-            for word in (row.get("alarm") or "").split():
+            words = f"{row.get('alarm') or ''} {row.get('correction') or ''}".split()
+            for word in filter(str.isdigit, words):
                 places.setdefault(int(word), []).append(f"{path.name}:{table.line_num}")
     return {number: at for number, at in places.items() if number in catalogue()}
 

@@ -45,6 +45,8 @@ CHAINS = [
            ("antr.probing_input_nbr", "2", 2), ("antr.canopen.probing_input_number", "2", 2)), 1),
     Chain((("kenngr.measure.input_edge_banding", "2", 2), ("kenngr.measure.input", "2", 2)), 1),
     Chain((("kenngr.measure.edge", "NEG", "NEG"), ("kenngr.mess_neg_flanke", "1", "NEG")), "POS"),
+    Chain((("getriebe[0].dynamik.a_emergency", "7", 7),
+           ("getriebe[0].dynamik.a_max", "8", 8)), 1000),
     Chain((("kenngr.dist_ctrl[0].a_max", "7", 7), ("getriebe[0].dynamik.a_max", "8", 8)), 1000),
     Chain(((f"{SLOPE}.d_stufe_1", "7", 7), (f"{SLOPE}.a_stufe_1", "8", 8)), 1000),
     Chain(((f"{SLOPE}.d_stufe_2", "7", 7), (f"{SLOPE}.a_stufe_2", "8", 8)), 1000),

@@ -263,6 +263,23 @@ def test_an_alarm_says_in_words_what_it_is() -> None:
     assert _alarms("", log) == []
 
 
+def test_what_came_up_during_the_stop_is_told_beside_the_alarm() -> None:
+    log = [
+        str(Alarm(900031, segment="can1")),
+        f"besides: {Alarm(900034, axis='Z', node=3, state='stopped')}",
+    ]
+    first, second = _alarms("900031", log)
+    assert (first["id"], second["id"]) == ("900031", "900034")
+    assert second["text"].startswith("besides: Drive of axis Z")
+
+
+def test_an_alarm_with_a_newer_twin_names_it() -> None:
+    values = {"owner": "axis Z", "deviation_mm": 6, "limit_mm": 5, "offset_mm": 5}
+    (told,) = _alarms("70331", [str(Alarm(70331, **values))])
+    assert told["text"].endswith("Newer builds report 310017.")
+    assert str(Alarm(310017, **values)).endswith("Older builds report 70331.")
+
+
 def test_the_tables_of_the_report_fit_together() -> None:
     plots = {row["plot"] for row in table("plots.csv")}
     assert {signal.plot for signal in signals().values()} <= plots

@@ -1,0 +1,176 @@
+"""What each reaction class does to the set positions of a path over two axes.
+
+Y and Z run a 3-4-5 path at 50 mm/s: Y at 30, Z at 40 mm/s. Y brakes with 1000, Z with 4000 mm/s^2,
+so the path with min(1000 / 0.6, 4000 / 0.8) = 1000 / 0.6 mm/s^2. Expected ways are v^2 / 2a.
+"""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from kernel.drives.ds402 import State
+from kernel.errors import Alarm
+
+Make = Callable[..., Any]
+S, T_S = 1_000_000_000, 1e-3
+Y_MM_S, Z_MM_S = 30.0, 40.0
+OWN_Y_MM, OWN_Z_MM = 30.0**2 / 2000.0, 40.0**2 / 8000.0
+LAG = {"lag_mm": "2", "limit_mm": "1"}
+
+
+class Stop:
+    """A run that an alarm has met at full speed; step: the first cycle behind it."""
+
+    def __init__(self, make: Make, words: Any, alarm: Alarm, **reactions: Any) -> None:
+        self.bench = make(words.axis("Y"), words.axis("Z", a_mm_s2=4000.0))
+        for name, value in reactions.items():
+            setattr(self.bench.channel.reactions, name, value)
+        self.bench.prepare([words.move(1, 3000.0, Y=60.0, Z=80.0), words.end()])
+        scheduler, samples = self.bench.scheduler, self.bench.samples
+        assert scheduler.run_while(lambda: not samples or samples[-1].set_mm[0] < 12.0, 10 * S)
+        self.step = len(samples)
+        self.bench.channel.stop(alarm)
+        self.bench.finish()
+
+    def set_mm(self, axis: str) -> list[float]:
+        return self.bench.set_mm(axis)
+
+    def way_mm(self, axis: str) -> float:
+        """From the set position at the alarm to the last one."""
+        values = self.set_mm(axis)
+        return values[-1] - values[self.step - 1]
+
+    @property
+    def is_on_the_line(self) -> bool:
+        return self.set_mm("Z") == pytest.approx([y / 0.6 * 0.8 for y in self.set_mm("Y")])
+
+    def has_ended_with_closed_loops(self) -> bool:
+        return self.bench.channel.has_ended and all(
+            link.state is State.OPERATION_ENABLED and link.power for link in self.bench.links
+        )
+
+
+def test_class_1_goes_on(channel_bench: Make, words: Any) -> None:
+    stop = Stop(channel_bench, words, Alarm(900035, axis="Z", emcy="0x8120"))
+    assert stop.bench.alarm_ids == [900035]
+    assert (stop.set_mm("Y")[-1], stop.set_mm("Z")[-1]) == (60.0, 80.0)
+
+
+def test_class_4_stops_all_axes_on_the_path(channel_bench: Make, words: Any) -> None:
+    stop = Stop(channel_bench, words, Alarm(900070))
+    assert stop.is_on_the_line
+    assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
+    assert stop.way_mm("Z") == pytest.approx(OWN_Y_MM / 0.6 * 0.8, abs=1e-9)
+    assert stop.has_ended_with_closed_loops()
+
+
+@pytest.mark.parametrize(("faulty", "other"), [("Z", "Y"), ("Y", "Z")])
+def test_class_7_brakes_the_faulty_axis_by_its_own_ramp_and_the_other_on_the_path(
+    channel_bench: Make, words: Any, faulty: str, other: str
+) -> None:
+    stop = Stop(channel_bench, words, Alarm(900036, axis=faulty, **LAG))
+    own_mm = {"Y": OWN_Y_MM, "Z": OWN_Z_MM}
+    on_path_mm = {"Y": OWN_Y_MM, "Z": OWN_Y_MM / 0.6 * 0.8}
+    assert stop.way_mm(faulty) == pytest.approx(own_mm[faulty], abs=1e-9)
+    assert stop.way_mm(other) == pytest.approx(on_path_mm[other], abs=1e-9)
+    assert stop.is_on_the_line is (faulty == "Y")  # the own ramp of Y is that of the path
+    assert stop.has_ended_with_closed_loops()
+
+
+def test_the_own_ramp_is_one_of_constant_deceleration(channel_bench: Make, words: Any) -> None:
+    stop = Stop(channel_bench, words, Alarm(900036, axis="Z", **LAG))
+    steps = [b - a for a, b in pairwise(stop.set_mm("Z")[stop.step - 1 :])]
+    expected = [Z_MM_S * T_S - (k + 0.5) * 4000.0 * T_S**2 for k in range(10)]
+    assert steps[:10] == pytest.approx(expected, abs=1e-9)
+    assert set(steps[10:]) == {0.0}
+
+
+def test_class_7_while_the_axis_accelerates(channel_bench: Make, words: Any) -> None:
+    """Rest to rest: z = a t^2 / 2 up to the alarm, and as far again behind it at the same rate."""
+    bench = channel_bench(words.axis("Z"))
+    bench.prepare([words.move(1, 30000.0, Z=80.0), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples or bench.set_mm("Z")[-1] < 5.0, 10 * S)
+    begun_mm = bench.set_mm("Z")[-1]
+    bench.channel.stop(Alarm(900036, axis="Z", **LAG))
+    bench.finish()
+    assert bench.final_mm("Z") == pytest.approx(2.0 * begun_mm, abs=1e-9)
+
+
+def test_class_5_stops_the_faulty_axis_at_once(channel_bench: Make, words: Any) -> None:
+    alarm = Alarm(70082, axis="Z", lag_mm="1", window_mm="0.1", ms=10)
+    stop = Stop(channel_bench, words, alarm)
+    assert stop.way_mm("Z") == 0.0
+    assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
+    assert stop.has_ended_with_closed_loops()
+
+
+def test_class_6_stops_every_axis_at_once(channel_bench: Make, words: Any) -> None:
+    stop = Stop(channel_bench, words, Alarm(60207, axis="Z", channel=1))
+    assert (stop.way_mm("Y"), stop.way_mm("Z")) == (0.0, 0.0)
+    assert stop.has_ended_with_closed_loops()
+
+
+def test_p_chan_00218_lets_every_axis_brake_by_its_own_ramp(
+    channel_bench: Make, words: Any
+) -> None:
+    alarm = Alarm(900036, axis="Y", **LAG)
+    stop = Stop(channel_bench, words, alarm, each_axis_halts=True)
+    assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
+    assert stop.way_mm("Z") == pytest.approx(OWN_Z_MM, abs=1e-9)
+
+
+def test_an_alarm_of_class_7_without_an_axis_stops_on_the_path(
+    channel_bench: Make, words: Any
+) -> None:
+    stop = Stop(channel_bench, words, Alarm(900071, segment="can1", reason="gone"))
+    assert stop.is_on_the_line
+    assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
+
+
+def test_class_2_carries_out_what_is_decoded_and_nothing_more(
+    channel_bench: Make, words: Any
+) -> None:
+    """The look-ahead meets the fault while the first block has not begun to move."""
+
+    def commands() -> Any:
+        yield words.move(1, 3000.0, Z=5.0)
+        yield words.move(2, 3000.0, Z=8.0)
+        yield words.message(2, "there", synchronous=True)
+        raise Alarm(900105, place="line 3, block N30", reason="division by zero")
+
+    bench = channel_bench(words.axis("Z")).run(commands())
+    (alarm,) = bench.channel.alarms
+    assert (alarm.id, alarm.place) == (900105, "line 3, block N30")
+    assert bench.final_mm("Z") == 8.0
+    assert [text for _, text in bench.messages] == ["there"]
+    at_last_block_ns = next(s.time_ns for s in bench.samples if s.set_mm == (8.0,))
+    assert bench.channel.alarm_ns[0] >= at_last_block_ns
+
+
+def test_what_the_look_ahead_has_found_is_told_when_another_alarm_comes_first(
+    channel_bench: Make, words: Any
+) -> None:
+    def commands() -> Any:
+        yield words.move(1, 3000.0, Z=20480.0)
+        raise Alarm(900105, reason="division by zero")
+
+    bench = channel_bench(words.axis("Z")).run(commands())
+    assert bench.alarm_ids == [900012]
+    assert [alarm.id for alarm in bench.channel.further_alarms] == [900105]
+
+
+def test_everything_that_comes_up_during_a_stop_is_kept_once(
+    channel_bench: Make, words: Any
+) -> None:
+    """Both drives get into fault in one cycle; the first of the axes has stopped the program."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    bench.prepare([words.move(1, 3000.0, Y=60.0, Z=80.0), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples or bench.set_mm("Y")[-1] < 12.0, 10 * S)
+    for axis in ("Y", "Z"):
+        bench.nodes[axis].servo.fault(0x4310, 1 << 3, bench.scheduler.now_ns)
+    bench.finish()
+    assert [(a.id, a.values["axis"]) for a in bench.channel.alarms] == [(900005, "Y")]
+    further = [(a.id, a.values["axis"]) for a in bench.channel.further_alarms]
+    assert further == [(900005, "Z")]
