@@ -198,6 +198,8 @@ def latch_mm(observed: Observed, touch: Touch, axis: str) -> Observation:
 @_of_run
 def reaction_ms(_observed: Observed, touch: Touch, _axis: str) -> Observation:
     """From the edge to the NC cycle that computes the first braking set position."""
+    if touch.record.goes_on:
+        return Observation(None, note="the signal does not end this run (G106)")
     if touch.edge_ns is None or touch.record.signal_ns is None:
         return Observation(None, note="no edge was seen in the measurement run")
     uncertainty_ms = touch.edge_uncertainty_ns / 1e6

@@ -94,8 +94,7 @@ class Observed:
         names = []
         for axis in record.axes:
             table = settings.rig.axis[axis]
-            number = settings.axis[axis].integer("kenngr.measure.input")
-            names.append(table.probe_1 if number == 1 else table.probe_2)
+            names.append(table.probe_1 if record.inputs[axis] == 1 else table.probe_2)
         probes = self.machine.plant.probes
         return [probes[name] for name in dict.fromkeys(names) if name in probes]
 
@@ -177,7 +176,8 @@ class Observed:
             if record.signal_ns is not None:
                 sync_ns = record.signal_ns - self.machine.timing.offset_ns
                 marks.append(Event(sync_ns, "pdo", "SYNC that sampled the latch status", None))
-                marks.append(Event(record.signal_ns, "brake", "cycle that brakes", None))
+                label = "cycle that sees the signal" if record.goes_on else "cycle that brakes"
+                marks.append(Event(record.signal_ns, "brake", label, None))
             if record.end_ns is not None:
                 marks.append(Event(record.end_ns, "standstill", "measurement run ended", None))
         for name, segment in self.machine.segments.items():
