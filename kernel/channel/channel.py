@@ -99,15 +99,18 @@ class Channel:
 
     def _assign(self) -> None:
         """Say who carries out which command."""
-        known, path = self.execution, self.path
+        known, path, measurement = self.execution, self.path, self.measurement
         known.while_busy(self._is_busy)
         known.register(canon.LinearMove, self._move)
         known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
         self.pauses.assign(known)
-        known.register(canon.MeasuringRun, self.measurement.begin, ready=path.is_in_position)
-        known.register(canon.ProbeSettings, self.measurement.choose)
-        known.register(canon.PrepareProbe, self.measurement.prepare)
+        known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
+        known.register(canon.ProbeSettings, measurement.choose, ready=measurement.may_choose)
+        known.register(
+            canon.DefaultProbes, measurement.choose_default, ready=measurement.may_choose
+        )
+        known.register(canon.PrepareProbe, measurement.prepare)
         known.register(canon.DriveWrite, self._write_function)
         known.register(canon.DriveRead, self._ask_drive)
         known.register(canon.DriveWait, self._ask_drive)

@@ -63,6 +63,10 @@ class Measurement:
 
     # Settings (#MEAS)
 
+    def may_choose(self) -> bool:
+        """Tell whether no probe is armed, also not by an axis beside the path."""
+        return not any(link.is_probing for link in self._links.values())
+
     def choose(self, command: canon.ProbeSettings) -> None:
         """Measure with another edge or input; raises Alarm 50637 and 900223."""
         self._check_released(command.axis, 50637)
@@ -86,8 +90,12 @@ class Measurement:
             self.prepared.clear()
 
     def end_program(self) -> None:
-        """Go back to what the parameter lists say. Source: FCT-C4 section 7.2, PROG 207092107."""
+        """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
         self.prepared.clear()
+        self.choose_default()
+
+    def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
+        """Measure with what the parameter lists say."""
         for link in self._links.values():
             chosen = link.settings.probe_input, link.settings.edge
             if (link.probe_input, link.edge) != chosen:

@@ -304,6 +304,11 @@ class AxisLink:
         self._latch.disarm()
 
     @property
+    def is_probing(self) -> bool:
+        """Whether the probe has been ordered on and not off again."""
+        return self._latch.is_ordered
+
+    @property
     def is_clear(self) -> bool:
         """Whether the drive shows neither an enabled probe nor a stored edge."""
         return self._latch.is_clear

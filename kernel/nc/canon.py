@@ -130,6 +130,13 @@ class ProbeSettings:
 
 
 @dataclass(frozen=True)
+class DefaultProbes:
+    """Every axis measures with what its parameter list says (#MEAS DEFAULT)."""
+
+    block: Block
+
+
+@dataclass(frozen=True)
 class PrepareProbe:
     """The probes of these axes are to be made ready ahead of their run (#MEAS PREPARE)."""
 
@@ -310,7 +317,7 @@ AxisOrder = (
 )
 DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop
-Measuring = MeasuringRun | ProbeSettings | PrepareProbe
+Measuring = MeasuringRun | ProbeSettings | DefaultProbes | PrepareProbe
 Command = (
     LinearMove
     | ArcMove

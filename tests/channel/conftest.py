@@ -223,6 +223,7 @@ class ChannelBench:
         missing_cycles: int = 3,
         fault_reset: bool = False,
         lag_limit_mm: float = math.inf,
+        pdo_map: str | None = None,
         watches: tuple[WatchSettings, ...] = (),
         start_up: StartUpSettings | None = None,
     ) -> None:
@@ -254,6 +255,7 @@ class ChannelBench:
                     missing_cycles=missing_cycles,
                     fault_reset=fault_reset,
                     lag_limit_mm=lag_limit_mm,
+                    pdo_map=pdo_map,
                     jump_mm=2 * s.speed_max_mm_s * 1e-3,
                 ),
                 self.network,

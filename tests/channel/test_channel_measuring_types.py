@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from itertools import pairwise
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -201,6 +202,53 @@ def test_900223_for_a_latch_that_is_not_mapped(
     )
     (alarm,) = bench.channel.alarms
     assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (900223, 4, values)
+
+
+MAP = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field
+RPDO1,1,0,0x6040,0,16,no,controlword
+RPDO1,1,0,0x607A,0,32,yes,target
+RPDO1,1,0,0x60B8,0,16,no,probe_function
+TPDO1,1,0,0x6041,0,16,no,statusword
+TPDO1,1,0,0x6064,0,32,yes,actual
+TPDO1,1,0,0x60B9,0,16,no,probe_status
+TPDO2,1,0,latch,0,32,yes,latch
+TPDO2,1,0,0x60BB,0,32,yes,
+TPDO3,254,10,0x60FD,0,32,no,inputs
+"""
+
+
+def test_both_edges_of_one_probe_when_both_latches_are_mapped(
+    channel_bench: Make, words: Any, tmp_path: Path
+) -> None:
+    """Down through the plane the input rises, up again it falls; then down once more."""
+    table = tmp_path / "map.csv"
+    table.write_text(MAP, encoding="utf-8")
+    bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0, pdo_map=str(table))
+    bench.run(
+        [
+            words.probe(1, 600.0, Z=110.0),
+            words.probe_settings(2, "Z", edge="NEG"),
+            words.probe(3, 1200.0, Z=130.0),
+            words.probe_settings(4, "Z", edge="POS"),
+            words.probe(5, 600.0, Z=110.0),
+            words.end(),
+        ]
+    )
+    assert bench.alarm_ids == []
+    values = [record.latched_mm["Z"] for record in bench.channel.records]
+    assert values == pytest.approx([120.0] * 3, abs=INCREMENT_MM)
+
+
+def test_the_edge_in_use_decides_what_an_actuated_probe_is(
+    channel_bench: Make, words: Any, tmp_path: Path
+) -> None:
+    """Above the plane the input is low: actuated for the falling edge (50052)."""
+    table = tmp_path / "map.csv"
+    table.write_text(MAP, encoding="utf-8")
+    bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0, pdo_map=str(table))
+    run = words.probe(2, 600.0, Z=110.0)
+    bench.run([words.probe_settings(1, "Z", edge="NEG"), run, words.end()])
+    assert bench.alarm_ids == [50052]
 
 
 def test_probe0_and_probe1_stand_for_inputs_of_the_list(channel_bench: Make, words: Any) -> None:

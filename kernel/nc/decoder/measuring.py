@@ -11,7 +11,6 @@ from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Reader, Topic, silent
 from kernel.nc.measuring_types import MeasuringType, measuring_types
 from kernel.nc.syntax import MeasuringMode, Words
-from kernel.nc.text.commands import is_measuring_type
 
 TO_THE_TARGET = 3  # the type that goes on after the signal
 
@@ -68,6 +67,8 @@ def _interruptible(context: Context, block: Block, words: Words) -> Iterator[can
     measuring = [axis for axis in context.axes if machine.may_measure(axis)]
     context.coordinates.stand_at({axis: machine.actual_acs_mm(axis) for axis in measuring})
     context.coordinates.take_as_target(measuring)
+    if words.goto is not None:
+        context.flow.jump(words.goto.label)
 
 
 def _run(
@@ -167,14 +168,17 @@ def _require_offset_type(context: Context, block: Block, g_function: str) -> Non
 
 
 def _choose_type(context: Context, block: Block, mode: MeasuringMode) -> None:
-    kept = context.part(Measurements)
     if mode.measuring_type is None:
-        kept.chosen_type = None
-        return
-    value = context.value(block, mode.measuring_type)
-    if not is_measuring_type(value):
+        context.part(Measurements).chosen_type = None
+    else:
+        choose_type(context, block, context.value(block, mode.measuring_type))
+
+
+def choose_type(context: Context, block: Block, value: float) -> None:
+    """Measure in another type from here on; raises Alarm 900104 for none."""
+    if value not in measuring_types():
         raise context.alarm(900104, block, value=f"{value:g}")
-    kept.chosen_type = int(value)
+    context.part(Measurements).chosen_type = int(value)
 
 
 def _measured(context: Context, block: Block, axis: str, asked_by: str) -> Measured:
