@@ -1,0 +1,9 @@
+%measuring_jump
+; Type 5: the signal ends the run.
+N05 #MEAS MODE[5]
+N10 G01 G90 Z110.374 F3000
+N20 G310 G01 Z=V.E.TARGET F=V.E.FEED
+N30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]
+N40 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]
+N50 G01 Z120 F3000
+N60 M30
