@@ -8,7 +8,7 @@ from kernel.errors import Alarm
 from kernel.nc.canon import ArcMove, Block, LinearMove
 from kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
 from kernel.nc.decoder import Interpreter
-from kernel.nc.syntax import Number, Program, ProgramBlock, Words
+from kernel.nc.syntax import Assign, Number, Program, ProgramBlock, Variable, Words
 
 XYZ = ("X", "Y", "Z")
 
@@ -171,3 +171,34 @@ def test_an_arc_needs_a_feed(decode):
     with pytest.raises(Alarm) as alarm:
         decode(words("G2", X=10, I=5))
     assert alarm.value.id == 20008
+
+
+def number(name, *indices):
+    return Variable(name, tuple(Number(float(index)) for index in indices))
+
+
+def assign(name, *indices, value):
+    return Assign(number(name, *indices), Number(float(value)))
+
+
+def test_tool_and_zero_offset_of_a_program(decode):
+    """V.G.WZ_AKT acts at once, V.G.WZ and V.G.NP when they are selected again."""
+    moves = decode(
+        assign("V.G.WZ_AKT.L", value=80),
+        words("G0", Z=1),
+        assign("V.G.WZ[].L", 3, value=10),
+        assign("V.G.WZ[].OK", 3, value=1),
+        words("", Z=1.5),
+        words("", D=3, Z=1),
+        assign("V.G.NP[].V.X", 1, value=7),
+        words("G54", X=0),
+        assign("V.G.NP[].V[]", 1, 0, value=8),
+        words("", X=1),
+        words("G54", X=0),
+        assign("V.G.NP_AKT.V.X", value=100),
+        words("", X=0),
+        words("G54", X=0),
+    )
+    told = [next(iter(move.target_acs_mm.values())) for move in moves]
+    # X1 after V.G.NP[1] = 8 is still 7 + 1, which is where G54 X0 stands then
+    assert told == [81.0, 81.5, 11.0, 7.0, 8.0, 100.0, 8.0]

@@ -133,7 +133,26 @@ class Context:
         """Give the name of an axis as the rig spells it; upper: checked to be one."""
         return next(axis for axis in self.axes if axis.upper() == upper)
 
+    def indexed_axis(self, block: Block, upper: str, indices: list[int]) -> str:
+        """Give the axis of a variable: by name in upper case, or by an index from 0."""
+        if upper:
+            return self.axis(upper)
+        (index,) = indices
+        if index >= len(self.axes):
+            raise self.index_alarm(block, "V[]", index, len(self.axes) - 1)
+        return self.axes[index]
+
+    def index_alarm(self, block: Block, name: str, index: int, last: int) -> Alarm:
+        """Make the alarm of an index that is too large."""
+        return self.alarm(20403, block, name=name, value=index, lower=0, upper=last)
+
     # ---- values
+
+    def number(self, block: Block, value: Value) -> float:
+        """Take a value as a number; raises Alarm 900105 for a text."""
+        if isinstance(value, str):
+            raise self.alarm(900105, block, reason=f"'{value}' is no number")
+        return value
 
     def value(self, block: Block, expression: Expression) -> float:
         """Give the number an expression stands for.

@@ -1,12 +1,15 @@
 """Shifts of the coordinates of single axes, the working plane, the unit, and their variables."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import Coordinates
 from kernel.nc.coordinates.places import PLANES
+from kernel.nc.coordinates.zero_offsets import GROUPS
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Handler, Reader, Topic, silent
+from kernel.nc.expressions import Value
 from kernel.nc.syntax import Words
 
 # G53 is group 0 of the zero offsets, G54 to G59 are 1 to 6. TF5200 zero offsets 103721099
@@ -53,6 +56,55 @@ def _default_group(context: Context, block: Block, rest: str) -> float:
     return float(context.zero_offsets.default_group)
 
 
+def _choose_default(
+    context: Context, block: Block, rest: str, value: Value
+) -> Iterator[canon.Command]:
+    """V.G.NP_DEFAULT: for the next program of the same list, which no run has."""
+    context.zero_offsets.default_group = _group(context, block, round(context.number(block, value)))
+    return iter(())
+
+
+def _group(context: Context, block: Block, index: int) -> int:
+    if not 0 <= index < GROUPS:
+        raise context.index_alarm(block, "V.G.NP[]", index, GROUPS - 1)
+    return index
+
+
+def _read_group(context: Context, block: Block, rest: str, group: int, *indices: int) -> float:
+    axis = context.indexed_axis(block, rest, list(indices))
+    place = _group(context, block, group), context.axes.index(axis)
+    return context.shown(axis, context.zero_offsets.offsets_mm.get(place, 0.0))
+
+
+def _write_group(
+    context: Context, block: Block, rest: str, value: Value, group: int, *indices: int
+) -> Iterator[canon.Command]:
+    """V.G.NP[]: acts when the group is selected again. TF5200 206493195."""
+    axis = context.indexed_axis(block, rest, list(indices))
+    place = _group(context, block, group), context.axes.index(axis)
+    context.zero_offsets.offsets_mm[place] = context.mm(axis, context.number(block, value))
+    return iter(())
+
+
+def _read_in_use(context: Context, block: Block, rest: str, *indices: int) -> float:
+    axis = context.indexed_axis(block, rest, list(indices))
+    return context.shown(axis, context.coordinates.shifts(axis).zero_mm)
+
+
+def _write_in_use(
+    context: Context, block: Block, rest: str, value: Value, *indices: int
+) -> Iterator[canon.Command]:
+    """V.G.NP_AKT: until a group is selected. TF5200 206505739."""
+    axis = context.indexed_axis(block, rest, list(indices))
+    context.coordinates.write_zero(axis, context.mm(axis, context.number(block, value)))
+    return iter(())
+
+
+def _origin(context: Context, block: Block, letter: str) -> float:
+    """V.G.SELECTED_CS.TRANS: from the axes to the active system, by place. TF5200 1049034507."""
+    return context.coordinates.origin_acs_mm["XYZ".index(letter)] / context.unit_mm
+
+
 TOPIC = Topic(
     settings={
         **{g: _zero_offset(group) for g, group in ZERO_OFFSETS.items()},
@@ -68,5 +120,17 @@ TOPIC = Topic(
         "V.A.BZP": _of_axis(lambda coordinates, axis: coordinates.shifts(axis).reference_mm),
         "V.G.MASS_MM": _unit,
         "V.G.NP_DEFAULT": _default_group,
+        "V.G.NP[].V": _read_group,
+        "V.G.NP[].V[]": _read_group,
+        "V.G.NP_AKT.V": _read_in_use,
+        "V.G.NP_AKT.V[]": _read_in_use,
+        "V.G.SELECTED_CS.TRANS": _origin,
+    },
+    writers={
+        "V.G.NP_DEFAULT": _choose_default,
+        "V.G.NP[].V": _write_group,
+        "V.G.NP[].V[]": _write_group,
+        "V.G.NP_AKT.V": _write_in_use,
+        "V.G.NP_AKT.V[]": _write_in_use,
     },
 )
