@@ -220,6 +220,8 @@ def test_table_of_variables_is_complete():
     for row in variables():
         assert row.meaning
         assert row.source
+        if "[]" in row.name:
+            continue
         text = f"X={row.name.replace('<axis>', 'X').replace('<name>', 'ANY')}"
         if row.acts:
             assert parse_program(text, axes=XYZ).variables
