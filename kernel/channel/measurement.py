@@ -8,7 +8,7 @@ from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.measuring.rules import highest_speed, misses_signal
-from kernel.measuring.run import MeasuringRun, Order, RunRecord, RunState
+from kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.nc import canon
 from kernel.nc.measuring_types import measuring_types
@@ -136,7 +136,7 @@ class Measurement:
         wants_signal = self._error_no_signal if error_no_signal is None else error_no_signal
         delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
         run = MeasuringRun(
-            [self._links[name] for name in axes],
+            [self._port(name) for name in axes],
             str(block),
             self._clock.now_ns,
             misses_signal(kind, wants_signal),
@@ -146,6 +146,10 @@ class Measurement:
         run.record.inputs.update({name: self._links[name].probe_input for name in axes})
         self.records.append(run.record)
         return run
+
+    def _port(self, axis: str) -> LatchPort:
+        """Return what tells the signal of an axis: the drive, as P-AXIS-00516 has no other yet."""
+        return self._links[axis]
 
     def keep(self, record: RunRecord) -> None:
         """Keep what a run brought."""
@@ -230,8 +234,6 @@ class Measurement:
 
     def abort(self) -> None:
         """End a run without a result: its probes are switched off."""
-        if self._run is None:
-            return
-        for name in self._run.record.axes:
-            self._links[name].disarm()
+        if self._run is not None:
+            self._run.abort()
         self._run = self._order = None

@@ -124,7 +124,7 @@ class MeasuringRun:
         goes_on: bool = False,
         delay_cycles: Mapping[str, float] | None = None,
     ) -> None:
-        self._ports = ports
+        self._ports = tuple(ports)
         self._error_no_signal = error_no_signal
         self._delay_cycles = delay_cycles or {}
         self._waited = 0
@@ -154,6 +154,12 @@ class MeasuringRun:
         """
         step = self._steps.get(self.state)
         return step(now_ns, is_standing) if step else Order.NONE
+
+    def abort(self) -> None:
+        """End without a result: every probe is switched off."""
+        for port in self._ports:
+            port.disarm()
+        self._enter(RunState.DONE)
 
     def _enter(self, state: RunState) -> None:
         self.state, self._waited = state, 0

@@ -167,7 +167,7 @@ class IndependentAxes:
         """Stop every axis on its way and end the runs without a result."""
         for axis, mover in list(self._movers.items()):
             if mover.run is not None:
-                mover.link.disarm()
+                mover.run.abort()
             mover.run, mover.waits = None, False
             if mover.interpolator.is_standing:
                 self._end(axis)
