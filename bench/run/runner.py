@@ -27,7 +27,7 @@ from bench.run.metrics import observe
 from bench.run.observe import Observed
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
-from kernel.nc.syntax import MessageOut, Program
+from kernel.nc.syntax import Command, Program
 from kernel.nc.text.parser import read_program
 
 Stopwatch = Callable[[], float]
@@ -72,7 +72,11 @@ def prepare(case: Case) -> None:
 
 def _check_metrics(case: Case, axes: Sequence[str], program: Program) -> None:
     """Refuse checks of axes that the rig, and of blocks that the program, does not have."""
-    blocks = [f"N{p.block.number}" for p in program.blocks if isinstance(p.statement, MessageOut)]
+    blocks = [
+        f"N{part.block.number}"
+        for part in program.blocks
+        if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
+    ]
     for check in case.checks:
         column = f"check:{check.metric}"
         if check.axis is not None and check.axis not in axes:

@@ -6,14 +6,24 @@
 
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 
-from kernel.nc.syntax import Format, Text
+from kernel.nc.syntax import Text
 
 _ELEMENT = re.compile(
     r"%(?:(?P<percent>%)|(?P<layout>[-+ 0#]*[0-9]{0,2}(?:\.[0-9]{0,2})?)"
     r"(?P<letter>[A-Za-z]?))"
 )
 LETTERS = ("f", "d", "i", "s", "e", "g", "F", "D", "S")
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format element of a message: flags, width and precision as written, and the letter."""
+
+    layout: str
+    letter: str
 
 
 class FormatError(Exception):
@@ -36,6 +46,7 @@ class NotWhole(Exception):  # noqa: N818
         self.value, self.element = value, f"%{element.layout}{element.letter}"
 
 
+@lru_cache(maxsize=256)
 def pieces_of(text: str) -> tuple[str | Format, ...]:
     """Split a text into plain pieces and format elements; raises FormatError."""
     pieces: list[str | Format] = []
@@ -58,10 +69,10 @@ def pieces_of(text: str) -> tuple[str | Format, ...]:
     return tuple(piece for piece in pieces if piece != "")
 
 
-def check_arguments(pieces: Sequence[str | Format], is_text: Sequence[bool]) -> None:
+def check_arguments(pieces: Sequence[str | Format], is_text: Sequence[bool | None]) -> None:
     """Check number and kind of the values behind the text; raises FormatError at position 0.
 
-    is_text: for each value whether it is a text.
+    is_text: for each value whether it is a text; None for a variable, which shows when it is read.
     """
     elements = [piece for piece in pieces if isinstance(piece, Format)]
     if len(elements) != len(is_text):
@@ -72,7 +83,7 @@ def check_arguments(pieces: Sequence[str | Format], is_text: Sequence[bool]) -> 
             f"{len(elements)} values",
         )
     for index, (element, text) in enumerate(zip(elements, is_text, strict=True), start=1):
-        if text != (element.letter == "s"):
+        if text is not None and text != (element.letter == "s"):
             raise FormatError(
                 f"value {index} does not fit its format element",
                 0,

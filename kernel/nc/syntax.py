@@ -66,7 +66,7 @@ class Chain:
     """Operands of one rank worked off from left to right.
 
     first: the leftmost operand. rest: sign and operand, in order. The ranks, loosest first:
-    `||`, `XOR`, `&&`, bits `|`, `^`, `&`, `== !=`, `< <= > >=`, `+ -`, `* / MOD`, `**`.
+    `||`, `XOR`, `&&`, `== != < <= > >=`, bits `|`, `^`, `&`, `+ -`, `* / MOD`, `**`.
     """
 
     first: "Expression"
@@ -80,7 +80,11 @@ Expression = Number | Text | Variable | Negative | Not | Call | Chain
 
 @dataclass(frozen=True)
 class Name:
-    """A plain word as value, upper case: an axis, an identifier, a choice."""
+    """A plain word as value.
+
+    An axis is spelled as in the rig; the name of a drive function, a file or an ident as written;
+    every other word is upper case.
+    """
 
     value: str
 
@@ -334,75 +338,10 @@ class SubprogramCall:
     parameters: tuple[tuple[str, Option], ...] = ()
 
 
-@dataclass(frozen=True)
-class MeasuringMode:
-    """#MEAS MODE; measuring_type None chooses the default type of the channel."""
-
-    measuring_type: Expression | None
-
-
-@dataclass(frozen=True)
-class SystemOn:
-    """#CS ON with three shifts in mm and three angles in degrees, in the axis order."""
-
-    components: tuple[Expression, ...]
-
-
-@dataclass(frozen=True)
-class SystemOff:
-    """#CS OFF: the last one, or all."""
-
-    all_systems: bool
-
-
-@dataclass(frozen=True)
-class MessageOut:
-    """#MSG: text pieces and format elements (see `message.py`) with their arguments."""
-
-    pieces: tuple["str | Format", ...]
-    arguments: tuple[Expression | Text, ...]
-    synchronous: bool
-
-
-@dataclass(frozen=True)
-class DriveWrite:
-    """#DRIVE WR SYN: the value VAL for the function KEY of an axis; waits: WAIT."""
-
-    axis: str
-    key: str
-    value: Expression
-    waits: bool
-
-
-@dataclass(frozen=True)
-class DriveRead:
-    """#DRIVE RD: the value of the function KEY of an axis into a variable V.P.<name>."""
-
-    axis: str
-    key: str
-    variable: str
-
-
-@dataclass(frozen=True)
-class DriveWait:
-    """#DRIVE WAIT SYN: until the drive of an axis has taken what was written before."""
-
-    axis: str
-
-
-@dataclass(frozen=True)
-class Format:
-    """One format element of a message: flags, width and precision as written, and the letter."""
-
-    layout: str
-    letter: str
-
-
 Branching = If | ElseIf | Else | EndIf | Switch | Case | Default | EndSwitch
-Looping = For | EndFor | While | EndWhile | Do | EndDo | Break | Continue
+Looping = For | EndFor | While | EndWhile | Do | EndDo | Repeat | Until | Break | Continue
 Control = Branching | Looping | Goto | Label
-Special = MeasuringMode | SystemOn | SystemOff | MessageOut | DriveWrite | DriveRead | DriveWait
-Statement = Words | Command | Assign | Declare | SubprogramCall | Control | Special
+Statement = Words | Command | Assign | Declare | SubprogramCall | Control
 
 
 @dataclass(frozen=True)

@@ -6,24 +6,34 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic
-from kernel.nc.decoder.variables import own
-from kernel.nc.syntax import DriveRead, DriveWait, DriveWrite
+from kernel.nc.syntax import Command, Expression, Name, Variable
 
 
-def _write(context: Context, block: Block, written: DriveWrite) -> Iterator[canon.Command]:
-    number = context.value(block, written.value)
-    yield canon.DriveWrite(block, written.axis, written.key, number, written.waits)
+def _name(command: Command, keyword: str) -> str:
+    name = command.option(keyword)
+    assert isinstance(name, Name), "the table of commands has checked it"
+    return name.value
 
 
-def _wait(context: Context, block: Block, waiting: DriveWait) -> Iterator[canon.Command]:
-    yield canon.DriveWait(block, waiting.axis)
+def _write(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    value = command.option("VAL")
+    assert isinstance(value, Expression)
+    number = context.value(block, value)
+    axis, key = _name(command, "AX"), _name(command, "KEY")
+    yield canon.DriveWrite(block, axis, key, number, command.has("WAIT"))
 
 
-def _read(context: Context, block: Block, reading: DriveRead) -> Iterator[canon.Command]:
-    yield canon.DriveRead(block, reading.axis, reading.key)
+def _wait(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    yield canon.DriveWait(block, _name(command, "AX"))
+
+
+def _read(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    axis, key, variable = _name(command, "AX"), _name(command, "KEY"), command.option("P")
+    assert isinstance(variable, Variable)
+    yield canon.DriveRead(block, axis, key)
     yield canon.Wait(block)
-    value = context.machine.drive_value(reading.axis, reading.key)
-    own.store(context, block, reading.variable, value)
+    value = context.machine.drive_value(axis, key)
+    yield from context.write(block, variable, value)
 
 
-TOPIC = Topic(statements={DriveWrite: _write, DriveWait: _wait, DriveRead: _read})
+TOPIC = Topic(commands={"DRIVE WR SYN": _write, "DRIVE WAIT SYN": _wait, "DRIVE RD": _read})

@@ -10,7 +10,7 @@ from kernel.nc.decoder import pauses
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Reader, Topic, silent
 from kernel.nc.measuring_types import MeasuringType, measuring_types
-from kernel.nc.syntax import MeasuringMode, Words
+from kernel.nc.syntax import Command, Expression, Words
 
 TO_THE_TARGET = 3  # the type that goes on after the signal
 
@@ -167,11 +167,14 @@ def _require_offset_type(context: Context, block: Block, g_function: str) -> Non
         raise context.alarm(20772, block, g_function=g_function, type=type_)
 
 
-def _choose_type(context: Context, block: Block, mode: MeasuringMode) -> None:
-    if mode.measuring_type is None:
+def _choose_type(context: Context, block: Block, command: Command) -> None:
+    """#MEAS MODE; without value the default of the channel."""
+    if not command.arguments:
         context.part(Measurements).chosen_type = None
-    else:
-        choose_type(context, block, context.value(block, mode.measuring_type))
+        return
+    (chosen,) = command.arguments
+    assert isinstance(chosen, Expression)
+    choose_type(context, block, context.value(block, chosen))
 
 
 def choose_type(context: Context, block: Block, value: float) -> None:
@@ -210,7 +213,7 @@ def _type(context: Context, block: Block, rest: str) -> float:
 
 
 TOPIC = Topic(
-    statements={MeasuringMode: silent(_choose_type)},
+    commands={"MEAS MODE": silent(_choose_type)},
     settings={"G106": silent(_without_run)},
     takes_axes={
         "G100": _measure,

@@ -26,7 +26,7 @@ from kernel.nc.decoder.topic import Handler, Reader, Writer
 from kernel.nc.decoder.walk import read_by
 from kernel.nc.expressions import Value
 from kernel.nc.syntax import Statement, Variable
-from kernel.nc.text.words import variables as known_variables
+from kernel.nc.text.words import find_variable
 
 Key = TypeVar("Key")
 Item = TypeVar("Item")
@@ -90,7 +90,7 @@ def _stem(name: str, *, writes: bool) -> tuple[str, str] | None:
 
 @cache
 def _waits_of_name(name: str) -> str:
-    row = next((row for row in known_variables() if row.matches(name)), None)
+    row, _ = find_variable(name)
     return "" if row is None else row.waits
 
 
@@ -153,5 +153,5 @@ def _indices(context: Context, block: Block, variable: Variable) -> list[int]:
 
 
 def _unhandled(context: Context, block: Block, name: str) -> Exception:
-    row = next((row for row in known_variables() if row.matches(name)), None)
+    row, _ = find_variable(name)
     return context.not_acting(block, name, "variable" if row is None else row.meaning)

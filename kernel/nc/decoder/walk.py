@@ -9,7 +9,6 @@ from kernel.nc.syntax import (
     Assign,
     Command,
     Declare,
-    DriveRead,
     For,
     Name,
     Number,
@@ -59,8 +58,6 @@ def written_by(statement: Statement) -> Iterator[Variable]:
     match statement:
         case Assign(target) | Declare(target) | For(target):
             yield target
-        case DriveRead():
-            yield Variable(statement.variable)
         case Command():
             # A keyword such as P of #DRIVE RD takes the variable that gets the value
             for _, option in statement.options:

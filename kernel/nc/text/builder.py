@@ -1,224 +1,328 @@
-"""From the syntax tree of one block to a checked statement.
+"""From the syntax tree of one block to checked statements.
 
 Every check that needs the text alone is made here, so that a program is refused before anything
-moves: unknown words, words that do not act yet, words that exclude each other, axes the rig does
-not have, arguments of # commands, constant values out of range.
+moves: unknown words, words that exclude each other, axes the rig does not have, values out of
+range. A word that is known and does not act is noted; the decoder raises the alarm for it.
 """
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
-from lark import Token, Transformer, v_args
+from lark import Token, v_args
 from lark.tree import Meta
 
-from kernel.errors import UserError, nearest
-from kernel.nc.expressions import NoValue, folded
 from kernel.nc.syntax import (
-    Call,
-    Chain,
+    Assign,
+    AxisCommand,
+    Declare,
     Expression,
-    Negative,
+    Goto,
+    Label,
     Number,
     Statement,
-    Text,
+    Target,
     Variable,
     Words,
 )
-from kernel.nc.text.commands import (
-    Argument,
-    CommandText,
-    command_name,
-    command_statement,
-    not_acting,
-)
-from kernel.nc.text.source import Source
-from kernel.nc.text.words import Word, variables, words
+from kernel.nc.text import nodes
+from kernel.nc.text.commands import axis_command, cycle_call, hash_command
+from kernel.nc.text.controls import ControlBuilder
+from kernel.nc.text.values import Part, offset_of
+from kernel.nc.text.words import Word, words
 
-# Axis words of a block serve one of these; without any of them the block is a move.
-TAKES_AXES = ("G92", "G100", "G101", "G102", "G210", "G310")
-NEEDS_AXES = ("G92", "G100", "G101", "G210", "G310")
+NEEDS_AXES = ("G92", "G100", "G101", "G310", "G210")
+_FUNCTION_NUMBER = re.compile(r"[0-9]+")
+_DWELL = re.compile(r"G0*4")
+# P1=5, R[2]=3 and @P4=1 set a parameter
+_PARAMETER = re.compile(r"(?P<sign>[PR])(?P<number>[0-9]*)|@.*")
+
+Block = tuple[nodes.Head, tuple[Statement, ...]]
 
 
-@dataclass(frozen=True)
-class _Item:
-    """One word of a block: its address or axis as written, the value, the place."""
+@dataclass
+class _Gathered:
+    """What the words of one block say so far."""
 
-    address: str
-    value: Expression | str
-    offset: int
-
-    @property
-    def as_written(self) -> str:
-        return f"{self.address}{self.value}" if isinstance(self.value, str) else self.address
+    functions: list[tuple[nodes.Word, Word]] = field(default_factory=list)
+    axes: dict[str, Expression] = field(default_factory=dict)
+    addresses: list[tuple[str, Expression]] = field(default_factory=list)
+    axis_commands: list[AxisCommand] = field(default_factory=list)
+    assignments: list[Assign] = field(default_factory=list)
+    goto: Target | None = None
 
 
 @v_args(inline=True)
-class Builder(Transformer[Token, "tuple[int | None, Statement | None]"]):
+class Builder(ControlBuilder):
     """Builds the statements of one program.
 
-    axes: the axes of the rig, main axes first. variables_read: name -> (line, column) of the first
-    place, filled while building. Every method raises UserError for what cannot be accepted.
+    axes: the axes of the rig, main axes first. Every method raises UserError for what cannot be
+    accepted.
     """
 
-    def __init__(self, source: Source, axes: Sequence[str]) -> None:
-        super().__init__()
-        self._source = source
-        self._axes = {axis.upper(): axis for axis in axes}
-        self.variables_read: dict[str, tuple[int, int]] = {}
+    # ---- heads and labels
 
-    # ---- expressions
+    @v_args(inline=False)
+    def head(self, tokens: list[Token]) -> nodes.Head:
+        """Block skip and block number."""
+        skip, number, placeholder = 0, None, None
+        for token in tokens:
+            if token.type == "SKIP":
+                skip = int(self.digits(token[1:] or "1", offset_of(token)))
+                self._check_skip(skip, token)
+            elif token[1:].strip(" \t").isdigit():
+                number = int(self.digits(token[1:].strip(" \t"), offset_of(token)))
+            else:
+                placeholder = offset_of(token)
+        return nodes.Head(skip, number, None, placeholder)
 
-    def number(self, token: Token) -> Number:
-        """A constant."""
-        return Number(self._float(token, token))
+    def _check_skip(self, level: int, token: Token) -> None:
+        # Source: functional description of block skip, page 214611467: ten levels.
+        if not 1 <= level <= 10:
+            raise self.source.error(
+                "no such level of block skip",
+                offset_of(token),
+                value=str(token),
+                allowed="/1 to /10",
+            )
 
-    def variable(self, token: Token) -> Variable:
-        """A variable of the table, for an axis of the rig."""
-        name = token.upper()
-        self._check_variable(name, token)
-        self.variables_read.setdefault(name, self._source.place(_offset(token)))
-        return Variable(name)
+    def block(self, head: nodes.Head, colon: Part, label: Part, *parts: Part) -> Block:
+        """A whole block: its head and what it does, in order."""
+        statements: list[Statement] = []
+        if colon is not None:
+            if head.number is None:
+                raise self.source.error(
+                    "a label is a block number with a colon", offset_of(colon), value=":"
+                )
+            statements.append(Label(f"N{head.number}"))
+        if label is not None:
+            statements.append(Label(label_name(label)))
+        if len(parts) == 1 and not isinstance(parts[0], _ITEMS):
+            statements.append(self._whole(parts[0]))
+        else:
+            statements.extend(self._items(parts))
+        return head, tuple(statements)
 
-    def call(self, token: Token, operand: Expression) -> Call:
-        """A function with its operand."""
-        function = token.upper()
-        word = words("function").get(function)
-        if word is None:
-            raise self._unknown("function", function, _offset(token), _acting("function"))
-        if not word.acts:
-            raise not_acting(self._source, _offset(token), function, word)
-        return Call(function, (operand,))
+    def _whole(self, part: Any) -> Statement:
+        if isinstance(part, nodes.RawCommand):
+            return hash_command(self, part)
+        if isinstance(part, nodes.Call):
+            return cycle_call(self, part)
+        statement: Statement = part
+        return statement
 
-    def group(self, operand: Expression) -> Expression:
-        """An expression in [ ]."""
-        return operand
+    @v_args(inline=False)
+    def declaration(self, children: list[Part]) -> Block:
+        """A line between #VAR and #ENDVAR."""
+        head, variable, kind, _size, values = children
+        return head, (Declare(variable, values or (), "REAL64" if kind is None else kind.upper()),)
 
-    def factor(self, *children: Token | Expression) -> Expression:
-        """An operand with its signs."""
-        *signs, operand = children
-        assert not isinstance(operand, Token)
-        minus_signs = sum(str(sign) == "-" for sign in signs)
-        return Negative(operand) if minus_signs % 2 else operand
+    def size(self, token: Token) -> None:
+        """The length of a text variable."""
 
-    def product(self, first: Expression, *rest: Token | Expression) -> Expression:
-        """Operands with * and /."""
-        return _chain(first, rest)
-
-    @v_args(inline=False, meta=True)
-    def sum(self, meta: Meta, children: list[Token | Expression]) -> Expression:
-        """Operands with + and -; constant if it has no variables."""
-        first, *rest = children
-        assert not isinstance(first, Token)
-        try:
-            return folded(_chain(first, rest))
-        except NoValue as fault:
-            raise self._source.error(f"expression has no value: {fault}", meta.start_pos) from None
+    @v_args(inline=False)
+    def initial(self, values: list[nodes.Value]) -> tuple[Expression, ...]:
+        """First values of a variable."""
+        return tuple(value.expression for value in values)
 
     # ---- words
 
-    def number_word(self, token: Token) -> _Item:
+    def number_word(self, token: Token) -> nodes.Word:
         """A word such as X10."""
-        return _Item(token[0].upper(), token[1:].strip(" \t"), _offset(token))
+        return nodes.Word(token[0].upper(), token[1:].strip(" \t"), offset_of(token))
 
-    def assigned_word(self, token: Token, value: Expression) -> _Item:
+    def assigned_word(self, token: Token, value: nodes.Value) -> nodes.Word:
         """A word such as X=10*2."""
-        return _Item(token.upper(), value, _offset(token))
+        return nodes.Word(token.upper(), value.expression, offset_of(token), assigned=True)
 
-    def block(self, *children: "Token | _Item | Statement") -> tuple[int | None, Statement | None]:
-        """A whole block: number and statement."""
-        number = None
-        if children and isinstance(children[0], Token):
-            number = int(self._float(children[0][1:].strip(" \t"), children[0]))
-        items = [child for child in children if isinstance(child, _Item)]
-        if items:
-            return number, self._words(items)
-        statements = (child for child in children if not isinstance(child, Token | _Item))
-        return number, next(statements, None)
+    def letter_word(self, token: Token, value: Expression) -> nodes.Word:
+        """A word such as XV.P.START or XP1."""
+        return nodes.Word(token.upper(), value, offset_of(token))
 
-    def _words(self, items: Sequence[_Item]) -> Words:
-        functions: list[tuple[_Item, Word]] = []
-        axes: dict[str, Expression] = {}
-        feed: Expression | None = None
+    def bracket_word(self, token: Token, bracket: nodes.Bracket, value: Part) -> nodes.Opened:
+        """A word such as X[P1+5], X[INDP_SYN ..] or P[1]=5."""
+        expression = None if value is None else value.expression
+        return nodes.Opened(token.upper(), bracket, expression, offset_of(token))
+
+    def lone_number(self, token: Token) -> nodes.Lone:
+        """The time behind G4."""
+        return nodes.Lone(Number(self.digits(token, offset_of(token))), offset_of(token))
+
+    @v_args(inline=False, meta=True)
+    def lone_variable(self, meta: Meta, children: list[Part]) -> nodes.Lone:
+        """The time behind G4."""
+        return nodes.Lone(children[0], meta.start_pos)
+
+    def setting(self, variable: Variable, value: nodes.Value) -> nodes.Setting:
+        """A variable that gets a value."""
+        return nodes.Setting(variable, value.expression, value.offset)
+
+    def _items(self, items: Sequence[Any]) -> Iterator[Statement]:
+        found = _Gathered()
         for item in items:
-            if item.address in ("G", "M"):
-                functions.append((item, self._function(item)))
-            elif item.address == "F":
-                if feed is not None:
-                    raise self._source.error("second feed in one block", item.offset, value="F")
-                feed = self._feed(item)
+            if isinstance(item, nodes.Word):
+                self._word(found, item)
+            elif isinstance(item, nodes.Opened):
+                self._opened(found, item)
+            elif isinstance(item, nodes.Setting):
+                found.assignments.append(Assign(item.variable, item.value))
+            elif isinstance(item, nodes.Lone):
+                self._dwell_time(found, item.value, item.offset)
             else:
-                axis = self._axis(item)
-                if axis in axes:
-                    raise self._source.error("axis twice in one block", item.offset, value=axis)
-                axes[axis] = self._item_value(item)
-        self._check_groups(functions)
-        g = tuple(word.word for _, word in functions if word.kind == "G")
-        self._check_axis_words(functions, bool(axes))
-        m = tuple(word.word for _, word in functions if word.kind == "M")
-        addresses = () if feed is None else (("F", feed),)
-        return Words(g, m, tuple(axes.items()), addresses)
+                self._jump(found, item)
+        yield from found.assignments
+        if len(items) == len(found.assignments):
+            return
+        words_of_block = self._words(found)
+        jumps_only = words_of_block == Words(goto=found.goto)
+        yield Goto(found.goto) if jumps_only and found.goto else words_of_block
 
-    def _function(self, item: _Item) -> Word:
+    def _word(self, found: _Gathered, item: nodes.Word) -> None:
+        if item.address in ("G", "M"):
+            found.functions.append((item, self._function(item)))
+            return
+        if item.assigned and (match := _PARAMETER.fullmatch(item.address)):
+            if match["sign"] and not match["number"]:
+                raise self._no_address(item.address, item.as_written, item.offset)
+            found.assignments.append(Assign(self._parameter(match), self._number(item)))
+            return
+        self._axis_or_address(found, item.address, self._number(item), item)
+
+    def _opened(self, found: _Gathered, item: nodes.Opened) -> None:
+        value = _single_value(item.bracket)
+        if _DWELL.fullmatch(item.address) and value is not None:
+            word = nodes.Word("G", "4", item.offset)
+            found.functions.append((word, self._function(word)))
+            self._dwell_time(found, value, item.offset)
+        elif item.value is not None:
+            if item.address not in ("P", "R") or value is None:
+                raise self.source.error(
+                    "a value stands in [ ] or behind =, not in both",
+                    item.offset,
+                    value=item.address,
+                )
+            found.assignments.append(Assign(Variable(f"{item.address}[]", (value,)), item.value))
+        elif value is not None:
+            word = nodes.Word(item.address, value, item.offset)
+            self._word(found, word)
+        else:
+            command = axis_command(self, item)
+            found.axis_commands.append(command)
+
+    def _dwell_time(self, found: _Gathered, value: Expression, offset: int) -> None:
+        """G4 takes its time without an address. Source: programming manual 206132747."""
+        if not found.functions or found.functions[-1][1].word != "G4":
+            raise self.source.error(
+                "a value needs an address in front of it",
+                offset,
+                value=self.source.found(offset),
+                allowed="X10, F500; a time alone behind G4",
+            )
+        if any(name == "G4" for name, _ in found.addresses):
+            raise self.source.error("second time in one block", offset)
+        found.addresses.append(("G4", value))
+
+    def _jump(self, found: _Gathered, item: nodes.Jump) -> None:
+        if found.goto is not None:
+            raise self.source.error("second jump in one block", item.offset, value="$GOTO")
+        found.goto = item.target
+
+    def _axis_or_address(
+        self, found: _Gathered, address: str, value: Expression, item: nodes.Word
+    ) -> None:
+        axis = self.axes.get(address)
+        if axis is not None:
+            if axis in found.axes:
+                raise self.source.error("axis twice in one block", item.offset, value=axis)
+            found.axes[axis] = value
+            return
+        word = words("address").get(address)
+        if word is None or address == "N":
+            raise self._no_address(address, item.as_written, item.offset)
+        if any(name == address for name, _ in found.addresses):
+            name = "feed" if address == "F" else address
+            raise self.source.error(f"second {name} in one block", item.offset, value=address)
+        if address == "F":
+            self._check_feed(value, item.offset)
+        if not word.acts:
+            self.note(address, word.meaning, item.offset)
+        found.addresses.append((address, value))
+
+    def _words(self, found: _Gathered) -> Words:
+        self._check_groups(found.functions)
+        g = tuple(word.word for _, word in found.functions if word.kind == "G")
+        m = tuple(word.word for _, word in found.functions if word.kind == "M")
+        for item, word in found.functions:
+            if word.word in NEEDS_AXES and not found.axes:
+                raise self.source.error(
+                    f"{word.word} needs an axis",
+                    item.offset,
+                    value=word.word,
+                    allowed=[f"{axis}.." for axis in self.axes.values()],
+                )
+        return Words(
+            g,
+            m,
+            tuple(found.axes.items()),
+            tuple(found.addresses),
+            tuple(found.axis_commands),
+            found.goto,
+        )
+
+    def _function(self, item: nodes.Word) -> Word:
         """Find a G or M function; a leading zero of its number has no meaning."""
-        if not isinstance(item.value, str) or not item.value.isdigit():
-            raise self._source.error(
+        digits = item.value if isinstance(item.value, str) else _whole_text(item.value)
+        if digits is None or not _FUNCTION_NUMBER.fullmatch(digits) or item.assigned:
+            raise self.source.error(
                 f"{item.address} takes a whole number without sign",
                 item.offset,
                 value=item.as_written,
             )
-        name = item.address + (item.value.lstrip("0") or "0")
+        name = item.address + (digits.lstrip("0") or "0")
         word = words(item.address).get(name)
+        if word is None and item.address == "M":
+            # Every other number goes to the PLC side as it is (P-CHAN-00041)
+            return Word(name, "M", "", True, "", "")
         if word is None:
-            raise self._unknown(
-                f"{item.address} function", name, item.offset, _acting(item.address)
-            )
+            raise self.unknown(f"{item.address} function", name, item.offset, words(item.address))
         if not word.acts:
-            raise not_acting(self._source, item.offset, name, word)
+            self.note(name, word.meaning, item.offset)
         return word
 
-    def _feed(self, item: _Item) -> Expression:
-        feed = self._item_value(item)
+    def _check_feed(self, feed: Expression, offset: int) -> None:
         if isinstance(feed, Number) and feed.value <= 0:
-            raise self._source.error(
+            raise self.source.error(
                 "feed must move the axes",
-                item.offset,
+                offset,
                 value=f"F{feed.value:g}",
                 allowed="greater than 0 mm/min",
             )
-        return feed
 
-    def _axis(self, item: _Item) -> str:
-        axis = self._axes.get(item.address)
-        if axis is not None:
-            return axis
-        if item.address == "N":
-            raise self._source.error(
-                "a block number stands at the beginning of its block",
-                item.offset,
-                value=item.as_written,
+    def _no_address(self, address: str, as_written: str, offset: int) -> Exception:
+        if address == "N":
+            return self.source.error(
+                "a block number stands at the beginning of its block", offset, value=as_written
             )
-        if item.address.startswith("V."):
-            raise self._source.error(
-                "variables can be read but not written yet", item.offset, value=item.address
-            )
-        word = words("address").get(item.address[0])
-        if word is not None and re.fullmatch(r"[A-Z][0-9]*", item.address):
-            raise not_acting(self._source, item.offset, item.as_written, word)
-        raise self._source.error(
-            "the rig has no such axis", item.offset, value=item.address, allowed=self._axes.values()
+        return self.source.error(
+            "the rig has no such axis", offset, value=address, allowed=self.axes.values()
         )
 
-    def _item_value(self, item: _Item) -> Expression:
+    def _number(self, item: nodes.Word) -> Expression:
         if isinstance(item.value, str):
-            return Number(self._float(item.value, item.offset))
+            return Number(self.digits(item.value, item.offset))
         return item.value
 
-    def _check_groups(self, functions: Sequence[tuple[_Item, Word]]) -> None:
+    def _parameter(self, match: re.Match[str]) -> Variable:
+        if match["sign"]:
+            return Variable(f"{match['sign']}[]", (Number(float(match["number"])),))
+        return Variable(match.group())
+
+    def _check_groups(self, functions: Sequence[tuple[nodes.Word, Word]]) -> None:
         by_group: dict[str, Word] = {}
         for item, word in functions:
             if word.group and word.group in by_group:
-                raise self._source.error(
+                raise self.source.error(
                     f"{by_group[word.group].word} and {word.word} exclude each other in one block",
                     item.offset,
                     value=word.word,
@@ -226,97 +330,30 @@ class Builder(Transformer[Token, "tuple[int | None, Statement | None]"]):
                 )
             by_group[word.group] = word
 
-    def _check_axis_words(self, functions: Sequence[tuple[_Item, Word]], has_axes: bool) -> None:
-        for item, word in functions:
-            if word.word in NEEDS_AXES and not has_axes:
-                raise self._source.error(
-                    f"{word.word} needs an axis",
-                    item.offset,
-                    value=word.word,
-                    allowed=[f"{axis}.." for axis in self._axes.values()],
-                )
 
-    # ---- commands
-
-    def argument(self, value: Token | Expression | None = None) -> Argument:
-        """One value in the brackets of a command; None for a gap."""
-        return Text(value[1:-1]) if isinstance(value, Token) else value
-
-    def arguments(self, *children: Argument) -> tuple[Argument, ...]:
-        """All values in the brackets of a command."""
-        return children
-
-    @v_args(inline=False, meta=True)
-    def command(self, meta: Meta, children: list[Token | tuple[Argument, ...]]) -> Statement:
-        """A # command with its brackets."""
-        brackets = tuple(child for child in children if isinstance(child, tuple))
-        name = command_name(str(children[0]))
-        return command_statement(
-            CommandText(self._source, tuple(self._axes.values()), name, brackets, meta.start_pos)
-        )
-
-    # ---- names
-
-    def _check_variable(self, name: str, token: Token) -> None:
-        row = next((row for row in variables() if row.matches(name)), None)
-        if row is None:
-            names = [row.name for row in variables() if row.acts]
-            spelled = [name.replace("<axis>", axis) for name in names for axis in self._axes]
-            raise self._unknown("variable", name, _offset(token), names, spelled)
-        if not row.acts:
-            raise self._source.error(
-                f"known to the manuals but not acting yet ({row.meaning})",
-                _offset(token),
-                value=name,
-            )
-        axis = name.rpartition(".")[2]
-        if row.name.endswith("<axis>") and axis not in self._axes:
-            raise self._source.error(
-                "the rig has no such axis",
-                _offset(token),
-                value=axis,
-                allowed=self._axes.values(),
-                hint=f"in {name}",
-            )
-
-    def _unknown(
-        self,
-        kind: str,
-        name: str,
-        offset: int,
-        known: Iterable[str],
-        spelled: Iterable[str] | None = None,
-    ) -> UserError:
-        """Make the error of an unknown name; spelled: the known names as a program has them."""
-        close = nearest(name, known if spelled is None else spelled)
-        return self._source.error(
-            f"unknown {kind}",
-            offset,
-            value=name,
-            allowed=known,
-            hint=f"nearest: {', '.join(close)}" if close else None,
-        )
-
-    def _float(self, digits: str, place: Token | int) -> float:
-        """Read a number; a float cannot hold one of more than 308 digits."""
-        value = float(digits)
-        if value in (float("inf"), float("-inf")):
-            offset = place if isinstance(place, int) else _offset(place)
-            raise self._source.error("number too large", offset, value=f"{digits[:12]}..")
-        return value
+_ITEMS = (nodes.Word, nodes.Opened, nodes.Setting, nodes.Jump, nodes.Lone)
 
 
-def _chain(first: Expression, rest: Sequence[Token | Expression]) -> Expression:
-    if not rest:
-        return first
-    pairs = zip(rest[::2], rest[1::2], strict=True)
-    return Chain(first, tuple((str(s), o) for s, o in pairs if not isinstance(o, Token)))
+def label_name(token: Token) -> str:
+    """Give the name of a label in brackets as `Label` and `Target` have it."""
+    return f"[{token[1:-1].strip()}]"
 
 
-def _acting(kind: str) -> Mapping[str, Word]:
+def _single_value(bracket: nodes.Bracket) -> Expression | None:
+    """Give the expression of a bracket that holds one and nothing else."""
+    if len(bracket.elements) == 1 and len(bracket.elements[0]) == 1:
+        entry = bracket.elements[0][0]
+        if entry.keyword is None and isinstance(entry.value, nodes.Value):
+            return entry.value.expression
+    return None
+
+
+def _whole_text(value: Expression) -> str | None:
+    if isinstance(value, Number) and value.value == int(value.value) and value.value >= 0:
+        return str(int(value.value))
+    return None
+
+
+def acting(kind: str) -> Mapping[str, Word]:
+    """Give the words of a kind that act."""
     return {name: word for name, word in words(kind).items() if word.acts}
-
-
-def _offset(token: Token) -> int:
-    assert token.start_pos is not None
-    return token.start_pos

@@ -1,142 +1,138 @@
-"""From the # commands of a block to checked statements."""
+"""From a # command, an axis command or a cycle call to a checked statement.
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+What each takes stands in `commands.csv`; `keywords.py` reads what stands in the brackets.
+"""
 
-from kernel.errors import UserError
-from kernel.nc import message
-from kernel.nc.coordinates import MAIN_AXES
-from kernel.nc.measuring_types import measuring_types
+from collections.abc import Sequence
+
+from kernel.errors import UserError, nearest
 from kernel.nc.syntax import (
-    Expression,
-    MeasuringMode,
-    MessageOut,
-    Number,
-    Statement,
-    SystemOff,
-    SystemOn,
-    Text,
+    AxisCommand,
+    Command,
+    Name,
+    SubprogramCall,
 )
-from kernel.nc.text.source import Source
-from kernel.nc.text.words import Word
+from kernel.nc.text import checks, nodes
+from kernel.nc.text.keywords import Form, group, read
+from kernel.nc.text.values import ExpressionBuilder
+from kernel.nc.text.words import commands
 
-COMPONENTS = 6
-
-Argument = Expression | Text | None
-
-
-@dataclass(frozen=True)
-class CommandText:
-    """A # command as written: its name, the values of each bracket, its place; and the rig's axes.
-
-    A value is None where the program leaves a gap between commas.
-    """
-
-    source: Source
-    axes: tuple[str, ...]
-    name: str
-    brackets: tuple[tuple[Argument, ...], ...]
-    offset: int
-
-    def wrong(self, allowed: str, hint: str | None = None) -> UserError:
-        """Make the error of values that do not fit the command."""
-        return self.source.error(
-            f"wrong values for #{self.name}", self.offset, allowed=allowed, hint=hint
-        )
-
-    def numbers(self, allowed: str, most: int) -> list[Expression | None]:
-        """Give the values of the one bracket the command has; raises UserError otherwise."""
-        if len(self.brackets) != 1 or len(self.brackets[0]) > most:
-            raise self.wrong(allowed)
-        values: list[Expression | None] = [
-            value for value in self.brackets[0] if not isinstance(value, Text)
-        ]
-        if len(values) != len(self.brackets[0]):
-            raise self.wrong(allowed)
-        return values
+_AXIS = "<axis>"
 
 
-def command_name(written: str) -> str:
-    """Give the words of a # command in upper case with one blank between them."""
-    return " ".join(written[1:].upper().split())
-
-
-def not_acting(source: Source, offset: int, shown: str, word: Word) -> UserError:
-    """Make the error of a word that the manuals know and this version does not carry out."""
-    return source.error(
-        f"known to the manuals but not acting yet ({word.meaning})", offset, value=shown
+def hash_command(builder: ExpressionBuilder, raw: nodes.RawCommand) -> Command:
+    """Make the statement of a # command; raises UserError for what it cannot take."""
+    upper = tuple(word.upper() for word in raw.words)
+    name, rest = _split_name(upper)
+    if name is None:
+        raise _unknown_command(builder, " ".join(upper), raw.offset)
+    form = Form(builder, name, f"#{name}", commands()[name], raw.offset)
+    if not form.own.acts:
+        builder.note(form.shown, form.own.meaning, raw.offset)
+    spoken = tuple(
+        nodes.Entry(None, nodes.Bare(word, raw.offset), raw.offset) for word in raw.words[rest:]
+    )
+    _check_rest(form, upper[rest:], raw)
+    elements: list[tuple[nodes.Entry, ...]] = [spoken] if spoken else []
+    elements += raw.loose.elements if raw.loose else ()
+    if form.own.kind == "group":
+        form.arguments += [group(form, bracket) for bracket in raw.brackets]
+    elif len(raw.brackets) > 1:
+        raise form.wrong(f"wrong values for {form.shown}")
+    else:
+        for bracket in raw.brackets:
+            elements += bracket.elements
+            _check_not_empty(form, bracket)
+    read(form, elements)
+    return checks.checked(
+        form.builder, Command(name, tuple(form.arguments), tuple(form.options)), form.places, raw
     )
 
 
-def is_measuring_type(value: float) -> bool:
-    """Tell whether a number is one of the measuring types. Source: FCT-C4 section 3."""
-    return value in measuring_types()
-
-
-def command_statement(given: CommandText) -> Statement:
-    """Make the statement of a command that acts; raises UserError for values it cannot take."""
-    return _HANDLERS[given.name](given)
-
-
-def _measuring_mode(given: CommandText) -> MeasuringMode:
-    if not given.brackets:
-        return MeasuringMode(None)
-    (chosen,) = given.numbers("[type] or nothing", 1)
-    if chosen is None:
-        raise given.wrong("[type] or nothing")
-    if isinstance(chosen, Number) and not is_measuring_type(chosen.value):
-        raise given.source.error(
-            "no such measuring type",
-            given.offset,
-            value=f"{chosen.value:g}",
-            allowed=measuring_types(),
+def axis_command(builder: ExpressionBuilder, item: nodes.Opened) -> AxisCommand:
+    """Make a command to a single axis; raises UserError for what it cannot take."""
+    axis = builder.axes.get(item.address)
+    if axis is None:
+        raise builder.source.error(
+            "the rig has no such axis",
+            item.offset,
+            value=item.address,
+            allowed=builder.axes.values(),
         )
-    return MeasuringMode(chosen)
-
-
-def _system_on(given: CommandText) -> SystemOn:
-    allowed = "[v1,v2,v3,a1,a2,a3], from two values on"
-    if len(given.brackets) != 1 or len(given.brackets[0]) == 1:
-        # One value alone is the number of a stored system. Source: programming manual, #CS.
-        raise given.wrong(allowed, hint="stored coordinate systems are not acting yet")
-    values = given.numbers(allowed, COMPONENTS)
-    if len(given.axes) < MAIN_AXES:
-        raise given.source.error(
-            "a coordinate system needs three main axes",
-            given.offset,
-            value=", ".join(given.axes),
+    elements = list(item.bracket.elements)
+    known = {name[len(_AXIS) :]: name for name in commands() if name.startswith(_AXIS)}
+    first = elements[0][0] if elements[0] else None
+    written = first.value.text if first and isinstance(first.value, nodes.Bare) else None
+    if first is None or written is None:
+        raise builder.source.error(
+            f"a value or a command to axis {axis} stands in the bracket",
+            item.bracket.offset,
+            value=f"{item.address}[",
+            allowed=[f"{axis}[expression]", *(f"{axis}[{name} ..]" for name in known)],
         )
-    filled = [Number(0.0) if value is None else value for value in values]
-    return SystemOn((*filled, *[Number(0.0)] * (COMPONENTS - len(filled))))
+    name = next((known_name for known_name in known if known_name == written.upper()), None)
+    if name is None:
+        raise builder.unknown("command to an axis", written, first.offset, known)
+    form = Form(builder, name, f"{axis}[{name}", commands()[known[name]], item.offset)
+    if not form.own.acts:
+        builder.note(f"{axis}[{name}]", form.own.meaning, item.offset)
+    elements[0] = elements[0][1:]
+    read(form, elements)
+    return AxisCommand(axis, name, tuple(form.options), tuple(form.arguments))
 
 
-def _system_off(given: CommandText) -> SystemOff:
-    if given.brackets:
-        raise given.wrong("nothing behind it")
-    return SystemOff(all_systems=given.name == "CS OFF ALL")
+def cycle_call(builder: ExpressionBuilder, call: nodes.Call) -> SubprogramCall:
+    """Make the call of a subprogram or a cycle."""
+    scope = "local" if call.local else "global"
+    if call.bracket is None:
+        return SubprogramCall(call.name, scope)
+    form = Form(builder, "CYCLE", "L CYCLE", commands()["L CYCLE"], call.offset)
+    if not form.own.acts:
+        builder.note("L CYCLE", form.own.meaning, call.offset)
+    read(form, call.bracket.elements)
+    name = next(value for keyword, value in form.options if keyword == "NAME")
+    assert isinstance(name, Name)
+    rest = tuple(option for option in form.options if option[0] != "NAME")
+    return SubprogramCall(name.value, "cycle", rest)
 
 
-def _message(given: CommandText) -> MessageOut:
-    arguments = given.brackets[0] if len(given.brackets) == 1 else ()
-    if not arguments or not isinstance(arguments[0], Text) or None in arguments:
-        raise given.wrong('["text", value, ..]')
-    values = [value for value in arguments[1:] if value is not None]
-    try:
-        pieces = message.pieces_of(arguments[0].value)
-        message.check_arguments(pieces, [isinstance(value, Text) for value in values])
-    except message.FormatError as fault:
-        text_begin = given.source.code.index('"', given.offset) + 1
-        raise given.source.error(
-            fault.message, text_begin + fault.position, value=fault.value, allowed=fault.allowed
-        ) from None
-    return MessageOut(pieces, tuple(values), synchronous=given.name == "MSG SYN")
+# ---- names
 
 
-_HANDLERS: Mapping[str, Callable[[CommandText], Statement]] = {
-    "MEAS MODE": _measuring_mode,
-    "CS ON": _system_on,
-    "CS OFF": _system_off,
-    "CS OFF ALL": _system_off,
-    "MSG": _message,
-    "MSG SYN": _message,
-}
+def _split_name(words: Sequence[str]) -> tuple[str | None, int]:
+    """Find the longest command that the words begin with; how many words it has."""
+    for count in range(len(words), 0, -1):
+        name = " ".join(words[:count])
+        if name in commands():
+            return name, count
+    return None, 0
+
+
+def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> UserError:
+    known = [other for other in commands() if not other.startswith((_AXIS, "L "))]
+    close = nearest(name, known)
+    return builder.source.error(
+        "unknown # command",
+        offset,
+        value=f"#{name}",
+        allowed=None if close else [f"#{other}" for other in known],
+        hint=f"nearest: {', '.join('#' + other for other in close)}" if close else None,
+    )
+
+
+def _check_rest(form: Form, rest: Sequence[str], raw: nodes.RawCommand) -> None:
+    """Refuse words behind the name that neither are keywords nor values of the command."""
+    if not rest or form.own.kind in ("name", "axis", "any"):
+        return
+    strange = next((word for word in rest if word not in form.table), None)
+    if strange is not None:
+        raise _unknown_command(
+            form.builder, " ".join(word.upper() for word in raw.words), raw.offset
+        )
+
+
+def _check_not_empty(form: Form, bracket: nodes.Bracket) -> None:
+    if not any(bracket.elements) and len(bracket.elements) == 1 and form.own.kind != "none":
+        least = (form.own.allowed or "0").partition("-")[0]
+        if least != "0":
+            raise form.wrong(f"wrong values for {form.shown}")

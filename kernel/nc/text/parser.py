@@ -1,51 +1,28 @@
 """Program text to checked program.
 
-Each block is parsed by the LALR grammar of `grammar.lark`; `builder.py` makes its statement. The
+Each block is parsed by the LALR grammar of `grammar.lark`; `builder.py` makes its statements. The
 whole program is read before anything runs.
 """
 
-import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any
+from typing import TypeVar
 
 from lark import Lark, TextSlice
-from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken, VisitError
+from lark.exceptions import UnexpectedInput, VisitError
 
-from kernel.errors import UserError, nearest
+from kernel.errors import UserError
 from kernel.nc.canon import Block
-from kernel.nc.syntax import Expression, Program, ProgramBlock, Statement
+from kernel.nc.syntax import Command, Label, Program, ProgramBlock, Statement, SubprogramCall
+from kernel.nc.text import nodes, shapes
 from kernel.nc.text.builder import Builder
-from kernel.nc.text.commands import command_name, not_acting
-from kernel.nc.text.options import drive_statement, find_options_command
+from kernel.nc.text.errata import meant_in
+from kernel.nc.text.shapes import Shapes
 from kernel.nc.text.source import Source
-from kernel.nc.text.words import words
-
-_OPENING = re.compile(r"(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<sign>[#$/%])")
-_COMMAND = re.compile(r"#[ \t]*[A-Za-z_][A-Za-z0-9_]*(?:[ \t]+[A-Za-z_][A-Za-z0-9_]*)*")
-
-# What the terminals of the grammar are called in messages, in the order in which they are told.
-_TERMINAL_NAMES = {
-    "BLOCK_NUMBER": "block number",
-    "COMMAND": "# command",
-    "WORD": "word such as G1 or X10",
-    "NAME": "word such as G1 or X10",
-    "NUMBER": "number",
-    "VARIABLE": "variable",
-    "FUNCTION": "function",
-    "STRING": 'text in "',
-    "PLUS": "+",
-    "MINUS": "-",
-    "TIMES": "*",
-    "DIVIDE": "/",
-    "COMMA": "comma",
-    "LSQB": "[",
-    "RSQB": "]",
-    "EQUAL": "=",
-    "$END": "end of the block",
-}
+from kernel.nc.text.structure import Structure, call_errors
+from kernel.nc.text.syntax_errors import syntax_error
 
 
 def read_program(path: str | Path, axes: Sequence[str]) -> Program:
@@ -53,8 +30,16 @@ def read_program(path: str | Path, axes: Sequence[str]) -> Program:
 
     Raises UserError when the file cannot be read or is not UTF-8, and for every error inside.
     """
+    program = parse_program(read_text(path), file=path, axes=axes)
+    if not program.blocks:
+        raise UserError("the NC program is empty", file=path, line=1, column=1)
+    return program
+
+
+def read_text(path: str | Path) -> str:
+    """Give the text of a program file; raises UserError when it cannot be read."""
     try:
-        text = Path(path).read_text(encoding="utf-8-sig")
+        return Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
         raise UserError(
             f"NC program cannot be read: {error.strerror or error}", file=path
@@ -63,10 +48,6 @@ def read_program(path: str | Path, axes: Sequence[str]) -> Program:
         raise UserError(
             "NC program is not UTF-8 text", file=path, value=f"byte {error.start}"
         ) from None
-    program = parse_program(text, file=path, axes=axes)
-    if not program.blocks:
-        raise UserError("the NC program is empty", file=path, line=1, column=1)
-    return program
 
 
 def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[str]) -> Program:
@@ -74,168 +55,183 @@ def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[s
 
     Raises UserError with file, line and column for the first thing that cannot be accepted.
     """
-    source = Source(text, file)
-    builder = Builder(source, axes)
-    name = ""
-    blocks: list[ProgramBlock] = []
-    for index, (begin, end) in enumerate(source.blocks()):
-        if source.code[begin] == "%":
-            if index > 0:
-                raise source.error(
-                    "the program name stands in the first block only", begin, value="%"
-                )
-            name = source.code[begin + 1 : end].strip()
-            continue
-        _check_opening(source, begin, end)
-        number, statement = _build(source, builder, axes, begin, end)
-        line, column = source.place(begin)
-        block = Block(line, number, source.block_text(begin, end), column)
-        blocks.append(ProgramBlock(block, statement))
-    return Program(
-        name=name,
-        file=source.file,
-        axes=tuple(axes),
-        blocks=tuple(blocks),
-        variables=tuple(
-            (variable, line, column) for variable, (line, column) in builder.variables_read.items()
-        ),
-    )
+    reading = Reading(text, file, axes)
+    reading.run()
+    if reading.errors:
+        raise reading.errors[0]
+    return reading.program()
+
+
+Failure = TypeVar("Failure", bound=Exception)
+
+
+class Reading:
+    """The reading of one program text.
+
+    errors: everything that cannot be accepted, in the order of the text. remarks: text, line and
+    column of what was read in another way than it is written.
+    """
+
+    def __init__(self, text: str, file: str | Path | None, axes: Sequence[str]) -> None:
+        self.source = Source(text, file)
+        self.errors: list[UserError] = [
+            with_hint(fault, self.source.line(fault.line or 1)) for fault in self.source.faults
+        ]
+        self._axes = tuple(axes)
+        self._builder = Builder(self.source, axes)
+        self._shapes = Shapes(self._builder.axes)
+        self._name = ""
+        self._blocks: list[ProgramBlock] = []
+        self._subprograms: dict[str, tuple[ProgramBlock, ...]] = {}
+        self._calls: list[tuple[SubprogramCall, int]] = []
+        self._structure = Structure(self.source)
+        self._local: str | None = None
+        self._may_begin = True
+        self._declares_since: int | None = None
+
+    @property
+    def remarks(self) -> list[tuple[str, int, int]]:
+        """What was read in another way than it is written."""
+        return self._builder.remarks
+
+    def run(self) -> None:
+        """Read all blocks; errors are kept, and reading goes on with the next block."""
+        code = self.source.code
+        for begin, end in self.source.blocks():
+            try:
+                if code[begin] == "%":
+                    self._header(begin, end)
+                else:
+                    self._may_begin = self._may_begin and self._local is not None
+                    self._take(begin, end)
+            except UserError as error:
+                self.errors.append(error)
+        self._end_part()
+        self.errors += call_errors(self._calls, self._subprograms, self.source.error)
+        self.errors.sort(key=lambda error: (error.line or 0, error.column or 0))
+
+    def program(self) -> Program:
+        """Give what was read."""
+        return Program(
+            name=self._name,
+            file=self.source.file,
+            axes=self._axes,
+            blocks=tuple(self._blocks),
+            variables=tuple((name, *place) for name, place in self._builder.variables.items()),
+            subprograms=self._subprograms,
+        )
+
+    # ---- parts of a file
+
+    def _header(self, begin: int, end: int) -> None:
+        """`%L name` begins a local subprogram, `%name` the main program behind them."""
+        if not self._may_begin:
+            raise self.source.error(
+                "the program name stands in the first block only, or behind local subprograms",
+                begin,
+                value="%",
+            )
+        self._end_part()
+        name = self.source.code[begin + 1 : end].strip()
+        first, blank, rest = name.partition(" ")
+        if first.upper() == "L" and blank:
+            self._local = rest.strip()
+            if self._local in self._subprograms:
+                raise self.source.error("second subprogram of this name", begin, value=self._local)
+        else:
+            self._name, self._local, self._may_begin = name, None, False
+
+    def _end_part(self) -> None:
+        self.errors += self._structure.end()
+        self._structure = Structure(self.source)
+        if self._declares_since is not None:
+            self.errors.append(
+                self.source.error("#VAR is not closed", self._declares_since, allowed="#ENDVAR")
+            )
+            self._declares_since = None
+        if self._local is not None:
+            self._subprograms[self._local] = tuple(self._blocks)
+            self._blocks = []
+
+    # ---- blocks
+
+    def _take(self, begin: int, end: int) -> None:
+        line, column = self.source.place(begin)
+        text = self.source.block_text(begin, end)
+        plain = None
+        if self._declares_since is None:
+            plain = shapes.plain(self.source.code, begin, end)
+            statement = None if plain is None else self._shapes.statement(plain)
+            if plain is not None and statement is not None:
+                block = Block(line, plain.number, text, column)
+                self._blocks.append(ProgramBlock(block, statement))
+                return
+        head, statements = self._parse(begin, end)
+        not_acting = tuple(self._builder.not_acting)
+        if plain is not None and not not_acting and len(statements) == 1:
+            self._shapes.learn(plain, statements[0])
+        block = Block(line, head.number, text, column)
+        for part in statements or (None,):
+            noted = () if isinstance(part, Label) else not_acting
+            self._keep(ProgramBlock(block, part, head.skip, noted), part, begin)
+            not_acting = not_acting if isinstance(part, Label) else ()
+
+    def _keep(self, block: ProgramBlock, statement: Statement | None, begin: int) -> None:
+        self._structure.take(statement, begin)
+        if isinstance(statement, SubprogramCall):
+            self._calls.append((statement, begin))
+        if isinstance(statement, Command) and statement.name in ("VAR", "ENDVAR"):
+            self._declare(statement.name == "VAR", begin)
+        self._blocks.append(block)
+
+    def _declare(self, begins: bool, offset: int) -> None:
+        if not begins and self._declares_since is None:
+            raise self.source.error("#ENDVAR without #VAR", offset, value="#ENDVAR")
+        self._declares_since = offset if begins else None
+
+    def _parse(self, begin: int, end: int) -> tuple[nodes.Head, tuple[Statement, ...]]:
+        source, builder = self.source, self._builder
+        builder.not_acting.clear()
+        declares = self._declares_since is not None and "#" not in source.code[begin:end]
+        try:
+            tree = grammar().parse(
+                TextSlice(source.code, begin, end), start="declaration" if declares else "block"
+            )
+            head, statements = builder.transform(tree)
+        except UnexpectedInput as error:
+            raise syntax_error(source, self._axes, error, begin, end) from None
+        except VisitError as error:
+            # lark wraps what a builder method raises; the user error is the original one.
+            raise with_hint(error.orig_exc, source.text[begin:end]) from None
+        if head.placeholder is not None:
+            builder.remark("Nxx read as a block without number", head.placeholder)
+        return head, statements
+
+
+def with_hint(error: Failure, block: str) -> Failure | UserError:
+    """Add what a printed damage means to the error of a block."""
+    if isinstance(error, UserError) and (meant := meant_in(block)) is not None:
+        return UserError(
+            error.message,
+            file=error.file,
+            line=error.line,
+            column=error.column,
+            value=error.value,
+            allowed=error.allowed,
+            hint=meant if error.hint is None else f"{error.hint}; {meant}",
+        )
+    return error
 
 
 @cache
-def _grammar() -> Lark:
+def grammar() -> Lark:
+    """Give the grammar of one block."""
     text = resources.files(__package__).joinpath("grammar.lark").read_text(encoding="utf-8")
     return Lark(
         text,
-        start=["block", "sum"],
+        start=["block", "declaration"],
         parser="lalr",
         lexer="contextual",
         propagate_positions=True,
+        maybe_placeholders=True,
     )
-
-
-def _build(
-    source: Source, builder: Builder, axes: Sequence[str], begin: int, end: int
-) -> tuple[int | None, Statement | None]:
-    command = find_options_command(source, begin, end)
-    if command is not None:
-
-        def expression(first: int, last: int) -> Expression:
-            value: Expression = _parse(source, builder, axes, "sum", first, last)
-            return value
-
-        return command.number, drive_statement(source, axes, command, expression)
-    block: tuple[int | None, Statement | None]
-    block = _parse(source, builder, axes, "block", begin, end)
-    return block
-
-
-def _parse(
-    source: Source, builder: Builder, axes: Sequence[str], start: str, begin: int, end: int
-) -> Any:
-    try:
-        tree = _grammar().parse(TextSlice(source.code, begin, end), start=start)
-    except UnexpectedInput as error:
-        raise _syntax_error(source, axes, error, begin, end) from None
-    try:
-        return builder.transform(tree)
-    except VisitError as error:
-        # lark wraps what a builder method raises; the user error is the original one.
-        raise error.orig_exc from None
-
-
-def _check_opening(source: Source, begin: int, end: int) -> None:
-    """Refuse a block by its first sign or its # command before its details are looked at.
-
-    A command that does not act yet may have a form that the grammar does not know.
-    """
-    opening = _OPENING.match(source.code, begin, end)
-    if opening is None:
-        return
-    offset, sign = opening.start("sign"), opening["sign"]
-    if sign in "$/":
-        raise not_acting(source, offset, sign, words("sign")[sign])
-    command = _COMMAND.match(source.code, offset, end)
-    if command is None:
-        return
-    name, known = command_name(command.group()), words("command")
-    open_words = [
-        word
-        for word in known.values()
-        if word.group == "open" and f"{name} ".startswith(f"{word.word} ")
-    ]
-    word = known.get(name) or max(open_words, key=lambda row: len(row.word), default=None)
-    if word is None:
-        close = nearest(name, known)
-        raise source.error(
-            "unknown # command",
-            offset,
-            value=f"#{name}",
-            allowed=[f"#{other}" for other, row in known.items() if row.acts],
-            hint=f"nearest: {', '.join('#' + other for other in close)}" if close else None,
-        )
-    if not word.acts:
-        raise not_acting(source, offset, f"#{word.word}", word)
-
-
-def _syntax_error(
-    source: Source, axes: Sequence[str], error: UnexpectedInput, begin: int, end: int
-) -> UserError:
-    """Tell what stands where and what may stand there."""
-    expected: Iterable[str] = ()
-    offset = end
-    if isinstance(error, UnexpectedCharacters):
-        expected, offset = error.allowed, error.pos_in_stream or begin
-    elif isinstance(error, UnexpectedToken):
-        expected = error.accepts or error.expected
-        if error.token.type != "$END" and error.token.start_pos is not None:
-            offset = error.token.start_pos
-    names = [name for terminal, name in _TERMINAL_NAMES.items() if terminal in set(expected)]
-    found = source.found(offset) if offset < end else ""
-    if "WORD" in expected and (special := _word_error(source, axes, found, offset)):
-        return special
-    return source.error(
-        "this does not belong here" if found else "the block is not complete",
-        offset,
-        value=found or None,
-        allowed=dict.fromkeys(names) or None,
-        hint=_hint(source, begin, offset, "NUMBER" in expected),
-    )
-
-
-def _word_error(source: Source, axes: Sequence[str], found: str, offset: int) -> UserError | None:
-    """Explain an axis without a plain value; None when it is something else."""
-    name = next((axis for axis in axes if found.upper() == axis.upper()), None)
-    if name is not None:
-        if source.code[offset + len(found) :].lstrip(" \t").startswith("["):
-            return source.error(
-                "commands to a single axis are known to the manuals but not acting yet",
-                offset,
-                value=f"{name}[",
-            )
-        return source.error(
-            f"axis {name} has no value", offset, value=name, allowed=f"{name}10, {name}=expression"
-        )
-    name = next((axis for axis in axes if found.upper().startswith(f"{axis.upper()}V.")), None)
-    if name is not None:
-        return source.error(
-            "an expression stands behind =", offset, value=found, allowed=f"{name}=V..."
-        )
-    return None
-
-
-def _hint(source: Source, begin: int, offset: int, wants_operand: bool) -> str | None:
-    line_end = source.code.find("\n", offset)
-    written = source.text[begin : len(source.text) if line_end < 0 else line_end]
-    if wants_operand and "(" in written:
-        return "( ) hold comments; [ ] group an expression"
-    opened = [
-        place
-        for place in range(begin, offset)
-        if source.code[place] == "["
-        and source.code.count("[", place, offset) > source.code.count("]", place, offset)
-    ]
-    if opened and source.place(opened[-1])[0] < source.place(offset)[0]:
-        line, column = source.place(opened[-1])
-        return f"[ is open since line {line}, column {column}"
-    return None

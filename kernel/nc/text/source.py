@@ -14,7 +14,12 @@ from kernel.errors import UserError
 # Deeper nesting is a typing error, and the builder of the syntax tree recurses per level.
 BRACKET_DEPTH_MAX = 20
 
-_SPECIAL = re.compile(r'["();\[\]\\\n]')
+_SPECIAL = re.compile(r'["();\[\]\\\n]|#(?=[ \t]*[Cc][Oo][Mm][Mm][Ee][Nn][Tt]\b)')
+_OUTSIDE = re.compile(r'["();\[\]\\]|#(?=[ \t]*[Cc][Oo][Mm][Mm][Ee][Nn][Tt]\b)')
+_COMMENT_BEGIN = re.compile(r"#[ \t]*COMMENT[ \t]+BEGIN\b", re.IGNORECASE)
+_COMMENT_END = re.compile(r"#[ \t]*COMMENT[ \t]+END\b", re.IGNORECASE)
+# The path of a global subprogram may hold backslashes
+_CALL = re.compile(r"[ \t]*(?:[Nn][ \t]*[0-9]+[ \t]*)?[Ll][ \t]+[^\n]*")
 _CONTINUATION = re.compile(r"\\[ \t]*(?:[;(][^\n]*)?\n(?:[ \t]*[Nn][ \t]*[0-9]+)?")
 _NUMBERED_LINE = re.compile(r"[ \t]*[Nn][ \t]*[0-9]")
 _FOUND = re.compile(r"[A-Za-z0-9_.]+|[^ \t\n]|$")
@@ -24,13 +29,15 @@ class Source:
     """One program text.
 
     text: the text with line feeds only. code: the same length, blanked (see the module).
-    Raises UserError for a bracket or a string that is not closed, and for a stray `]` or `\\`.
+    faults: a bracket, a string or a comment that is not closed, a stray `]` or `\\`; the line of a
+    fault is blanked, so that the blocks behind it can be read.
     """
 
     def __init__(self, text: str, file: str | Path | None) -> None:
         self.file = None if file is None else str(file)
         self.text = text.replace("\r\n", "\n").replace("\r", "\n")
         self._line_starts = [0, *(found.end() for found in re.finditer("\n", self.text))]
+        self.faults: list[UserError] = []
         self.code = self._blank()
 
     def place(self, offset: int) -> tuple[int, int]:
@@ -59,6 +66,11 @@ class Source:
             hint=hint or None,
         )
 
+    def line(self, number: int) -> str:
+        """Give a line as written; number: from 1."""
+        begin = self._line_starts[number - 1]
+        return self.text[begin : self._line_end(begin)]
+
     def found(self, offset: int) -> str:
         """Give what a reader sees at an offset: a word or one sign, empty at the end of a line."""
         match = _FOUND.match(self.code, offset)
@@ -71,22 +83,35 @@ class Source:
 
     def block_text(self, begin: int, end: int) -> str:
         """Give a block as written, on one line."""
+        text = self.text[begin:end]
+        if "\n" not in text:
+            return text.strip()
         return re.sub(r"\s*\n\s*", " ", self.text[begin:end]).strip()
 
     def _blank(self) -> str:
         out = list(self.text)
         opened: list[int] = []
         offset = 0
-        while match := _SPECIAL.search(self.text, offset):
+        while match := (_SPECIAL if opened else _OUTSIDE).search(self.text, offset):
             begin = match.start()
-            end = self._element_end(begin, opened)
+            try:
+                end = self._element_end(begin, opened)
+            except UserError as fault:
+                self.faults.append(fault)
+                first = opened[0] if opened else begin
+                opened.clear()
+                offset = self._line_end(begin)
+                line_begin = self.text.rfind("\n", 0, first) + 1
+                out[line_begin:offset] = _blanked(self.text[line_begin:offset])
+                continue
             # Code stays; a line feed that ends a block stays as the mark between blocks.
-            keeps = match.group() in '"[])' or (match.group() == "\n" and not opened)
-            if not keeps:
-                out[begin:end] = " " * (end - begin)
-            offset = end
+            keeps = match.group() in '"[]' or end == begin
+            if not keeps and match.group() != ")":
+                out[begin:end] = _blanked(self.text[begin:end]) if end - begin > 1 else " "
+            offset = max(end, begin + 1)
         if opened:
-            raise self._not_closed(opened[-1])
+            self.faults.append(self._not_closed(opened[-1]))
+            out[opened[0] :] = _blanked(self.text[opened[0] :])
         return "".join(out)
 
     def _element_end(self, begin: int, opened: list[int]) -> int:
@@ -98,6 +123,8 @@ class Source:
             return self._line_end(begin)
         if sign == "(":
             return self._comment_end(begin)
+        if sign == "#":
+            return self._long_comment_end(begin)
         if sign == "\\":
             return self._continuation_end(begin)
         if sign == "[":
@@ -145,6 +172,19 @@ class Source:
                 return begin + match.end()
         return self._line_end(begin)
 
+    def _long_comment_end(self, begin: int) -> int:
+        """Give the end of #COMMENT BEGIN .. #COMMENT END. Source: programming manual."""
+        if not _COMMENT_BEGIN.match(self.text, begin):
+            if _COMMENT_END.match(self.text, begin):
+                raise self.error("#COMMENT END without #COMMENT BEGIN", begin, value="#COMMENT END")
+            return begin
+        found = _COMMENT_END.search(self.text, begin)
+        if found is None:
+            raise self.error(
+                "comment is not closed", begin, value="#COMMENT BEGIN", allowed="#COMMENT END"
+            )
+        return found.end()
+
     def _continuation_end(self, begin: int) -> int:
         r"""`\` ends a line; the next one goes on and may carry a block number of its own.
 
@@ -152,6 +192,9 @@ class Source:
         """
         match = _CONTINUATION.match(self.text, begin)
         if match is None:
+            line_begin = self.text.rfind("\n", 0, begin) + 1
+            if _CALL.match(self.text, line_begin, begin):
+                return begin
             raise self.error(
                 "the block goes on with a line break after this sign only",
                 begin,
@@ -159,3 +202,8 @@ class Source:
                 allowed="end of the line, with a further line after it",
             )
         return match.end()
+
+
+def _blanked(text: str) -> str:
+    """Give blanks of the same length."""
+    return " " * len(text)

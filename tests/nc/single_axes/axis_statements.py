@@ -7,7 +7,7 @@ from kernel.nc import canon
 from kernel.nc.decoder import Interpreter
 from kernel.nc.syntax import (
     AxisCommand,
-    MeasuringMode,
+    Command,
     Name,
     Number,
     Option,
@@ -106,5 +106,5 @@ def kinds(commands: list[canon.Command]) -> list[str]:
     return [type(c).__name__ for c in commands]
 
 
-def measuring_type(number: int) -> MeasuringMode:
-    return MeasuringMode(Number(number))
+def measuring_type(number: int) -> Command:
+    return Command("MEAS MODE", (Number(number),))

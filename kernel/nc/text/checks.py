@@ -1,0 +1,136 @@
+"""What a # command may say beyond its table: constants that no machine could take."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+
+from kernel.errors import UserError
+from kernel.nc import message
+from kernel.nc.coordinates import MAIN_AXES
+from kernel.nc.measuring_types import measuring_types
+from kernel.nc.syntax import Command, Name, Number, Text, Variable
+from kernel.nc.text import nodes
+from kernel.nc.text.values import ExpressionBuilder
+
+KEY_LENGTH_MAX = 29  # P-AXIS-00396
+_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
+
+Check = Callable[[ExpressionBuilder, Command, Mapping[str, int], int], Command]
+
+
+def checked(
+    builder: ExpressionBuilder,
+    command: Command,
+    places: Mapping[str, int],
+    raw: nodes.RawCommand,
+) -> Command:
+    """Give the command back; places: where the value of each keyword stands."""
+    for start, check in _CHECKS.items():
+        if command.name == start or command.name.startswith(f"{start} "):
+            return check(builder, command, places, raw.offset)
+    return command
+
+
+def _wrong(builder: ExpressionBuilder, command: Command, offset: int, allowed: str) -> UserError:
+    return builder.source.error(f"wrong values for #{command.name}", offset, allowed=allowed)
+
+
+def _message(
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+) -> Command:
+    arguments = command.arguments
+    if not arguments or not isinstance(arguments[0], Text) or None in arguments:
+        raise _wrong(builder, command, offset, '["text", value, ..]')
+    try:
+        pieces = message.pieces_of(arguments[0].value)
+        kinds = [
+            None if isinstance(value, Variable) else isinstance(value, Text)
+            for value in arguments[1:]
+        ]
+        message.check_arguments(pieces, kinds)
+    except message.FormatError as fault:
+        text_begin = builder.source.code.index('"', offset) + 1
+        raise builder.source.error(
+            fault.message, text_begin + fault.position, value=fault.value, allowed=fault.allowed
+        ) from None
+    return command
+
+
+def _measuring_mode(
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+) -> Command:
+    for chosen in command.arguments:
+        if chosen is None:
+            raise _wrong(builder, command, offset, "[type] or nothing")
+        if isinstance(chosen, Number) and chosen.value not in measuring_types():
+            raise builder.source.error(
+                "no such measuring type",
+                offset,
+                value=f"{chosen.value:g}",
+                allowed=measuring_types(),
+            )
+    return command
+
+
+def _system(
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+) -> Command:
+    if len(builder.axes) < MAIN_AXES and command.arguments:
+        raise builder.source.error(
+            "a coordinate system needs three main axes", offset, value=", ".join(builder.axes)
+        )
+    return command
+
+
+def _drive(
+    builder: ExpressionBuilder, command: Command, places: Mapping[str, int], _: int
+) -> Command:
+    source, key = builder.source, command.option("KEY")
+    if isinstance(key, Name) and (not _KEY.fullmatch(key.value) or len(key.value) > KEY_LENGTH_MAX):
+        raise source.error(
+            "KEY takes the name of one drive function",
+            places["KEY"],
+            value=key.value,
+            allowed=f"letters, digits, _ and ., at most {KEY_LENGTH_MAX}",
+        )
+    value = command.option("VAL")
+    if isinstance(value, Number) and value.value != round(value.value):
+        raise source.error(
+            "VAL takes a whole number",
+            places["VAL"],
+            value=f"{value.value:g}",
+            hint="fractions come from scaling_factor of the function",
+        )
+    variable = command.option("P")
+    if isinstance(variable, Variable) and not variable.name.startswith(("V.P.", "V.S.", "P[")):
+        raise source.error(
+            "P takes the variable that gets the value",
+            places["P"],
+            value=variable.name,
+            allowed="V.P.name",
+        )
+    return command
+
+
+def _kinematic(
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+) -> Command:
+    """`#KIN ID[9.98]` is printed for `#KIN ID[9,98]`: two kinematics, no number with a fraction."""
+    values = command.arguments
+    if len(values) == 1 and isinstance(values[0], Number):
+        whole, point, fraction = repr(values[0].value).partition(".")
+        if point and int(fraction):
+            builder.remark(
+                f"#{command.name}[{whole}.{fraction}] read as [{whole},{fraction}]", offset
+            )
+            return replace(command, arguments=(Number(float(whole)), Number(float(fraction))))
+    return command
+
+
+_CHECKS: Mapping[str, Check] = {
+    "MSG": _message,
+    "MEAS MODE": _measuring_mode,
+    "CS": _system,
+    "DRIVE": _drive,
+    "KIN ID": _kinematic,
+}
