@@ -5,6 +5,7 @@ from typing import Annotated
 import typer
 
 from bench.options import rejecting
+from bench.params.command import params
 
 
 @rejecting
@@ -39,4 +40,4 @@ def faults(
     print(faults_table(kind))
 
 
-LISTINGS = (metrics, drives, faults)
+LISTINGS = (metrics, drives, faults, params)

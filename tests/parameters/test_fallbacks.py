@@ -4,7 +4,16 @@ from dataclasses import dataclass
 
 import pytest
 
-from kernel.parameters import KINDS, Kind, Origin, Parameter, ParameterSet, Value, table
+from kernel.parameters import (
+    KINDS,
+    UNITS,
+    Kind,
+    Origin,
+    Parameter,
+    ParameterSet,
+    Value,
+    table,
+)
 
 STOP, DETECT = "kenngr.measure.fixed_stop_detect", "antr.fixed_stop.detect"
 SLOPE, SHAPE = "getriebe[0].lslope_profil", "getriebe[0].slope_profil"
@@ -145,3 +154,48 @@ def test_a_set_default_still_counts_as_set() -> None:
     assert not axis.is_set(f"{STOP}.start_distance")
     axis.load(f"{STOP}.start_distance", "0", HERE)
     assert axis.is_set(f"{STOP}.start_distance")
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "told", "rotary"),
+    [
+        ("kenngr.probing_offset", 12345, "1.2345 mm", "1.2345 deg"),
+        ("kenngr.dist_ctrl[0].max_act_value_change", 5000, "5 mm/s", "5 deg/s"),
+        ("kenngr.vb_messen", 16666, "16.666 mm/s", "16.666 deg/s"),
+        ("kenngr.dist_ctrl[0].a_max", 7, "7 mm/s2", "7 deg/s2"),
+        ("kenngr.probe_actuation_time_delay", 1500, "1.5 ms", "1.5 ms"),
+        ("kenngr.dist_ctrl[0].low_pass_filter_fg_f0", 25, "25 Hz", "25 Hz"),
+        ("kenngr.dist_ctrl[0].i_tn", 5, "5 s", "5 s"),
+        ("kenngr.dist_ctrl[0].v_weight_down", 505, "50.5 %", "50.5 %"),
+        ("getriebe[0].kv", 1000, "10 1/s", "10 1/s"),
+    ],
+)
+def test_a_unit_becomes_what_people_read(path: str, value: int, told: str, rotary: str) -> None:
+    unit = UNITS[table("axis").find(path)[0].unit]
+    assert unit.converted(value) == told
+    assert unit.converted(value, is_rotary=True) == rotary
+
+
+def test_every_unit_of_a_table_has_a_row_and_is_used() -> None:
+    rows = [row for kind in KINDS for row in table(kind).parameters]
+    assert {row.unit for row in rows} - {""} == set(UNITS)
+    assert {name: unit.rotary for name, unit in UNITS.items() if unit.rotary != name} == {
+        "0.1 um": "0.0001 deg",
+        "um/s": "0.001 deg/s",
+        "mm/s2": "deg/s2",
+    }
+
+
+@pytest.mark.parametrize("tenth_um", [1, 3, 7, 12345, 99_999_999, 2_147_483_647])
+def test_lengths_convert_exactly_and_back(tenth_um: int) -> None:
+    axis = ParameterSet("axis")
+    axis.load("kenngr.probing_offset", str(tenth_um), HERE)
+    assert axis.mm("kenngr.probing_offset") == tenth_um / 10_000
+    assert round(axis.mm("kenngr.probing_offset") * 10_000) == tenth_um
+
+
+def test_a_rotary_axis_knows_that_it_is_one() -> None:
+    axis = ParameterSet("axis")
+    assert not axis.is_rotary
+    axis.load("kenngr.achs_typ", "ACHSTYP_ROTATOR", HERE)
+    assert axis.is_rotary

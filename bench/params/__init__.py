@@ -1,0 +1,1 @@
+"""`axisrig params`: what parameters there are, what a rig has set, and where two differ."""

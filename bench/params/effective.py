@@ -1,0 +1,170 @@
+"""What a rig has: effective values and where each comes from; what two lists or rigs differ in."""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from bench.params.words import decided_by, named, with_unit
+from bench.plan.assignment import parse_assignment
+from bench.rig.file import read_rig
+from bench.rig.settings import Settings, as_written, read_settings
+from kernel.errors import UserError
+from kernel.parameters import (
+    KINDS,
+    Kind,
+    Parameter,
+    ParameterSet,
+    list_text,
+    names,
+    read_sections,
+    table,
+)
+from kernel.parameters.lists import NAME
+from kernel.parameters.table import INDEX
+
+CHANNEL = "channel"
+
+
+def settings_of(rig: Path, assignments: Sequence[str]) -> Settings:
+    """Read a rig with the assignments of the command line."""
+    changes = [(parse_assignment(text), as_written) for text in assignments]
+    return read_settings(*read_rig(rig), changes)
+
+
+def _parts(settings: Settings, axis: str | None) -> dict[str, ParameterSet]:
+    parts = {CHANNEL: settings.channel, **settings.axis}
+    if axis is None:
+        return parts
+    if axis not in parts:
+        raise UserError("the rig has no such axis", value=axis, allowed=parts)
+    return {axis: parts[axis]}
+
+
+def effective_text(
+    rig: Path, axis: str | None, words: Sequence[str], assignments: Sequence[str]
+) -> str:
+    """Tell the effective values of a rig, or of one axis (`channel` for the channel).
+
+    words: only parameters that fit them all; without any, what is set or acts.
+    """
+    settings = settings_of(rig, assignments)
+    blocks = []
+    for name, parameters in _parts(settings, axis).items():
+        rows = [
+            (key, with_unit(row, found, is_rotary=parameters.is_rotary), place)
+            for key, row, found, place in _values(parameters, words)
+        ]
+        if rows:
+            title = name if name == CHANNEL else f"axis {name}"
+            widths = [max(len(row[at]) for row in rows) for at in (0, 1)]
+            lines = [f"  {key:<{widths[0]}}  {value:<{widths[1]}}  {place}".rstrip()
+                     for key, value, place in rows]  # fmt: skip
+            blocks.append("\n".join([title, *lines]))
+    if not blocks:
+        raise UserError("no parameter of the rig fits", value=" ".join(words))
+    notes = [f"warning: {warning}" for warning in settings.warnings]
+    notes += [f"note: {note}" for note in settings.notes]
+    return "\n\n".join([*blocks, *(["\n".join(notes)] if notes else [])])
+
+
+def _values(
+    parameters: ParameterSet, words: Sequence[str]
+) -> Iterator[tuple[str, Parameter, bool | int | float | str, str]]:
+    for row in table(parameters.kind).parameters:
+        one = named(words[0]) if len(words) == 1 else None
+        text = " ".join([row.number, *names(row), row.meaning]).lower()
+        if one is not None and one is not row:
+            continue
+        if one is None and not all(word.lower() in text for word in words):
+            continue
+        for key in _keys(parameters, row, is_all=bool(words)):
+            found = parameters.resolve(key)
+            yield key, row, found.value, decided_by(found, key)
+
+
+def _keys(parameters: ParameterSet, row: Parameter, *, is_all: bool) -> list[str]:
+    """Return the present paths of a row that are worth a line."""
+    keys = [key for key, _ in parameters.items() if INDEX.sub("[i]", key) == row.path]
+    first = row.path.replace("[i]", "[0]")
+    is_element = "indexed" in row.acts or row.acts == "no"
+    if first not in keys and (is_all or not is_element):
+        keys.insert(0, first)
+    return keys
+
+
+# --- two lists or rigs ---------------------------------------------------------------------------
+
+
+def _guess(path: Path) -> Kind:
+    """Find out which kind a list has: the one whose names it uses first."""
+    errors = []
+    for kind in KINDS:
+        try:
+            read_sections(path, kind)
+        except UserError as error:
+            errors.append((error.line or 0, kind))
+        else:
+            return kind
+    return max(errors, key=lambda item: (item[0], -KINDS.index(item[1])))[1]
+
+
+def _read(path: Path) -> dict[str, ParameterSet]:
+    """Return the parts of a rig or of a list by axis name or `channel`."""
+    if path.suffix.lower() == ".toml":
+        return _parts(settings_of(path, []), None)
+    kind = _guess(path)
+    sections = read_sections(path, kind)
+    if kind != "axis":
+        return {kind: sections[0]}
+    return {section.word(NAME) or f"#{at}": section for at, section in enumerate(sections, 1)}
+
+
+def difference_text(left: Path, right: Path) -> tuple[str, bool]:
+    """Tell what two lists or two rigs differ in, in effective values; and whether they do.
+
+    Two lists with one axis each are compared whatever the names of the axes.
+    """
+    ours, theirs = _read(left), _read(right)
+    if len(ours) == len(theirs) == 1:
+        (name, mine), (other, yours) = *ours.items(), *theirs.items()
+        if mine.kind != yours.kind:
+            raise UserError(
+                f"a list of the {mine.kind} and one of the {yours.kind} have nothing in common"
+            )
+        name = name if name == other else f"{name}, {other}"
+        ours, theirs = {name: mine}, {name: yours}
+    lines = [f"--- {left}", f"+++ {right}"]
+    for name in dict.fromkeys([*ours, *theirs]):
+        if name not in ours or name not in theirs:
+            lines.append(f"{name}: only in {left if name in ours else right}")
+            continue
+        for key, row, values in _differences(ours[name], theirs[name]):
+            is_rotary = ours[name].is_rotary
+            before, after = (with_unit(row, value, is_rotary=is_rotary) for value in values)
+            lines.append(f"{name}: {key}: {before} -> {after}")
+    if lines[2:]:
+        return "\n".join(lines), True
+    return "no difference", False
+
+
+def _differences(
+    mine: ParameterSet, yours: ParameterSet
+) -> Iterator[tuple[str, Parameter, tuple[bool | int | float | str, ...]]]:
+    keys = {key for parameters in (mine, yours) for key, _ in parameters.items()}
+    for row in table(mine.kind).parameters:
+        own = {key for key in keys if INDEX.sub("[i]", key) == row.path}
+        for key in sorted(own | {row.path.replace("[i]", "[0]")}):
+            values = (mine.get(key), yours.get(key))
+            if values[0] != values[1]:
+                yield key, row, values
+
+
+def written_lists(rig: Path, axis: str | None, assignments: Sequence[str]) -> str:
+    """Return the lists of all axes of a rig as one, or that of one axis or of the channel."""
+    settings = settings_of(rig, assignments)
+    parts = _parts(settings, axis)
+    if axis is None:
+        parts.pop(CHANNEL)
+    for name, parameters in parts.items():
+        if parameters.kind == "axis" and not parameters.is_set(NAME):
+            parameters.correct(NAME, name)
+    return list_text(list(parts.values())).rstrip("\n")
