@@ -80,7 +80,7 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("set:Z.kenngr.measure.input=3", "3", "1 .. 2"),
         ("set:Z.kenngr.messachse=yes", "yes", "0 .. 1"),
         ("set:channel.messtyp=8", "8", "1 .. 7"),
-        ("set:channel.messtyp=2", None, "1"),
+        ("set:channel.messtyp=7", None, "1, 2, 3, 4, 5"),
         ("set:Z.messtyp=1", "messtyp", "parameter of the channel"),
         ("plant:q.surface_mm=1", "q", "z, probe"),
         ("bus:can7.bitrate=500000", "can7", "can1"),
