@@ -40,4 +40,32 @@ def faults(
     print(faults_table(kind))
 
 
-LISTINGS = (metrics, drives, faults, params)
+@rejecting
+def errors(
+    word: Annotated[
+        str | None, typer.Argument(help="An ID: all about it. Or a word: the alarms that have it.")
+    ] = None,
+    reaction_class: Annotated[
+        int | None, typer.Option("--class", min=1, max=7, help="Only this reaction class.")
+    ] = None,
+    area: Annotated[str | None, typer.Option("--area", help="Only this area.")] = None,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="The page docs/errors.md instead.")
+    ] = False,
+) -> None:
+    """List the alarms, or tell all about one: class, values, remedy, twin, source."""
+    from bench.alarms import alarm_listing, page
+
+    shown = page() if markdown else f"{alarm_listing(word, reaction_class, area)}\n"
+    print(shown, end="")
+
+
+@rejecting
+def explain(alarm_id: Annotated[str, typer.Argument(metavar="ID", help="ID of an alarm.")]) -> None:
+    """Tell all about one alarm: class, values, remedy, twin, source."""
+    from bench.alarms import alarm_listing
+
+    print(alarm_listing(alarm_id))
+
+
+LISTINGS = (metrics, drives, faults, params, errors, explain)

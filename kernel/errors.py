@@ -156,6 +156,14 @@ def catalogue() -> Mapping[int, CatalogueEntry]:
     return {entry.id: entry for entry in entries}
 
 
+@cache
+def reaction_classes() -> Mapping[int, dict[str, str]]:
+    """Read `reaction_classes.csv`: per class the reaction, what the machine does, what is next."""
+    name = "reaction_classes.csv"
+    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return {int(row["class"]): row for row in csv.DictReader(text.splitlines())}
+
+
 def same_cause(alarm_id: int) -> int:
     """Return the ID under which the cause of this one is reported; an unknown ID as it is."""
     entry = catalogue().get(alarm_id)

@@ -1,0 +1,82 @@
+"""`axisrig errors`: the list, its filters, and everything about one alarm."""
+
+import pytest
+
+from bench.alarms import alarm_listing, explained, page, unit_of
+from kernel.errors import UserError, catalogue, reaction_classes
+
+
+def test_the_list_has_every_alarm_once() -> None:
+    lines = alarm_listing().splitlines()
+    ids = [int(line[:6]) for line in lines if line[:6].strip().isdigit()]
+    assert ids == list(catalogue())
+
+
+@pytest.mark.parametrize(
+    ("options", "present", "absent"),
+    [
+        ({"word": "Fixed Stop"}, 51026, 50052),
+        ({"word": "P-AXIS-00518"}, 50052, 50059),
+        ({"reaction_class": 5}, 70082, 50052),
+        ({"area": "bus"}, 900031, 70082),
+        ({"word": "probe", "reaction_class": 4}, 50052, 110622),
+    ],
+)
+def test_word_class_and_area_filter(options: dict[str, object], present: int, absent: int) -> None:
+    shown = alarm_listing(**options)  # type: ignore[arg-type]
+    assert f"{present:>6}  " in shown
+    assert f"{absent:>6}  " not in shown
+
+
+@pytest.mark.parametrize("word", ["70331", "ID 70331", "ID70331"])
+def test_one_id_is_told_in_full(word: str) -> None:
+    told = alarm_listing(word)
+    assert told.startswith("ID 70331, class 7: controlled halt of the axis (distance control)")
+    assert "Newer builds report 310017." in told
+    assert "deviation_mm [mm]" in told
+    assert "P-AXIS-00414" in told
+    assert "not yet: distance control does not act" in told
+    assert "FCT-M3 11" in told
+    assert "retract with care" in told
+
+
+def test_every_alarm_can_be_told() -> None:
+    for alarm_id, entry in catalogue().items():
+        told = " ".join(explained(alarm_id).split())
+        assert entry.remedy in told
+        assert reaction_classes()[entry.reaction_class]["machine"] in told
+
+
+def test_an_unknown_id_names_the_nearest() -> None:
+    with pytest.raises(UserError, match=r"70337; did you mean: .*70336 \(Distance control"):
+        alarm_listing("70337")
+
+
+def test_a_word_that_nothing_has_is_told() -> None:
+    with pytest.raises(
+        UserError, match="no alarm fits; found 'wrokpiece'; did you mean: workpiece"
+    ):
+        alarm_listing("wrokpiece")
+    with pytest.raises(UserError, match="no area of alarms; found 'buss'; did you mean: bus"):
+        alarm_listing(area="buss")
+
+
+def test_reactions_of_the_catalogue_are_those_of_the_classes() -> None:
+    assert list(reaction_classes()) == [1, 2, 3, 4, 5, 6, 7]
+    for entry in catalogue().values():
+        assert entry.reaction == reaction_classes()[entry.reaction_class]["reaction"]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("lag_mm", "mm"), ("ms", "ms"), ("a_mm_s2", "mm/s2"), ("axis", ""), ("forms", ""),
+     ("change_um_s", "um/s"), ("limit_permille", "0.1 %")],
+)  # fmt: skip
+def test_the_unit_stands_at_the_end_of_the_name(name: str, unit: str) -> None:
+    assert unit_of(name) == unit
+
+
+def test_the_page_has_every_alarm_under_its_area() -> None:
+    rows = [line for line in page().splitlines() if line.startswith("| ")]
+    ids = {int(row.split()[1]) for row in rows if row.split()[1].isdigit()}
+    assert set(catalogue()) <= ids
