@@ -37,7 +37,7 @@ class SingleAxes:
         execution.while_busy(self._is_busy)
         execution.register(canon.IndependentMove, self.independent.begin)
         execution.register(canon.WaitIndependent, self._wait)
-        execution.register(canon.AxisLinkOn, self.couplings.switch_on, ready=self._stand)
+        execution.register(canon.AxisLinkOn, self.couplings.switch_on, ready=self._are_in_position)
         execution.register(canon.AxisLinkOff, self.couplings.switch_off, ready=self._stand)
         execution.register(canon.Homing, self._home, ready=self._are_in_position)
         execution.register(canon.AxisExchange, self._exchange, ready=self._stand)

@@ -92,6 +92,15 @@ def test_the_limits_watch_the_actual_positions(
     assert bench.final_mm("X2") == pytest.approx(bench.final_mm("X"), abs=INCREMENT_MM)
 
 
+def test_a_gantry_is_coupled_when_the_axes_stand(channel_bench: Make, words: Any) -> None:
+    """At the end of a block the axis is v/Kv = 0.5 mm behind, more than the limits allow."""
+    bench = channel_bench(words.axis("X"), words.axis("X2"))
+    bench.run(
+        [words.move(1, 1200.0, X=5.0), link_on(GANTRY), words.move(3, 600.0, X=8.0), words.end()]
+    )
+    assert bench.alarm_ids == []
+
+
 def test_a_distance_from_before_is_no_difference(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("X", start_mm=100.0), words.axis("X2"))
     bench.run([link_on(GANTRY), words.move(3, 600.0, X=105.0), words.end()])

@@ -117,3 +117,21 @@ def test_adopting_the_actual_position_moves_an_axis_by_its_droop(
     assert bench.alarm_ids == []
     lag_mm = 45.0 - bench.final_mm("Z")
     assert lag_mm > 0.02 - INCREMENT_MM  # what was left of the lag then, and the droop
+
+
+@pytest.mark.parametrize("resets", ["homing", "exchange"])
+def test_a_prepared_probe_is_reset(channel_bench: Make, words: Any, resets: str) -> None:
+    """FCT-C4 section 7.2: one of the prepared axes resets the preparation of all."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    block = canon.Block(2, 20, "N20")
+    prepare = canon.PrepareProbe(block, ("Y", "Z"))
+    other = canon.AxisExchange(block, ("Z",), ())
+    reset = home(("Z",)) if resets == "homing" else other
+    bench.prepare([prepare, words.move(2, 600.0, Y=1.0), reset, words.end()])
+    measurement = bench.channel.measurement
+    assert bench.scheduler.run_while(lambda: not measurement.prepared, 10 * S)
+    assert measurement.prepared == {"Y", "Z"}
+    assert bench.scheduler.run_while(lambda: bool(measurement.prepared), 10 * S)
+    assert not bench.channel.has_ended
+    bench.finish()
+    assert bench.alarm_ids == []

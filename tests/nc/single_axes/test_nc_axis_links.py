@@ -8,7 +8,7 @@ from axis_statements import Machine, alone, decode, kinds, path, single
 from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import AxisPair
-from kernel.nc.syntax import Command, Group, Name, Number, Option, Words
+from kernel.nc.syntax import Command, Group, Name, Number, Option, Variable, Words
 
 
 def link(group: float, *pairs: Any, name: str = "SET AX LINK") -> Command:
@@ -95,6 +95,13 @@ def test_behind_a_coupling_the_slave_is_known_to_stand_where_it_was_led() -> Non
     program = [link(1, "X2=X"), enable(1), path(X=5.0), disable(1), path(X2=5.0), path(X2=6.0)]
     moved = [c for c in decode(*program, machine=Led()) if isinstance(c, canon.LinearMove)]
     assert [c.target_acs_mm for c in moved] == [{"X": 5.0}, {"X2": 6.0}]
+
+
+def test_a_variable_of_a_slave_tells_where_it_was_led() -> None:
+    read = Words(axes=(("C", Variable("V.A.ABS.X2")),), addresses=(("F", Number(60.0)),))
+    start = path(X=100.0, X2=7.0)
+    moved = decode(start, link(1, "X2=X"), enable(1), path(X=105.0), read)
+    assert [c.target_acs_mm for c in moved if isinstance(c, canon.LinearMove)][-1] == {"C": 12.0}
 
 
 def test_switching_on_twice_is_once() -> None:

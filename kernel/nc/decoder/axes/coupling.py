@@ -124,6 +124,18 @@ def switch_on(context: Context, block: Block, command: Command) -> Iterator[cano
         _check_free(context, block, known, pair)
     yield canon.AxisLinkOn(block, group, pairs)
     known.active.append(group)
+    at_mm = context.coordinates.acs_mm
+    known.offsets_mm.update({p.slave: at_mm[p.slave] - at_mm[p.master] for p in pairs})
+
+
+def lead(context: Context) -> None:
+    """Let the slaves stand where the block has led them."""
+    known, coordinates = states(context), context.coordinates
+    slaves = {
+        pair.slave: coordinates.acs_mm[pair.master] + known.offsets_mm[pair.slave]
+        for _, pair in known.pairs()
+    }
+    coordinates.stand_at(slaves)
 
 
 def _check_free(context: Context, block: Block, known: AxisStates, pair: AxisPair) -> None:

@@ -11,6 +11,7 @@ from typing import Final
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder import measuring, technology
+from kernel.nc.decoder.axes import coupling
 from kernel.nc.decoder.axes.state import forbidden, states
 from kernel.nc.decoder.axes.values import axis_named, brackets
 from kernel.nc.decoder.context import Context
@@ -62,7 +63,9 @@ def synchronised(
 
 
 def after_block(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """Let the next block wait for the INDP_SYN axes of this one."""
+    """Let the next block wait for the INDP_SYN axes of this one, and know where slaves are."""
+    if states(context).active:
+        coupling.lead(context)
     axes = tuple(c.axis for c in words.axis_commands if c.name == SYNCHRONOUS)
     if axes:
         yield from _wait_for(context, block, axes)

@@ -12,13 +12,14 @@ class AxisStates:
     """under_way: axes that move beside the program (INDP_ASYN), and whether they measure.
 
     groups: coupling groups as defined. active: groups that are on, in the order of switching on.
-    away: axes that have been given away.
+    away: axes that have been given away. offsets_mm: of coupled slaves to their masters.
     """
 
     under_way: dict[str, bool] = field(default_factory=dict)
     groups: dict[int, tuple[AxisPair, ...]] = field(default_factory=dict)
     active: list[int] = field(default_factory=list)
     away: set[str] = field(default_factory=set)
+    offsets_mm: dict[str, float] = field(default_factory=dict)
 
     @property
     def is_plain(self) -> bool:
