@@ -72,23 +72,33 @@ class Monitor:
                 link.take()
             except Alarm as alarm:
                 silent.append(alarm)
-        found = [told for bus in self._buses if (told := bus.check()) is not None]
+        found: list[Alarm] = []
+        for bus in self._buses:
+            if (told := bus.check()) is not None:
+                found.append(told)
         if self._late_sync is not None:
             found.append(self._late_sync)
-        found += [told for drive in self._drives if (told := drive.communication()) is not None]
-        self._raise(found + silent)
+        for drive in self._drives:
+            if (told := drive.communication()) is not None:
+                found.append(told)
+        if found or silent:
+            self._raise(found + silent)
 
     def check_drives(self) -> None:
         """Raise the alarm of the first drive that does not follow its set values any more.
 
         Those of other drives are in `further`.
         """
-        self._raise([told for drive in self._drives if (told := drive.condition()) is not None])
+        found: list[Alarm] = []
+        for drive in self._drives:
+            if (told := drive.condition()) is not None:
+                found.append(told)
+        if found:
+            self._raise(found)
 
     def _raise(self, found: list[Alarm]) -> None:
-        if found:
-            self.further = found[1:]
-            raise found[0]
+        self.further = found[1:]
+        raise found[0]
 
 
 class PowerUp:

@@ -4,6 +4,7 @@ Y and Z run a 3-4-5 path at 50 mm/s: Y at 30, Z at 40 mm/s. Y brakes with 1000, 
 so the path with min(1000 / 0.6, 4000 / 0.8) = 1000 / 0.6 mm/s^2. Expected ways are v^2 / 2a.
 """
 
+import math
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 
 from kernel.drives.ds402 import State
 from kernel.errors import Alarm
+from kernel.nc import canon
 
 Make = Callable[..., Any]
 S, T_S = 1_000_000_000, 1e-3
@@ -56,6 +58,18 @@ def test_class_1_goes_on(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(900035, axis="Z", emcy="0x8120"))
     assert stop.bench.alarm_ids == [900035]
     assert (stop.set_mm("Y")[-1], stop.set_mm("Z")[-1]) == (60.0, 80.0)
+
+
+@pytest.mark.parametrize(
+    "alarm", [Alarm(900105, reason="none"), Alarm(44011, axis="Z")], ids=["class 2", "class 3"]
+)
+def test_classes_2_and_3_end_the_program_and_stop_no_motion(
+    channel_bench: Make, words: Any, alarm: Alarm
+) -> None:
+    stop = Stop(channel_bench, words, alarm)
+    assert (stop.set_mm("Y")[-1], stop.set_mm("Z")[-1]) == (60.0, 80.0)
+    assert stop.bench.alarm_ids == [alarm.id]
+    assert stop.has_ended_with_closed_loops()
 
 
 def test_class_4_stops_all_axes_on_the_path(channel_bench: Make, words: Any) -> None:
@@ -110,6 +124,42 @@ def test_class_6_stops_every_axis_at_once(channel_bench: Make, words: Any) -> No
     stop = Stop(channel_bench, words, Alarm(60207, axis="Z", channel=1))
     assert (stop.way_mm("Y"), stop.way_mm("Z")) == (0.0, 0.0)
     assert stop.has_ended_with_closed_loops()
+
+
+def test_class_7_on_an_arc(channel_bench: Make, words: Any) -> None:
+    """A quarter circle of 20 mm from X20 Y0: X brakes by its own ramp, Y as in class 4."""
+
+    def stopped_by(alarm: Alarm) -> tuple[float, float, float, float]:
+        bench = channel_bench(words.axis("X", start_mm=20.0, a_mm_s2=4000.0), words.axis("Y"))
+        target, centre = {"X": 0.0, "Y": 20.0}, {"X": 0.0, "Y": 0.0}
+        block, tangent = words.end().block, {"X": 0.0, "Y": 1.0}
+        arc = canon.ArcMove(block, target, centre, tangent, math.pi / 2.0, 3000.0)
+        bench.prepare([arc, words.end()])
+        bench.scheduler.run_while(lambda: not bench.samples or bench.set_mm("Y")[-1] < 10.0, 10 * S)
+        here = bench.samples[-1].set_mm
+        bench.channel.stop(alarm)
+        bench.finish()
+        return (*here, bench.final_mm("X"), bench.final_mm("Y"))
+
+    x_mm, y_mm, x_end_mm, y_end_mm = stopped_by(Alarm(900036, axis="X", **LAG))
+    x_mm_s = 50.0 * math.sin(math.atan2(y_mm, x_mm))
+    assert x_mm - x_end_mm == pytest.approx(x_mm_s**2 / 8000.0, abs=1e-4)
+    *_, x_path_mm, y_path_mm = stopped_by(Alarm(900070))
+    assert y_end_mm == y_path_mm
+    assert math.hypot(x_path_mm, y_path_mm) == pytest.approx(20.0, abs=1e-5)
+
+
+def test_class_7_of_an_axis_that_moves_beside_the_path(channel_bench: Make, words: Any) -> None:
+    """Z by itself at 50 mm/s, Y on the path: Z by its own ramp, Y by the feedhold."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z", a_mm_s2=4000.0))
+    beside = canon.IndependentMove(words.end().block, "Z", 80.0, feed_mm_min=3000.0)
+    bench.prepare([beside, words.move(1, 3000.0, Y=60.0), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples or bench.set_mm("Y")[-1] < 12.0, 10 * S)
+    y_mm, z_mm = bench.samples[-1].set_mm
+    bench.channel.stop(Alarm(900036, axis="Z", **LAG))
+    bench.finish()
+    assert bench.final_mm("Y") - y_mm == pytest.approx(50.0**2 / 2000.0, abs=1e-9)
+    assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
 
 
 def test_p_chan_00218_lets_every_axis_brake_by_its_own_ramp(
