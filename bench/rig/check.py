@@ -8,6 +8,7 @@ from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arit
 from bench.drive.profiles import DEFAULT_PROFILE
 from bench.rig.blame import blamed
 from bench.rig.file import LOAD, DriveTable, rig_error
+from bench.rig.lists import drive_input
 from bench.rig.outside import check_outside, is_real
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_dictionary, drive_steps
@@ -34,9 +35,7 @@ _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
 
 def _latch_object(settings: Settings, name: str) -> int:
     parameters = settings.axis[name]
-    return latch_object(
-        parameters.integer("kenngr.measure.input"), parameters.word("kenngr.measure.edge")
-    )
+    return latch_object(drive_input(parameters), parameters.word("kenngr.measure.edge"))
 
 
 def _drive_of(settings: Settings, name: str) -> DriveTable:
@@ -346,7 +345,7 @@ def _check_latches(settings: Settings) -> None:
                 value=profile.latch_encoder,
                 hint='give the axis one: encoder_2 = "load", or a distance sensor',
             )
-        number = parameters.integer("kenngr.measure.input")
+        number = drive_input(parameters)
         is_drive_defined = parameters.word(TRIGGER_SOURCE) == "DRIVE_DEFINED"
         has_source = profile.source_bits == "ignored" or profile.has_object(0x60D0, number)
         if is_drive_defined and not has_source:

@@ -11,6 +11,8 @@ from kernel.parameters import ParameterSet, read_list, start_up, written
 # Keys of `[channel]` and targets of `set:` columns -> the lists they stand for
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
 
+DRIVE_INPUTS = (1, 2)
+
 
 def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str, ParameterSet]]:
     """Read the lists of the channel and of all axes; axes may share one list.
@@ -43,6 +45,12 @@ def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
             raise rig_error(files, ("channel", key), message, value=path)
         lists.read(name, path)
     return lists
+
+
+def drive_input(parameters: ParameterSet) -> int:
+    """Return the probing input of the drive; 1 where the list names external hardware."""
+    number = parameters.integer("kenngr.measure.input")
+    return number if number in DRIVE_INPUTS else 1
 
 
 def take_over(channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[Alarm]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_sdo_room
+from bench.rig.lists import drive_input
 from bench.rig.settings import Settings
 from bench.rig.startup import start_up_settings, watch_settings
 from kernel.channel.drive_functions import DriveAccess
@@ -29,7 +30,7 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             axis=name,
             node_id=axis.node,
             increments_per_mm=float(drive.make().units_per_mm),
-            probe_input=parameters.integer("kenngr.measure.input"),
+            probe_input=drive_input(parameters),
             edge=parameters.word("kenngr.measure.edge"),
             lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
             pdo_map=drive.pdo_map,

@@ -106,10 +106,11 @@ class Measurement:
     def begin(self, command: canon.MeasuringRun) -> None:
         """Begin a run on the path.
 
-        Raises Alarm 50059, 900103, 900224 and those of the run itself.
+        Raises Alarm 50059, 900100, 900103, 900224 and those of the run itself.
         """
         for name in dict.fromkeys((*command.programmed_axes, *command.measuring_axes)):
             self._check_released(name, 50059)
+            self._path.settings(name).measuring.check_source(name)
         self._order = self._planned(command)
         self._run = self.arm(
             command.measuring_type,

@@ -9,9 +9,13 @@ from dataclasses import dataclass
 from math import dist, inf, sqrt
 
 from kernel.clock import TimeNs
+from kernel.errors import Alarm
 from kernel.motion.profile import Slope
 from kernel.nc.measuring_types import MeasuringType
 from kernel.parameters import ParameterSet
+
+SIGNAL = "kenngr.measure.signal"
+LATCHED = ("DRIVE", "DRIVE_TYPE_DEFAULT")  # a CANopen drive latches by itself
 
 
 @dataclass(frozen=True)
@@ -20,7 +24,8 @@ class MeasuringAxis:
 
     speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way behind
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
-    probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583.
+    probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
+    comes from, P-AXIS-00516 or the older switches.
     """
 
     speed_mm_s: float = 16.666
@@ -29,6 +34,7 @@ class MeasuringAxis:
     old_offset_mm: float = 0.0
     delay_ns: TimeNs = 0
     probe_inputs: tuple[int, int] = (1, 1)
+    source: str = "DRIVE"
 
     @classmethod
     def read(cls, axis: ParameterSet) -> "MeasuringAxis":
@@ -43,7 +49,17 @@ class MeasuringAxis:
                 axis.integer("kenngr.measure.probe[0].input"),
                 axis.integer("kenngr.measure.probe[1].input"),
             ),
+            source=axis.word(SIGNAL),
         )
+
+    def check_source(self, axis: str) -> None:
+        """Refuse a run with a source that does not act, else it would measure by the drive.
+
+        Raises Alarm 900100.
+        """
+        if self.source not in LATCHED:
+            word = f"{SIGNAL} = {self.source} of axis {axis}"
+            raise Alarm(900100, word=word, what="source of the probing signal")
 
     def overtravel_mm(self, kind: MeasuringType) -> float:
         """Return how far the axis may go behind its target in a run of a type."""

@@ -75,7 +75,7 @@ class IndependentAxes:
         """Begin the motion of an axis; without a way there is nothing to do.
 
         Raises Alarm 900012 for a target that cannot be told to the drive, for G100 also 50059,
-        900103.
+        900100, 900103.
         """
         path, axis = self._path, command.axis
         here_mm, settings = path.position_acs_mm(axis), path.settings(axis)
@@ -84,6 +84,8 @@ class IndependentAxes:
         measures = command.measuring_type is not None
         if measures and not settings.may_measure:
             raise Alarm(50059, axis=axis)
+        if measures:
+            settings.measuring.check_source(axis)
         if command.target_acs_mm == here_mm:
             if measures:
                 raise Alarm(900103, axes=axis)

@@ -1,0 +1,67 @@
+"""What parameter lists bring about when a program runs: warnings, sources that do not act."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+RunNc = Callable[..., Any]
+MEASURE = "N10 G90 G1 Z101 F3000\nN20 G100 Z98 F300\n"
+
+
+def z_list(tmp_path: Path, *lines: str) -> str:
+    """A rig whose axis Z has these settings above those of the shipped list."""
+    text = (RIGS / "lists/axis-z-fine.lst").read_text(encoding="utf-8")
+    names = {line.split()[0] for line in lines}
+    kept = [line for line in text.splitlines() if line.split()[:1] != [] and
+            line.split()[0] not in names]  # fmt: skip
+    (tmp_path / "z.lst").write_text("\n".join([*kept, *lines, ""]), encoding="utf-8")
+    return '[axis.Z]\nlist = "z.lst"\n'
+
+
+@pytest.mark.provokes(315002, 1, owner="axis Z", value=200, high=99, corrected=99)
+@pytest.mark.provokes(110757, 1, axis="Z", value_permille=1200, limit_permille=1000)
+def test_warnings_of_lists_stand_at_the_begin_of_a_run_that_goes_on(
+    tmp_path: Path, run_nc: RunNc
+) -> None:
+    rig = z_list(
+        tmp_path,
+        "kenngr.dist_ctrl[0].n_cycles 200",
+        "kenngr.measure.fixed_stop_detect.start_distance_per_mille 1200",
+    )
+    outcome = run_nc('N10 G1 Z131 F3000\nN20 #MSG ["done"]', rig, base="probe-z.toml")
+    assert outcome.lines == ["done"]
+    assert outcome.alarms == [315002, 110757]
+
+
+@pytest.mark.provokes(900100, 2, word="kenngr.measure.signal = PLC of axis Z")
+def test_a_source_that_does_not_act_ends_the_run_and_never_measures_by_the_drive(
+    tmp_path: Path, run_nc: RunNc
+) -> None:
+    rig = z_list(tmp_path, "kenngr.measure.signal PLC")
+    outcome = run_nc(MEASURE, rig, base="probe-z.toml")
+    assert outcome.alarms == [900100]
+    assert outcome.machine.channel.records == []
+
+
+@pytest.mark.provokes(900100, 2, word="kenngr.measure.signal = FIXED_STOP of axis Z")
+def test_an_older_switch_decides_while_the_source_is_blank(tmp_path: Path, run_nc: RunNc) -> None:
+    rig = z_list(tmp_path, 'kenngr.measure.signal ""', "kenngr.meas_signal_fixed_stop 1")
+    assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900100]
+
+
+def test_the_source_of_the_drive_type_is_the_drive(tmp_path: Path, run_nc: RunNc) -> None:
+    rig = z_list(tmp_path, "kenngr.measure.signal DRIVE_TYPE_DEFAULT")
+    print_it = '\nN30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]'
+    outcome = run_nc(MEASURE + print_it, rig, base="probe-z.toml")
+    assert (outcome.alarms, outcome.lines) == ([], ["V.A.MERF.Z=1"])
+
+
+def test_a_measuring_type_of_the_list_that_does_not_act_ends_the_program(
+    tmp_path: Path, run_nc: RunNc
+) -> None:
+    (tmp_path / "channel.lst").write_text("messtyp 7\n", encoding="utf-8")
+    outcome = run_nc(MEASURE, '[channel]\nlist = "channel.lst"\n', base="probe-z.toml")
+    assert outcome.alarms == [900100]

@@ -1,0 +1,99 @@
+"""The parameter lists of a rig: shared by axes, what does not act yet, corrections at the start."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.rig.check import check_rig
+from bench.rig.lists import drive_input
+from bench.rig.settings import Settings
+from bench.run.campaign import check_file
+from kernel.errors import UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+
+SECOND_AXIS = """\
+[axis.X]
+list = "lists/axis-z.lst"
+segment = "can1"
+node = 4
+drive = "servo"
+plant = "x"
+
+[plant.x]
+fmu = "AxisRig.Drives.ServoAxis"
+
+[plant.probe]"""
+MACHINE = "kopf.achs_nr 1\nkopf.log_achs_name X\ngetriebe[0].window 7\n" \
+    "kopf.achs_nr 3\nkopf.log_achs_name Z\ngetriebe[0].window 9\n"  # fmt: skip
+
+
+def listed(rig: Path, text: str, name: str = "axis-z.lst") -> Path:
+    (rig.parent / "lists" / name).write_text(text, encoding="utf-8")
+    return rig
+
+
+def test_axes_share_a_list_and_each_takes_its_part(rig_file: Write, settings_of: Read) -> None:
+    late = ("cycle_offset_us = 600", "cycle_offset_us = 620")  # room for a second drive
+    rig = listed(rig_file(late, ("[plant.probe]", SECOND_AXIS)), MACHINE)
+    settings = settings_of(rig)
+    assert settings.axis["X"].integer("getriebe[0].window") == 7
+    assert settings.axis["Z"].integer("getriebe[0].window") == 9
+    check_rig(settings)
+
+
+def test_an_axis_that_a_shared_list_does_not_have(rig_file: Write, settings_of: Read) -> None:
+    rig = listed(rig_file(), MACHINE.replace("name Z", "name W"))
+    with pytest.raises(UserError, match=r"none of them is Z; allowed: X, W"):
+        settings_of(rig)
+
+
+def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
+    rig = listed(rig_file(), "kenngr.distc.kp 0.3\nkenngr.echtzeit_bit_nr 1\nkenngr.messachse 1\n")
+    listed(rig, "messtyp 7\ndist_ctrl[0].v_max 10000\n", "channel.lst")
+    channel, axis = settings_of(rig).notes
+    assert channel == (
+        "channel: 2 settings do not act yet (channel.lst): messtyp = 7, dist_ctrl[0].v_max = 10000"
+    )
+    assert axis == (
+        "axis Z: 2 settings do not act yet (axis-z.lst):"
+        " kenngr.echtzeit_bit_nr = 1, kenngr.dist_ctrl[0].kp = 0.3"
+    )
+
+
+def test_a_list_in_which_all_acts_is_not_told_of(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(listed(rig_file(), "kenngr.messachse 1\nkenngr.distc.kp 1.0\n"))
+    assert (settings.notes, settings.warnings) == ([], [])
+
+
+def test_a_cell_that_sets_the_default_takes_the_note_away(
+    rig_file: Write, settings_of: Read
+) -> None:
+    rig = listed(rig_file(), "kenngr.distc.kp 0.3\n")
+    assert settings_of(rig, "set:Z.kenngr.dist_ctrl[0].kp=1.0").notes == []
+
+
+@pytest.mark.provokes(315010, 1, owner="axis Z", value=5.0, corrected=2.0)
+def test_a_correction_is_a_warning_of_the_rig(rig_file: Write, settings_of: Read) -> None:
+    settings = settings_of(listed(rig_file(), "kenngr.distc.kp 5\n"))
+    assert [warning.id for warning in settings.warnings] == [315010]
+    assert settings.axis["Z"].get("kenngr.dist_ctrl[0].kp") == 2.0
+
+
+def test_check_tells_warnings_and_notes(rig_file: Write) -> None:
+    text = check_file(listed(rig_file(), "kenngr.distc.kp 5\n"))
+    assert "warning: ID 315010 class 1: " in text
+    assert "(axis-z.lst:1)" in text
+    assert "note: axis Z: 1 setting does not act yet (axis-z.lst): kenngr.dist_ctrl[0].kp" in text
+
+
+@pytest.mark.parametrize(("number", "used"), [("1", 1), ("2", 2), ("4", 1), ("255", 1)])
+def test_an_input_of_external_hardware_is_none_of_the_drive(
+    rig_file: Write, settings_of: Read, number: str, used: int
+) -> None:
+    text = f"kenngr.measure.signal PLC_EXT_LATCH_CONTROL\nkenngr.measure.input {number}\n"
+    settings = settings_of(listed(rig_file(), text))
+    assert drive_input(settings.axis["Z"]) == used
+    check_rig(settings)
