@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from lark import Token, v_args
-from lark.tree import Meta
 
 from kernel.nc.syntax import (
     Assign,
@@ -29,7 +28,7 @@ from kernel.nc.syntax import (
 from kernel.nc.text import nodes
 from kernel.nc.text.commands import axis_command, cycle_call, hash_command
 from kernel.nc.text.controls import ControlBuilder
-from kernel.nc.text.values import Part, offset_of
+from kernel.nc.text.values import Part
 from kernel.nc.text.words import Word, words
 
 NEEDS_AXES = ("G92", "G100", "G101", "G310", "G210")
@@ -55,10 +54,9 @@ class _Gathered:
 
 @v_args(inline=True)
 class Builder(ControlBuilder):
-    """Builds the statements of one program.
+    """Builds the statements of a program while the grammar reads its blocks.
 
-    axes: the axes of the rig, main axes first. Every method raises UserError for what cannot be
-    accepted.
+    Every method raises UserError for what cannot be accepted.
     """
 
     # ---- heads and labels
@@ -69,12 +67,12 @@ class Builder(ControlBuilder):
         skip, number, placeholder = 0, None, None
         for token in tokens:
             if token.type == "SKIP":
-                skip = int(self.digits(token[1:] or "1", offset_of(token)))
+                skip = int(self.digits(token[1:] or "1", self.at(token)))
                 self._check_skip(skip, token)
             elif token[1:].strip(" \t").isdigit():
-                number = int(self.digits(token[1:].strip(" \t"), offset_of(token)))
+                number = int(self.digits(token[1:].strip(" \t"), self.at(token)))
             else:
-                placeholder = offset_of(token)
+                placeholder = self.at(token)
         return nodes.Head(skip, number, None, placeholder)
 
     def _check_skip(self, level: int, token: Token) -> None:
@@ -82,7 +80,7 @@ class Builder(ControlBuilder):
         if not 1 <= level <= 10:
             raise self.source.error(
                 "no such level of block skip",
-                offset_of(token),
+                self.at(token),
                 value=str(token),
                 allowed="/1 to /10",
             )
@@ -93,7 +91,7 @@ class Builder(ControlBuilder):
         if colon is not None:
             if head.number is None:
                 raise self.source.error(
-                    "a label is a block number with a colon", offset_of(colon), value=":"
+                    "a label is a block number with a colon", self.at(colon), value=":"
                 )
             statements.append(Label(f"N{head.number}"))
         if label is not None:
@@ -116,7 +114,9 @@ class Builder(ControlBuilder):
     def declaration(self, children: list[Part]) -> Block:
         """A line between #VAR and #ENDVAR."""
         head, variable, kind, _size, values = children
-        return head, (Declare(variable, values or (), "REAL64" if kind is None else kind.upper()),)
+        return head, (
+            Declare(variable.expression, values or (), "REAL64" if kind is None else kind.upper()),
+        )
 
     def size(self, token: Token) -> None:
         """The length of a text variable."""
@@ -130,33 +130,33 @@ class Builder(ControlBuilder):
 
     def number_word(self, token: Token) -> nodes.Word:
         """A word such as X10."""
-        return nodes.Word(token[0].upper(), token[1:].strip(" \t"), offset_of(token))
+        return nodes.Word(token[0].upper(), token[1:].strip(" \t"), self.at(token))
 
     def assigned_word(self, token: Token, value: nodes.Value) -> nodes.Word:
         """A word such as X=10*2."""
-        return nodes.Word(token.upper(), value.expression, offset_of(token), assigned=True)
+        return nodes.Word(token.upper(), value.expression, self.at(token), assigned=True)
 
-    def letter_word(self, token: Token, value: Expression) -> nodes.Word:
+    def letter_word(self, token: Token, value: nodes.Value) -> nodes.Word:
         """A word such as XV.P.START or XP1."""
-        return nodes.Word(token.upper(), value, offset_of(token))
+        return nodes.Word(token.upper(), value.expression, self.at(token))
 
     def bracket_word(self, token: Token, bracket: nodes.Bracket, value: Part) -> nodes.Opened:
         """A word such as X[P1+5], X[INDP_SYN ..] or P[1]=5."""
         expression = None if value is None else value.expression
-        return nodes.Opened(token.upper(), bracket, expression, offset_of(token))
+        return nodes.Opened(token.upper(), bracket, expression, self.at(token))
 
     def lone_number(self, token: Token) -> nodes.Lone:
         """The time behind G4."""
-        return nodes.Lone(Number(self.digits(token, offset_of(token))), offset_of(token))
+        return nodes.Lone(Number(self.digits(token, self.at(token))), self.at(token))
 
-    @v_args(inline=False, meta=True)
-    def lone_variable(self, meta: Meta, children: list[Part]) -> nodes.Lone:
+    def lone_variable(self, variable: nodes.Value) -> nodes.Lone:
         """The time behind G4."""
-        return nodes.Lone(children[0], meta.start_pos)
+        return nodes.Lone(variable.expression, variable.offset)
 
-    def setting(self, variable: Variable, value: nodes.Value) -> nodes.Setting:
+    def setting(self, variable: nodes.Value, value: nodes.Value) -> nodes.Setting:
         """A variable that gets a value."""
-        return nodes.Setting(variable, value.expression, value.offset)
+        assert isinstance(variable.expression, Variable)
+        return nodes.Setting(variable.expression, value.expression, variable.offset)
 
     def _items(self, items: Sequence[Any]) -> Iterator[Statement]:
         found = _Gathered()

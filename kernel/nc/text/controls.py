@@ -5,7 +5,7 @@ from lark import Token, v_args
 from kernel.nc import syntax
 from kernel.nc.syntax import Number, Target
 from kernel.nc.text import nodes
-from kernel.nc.text.values import ExpressionBuilder, Part, offset_of
+from kernel.nc.text.values import ExpressionBuilder, Part
 from kernel.nc.text.words import words
 
 _TRUE = Number(1.0)
@@ -22,7 +22,7 @@ class ControlBuilder(ExpressionBuilder):
         kind = "control" if shown.startswith("$") else "sign"
         word = words(kind).get(shown)
         if word is not None and not word.acts:
-            self.note(shown, word.meaning, offset_of(token))
+            self.note(shown, word.meaning, self.at(token))
         return token
 
     IF = ELSEIF = ELSE = ENDIF = FOR = ENDFOR = WHILE = ENDWHILE = DO = ENDDO = _control_word
@@ -52,7 +52,7 @@ class ControlBuilder(ExpressionBuilder):
     def for_(
         self,
         _: Token,
-        variable: syntax.Variable,
+        variable: nodes.Value,
         first: nodes.Value,
         last: nodes.Value,
         step: nodes.Value,
@@ -62,7 +62,8 @@ class ControlBuilder(ExpressionBuilder):
             raise self.source.error(
                 "a step of 0 never ends", step.offset, value="0", allowed="any other step"
             )
-        return syntax.For(variable, first.expression, last.expression, step.expression)
+        assert isinstance(variable.expression, syntax.Variable)
+        return syntax.For(variable.expression, first.expression, last.expression, step.expression)
 
     def end_for(self, _: Token) -> syntax.EndFor:
         """$ENDFOR."""
@@ -125,32 +126,32 @@ class ControlBuilder(ExpressionBuilder):
         digits = token[1:].strip(" \t")
         if not digits.isdigit():
             raise self.source.error(
-                "a jump needs a block number or a label in [ ]", offset_of(token), value=str(token)
+                "a jump needs a block number or a label in [ ]", self.at(token), value=str(token)
             )
-        return Target(f"N{int(self.digits(digits, offset_of(token)))}")
+        return Target(f"N{int(self.digits(digits, self.at(token)))}")
 
     def jump(self, token: Token, target: Target) -> nodes.Jump:
         """$GOTO."""
-        return nodes.Jump(target, offset_of(token))
+        return nodes.Jump(target, self.at(token))
 
     def subprogram(self, token: Token) -> nodes.Call:
         """LL name or L name."""
         word, _, name = token.partition(token[2] if token[1] in "Ll" else token[1])
-        return nodes.Call(len(word) > 1, name.strip(' \t"'), None, offset_of(token))
+        return nodes.Call(len(word) > 1, name.strip(' \t"'), None, self.at(token))
 
     def cycle(self, token: Token, bracket: nodes.Bracket) -> nodes.Call:
         """L CYCLE [NAME=.. @P1=..]."""
-        return nodes.Call(token[1] in "Ll", "", bracket, offset_of(token))
+        return nodes.Call(token[1] in "Ll", "", bracket, self.at(token))
 
     # ---- brackets of commands
 
     def name(self, token: Token) -> nodes.Bare:
         """A word that is no expression."""
-        return nodes.Bare(str(token), offset_of(token))
+        return nodes.Bare(str(token), self.at(token))
 
     def keyword(self, token: Token, value: nodes.Value | nodes.Bare | nodes.Bracket) -> nodes.Entry:
         """KEYWORD=value."""
-        return nodes.Entry(token.upper(), value, offset_of(token))
+        return nodes.Entry(token.upper(), value, self.at(token))
 
     def plain(self, value: nodes.Value | nodes.Bare | nodes.Bracket) -> nodes.Entry:
         """A value or a keyword without `=`."""
@@ -161,15 +162,13 @@ class ControlBuilder(ExpressionBuilder):
         """What stands between two commas."""
         return tuple(entries)
 
-    @v_args(inline=False, meta=True)
-    def bracket(self, meta: object, elements: list[tuple[nodes.Entry, ...]]) -> nodes.Bracket:
+    def bracket(self, token: Token, *elements: tuple[nodes.Entry, ...]) -> nodes.Bracket:
         """A whole bracket."""
-        return nodes.Bracket(tuple(elements), getattr(meta, "start_pos", 0))
+        return nodes.Bracket(elements, self.at(token))
 
-    @v_args(inline=False, meta=True)
-    def loose(self, meta: object, elements: list[tuple[nodes.Entry, ...]]) -> nodes.Bracket:
+    def loose(self, *elements: tuple[nodes.Entry, ...]) -> nodes.Bracket:
         """Values of a command without brackets."""
-        return nodes.Bracket(tuple(elements), getattr(meta, "start_pos", 0))
+        return nodes.Bracket(elements, elements[0][0].offset)
 
     @v_args(inline=False)
     def command(self, children: list[Part]) -> nodes.RawCommand:
@@ -179,4 +178,4 @@ class ControlBuilder(ExpressionBuilder):
         if token.type == "COMMAND" and brackets:
             loose, brackets = brackets[0], []
         words = tuple(token[1:].split())
-        return nodes.RawCommand(words, tuple(brackets), loose, offset_of(token))
+        return nodes.RawCommand(words, tuple(brackets), loose, self.at(token))

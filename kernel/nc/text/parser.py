@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
-from lark import Lark, TextSlice
-from lark.exceptions import UnexpectedInput, VisitError
+from lark import Lark
+from lark.exceptions import UnexpectedInput
 
 from kernel.errors import UserError
 from kernel.nc.canon import Block
@@ -62,9 +62,6 @@ def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[s
     return reading.program()
 
 
-Failure = TypeVar("Failure", bound=Exception)
-
-
 class Reading:
     """The reading of one program text.
 
@@ -78,8 +75,10 @@ class Reading:
             with_hint(fault, self.source.line(fault.line or 1)) for fault in self.source.faults
         ]
         self._axes = tuple(axes)
-        self._builder = Builder(self.source, axes)
-        self._shapes = Shapes(self._builder.axes)
+        self._grammar, self._builder = _grammar_and_builder()
+        self._shapes = Shapes({axis.upper(): axis for axis in axes})
+        self._variables: dict[str, tuple[int, int]] = {}
+        self.remarks: list[tuple[str, int, int]] = []
         self._name = ""
         self._blocks: list[ProgramBlock] = []
         self._subprograms: dict[str, tuple[ProgramBlock, ...]] = {}
@@ -89,14 +88,11 @@ class Reading:
         self._may_begin = True
         self._declares_since: int | None = None
 
-    @property
-    def remarks(self) -> list[tuple[str, int, int]]:
-        """What was read in another way than it is written."""
-        return self._builder.remarks
-
     def run(self) -> None:
         """Read all blocks; errors are kept, and reading goes on with the next block."""
         code = self.source.code
+        self._builder.use(self.source, self._axes)
+        self._variables, self.remarks = self._builder.variables, self._builder.remarks
         for begin, end in self.source.blocks():
             try:
                 if code[begin] == "%":
@@ -117,7 +113,7 @@ class Reading:
             file=self.source.file,
             axes=self._axes,
             blocks=tuple(self._blocks),
-            variables=tuple((name, *place) for name, place in self._builder.variables.items()),
+            variables=tuple((name, *place) for name, place in self._variables.items()),
             subprograms=self._subprograms,
         )
 
@@ -191,47 +187,50 @@ class Reading:
 
     def _parse(self, begin: int, end: int) -> tuple[nodes.Head, tuple[Statement, ...]]:
         source, builder = self.source, self._builder
+        builder.begin = begin
         builder.not_acting.clear()
         declares = self._declares_since is not None and "#" not in source.code[begin:end]
         try:
-            tree = grammar().parse(
-                TextSlice(source.code, begin, end), start="declaration" if declares else "block"
-            )
-            head, statements = builder.transform(tree)
+            start = "declaration" if declares else "block"
+            built: Any = self._grammar.parse(source.code[begin:end], start=start)
         except UnexpectedInput as error:
             raise syntax_error(source, self._axes, error, begin, end) from None
-        except VisitError as error:
-            # lark wraps what a builder method raises; the user error is the original one.
-            raise with_hint(error.orig_exc, source.text[begin:end]) from None
+        except UserError as error:
+            raise with_hint(error, source.text[begin:end]) from None
+        head: nodes.Head = built[0]
+        statements: tuple[Statement, ...] = built[1]
         if head.placeholder is not None:
             builder.remark("Nxx read as a block without number", head.placeholder)
         return head, statements
 
 
-def with_hint(error: Failure, block: str) -> Failure | UserError:
+def with_hint(error: UserError, block: str) -> UserError:
     """Add what a printed damage means to the error of a block."""
-    if isinstance(error, UserError) and (meant := meant_in(block)) is not None:
-        return UserError(
-            error.message,
-            file=error.file,
-            line=error.line,
-            column=error.column,
-            value=error.value,
-            allowed=error.allowed,
-            hint=meant if error.hint is None else f"{error.hint}; {meant}",
-        )
-    return error
+    meant = meant_in(block)
+    if meant is None or (error.hint is not None and meant in error.hint):
+        return error
+    return UserError(
+        error.message,
+        file=error.file,
+        line=error.line,
+        column=error.column,
+        value=error.value,
+        allowed=error.allowed,
+        hint=meant if error.hint is None else f"{error.hint}; {meant}",
+    )
 
 
 @cache
-def grammar() -> Lark:
-    """Give the grammar of one block."""
+def _grammar_and_builder() -> tuple[Lark, Builder]:
+    """Give the grammar of one block and what builds the statements while it is read."""
+    builder = Builder()
     text = resources.files(__package__).joinpath("grammar.lark").read_text(encoding="utf-8")
-    return Lark(
+    grammar = Lark(
         text,
         start=["block", "declaration"],
         parser="lalr",
         lexer="contextual",
-        propagate_positions=True,
         maybe_placeholders=True,
+        transformer=builder,
     )
+    return grammar, builder

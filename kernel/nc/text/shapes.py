@@ -8,18 +8,21 @@ in their numbers. A template is kept only if it gives the very statement that it
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from kernel.nc.syntax import Number, Statement, Words
 
 # Long numbers are left to the grammar, which knows when one is too large
 _NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"
 _PLAIN = re.compile(rf"(?:[Nn][ \t]*([0-9]{{1,9}}))?((?:[ \t]*[A-Za-z][ \t]*{_NUMBER})+)[ \t]*")
-_WORD = re.compile(rf"([A-Za-z])[ \t]*({_NUMBER})")
+# Every word but G and M; their numbers belong to the shape
+_VALUE = re.compile(rf"([A-FH-LN-Za-fh-ln-z])[ \t]*({_NUMBER})")
+_LETTER = re.compile(r"[A-FH-LN-Z]")
 
 
 @dataclass(frozen=True)
 class _Template:
-    """Words whose values come from the words of a block: name and number of the word."""
+    """Words whose values come from those of a block: name and place among its values."""
 
     g: tuple[str, ...]
     m: tuple[str, ...]
@@ -39,9 +42,8 @@ class _Template:
         )
 
 
-@dataclass(frozen=True)
-class Plain:
-    """A block of plain words: N number, shape, the numbers of its words as written."""
+class Plain(NamedTuple):
+    """A block of plain words: N number, shape, the numbers of its words but G and M as written."""
 
     number: int | None
     shape: str
@@ -53,10 +55,9 @@ def plain(code: str, begin: int, end: int) -> Plain | None:
     match = _PLAIN.fullmatch(code, begin, end)
     if match is None:
         return None
-    pairs = _WORD.findall(match[2])
-    shape = "".join([letter + digits if letter in "GMgm" else letter for letter, digits in pairs])
-    number = match[1]
-    return Plain(None if number is None else int(number), shape, [digits for _, digits in pairs])
+    number, words = match.groups()
+    digits = [found[1] for found in _VALUE.findall(words)]
+    return Plain(None if number is None else int(number), _VALUE.sub(r"\1", words), digits)
 
 
 class Shapes:
@@ -77,11 +78,11 @@ class Shapes:
             return
         axes: list[tuple[str, int]] = []
         addresses: list[tuple[str, int]] = []
-        letters = re.findall(r"([A-Za-z])[-+0-9.]*", block.shape)
-        for place, letter in enumerate(letter.upper() for letter in letters):
+        letters = _LETTER.findall(re.sub("[GM][0-9]+", "", block.shape.upper()))
+        for place, letter in enumerate(letters):
             if letter in self._axes:
                 axes.append((self._axes[letter], place))
-            elif letter not in "GM":
+            else:
                 addresses.append((letter, place))
         feed = next((place for letter, place in addresses if letter == "F"), None)
         template = _Template(statement.g, statement.m, tuple(axes), tuple(addresses), feed)

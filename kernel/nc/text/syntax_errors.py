@@ -26,12 +26,7 @@ _TERMINAL_NAMES = {
     "GOTO": "$GOTO",
     "PLUS": "+",
     "MINUS": "-",
-    "TIMES": "*",
-    "DIVIDE": "/",
-    "POWER": "**",
-    "MOD": "MOD",
-    "EQUALS": "comparison",
-    "AND": "AND, OR, XOR",
+    "OPERATOR": "operator such as * or ==",
     "COMMA": "comma",
     "LSQB": "[",
     "RSQB": "]",
@@ -48,11 +43,11 @@ def syntax_error(
     expected: set[str] = set()
     offset = end
     if isinstance(error, UnexpectedCharacters):
-        expected, offset = set(error.allowed or ()), error.pos_in_stream or begin
+        expected, offset = set(error.allowed or ()), begin + (error.pos_in_stream or 0)
     elif isinstance(error, UnexpectedToken):
         expected = set(error.accepts or error.expected)
         if error.token.type != "$END" and error.token.start_pos is not None:
-            offset = error.token.start_pos
+            offset = begin + error.token.start_pos
     if (special := _control_error(source, begin, end, offset)) is not None:
         return special
     found = source.found(offset) if offset < end else ""

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from lark import Token, Transformer, v_args
-from lark.tree import Meta
 
 from kernel.errors import UserError, nearest
 from kernel.nc.expressions import NoValue, folded
@@ -26,46 +25,51 @@ from kernel.nc.text.words import find_variable, spelled_variables, words
 Part = Any  # what a rule of the grammar gives: a token or a node
 
 
-def offset_of(token: Token) -> int:
-    """Give where a token begins in the program text."""
-    assert token.start_pos is not None
-    return token.start_pos
-
-
 @v_args(inline=True)
 class ExpressionBuilder(Transformer[Token, Any]):
-    """Builds expressions for one program; see `Builder`.
+    """Builds expressions, for one program after the other; see `Builder`.
 
-    variables: name -> (line, column) of the first place where a program reads or writes it.
-    not_acting: the words of the block at hand that do not act. remarks: text, line and column of
-    what was read in another way than it is written.
+    begin: where the block at hand begins in the program text. variables: name -> (line, column) of
+    the first place where a program reads or writes it. not_acting: the words of the block at hand
+    that do not act. remarks: text, line and column of what was read in another way than it is
+    written.
     """
 
-    def __init__(self, source: Source, axes: Sequence[str]) -> None:
+    def __init__(self) -> None:
         super().__init__()
+        self.use(Source("", None), ())
+
+    def use(self, source: Source, axes: Sequence[str]) -> None:
+        """Go on with another program, on a rig with these axes."""
         self.source = source
         self.axes = {axis.upper(): axis for axis in axes}
         self.variables: dict[str, tuple[int, int]] = {}
+        self.begin = 0
         self.not_acting: list[NotActing] = []
         self.remarks: list[tuple[str, int, int]] = []
 
+    def at(self, token: Token) -> int:
+        """Give where a token of the block at hand begins in the program text."""
+        assert token.start_pos is not None
+        return self.begin + token.start_pos
+
     # ---- leaves
 
-    def number(self, token: Token) -> Number:
+    def number(self, token: Token) -> nodes.Value:
         """A constant."""
-        return Number(self.digits(token, offset_of(token)))
+        return nodes.Value(Number(self.digits(token, self.at(token))), self.at(token))
 
-    def text(self, token: Token) -> Text:
+    def text(self, token: Token) -> nodes.Value:
         """A constant text."""
-        return Text(token[1:-1])
+        return nodes.Value(Text(token[1:-1]), self.at(token))
 
-    def truth(self, token: Token) -> Number:
+    def truth(self, token: Token) -> nodes.Value:
         """TRUE or FALSE."""
-        return Number(float(token.upper() == "TRUE"))
+        return nodes.Value(Number(float(token.upper() == "TRUE")), self.at(token))
 
-    def group(self, value: nodes.Value) -> Expression:
+    def group(self, token: Token, value: nodes.Value) -> nodes.Value:
         """An expression in [ ]."""
-        return value.expression
+        return nodes.Value(value.expression, self.at(token))
 
     @v_args(inline=False)
     def index(self, children: list[Part]) -> tuple[tuple[Expression, ...], str]:
@@ -75,74 +79,68 @@ class ExpressionBuilder(Transformer[Token, Any]):
         return indices, tail
 
     @v_args(inline=False)
-    def variable(self, children: list[Part]) -> Variable:
-        """`V.P.NAME[1]`, `P1092`, `@P4`."""
+    def variable(self, children: list[Part]) -> nodes.Value:
+        """`V.P.NAME[1]`, `P1092`, `P[expression]`, `@P4`."""
         token, *parts = children
-        if token.type == "PARAMETER":
-            sign = token[0].upper()
-            if sign != "@":
-                return self._known(f"{sign}[]", (Number(float(token[1:])),), token)
-            return self._known(token.upper(), (), token)
-        return self._known(*_name_and_indices(token.upper(), parts), token)
+        name = token.upper()
+        indices: tuple[Expression, ...] = ()
+        if token.type == "PARAMETER" and name[0] != "@":
+            name, indices = f"{name[0]}[]", (Number(float(name[1:])),)
+        elif parts:
+            name, indices = _name_and_indices(name, parts)
+        return nodes.Value(self._known(name, indices, token), self.at(token))
 
-    @v_args(inline=False)
-    def parameter(self, children: list[Part]) -> Variable:
-        """`P[expression]`."""
-        token, *parts = children
-        return self._known(*_name_and_indices(token.upper(), parts), token)
+    parameter = variable
 
     # ---- functions and operators
 
     @v_args(inline=False)
-    def function(self, children: list[Part]) -> Expression:
+    def function(self, children: list[Part]) -> nodes.Value:
         """A function with its operands."""
         token, *values = children
         name, operands = token.upper(), tuple(value.expression for value in values)
         word = words("function").get(name)
         if word is None:
-            raise self.unknown("function", name, offset_of(token), words("function"))
+            raise self.unknown("function", name, self.at(token), words("function"))
         least, _, most = word.group.partition("-")
         if not int(least) <= len(operands) <= int(most or least):
             raise self.source.error(
-                f"{name} takes {word.group} operands", offset_of(token), value=len(operands)
+                f"{name} takes {word.group} operands", self.at(token), value=len(operands)
             )
         if not word.acts:
-            self.note(name, word.meaning, offset_of(token))
-        return Not(operands[0]) if name == "NOT" else Call(name, operands)
+            self.note(name, word.meaning, self.at(token))
+        call = Not(operands[0]) if name == "NOT" else Call(name, operands)
+        return nodes.Value(call, self.at(token))
 
     @v_args(inline=False)
-    def factor(self, children: list[Part]) -> Expression:
-        """An operand with its signs."""
-        *signs, operand = children
+    def operand(self, children: list[Part]) -> nodes.Value:
+        """An operand with its signs; a sign is worked off behind a power: -2**2 is -4."""
+        *signs, value = children
+        if not signs:
+            return nodes.Value(value.expression, value.offset)
         minus_signs = sum(str(sign) == "-" for sign in signs)
-        return Negative(operand) if minus_signs % 2 else operand
-
-    exponent = factor
+        expression = Negative(value.expression) if minus_signs % 2 else value.expression
+        return nodes.Value(expression, self.at(signs[0]))
 
     @v_args(inline=False)
-    def _rank(self, children: list[Part]) -> Chain:
-        first, *rest = children
-        pairs = zip(rest[::2], rest[1::2], strict=True)
-        return Chain(first, tuple((_SIGNS.get(s.upper(), s.upper()), o) for s, o in pairs))
-
-    disjunction = exclusion = conjunction = comparison = _rank
-    bits_or = bits_xor = bits_and = sum = product = power = _rank
-
-    @v_args(inline=False, meta=True)
-    def value(self, meta: Meta, children: list[Part]) -> nodes.Value:
+    def value(self, children: list[Part]) -> nodes.Value:
         """A whole expression; constant if it has no variables."""
-        if _is_left_open(children[0]):
-            return nodes.Value(children[0], meta.start_pos)
+        offset = children[0].offset
+        operands = [part.expression for part in children[::2]]
+        signs = [_SIGNS.get(sign, sign) for sign in map(str.upper, children[1::2])]
+        expression = _ranked(operands, signs) if signs else operands[0]
+        if isinstance(expression, Number | Variable) or _is_left_open(expression):
+            return nodes.Value(expression, offset)
         try:
-            return nodes.Value(folded(children[0]), meta.start_pos)
+            return nodes.Value(folded(expression), offset)
         except NoValue as fault:
-            raise self.source.error(f"expression has no value: {fault}", meta.start_pos) from None
+            raise self.source.error(f"expression has no value: {fault}", offset) from None
 
     # ---- names
 
     def _known(self, name: str, indices: tuple[Expression, ...], token: Token) -> Variable:
         """Look a variable up in the table; raises UserError for one that nobody knows."""
-        offset = offset_of(token)
+        offset = self.at(token)
         row, axis = find_variable(name)
         if row is None:
             known = spelled_variables(tuple(self.axes))
@@ -200,6 +198,42 @@ class ExpressionBuilder(Transformer[Token, Any]):
 
 
 _SIGNS = {"OR": "||", "AND": "&&"}
+# Loosest first; operands of one rank are worked off from left to right.
+# Source: TF5200 programming manual 206014219.
+RANKS = (
+    ("||",),
+    ("XOR",),
+    ("&&",),
+    ("==", "!=", "<", "<=", ">", ">="),
+    ("|",),
+    ("^",),
+    ("&",),
+    ("+", "-"),
+    ("*", "/", "MOD"),
+    ("**",),
+)
+
+
+def _ranked(operands: list[Expression], signs: list[str], rank: int = 0) -> Expression:
+    """Put operands and the signs between them together, rank by rank."""
+    while signs and not any(sign in RANKS[rank] for sign in signs):
+        rank += 1
+    if not signs:
+        return operands[0]
+    parts: list[Expression] = []
+    between: list[str] = []
+    begin = 0
+    for place, sign in enumerate([*signs, RANKS[rank][0]]):
+        if sign in RANKS[rank]:
+            part_signs = signs[begin:place]
+            parts.append(_ranked(operands[begin : place + 1], part_signs, rank + 1))
+            begin = place + 1
+            between.append(sign)
+    pairs = tuple(zip(between[:-1], parts[1:], strict=True))
+    first = parts[0]
+    if rank == len(RANKS) - 1 and isinstance(first, Negative):
+        return Negative(Chain(first.operand, pairs))
+    return Chain(first, pairs)
 
 
 def _name_and_indices(
