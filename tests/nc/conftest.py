@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
+from kernel.nc.coordinates import OffsetTables
 from kernel.nc.decoder import Interpreter
 from kernel.nc.text.parser import parse_program, read_program
 
@@ -92,6 +93,7 @@ def run_text(
     axes: Sequence[str] = XYZ,
     external: Mapping[str, float] | None = None,
     default_measuring_type: int = 1,
+    tables: OffsetTables | None = None,
 ) -> list[Command]:
     """Run a program to its end; the commands up to an alarm are lost with it."""
     machine = machine or PlaneMachine(dict.fromkeys(axes, 0.0), None)
@@ -101,6 +103,7 @@ def run_text(
         machine,
         external=external or {},
         default_measuring_type=default_measuring_type,
+        tables=tables,
     )
     return drive(interpreter, machine)
 

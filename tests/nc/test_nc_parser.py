@@ -51,7 +51,6 @@ ERRORS = [
     ("#MEAS MODE[5/2]", 1, 1, "no such measuring type", "2.5"),
     ("#MEAS MODE[1,2]", 1, 1, "wrong values", None),
     ("#MEAS MODE[1][2]", 1, 1, "wrong values", None),
-    ("#CS ON[1][0,0,1]", 1, 1, "wrong values", None),
     ("#CS ON[1,2,3,4,5,6,7]", 1, 1, "wrong values", None),
     ('#CS ON[1,"a"]', 1, 1, "wrong values", None),
     ("#CS OFF[1]", 1, 1, "wrong values", None),

@@ -93,7 +93,7 @@ def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
 
 def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
     block, statement = part.block, part.statement
-    if part.not_acting:
+    if part.not_acting and not _refuses_itself(part):
         first = part.not_acting[0]
         raise context.not_acting(block, first.word, first.what)
     if statement is None:
@@ -110,6 +110,16 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
         if first_command is not None and type(first_command) is not canon.Wait:
             yield first_command
     yield from commands
+
+
+def _refuses_itself(part: ProgramBlock) -> bool:
+    """Whether a command that does not act has a handler, which knows better what it is."""
+    statement = part.statement
+    return (
+        isinstance(statement, Command)
+        and statement.name in registry.COMMANDS
+        and part.not_acting[0].word == f"#{statement.name}"
+    )
 
 
 def _decode_statement(

@@ -8,11 +8,12 @@ from kernel.errors import UserError
 from kernel.nc import message
 from kernel.nc.coordinates import MAIN_AXES
 from kernel.nc.measuring_types import measuring_types
-from kernel.nc.syntax import Command, Name, Number, Text, Variable
+from kernel.nc.syntax import Command, Group, Name, Number, Text, Variable
 from kernel.nc.text import nodes
 from kernel.nc.text.values import ExpressionBuilder
 
 KEY_LENGTH_MAX = 29  # P-AXIS-00396
+COMPONENTS = 6  # of a coordinate system
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
 Check = Callable[[ExpressionBuilder, Command, Mapping[str, int], int], Command]
@@ -79,6 +80,11 @@ def _system(
         raise builder.source.error(
             "a coordinate system needs three main axes", offset, value=", ".join(builder.axes)
         )
+    for group in command.arguments:
+        assert isinstance(group, Group)
+        texts = any(isinstance(argument, Text) for argument in group.arguments)
+        if len(group.arguments) > COMPONENTS or group.options or texts:
+            raise _wrong(builder, command, offset, "three shifts and three angles")
     return command
 
 

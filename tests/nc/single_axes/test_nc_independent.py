@@ -5,7 +5,7 @@ from axis_statements import Machine, alone, decode, kinds, measuring_type, moves
 
 from kernel.errors import Alarm
 from kernel.nc import canon
-from kernel.nc.syntax import AxisCommand, Command, Name, Number, Variable, Words
+from kernel.nc.syntax import AxisCommand, Command, Group, Name, Number, Variable, Words
 
 
 def test_axes_of_one_block_begin_together_and_the_next_block_waits_for_both() -> None:
@@ -177,7 +177,7 @@ def test_measuring_types_of_independent_axes() -> None:
 
 @pytest.mark.provokes(21071, 2, axis="X", transformation="Cartesian")
 def test_an_axis_of_a_transformation_cannot_move_alone() -> None:
-    on = Command("CS ON", tuple(Number(v) for v in (0, 0, 0, 0, 0, 45)))
+    on = Command("CS ON", (Group(tuple(Number(v) for v in (0, 0, 0, 0, 0, 45))),))
     with pytest.raises(Alarm, match="21071"):
         decode(on, single(alone("X", "G90", "G0", POS=1)))
     assert moves(decode(on, single(alone("C", "G90", "G0", POS=1))))
