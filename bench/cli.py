@@ -23,6 +23,7 @@ from bench.fmu_commands import build, fmu_app
 from bench.list_commands import LISTINGS
 from bench.options import (
     CALL_LIMIT_S,
+    EXIT_REJECTED,
     BitrateOption,
     BusOption,
     CallTimeoutOption,
@@ -168,7 +169,10 @@ def demo(
 @rejecting
 def nc(
     program: Annotated[Path, typer.Argument(help="NC program.")],
-    rig: Annotated[Path, typer.Option("--rig", help="Rig file (TOML).")],
+    rig: Annotated[Path | None, typer.Option("--rig", help="Rig file (TOML).")] = None,
+    is_check: Annotated[
+        bool, typer.Option("--check", help="Read and check the program; run nothing.")
+    ] = False,
     bus_log: Annotated[
         Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
     ] = None,
@@ -191,6 +195,12 @@ def nc(
     from bench.run.outside import Outside
     from bench.run.single import run_outside, run_program
 
+    if is_check:
+        from bench.nc_check import check_file
+
+        raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
+    if rig is None:
+        raise UserError("a run needs a rig", allowed="--rig FILE; --check without one")
     inputs = (
         program,
         rig,

@@ -78,6 +78,8 @@ def rejecting(command: Callable[..., None]) -> Callable[..., None]:
             command(*args, **kwargs)
         except UserError as error:
             print(f"error: {error}", file=sys.stderr)
+            if error.excerpt is not None:
+                print(error.excerpt, file=sys.stderr)
             raise typer.Exit(EXIT_REJECTED) from None
         except BrokenPipeError:
             # The reader has gone (`| head`); what follows must not complain a second time

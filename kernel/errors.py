@@ -35,7 +35,10 @@ class UserError(Exception):
     message: what is wrong, one sentence without full stop.
     file, line, column: where (line and column count from 1).
     value: what was found. allowed: what may stand there, or a `Guess`. hint: what to do.
+    excerpt: the line with a mark under the place, for a reader at a terminal; no part of the text.
     """
+
+    excerpt: str | None = None
 
     def __init__(
         self,

@@ -66,7 +66,7 @@ class Reading:
     """The reading of one program text.
 
     errors: everything that cannot be accepted, in the order of the text. remarks: text, line and
-    column of what was read in another way than it is written.
+    column of what was read in another way than it is written. block_count: blocks so far.
     """
 
     def __init__(self, text: str, file: str | Path | None, axes: Sequence[str]) -> None:
@@ -87,6 +87,7 @@ class Reading:
         self._local: str | None = None
         self._may_begin = True
         self._declares_since: int | None = None
+        self.block_count = 0
 
     def run(self) -> None:
         """Read all blocks; errors are kept, and reading goes on with the next block."""
@@ -99,6 +100,7 @@ class Reading:
                     self._header(begin, end)
                 else:
                     self._may_begin = self._may_begin and self._local is not None
+                    self.block_count += 1
                     self._take(begin, end)
             except UserError as error:
                 self.errors.append(error)
@@ -209,7 +211,7 @@ def with_hint(error: UserError, block: str) -> UserError:
     meant = meant_in(block)
     if meant is None or (error.hint is not None and meant in error.hint):
         return error
-    return UserError(
+    told = UserError(
         error.message,
         file=error.file,
         line=error.line,
@@ -218,6 +220,8 @@ def with_hint(error: UserError, block: str) -> UserError:
         allowed=error.allowed,
         hint=meant if error.hint is None else f"{error.hint}; {meant}",
     )
+    told.excerpt = error.excerpt
+    return told
 
 
 @cache

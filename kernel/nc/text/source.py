@@ -9,10 +9,12 @@ from bisect import bisect_right
 from collections.abc import Iterator
 from pathlib import Path
 
-from kernel.errors import UserError
+from kernel.errors import UserError, printable
 
 # Deeper nesting is a typing error, and the builder of the syntax tree recurses per level.
 BRACKET_DEPTH_MAX = 20
+# Signs of a line that an error shows
+EXCERPT_WIDTH = 100
 
 _SPECIAL = re.compile(r'["();\[\]\\\n]|#(?=[ \t]*[Cc][Oo][Mm][Mm][Ee][Nn][Tt]\b)')
 _OUTSIDE = re.compile(r'["();\[\]\\]|#(?=[ \t]*[Cc][Oo][Mm][Mm][Ee][Nn][Tt]\b)')
@@ -56,7 +58,7 @@ class Source:
     ) -> UserError:
         """Make the error of a place; `allowed` is a text or an iterable of names."""
         line, column = self.place(offset)
-        return UserError(
+        error = UserError(
             message,
             file=self.file,
             line=line,
@@ -65,6 +67,18 @@ class Source:
             allowed=allowed,  # type: ignore[arg-type]
             hint=hint or None,
         )
+        error.excerpt = self._excerpt(line, column)
+        return error
+
+    def _excerpt(self, line: int, column: int) -> str:
+        """Give a line, or the part of a long one around the place, with a caret under it."""
+        text, place = self.line(line), column - 1
+        begin = max(0, place - EXCERPT_WIDTH // 2) if len(text) > EXCERPT_WIDTH else 0
+        shown = printable(text[begin : begin + EXCERPT_WIDTH])
+        found = _FOUND.match(text, place)
+        width = max(1, min(len(found.group()) if found else 1, len(shown) - (place - begin)))
+        margin = f"{line:5} | "
+        return f"{margin}{shown}\n{' ' * (len(margin) - 2)}| {' ' * (place - begin)}{'^' * width}"
 
     def line(self, number: int) -> str:
         """Give a line as written; number: from 1."""
