@@ -156,11 +156,6 @@ def test_what_is_no_coupling(alarm_id: int, statements: list[Any]) -> None:
     assert f"N{10 * len(statements)}" in str(alarm)
 
 
-def test_couplings_by_numbers_are_known_and_do_not_act() -> None:
-    by_number = Command("AX LINK", link(1, "X2=X").arguments, (("NBR", None),))
-    assert refused(by_number).id == 900100
-
-
 # ---- exchange
 
 

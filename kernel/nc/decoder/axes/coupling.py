@@ -24,8 +24,6 @@ def define(context: Context, block: Block, command: Command) -> Iterator[canon.C
 
     Raises Alarm 20472, 20475, 20476, 20477, 900197 and 900198.
     """
-    if command.has("NBR"):
-        raise context.not_acting(block, "#AX LINK NBR", "couplings by logical axis numbers")
     known, (bracket,) = states(context), brackets(command)
     group = _group(context, block, bracket)
     if group in known.active:

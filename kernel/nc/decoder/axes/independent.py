@@ -139,8 +139,6 @@ def _check(
     slope = options.get("SLOPE_TYPE")
     if isinstance(slope, Name) and slope.value != LINEAR_SLOPE:
         raise context.not_acting(block, f"SLOPE_TYPE={slope.value}", "acceleration profile")
-    if "DRY_RUN" in options:
-        raise context.not_acting(block, "DRY_RUN", "independent motion without moving")
     if context.coordinates.transformed and axis in context.coordinates.main_axes:
         raise context.alarm(21071, block, axis=axis, transformation="Cartesian")
     group = states(context).group_of(axis)

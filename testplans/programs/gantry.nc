@@ -1,0 +1,13 @@
+%gantry
+; soft gantry of FCT-C4 section 7.3.1 with limits of 15 and 20 mm
+N10 G0 X100 X2=0
+N20 #SET AX LINK[1, [X2=X,G,15,20]]
+N30 #ENABLE AX LINK[1]
+N40 G1 X150 F6000
+N50 G100 Z80 F600
+N60 #DISABLE AX LINK[1]
+N70 #MSG SYN["N70 %f", V.A.ABS.X]
+N71 #MSG SYN["N71 %f", V.A.ABS.X2]
+N72 #MSG SYN["N72 %f", V.A.MESS.Z]
+N80 G0 X2=0
+N90 M30
