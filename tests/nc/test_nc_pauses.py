@@ -269,3 +269,34 @@ def test_functions_of_a_spindle_need_one(number: int) -> None:
     with pytest.raises(Alarm) as caught:
         decoded(words(m=(f"M{number}",)))
     assert caught.value.id == 21548
+
+
+# ---- as programs write them
+
+
+def test_dwell_times_as_the_manual_writes_them(run: Any) -> None:
+    """G04 X4.5, G04 3.0, G04 P1, #TIME 2.5, #TIME P1: TF5200 programming manual 206132747."""
+    commands = run("G04 X4.5\nG04 3.0\nP1=2\nG04 P1\nG4 XP1\n#TIME 2.5\n#TIME P1\nG04 [P1*2]")
+    dwells = [command for command in commands if isinstance(command, canon.Dwell)]
+    assert [dwell.duration_ns / 1e9 for dwell in dwells] == [4.5, 3.0, 2.0, 2.0, 2.5, 2.0, 4.0]
+
+
+def test_block_ends_stops_and_functions_as_programs_write_them(run: Any) -> None:
+    commands = run(
+        "N10 G1 F1000 G94 G60 X10 M8\nN20 G360\nN30 G3 X0 Y10 R10\nN40 G359 T12 H3\nN50 M00\nM1\nM2"
+    )
+    assert kinds(commands) == [
+        "TechnologyFunction", "LinearMove", "ExactStop", "ArcMove", "ExactStop",
+        *["TechnologyFunction"] * 2, "ProgramStop", "ProgramStop", "EndOfProgram",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "before",
+    ["G261", "#CONTOUR MODE ON [DEV PATH_DEV=1.0]", "G61 G1 X1 F100"],
+)
+def test_programs_that_measure_under_polynomial_contouring(run: Any, before: str) -> None:
+    with pytest.raises(Alarm) as caught:
+        run(f"#CONTOUR MODE [DEV PATH_DEV=0.5]\n{before}\nG100 X10 F100")
+    assert caught.value.id == 120652
+    assert kinds(run(f"{before}\nG260\nG100 X10 F100"))[-3:-1] == ["MeasuringRun", "Wait"]

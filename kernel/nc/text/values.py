@@ -84,7 +84,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
         token, *parts = children
         name = token.upper()
         indices: tuple[Expression, ...] = ()
-        if token.type == "PARAMETER" and name[0] != "@":
+        if token.type in ("PARAMETER", "R_PARAMETER") and name[0] != "@":
             name, indices = f"{name[0]}[]", (Number(float(name[1:])),)
         elif parts:
             name, indices = _name_and_indices(name, parts)
