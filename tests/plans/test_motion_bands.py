@@ -1,4 +1,4 @@
-"""Limits of testplans/motion.csv, recomputed from closed forms; nothing of the bench is imported."""
+"""Limits of testplans/motion.csv from closed forms; nothing of the bench is imported."""
 
 import csv
 import math
