@@ -200,7 +200,7 @@ class Machine:
     def _message(self, message: Message) -> None:
         self.messages.append(message)
         if self._put_out is not None:
-            self._put_out(message.text)
+            self._put_out(message.shown)
 
     @property
     def end_ns(self) -> TimeNs:

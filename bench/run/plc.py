@@ -1,4 +1,4 @@
-"""What passed between the program and the PLC side: stops, new starts, functions told."""
+"""What passed between the program and the PLC side: stops, new starts, functions, variables."""
 
 from bench.rig.machine import Machine
 from kernel.clock import S, TimeNs
@@ -16,6 +16,9 @@ def plc_side(machine: Machine) -> list[tuple[TimeNs, str, Block]]:
             found.append((start_ns, f"{word}: started again", stop.block))
     for time_ns, told in pauses.told:
         found.append((time_ns, f"{told.letter}{told.number} to the PLC", told.block))
+    for time_ns, write in machine.channel.external.writes:
+        words = f"V.E.{write.name} = {write.value:.15g} to the PLC"
+        found.append((time_ns, words, write.block))
     return sorted(found, key=lambda item: item[0])
 
 

@@ -166,7 +166,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         frame_log_sha256=machine.frame_hash.hexdigest(),
         trace=observed.trace,
         events=observed.events(),
-        messages=[message.text for message in machine.messages],
+        messages=[message.shown for message in machine.messages],
         log=[
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
             *machine.settings.notes,

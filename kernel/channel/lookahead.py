@@ -1,16 +1,17 @@
 """The block queue between the decoder and the execution.
 
 Blocks are decoded ahead until one needs the machine: a `Wait` closes the queue until everything
-before it has been executed. Nothing else closes it.
+before it has been executed, a programmed stop until the program goes on. Nothing else closes it.
 """
 
 from collections import deque
 from collections.abc import Callable, Iterator
 
 from kernel.errors import Alarm
-from kernel.nc.canon import Command, EndOfProgram, Message, Wait
+from kernel.nc.canon import Command, EndOfProgram, Message, ProgramStop, Wait
 
 DEPTH = 16
+_CLOSES = (Wait, EndOfProgram, ProgramStop)
 
 
 class Lookahead:
@@ -48,7 +49,7 @@ class Lookahead:
                 self._put_out(command)
                 continue
             self._queue.append(command)
-            self._is_closed = isinstance(command, Wait | EndOfProgram)
+            self._is_closed = isinstance(command, _CLOSES)
         if self.failed is not None and not self._queue:
             raise self.failed
 
@@ -63,8 +64,8 @@ class Lookahead:
         return self._queue[0]
 
     def pop(self) -> None:
-        """Take the head off; taking a `Wait` off lets the decoder go on."""
+        """Take the head off; taking off what has closed the queue lets the decoder go on."""
         command = self._queue.popleft()
-        if isinstance(command, Wait):
+        if isinstance(command, _CLOSES):
             self._is_closed = False
-            self._closed_for_cycle = command.for_cycle
+            self._closed_for_cycle = isinstance(command, Wait) and command.for_cycle

@@ -148,13 +148,20 @@ class PrepareProbe:
 class Message:
     """A text for the operator (#MSG); synchronous: put out when the machining has got here.
 
-    values: the numbers in the text, before they were formatted, in their order.
+    values: the numbers in the text, before they were formatted, in their order. receiver: whom the
+    program names for it (`HMI`, `PLC`, `INFO PLC`), empty for the diagnosis of the CNC.
     """
 
     block: Block
     text: str
     synchronous: bool
     values: tuple[float, ...] = field(default=(), compare=False)
+    receiver: str = ""
+
+    @property
+    def shown(self) -> str:
+        """The text behind the name of its receiver."""
+        return f"{self.receiver}: {self.text}" if self.receiver else self.text
 
 
 @dataclass(frozen=True)

@@ -38,12 +38,13 @@ class FormatError(Exception):
         self.value, self.allowed = value, allowed
 
 
-class NotWhole(Exception):  # noqa: N818
-    """A number with a fraction for a format of whole numbers."""
+class NotFitting(Exception):  # noqa: N818
+    """A value that its format element cannot show: a fraction as a whole number, a text as one."""
 
-    def __init__(self, value: float, element: Format) -> None:
+    def __init__(self, value: float | str, element: Format) -> None:
         super().__init__()
-        self.value, self.element = value, f"%{element.layout}{element.letter}"
+        self.shown = value if isinstance(value, str) else f"{value:g}"
+        self.element = f"%{element.layout}{element.letter}"
 
 
 @lru_cache(maxsize=256)
@@ -93,7 +94,7 @@ def check_arguments(pieces: Sequence[str | Format], is_text: Sequence[bool | Non
 
 
 def formatted(pieces: Sequence[str | Format], values: Sequence[float | Text]) -> str:
-    """Put the values in; raises NotWhole for %d or %i of a number with a fraction."""
+    """Put the values in; raises NotFitting for a value that its element cannot show."""
     queue = iter(values)
     return "".join(
         piece if isinstance(piece, str) else _element_text(piece, next(queue)) for piece in pieces
@@ -103,9 +104,13 @@ def formatted(pieces: Sequence[str | Format], values: Sequence[float | Text]) ->
 def _element_text(element: Format, value: float | Text) -> str:
     pattern = f"%{element.layout}{element.letter}"
     if isinstance(value, Text):
+        if element.letter != "s":
+            raise NotFitting(value.value, element)
         return pattern % value.value
     if element.letter in "di":
         if value != int(value):
-            raise NotWhole(value, element)
+            raise NotFitting(value, element)
         return pattern % int(value)
+    if element.letter == "s":
+        return pattern % f"{value:g}"
     return pattern % value

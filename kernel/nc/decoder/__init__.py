@@ -1,6 +1,6 @@
 """The decoder: statements in, commands of `canon` out; one module per topic."""
 
 from kernel.nc.decoder.context import Context, MachineView
-from kernel.nc.decoder.interpreter import Interpreter
+from kernel.nc.decoder.interpreter import Interpreter, check_program
 
-__all__ = ["Context", "Interpreter", "MachineView"]
+__all__ = ["Context", "Interpreter", "MachineView", "check_program"]

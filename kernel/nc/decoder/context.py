@@ -11,7 +11,7 @@ from kernel.nc.coordinates import Coordinates, OffsetTables
 from kernel.nc.coordinates.lists import INCH_MM
 from kernel.nc.decoder.frames import Flow
 from kernel.nc.expressions import DivisionByZero, NoValue, Value, evaluate, is_true, value_of
-from kernel.nc.syntax import Expression, Program, Variable, Words
+from kernel.nc.syntax import Expression, Number, Program, Variable, Words
 
 Part = TypeVar("Part")
 
@@ -159,6 +159,8 @@ class Context:
 
         Raises Alarm 20396 for a division by 0 and 900105 for everything else without a value.
         """
+        if isinstance(expression, Number):
+            return expression.value
         try:
             return evaluate(expression, lambda variable: self.read(block, variable))
         except NoValue as fault:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import OffsetTables
@@ -10,15 +9,24 @@ from kernel.nc.decoder import axes, motion, registry, technology
 from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.frames import Flow
-from kernel.nc.decoder.subprograms import link
+from kernel.nc.decoder.subprograms import Unit, link
 from kernel.nc.decoder.variables import external as external_variables
 from kernel.nc.decoder.variables import own
 from kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
 from kernel.nc.text.words import words as known_words
 
 # How many blocks may be decoded in a row that give the machine nothing to do
-IDLE_BLOCKS_MAX = 200_000
-NOT_ACTING = 900100
+IDLE_BLOCKS_MAX = 100_000
+
+
+def check_program(program: Program) -> Unit:
+    """Resolve what can be known before a run: jumps, subprograms and their files, own variables.
+
+    Raises UserError with the file, line and column of the first thing that cannot be right.
+    """
+    main = link(program)
+    own.check(main)
+    return main
 
 
 class Interpreter:
@@ -29,7 +37,7 @@ class Interpreter:
     differ. default_measuring_type: P-CHAN-00057. tables: zero offsets and tools of the rig. kept:
     the variables V.S., which outlive a program; hand the same one to the next of the session.
     Raises UserError for control structures, labels, subprograms and variables that cannot be
-    right (`subprograms.link`), and for a `V.E.` variable that `external` does not have.
+    right (`check_program`), and for a `V.E.` variable that `external` does not have.
     """
 
     def __init__(
@@ -44,9 +52,8 @@ class Interpreter:
         kept: Store | None = None,
     ) -> None:
         assert tuple(axes) == program.axes, "the program was checked for other axes"
-        main = link(program)
+        main = check_program(program)
         external_variables.check(main, external)
-        own.check(main)
         self._context = Context(
             program,
             machine,
@@ -81,17 +88,6 @@ class Interpreter:
 
 
 def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
-    """Decode one block; what does not act ends the program when the machine gets there."""
-    block = part.block
-    try:
-        yield from _decode_part(context, part)
-    except Alarm as alarm:
-        if alarm.id == NOT_ACTING:
-            yield canon.Wait(block)
-        raise
-
-
-def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
     block, statement = part.block, part.statement
     if part.not_acting and not _refuses_itself(part):
         first = part.not_acting[0]

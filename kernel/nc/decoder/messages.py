@@ -1,4 +1,4 @@
-"""Messages to the operator (#MSG)."""
+"""Messages to the operator and to others (#MSG)."""
 
 from collections.abc import Iterator
 
@@ -8,24 +8,39 @@ from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic
 from kernel.nc.syntax import Command, Expression, Text
 
+# Who can be named behind #MSG; nobody: the diagnosis of the CNC.
+# Source: TF5200 programming manual 507845131
+RECEIVERS = ("", "ISG_DIAG_BED", "DIAG", "HMI", "PLC", "EVENT_LOGGER")
+
 
 def _put_out(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    synchronous = command.name == "MSG SYN"
+    words = command.name.split()[1:]
+    synchronous = "SYN" in words
     if synchronous:
         yield canon.Wait(block)
     first, *arguments = command.arguments
     assert isinstance(first, Text), "the text has been checked"
     values = [
-        argument if isinstance(argument, Text) else context.value(block, argument)
+        context.any_value(block, argument)
         for argument in arguments
         if isinstance(argument, Expression)
     ]
+    shown = [Text(value) if isinstance(value, str) else value for value in values]
     try:
-        text = message.formatted(message.pieces_of(first.value), values)
-    except message.NotWhole as fault:
-        raise context.alarm(900107, block, value=f"{fault.value:g}", format=fault.element) from None
-    numbers = tuple(value for value in values if not isinstance(value, Text))
-    yield canon.Message(block, text, synchronous, numbers)
+        text = message.formatted(message.pieces_of(first.value), shown)
+    except message.NotFitting as fault:
+        raise context.alarm(900107, block, value=fault.shown, format=fault.element) from None
+    numbers = tuple(value for value in values if not isinstance(value, str))
+    receiver = " ".join(word for word in words if word != "SYN")
+    yield canon.Message(block, text, synchronous, numbers, receiver)
 
 
-TOPIC = Topic(commands={"MSG": _put_out, "MSG SYN": _put_out})
+def _names() -> Iterator[str]:
+    """Every spelling that does not ask for an acknowledgement."""
+    for kind in ("MSG", "MSG INFO"):
+        for mode in ("", " SYN"):
+            for receiver in RECEIVERS:
+                yield f"{kind}{mode} {receiver}".rstrip()
+
+
+TOPIC = Topic(commands=dict.fromkeys(_names(), _put_out))

@@ -14,7 +14,7 @@ from kernel.nc.decoder.structure import Structure, resolve
 from kernel.nc.syntax import Program, ProgramBlock, SubprogramCall
 from kernel.nc.text.parser import read_program
 
-# What is tried behind the name of a global subprogram, in this order
+# What is tried behind a name without extension, in this order
 EXTENSIONS = ("", ".nc")
 
 
@@ -65,10 +65,11 @@ def link(program: Program) -> Unit:
                 local(unit, block, call.name)
             elif call.scope == "global" and call.name not in unit.called:
                 path = _file(program, unit, block, call.name)
-                if path not in units:
-                    units[path] = _unit(read_program(path, program.axes))
-                    waiting.append(units[path])
-                unit.called[call.name] = units[path]
+                key = path.resolve()
+                if key not in units:
+                    units[key] = _unit(read_program(path, program.axes))
+                    waiting.append(units[key])
+                unit.called[call.name] = units[key]
     return main
 
 
@@ -117,16 +118,16 @@ def _calls(unit: Unit) -> Iterator[tuple[Block, SubprogramCall]]:
 def _file(program: Program, unit: Unit, block: Block, name: str) -> Path:
     """Find the file of a global subprogram, beside the main program or beside its caller."""
     files = (program.file, unit.program.file)
-    folders = dict.fromkeys(Path(file).resolve().parent for file in files if file is not None)
+    folders = dict.fromkeys(Path(file).parent for file in files if file is not None)
     asked = Path(name)
     tried = [
         (folder / asked).with_name(asked.name + extension)
         for folder in ([asked.parent] if asked.is_absolute() else folders)
-        for extension in EXTENSIONS
+        for extension in (("",) if asked.suffix else EXTENSIONS)
     ]
     for path in tried:
         if path.is_file():
-            return path.resolve()
+            return path
     places = ", ".join(str(path) for path in tried)
     beside = sorted(path.name for folder in folders for path in folder.glob("*.nc"))
     close = nearest(asked.name, beside)

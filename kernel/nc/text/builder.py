@@ -113,10 +113,9 @@ class Builder(ControlBuilder):
     @v_args(inline=False)
     def declaration(self, children: list[Part]) -> Block:
         """A line between #VAR and #ENDVAR."""
-        head, variable, kind, _size, values = children
-        return head, (
-            Declare(variable.expression, values or (), "REAL64" if kind is None else kind.upper()),
-        )
+        head, variable, *behind, values = children
+        kind = next((str(part).upper() for part in behind if isinstance(part, Token)), "REAL64")
+        return head, (Declare(variable.expression, values or (), kind),)
 
     def size(self, token: Token) -> None:
         """The length of a text variable."""

@@ -5,6 +5,7 @@ from kernel.nc.decoder.variables import external, own
 
 TOPIC = Topic(
     statements=own.TOPIC.statements,
+    commands=own.TOPIC.commands,
     readers={**own.TOPIC.readers, "V.E": external.read},
     writers={**own.TOPIC.writers, "V.E": external.write},
 )

@@ -17,10 +17,10 @@ from kernel.nc.canon import Block
 from kernel.nc.decoder.cells import RANGES, STRING, Cell, Store
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.subprograms import Unit, reachable
-from kernel.nc.decoder.topic import Reader, Topic, Writer
+from kernel.nc.decoder.topic import Reader, Topic, Writer, silent
 from kernel.nc.decoder.walk import written_by
 from kernel.nc.expressions import Value
-from kernel.nc.syntax import Assign, Declare
+from kernel.nc.syntax import Assign, Command, Declare
 
 ELEMENTS_MAX = 1_000_000
 PARAMETER = "P[]"
@@ -168,9 +168,14 @@ def _writer(stem: str) -> Writer:
     return writer
 
 
+def _bracket(context: Context, block: Block, statement: Command) -> None:
+    """#VAR and #ENDVAR: what stands between them are statements of their own."""
+
+
 _STEMS = ("V.P", "V.L", "V.S", PARAMETER)
 TOPIC = Topic(
     statements={Assign: _assign, Declare: _declare},
+    commands={"VAR": silent(_bracket), "ENDVAR": silent(_bracket)},
     readers={stem: _reader(stem) for stem in _STEMS},
     writers={stem: _writer(stem) for stem in _STEMS},
 )

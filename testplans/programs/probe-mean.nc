@@ -1,0 +1,32 @@
+; Touches the workpiece three times and gives the mean to the PLC side (plc:V.E.MEAN).
+%L TOUCH  ; touches once; P1: number of the touch
+N10 G01 G90 Z=V.P.ABOVE F3000
+N20 G100 Z=V.P.BELOW F600
+N30 $IF V.A.MERF.Z == FALSE
+N40   V.P.MISSED = V.P.MISSED + 1
+N50 $ELSE
+N60   V.P.TOUCHED[P1] = V.A.MEAS.ACS.VALUE.Z
+N70 $ENDIF
+N80 M17
+
+%probe_mean
+N100 #VAR
+  V.P.ABOVE = 105
+  V.P.BELOW = 95
+  V.P.MISSED : UNS32
+  V.P.TOUCHED[3]
+  V.P.SUM
+N110 #ENDVAR
+N120 $FOR P1 = 0, 2, 1
+N130   LL TOUCH
+N140 $ENDFOR
+N150 $IF V.P.MISSED > 0 $GOTO [MISSED]
+N160 $FOR P1 = 0, 2, 1
+N170   V.P.SUM = V.P.SUM + V.P.TOUCHED[P1]
+N180 $ENDFOR
+N190 V.E.MEAN = V.P.SUM / 3
+N200 #MSG SYN ["mean of three: %.4f mm", V.P.SUM / 3]
+N210 $GOTO [DONE]
+N220 [MISSED] #MSG SYN ["%d of 3 without signal", V.P.MISSED]
+N230 [DONE] G01 Z=V.P.ABOVE F3000
+N240 M30
