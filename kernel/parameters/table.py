@@ -3,7 +3,7 @@
 Columns that need a word:
 min, max    blank = the range of the type; `>0` = greater than 0
 indices     largest index of each `[i]` of the path, blank = no limit
-values      what a STRING may hold, blank = any word
+values      what a STRING may hold, blank = any word; the only values of a number
 fallback    paths that decide while the value is unset; of several the smallest counts; `path=WORD`:
             the first switch that is set gives the word; `1:path` only for index 1 of the parameter
 unset       when the fallback decides: `=0`, `<0`, `<=0`, or `blank` for a STRING
@@ -90,8 +90,10 @@ class Parameter:
     @property
     def allowed(self) -> str:
         """Say what may be written, in the words of an error message."""
+        if self.values:
+            return ", ".join(self.values)
         if self.type == "STRING":
-            return ", ".join(self.values) if self.values else "one word"
+            return "one word"
         low = "" if self.minimum is None else written(self.minimum)
         high = "" if self.maximum is None else written(self.maximum)
         if self.is_open:
@@ -126,6 +128,8 @@ class Parameter:
         """Whether a value of the right type lies in the range of this parameter."""
         if isinstance(value, str):
             return not self.values or value in self.values or value == self.default
+        if self.values and written(value) not in self.values:
+            return False
         return self._is_above(value) and (self.maximum is None or value <= self.maximum)
 
     def corrected(self, value: Value) -> Value | None:

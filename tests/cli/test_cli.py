@@ -27,6 +27,7 @@ ROOT = Path(__file__).parents[2]
 HEADER = "case,program,rig,plc:V.E.FEED,check:msg:N30,check:alarms"
 COMMANDS = [
     ["run"], ["demo"], ["nc"], ["check"], ["replay"], ["report"], ["metrics"], ["perf"], ["bus"],
+    ["params"],
     ["doctor"], ["fmu"], ["fmu", "list"], ["fmu", "show"], ["fmu", "check"], ["fmu", "build"],
 ]  # fmt: skip
 

@@ -229,6 +229,8 @@ def test_name_of_the_other_list_is_recognised(tmp_path: Path) -> None:
         ("kenngr.probing_offset 4294967296", "4294967296", "0 .. 4294967295 0.1 um"),
         ("kenngr.messachse 2", "2", "0 .. 1"),
         ("kenngr.measure.edge RISING", "RISING", "POS, NEG"),
+        ("kenngr.antr_typ 9", "9", "1, 2, 3, 4, 5, 6, 7, 8, 16, 32"),
+        ("lr_hw[0].mask_mess_1 0x00c0", "0x00c0", "64, 128"),
         ("kenngr.measure.input 256", "256", "0 .. 255"),
         (f"{SLOPE}.a_stufe_1 0", "0", "1 .. 100000000 mm/s2"),
     ],
