@@ -20,10 +20,19 @@ DRIVE_TYPES = {
 }  # fmt: skip
 SERCOS = 2
 WITH_DISTANCE_CONTROL = (SERCOS, 3, 8)  # FCT-M3 2
+WITH_EDGE_BANDING_INPUT = (SERCOS, 3)  # P-AXIS-00539
 WITH_TWO_INPUTS = (SERCOS, 3, 8)  # FCT-C4 8.2.2, P-AXIS-00517
 
 SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
-_PROBE_BITS = "antr.sercos.probe_1_realtime_bits"
+NO_BIT, REALTIME_BITS = -1, (6, 7)
+_CONTROL, _STATUS = ("S-0-0134",), ("S-0-0135", "S-0-135")
+# SERCOS words of a bit, the warning of an unknown process datum and that of an invalid bit
+# (TF5200 axis parameters 117340683 to 117348363)
+_PROBE_BITS = (
+    ("start_probing", _CONTROL, 110612, 110613),
+    ("value_latched", _STATUS, 110608, 110609),
+    ("probe_actuated", _STATUS, 110610, 110611),
+)
 
 
 @dataclass(frozen=True)
@@ -112,33 +121,45 @@ def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
     most = 2 if number in WITH_TWO_INPUTS else 1
     for probe in (0, 1):
         path = f"kenngr.measure.probe[{probe}].input"
-        wrong = parameters.integer(path)
-        if parameters.is_set(path) and not 0 <= wrong <= most:
+        wrong = _own(parameters, path)
+        if not 0 <= wrong <= most:
             parameters.correct(path, 0)  # so that its fallback decides
             corrected = parameters.integer(path)
             yield Alarm(110622, axis=axis, probe=probe, wrong=wrong, corrected=corrected)
+    edge_banding = "kenngr.measure.input_edge_banding"
+    wrong = _own(parameters, edge_banding)
+    if wrong and number not in WITH_EDGE_BANDING_INPUT:
+        parameters.correct(edge_banding, 0)
+        yield Alarm(110614, axis=axis, drive_type=drive, wrong=wrong)
     if number == SERCOS:
         yield from _sercos(parameters, axis)
 
 
+def _own(parameters: ParameterSet, path: str) -> int:
+    """Return what was set for a number whose unset value is 0, without its fallback."""
+    found = parameters.resolve(path)
+    return int(found.value) if found.key == path else 0
+
+
 def _sercos(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
-    """Check the process data of probe 1: without a telegram there are only the SERCOS words."""
-    start = parameters.word(f"{_PROBE_BITS}.start_probing.element_name")
-    if start.replace("_", "-") not in ("", "S-0-0134"):
-        _release(parameters)
-        yield Alarm(110612, axis=axis, name=start)
-    latched = parameters.word(f"{_PROBE_BITS}.value_latched.element_name")
-    if latched.replace("_", "-") not in ("", "S-0-0135", "S-0-135"):
-        _release(parameters)
-        yield Alarm(110608, axis=axis, name=latched)
-    bit = parameters.integer(f"{_PROBE_BITS}.probe_actuated.bit_nr")
-    if bit not in (-1, 6, 7):
-        _release(parameters)
-        yield Alarm(110611, axis=axis, value=bit)
+    """Check the process data of probe 1: without a telegram there are only the SERCOS words.
+
+    What is wrong takes the axis out of measuring and edge banding.
+    """
+    for what, words, unknown, invalid in _PROBE_BITS:
+        path = f"antr.sercos.probe_1_realtime_bits.{what}"
+        name = parameters.word(f"{path}.element_name")
+        if name and name.replace("_", "-") not in words:
+            _release(parameters)
+            yield Alarm(unknown, axis=axis, name=name)
+        bit = parameters.integer(f"{path}.bit_nr")
+        if bit not in (NO_BIT, *REALTIME_BITS):
+            _release(parameters)
+            yield Alarm(invalid, axis=axis, value=bit)
 
 
 def _release(parameters: ParameterSet) -> None:
-    """Take the axis out of measuring and edge banding: its probe is configured incompletely."""
+    """Take the axis out of measuring and edge banding."""
     for path in ("kenngr.messachse", "kenngr.kasto_achse"):
         if parameters.flag(path):
             parameters.correct(path, False)

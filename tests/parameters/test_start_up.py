@@ -139,12 +139,18 @@ def test_a_simulated_drive_cannot_latch(listed: Listed) -> None:
 
 
 @pytest.mark.provokes(110608, 1, axis="Z", name="LATCHED")
+@pytest.mark.provokes(110609, 1, axis="Z", value=0)
+@pytest.mark.provokes(110610, 1, axis="Z", name="ACTUATED")
+@pytest.mark.provokes(110613, 1, axis="Z", value=8)
 @pytest.mark.provokes(110611, 1, axis="Z", value=5)
 @pytest.mark.provokes(110612, 1, axis="Z", name="S-0-0135")
 @pytest.mark.parametrize(
     ("alarm_id", "line", "good"),
     [
         (110608, f"{BITS}.value_latched.element_name LATCHED", "S_0_0135"),
+        (110609, f"{BITS}.value_latched.bit_nr 0", "7"),
+        (110610, f"{BITS}.probe_actuated.element_name ACTUATED", "S_0_135"),
+        (110613, f"{BITS}.start_probing.bit_nr 8", "6"),
         (110611, f"{BITS}.probe_actuated.bit_nr 5", "6"),
         (110612, f"{BITS}.start_probing.element_name S-0-0135", "S-0-0134"),
     ],
@@ -169,6 +175,20 @@ def test_a_probe_input_that_the_drive_does_not_have_leaves_the_decision(listed: 
     assert [warning.id for warning in started(axis)] == [110622]
     assert axis.integer("kenngr.measure.probe[1].input") == 2
     assert started(listed("kenngr.measure.probe[0].input 2\n")) == []
+    external = "kenngr.measure.signal PLC_EXT_LATCH_CONTROL\nkenngr.measure.input 9\n"
+    assert started(listed(f"{external}kenngr.measure.probe[0].input 0\n")) == []
+
+
+@pytest.mark.provokes(110614, 1, axis="Z", drive_type="CANopen", wrong=2)
+def test_only_some_drives_have_an_input_for_edge_banding(listed: Listed) -> None:
+    assert started(listed("kenngr.measure.input_edge_banding 0\n")) == []
+    text = "kenngr.measure.input_edge_banding 2\n"
+    axis = listed(text)
+    assert [warning.id for warning in started(axis)] == [110614]
+    assert axis.integer("kenngr.measure.probe[1].input") == 1
+    axis = listed(f"{text}kenngr.antr_typ 3\n")
+    assert started(axis) == []
+    assert axis.integer("kenngr.measure.probe[1].input") == 2
 
 
 @pytest.mark.parametrize(
