@@ -9,6 +9,7 @@ from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.measuring.rules import highest_speed, misses_signal
 from kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
+from kernel.measuring.simulated import SimulatedProbe, Way
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.nc import canon
 from kernel.nc.measuring_types import measuring_types
@@ -48,6 +49,7 @@ class Measurement:
         self._period_ns, self._error_no_signal, self._warn = period_ns, error_no_signal, warn
         self._run: MeasuringRun | None = None
         self._order: _Order | None = None
+        self._simulated: tuple[SimulatedProbe, ...] = ()
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
@@ -118,7 +120,22 @@ class Measurement:
             command.block,
             error_no_signal=command.error_no_signal,
             goes_on=command.goes_on,
+            simulated=self._simulated_probes(command),
         )
+
+    def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
+        """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
+        found = {}
+        way = Way(self._here_mm(), command.target_acs_mm, command.simulated_offset_mm)
+        for name in command.measuring_axes:
+            mode, parameter = self._path.settings(name).measuring.simulated
+            if mode:
+                found[name] = SimulatedProbe(name, mode, parameter, way)
+        self._simulated = tuple(found.values())
+        return found
+
+    def _here_mm(self) -> dict[str, float]:
+        return {name: self._path.position_acs_mm(name) for name in self._links}
 
     def arm(
         self,
@@ -128,16 +145,19 @@ class Measurement:
         *,
         error_no_signal: bool | None = None,
         goes_on: bool = False,
+        simulated: Mapping[str, LatchPort] | None = None,
     ) -> MeasuringRun:
         """Make a run of released axes, and note it; who moves them has to evaluate it.
 
-        error_no_signal: None = P-CHAN-00176. Raises Alarm 50052.
+        error_no_signal: None = P-CHAN-00176. simulated: what tells the signal in place of the
+        drive, by axis. Raises Alarm 50052.
         """
         kind = measuring_types()[measuring_type]
         wants_signal = self._error_no_signal if error_no_signal is None else error_no_signal
         delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
+        ports: dict[str, LatchPort] = {**self._links, **(simulated or {})}
         run = MeasuringRun(
-            [self._port(name) for name in axes],
+            [ports[name] for name in axes],
             str(block),
             self._clock.now_ns,
             misses_signal(kind, wants_signal),
@@ -147,10 +167,6 @@ class Measurement:
         run.record.inputs.update({name: self._links[name].probe_input for name in axes})
         self.records.append(run.record)
         return run
-
-    def _port(self, axis: str) -> LatchPort:
-        """Return what tells the signal of an axis: the drive, as P-AXIS-00516 has no other yet."""
-        return self._links[axis]
 
     def keep(self, record: RunRecord) -> None:
         """Keep what a run brought."""
@@ -219,6 +235,10 @@ class Measurement:
             return
         assert self._order is not None
         ordered = self._order
+        if self._simulated and self._run.state is RunState.MOVING:
+            here_mm = self._here_mm()
+            for probe in self._simulated:
+                probe.look(here_mm)
         order = self._run.evaluate(self._clock.now_ns, self._path.is_in_position())
         if order is Order.START:
             self._path.begin(

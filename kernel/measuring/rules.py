@@ -25,7 +25,8 @@ class MeasuringAxis:
     speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way behind
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
-    comes from, P-AXIS-00516 or the older switches.
+    comes from, P-AXIS-00516 or the older switches. simulated: mode and parameter of a probe that
+    the CNC simulates, P-AXIS-00112 and 00145; mode 0: a real one.
     """
 
     speed_mm_s: float = 16.666
@@ -35,6 +36,7 @@ class MeasuringAxis:
     delay_ns: TimeNs = 0
     probe_inputs: tuple[int, int] = (1, 1)
     source: str = "DRIVE"
+    simulated: tuple[int, int] = (0, 0)
 
     @classmethod
     def read(cls, axis: ParameterSet) -> "MeasuringAxis":
@@ -50,6 +52,10 @@ class MeasuringAxis:
                 axis.integer("kenngr.measure.probe[1].input"),
             ),
             source=axis.word(SIGNAL),
+            simulated=(
+                axis.integer("meas_simu.meas_simu_mode"),
+                axis.integer("meas_simu.parameter1"),
+            ),
         )
 
     def check_source(self, axis: str) -> None:

@@ -101,6 +101,7 @@ class MeasuringRun:
     transformation, all three main axes as well under #CS. feed_mm_min: path feed, None for rapid
     (G310 with G0) and for the speed of the axis (type 2). goes_on: the signal does not end the
     motion (G106). error_no_signal: ERR_NO_SIGNAL of #MEAS, None = P-CHAN-00176.
+    simulated_offset_mm: SIMU_OFFSET of #MEAS, along the path.
     Source: FCT-C4 section 4.
     """
 
@@ -112,6 +113,7 @@ class MeasuringRun:
     measuring_type: int
     goes_on: bool = False
     error_no_signal: bool | None = None
+    simulated_offset_mm: float = 0.0
 
 
 @dataclass(frozen=True)

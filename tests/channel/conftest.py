@@ -172,6 +172,7 @@ class AxisSpec:
     measuring_mm_s: float = 10.0
     stroke_mm: float = math.inf
     delay_ns: int = 0
+    simulated: tuple[int, int] = (0, 0)
     window_mm: float = 0.001
     settling_ns: int = 2 * S
     probed: bool = True
@@ -183,6 +184,7 @@ class AxisSpec:
             self.probing_offset_mm,
             self.old_offset_mm,
             self.delay_ns,
+            simulated=self.simulated,
         )
 
     def settings(self) -> AxisSettings:

@@ -20,11 +20,12 @@ class Measurements:
     """What measuring keeps from run to run.
 
     chosen_type: by #MEAS MODE, None for the default of the channel. error_no_signal: by #MEAS,
-    None for P-CHAN-00176. results, signalled: by axis.
+    None for P-CHAN-00176. simulated_offset_mm: by #MEAS. results, signalled: by axis.
     """
 
     chosen_type: int | None = None
     error_no_signal: bool | None = None
+    simulated_offset_mm: float = 0.0
     results: dict[str, Measured] = field(default_factory=dict)
     signalled: dict[str, bool] = field(default_factory=dict)
 
@@ -98,6 +99,7 @@ def _run(
         kind.number,
         goes_on=goes_on,
         error_no_signal=context.part(Measurements).error_no_signal,
+        simulated_offset_mm=context.part(Measurements).simulated_offset_mm,
     )
     yield canon.Wait(block)
     take_results(context, measuring, tuple(values), moved=tuple(target_mm))

@@ -1,0 +1,85 @@
+"""Probes that the CNC simulates (P-AXIS-00112): no drive latches anything."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+Make = Callable[..., Any]
+
+
+def _run(
+    channel_bench: Make, words: Any, mode: int, parameter: int, *, kind: int = 1, **changes: Any
+) -> Any:
+    """Z from 130 to 110 at 10 mm/s, 0.01 mm in a cycle; no workpiece."""
+    bench = channel_bench(words.axis("Z", start_mm=130.0, simulated=(mode, parameter)))
+    run = replace(words.probe(1, 600.0, kind, Z=110.0), **changes)
+    bench.run([run, words.wait(1), words.end()])
+    return bench
+
+
+def _value(bench: Any) -> float:
+    assert bench.alarm_ids == []
+    return float(bench.channel.records[0].latched_mm["Z"])
+
+
+def test_mode_1_signals_where_the_axis_crosses_a_position(channel_bench: Make, words: Any) -> None:
+    bench = _run(channel_bench, words, 1, 1_200_000)
+    assert 119.99 - 1e-9 <= _value(bench) <= 120.0
+    assert bench.final_mm("Z") == pytest.approx(_value(bench) - 0.05, abs=1e-6)  # v²/2a
+
+
+def test_mode_1_behind_the_axis_signals_at_once_and_beyond_the_target_never(
+    channel_bench: Make, words: Any
+) -> None:
+    assert _value(_run(channel_bench, words, 1, 1_310_000)) == pytest.approx(130.0, abs=0.01)
+    assert not _run(channel_bench, words, 1, 1_090_000).channel.measurement_ok("Z")
+
+
+def test_mode_2_signals_after_so_many_cycles(channel_bench: Make, words: Any) -> None:
+    """10 ms of ramp are 0.05 mm, then 0.01 mm a cycle: 500 cycles are 4.95 mm."""
+    assert _value(_run(channel_bench, words, 2, 500)) == pytest.approx(130 - 4.95, abs=1e-6)
+
+
+def test_mode_3_signals_when_less_than_a_share_is_left(channel_bench: Make, words: Any) -> None:
+    """A quarter of 20 mm is left at 115."""
+    assert 114.99 - 1e-9 <= _value(_run(channel_bench, words, 3, 25)) < 115.0
+
+
+@pytest.mark.parametrize("mode", [4, 5])
+def test_modes_4_and_5_signal_at_the_target(channel_bench: Make, words: Any, mode: int) -> None:
+    bench = _run(channel_bench, words, mode, 0)
+    assert _value(bench) == bench.final_mm("Z") == 110.0
+
+
+def test_simu_offset_shifts_mode_4_along_the_path(channel_bench: Make, words: Any) -> None:
+    bench = _run(channel_bench, words, 4, 0, simulated_offset_mm=-3.0)
+    assert 112.99 - 1e-9 <= _value(bench) <= 113.0
+    beyond = _run(channel_bench, words, 4, 0, simulated_offset_mm=3.0)
+    assert not beyond.channel.measurement_ok("Z")
+
+
+def test_type_3_goes_on_behind_a_simulated_signal(channel_bench: Make, words: Any) -> None:
+    bench = _run(channel_bench, words, 1, 1_200_000, kind=3, goes_on=True)
+    assert 119.99 - 1e-9 <= _value(bench) <= 120.0
+    assert bench.final_mm("Z") == 110.0
+
+
+def test_mode_4_waits_for_all_axes_and_mode_5_for_the_first(
+    channel_bench: Make, words: Any
+) -> None:
+    """Both axes of a straight path arrive together; one that has no way is there already."""
+    for mode, expected_mm in ((4, 110.0), (5, 110.0)):
+        bench = channel_bench(
+            words.axis("Y", simulated=(mode, 0)),
+            words.axis("Z", start_mm=130.0, simulated=(mode, 0)),
+        )
+        bench.run([words.probe(1, 600.0, Y=15.0, Z=110.0), words.wait(1), words.end()])
+        assert bench.channel.records[0].latched_mm == {"Y": 15.0, "Z": expected_mm}
+    bench = channel_bench(
+        words.axis("Y", simulated=(5, 0)), words.axis("Z", start_mm=130.0, simulated=(5, 0))
+    )
+    here = bench.axes["Y"].position_at(0) * 1e3
+    bench.run([words.probe(1, 600.0, Y=here, Z=110.0), words.wait(1), words.end()])
+    assert bench.channel.records[0].latched_mm["Z"] == pytest.approx(130.0, abs=0.01)
