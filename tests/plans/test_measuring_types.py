@@ -204,7 +204,17 @@ def test_without_signal_it_ends_at_the_target_or_as_far_behind_as_allowed(case: 
     middle, width = _tolerance(row["check:standstill_mm"])
     assert (_is(middle, end), Decimal(width)) == (True, Decimal("0.0005"))
     if row["check:alarms"] == "none":
-        assert Decimal(row["check:msg:N40"].removeprefix("== ")) == end
+        printed = Decimal(row["check:msg:N40"].removeprefix("== "))
+        assert printed == (run.target if run.type == 5 else end)
+
+
+@pytest.mark.parametrize("case", [name for name in ROWS if _run(ROWS[name]).type == 5])
+def test_only_a_signal_jumps_and_makes_the_target_the_actual_position(case: str) -> None:
+    """N25, which the jump leaves out, says that the target is reached; N40 prints V.A.PROG."""
+    row, run = ROWS[case], _run(ROWS[case])
+    assert row["check:msg:N28"] == f"== {int(not run.has_signal)}"
+    if run.has_signal:
+        assert row["check:msg:N40"] == row["check:standstill_mm"]
 
 
 @pytest.mark.parametrize("case", ROWS)

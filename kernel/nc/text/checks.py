@@ -12,6 +12,8 @@ from kernel.nc.syntax import Command, Group, Name, Number, Text, Variable
 from kernel.nc.text import nodes
 from kernel.nc.text.values import ExpressionBuilder
 
+PROBE_OF_AXIS = ("SIGNAL", "EDGE", "INPUT", "G107", "G108")
+PROBE_OF_CHANNEL = ("SIMU_OFFSET", "TRIGGER")
 KEY_LENGTH_MAX = 29  # P-AXIS-00396
 COMPONENTS = 6  # of a coordinate system
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
@@ -70,6 +72,37 @@ def _measuring_mode(
                 value=f"{chosen.value:g}",
                 allowed=measuring_types(),
             )
+    return command
+
+
+def _probe(
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+) -> Command:
+    """What belongs to an axis names one, and what belongs to the channel does not.
+
+    Source: programming manual 207092107.
+    """
+    written = [keyword for keyword, _ in command.options]
+    named = [word for word in written if word in ("AX", "AXNR")]
+    of_axis = [word for word in written if word in PROBE_OF_AXIS]
+    of_channel = [word for word in written if word in PROBE_OF_CHANNEL]
+    edges = [word for word in written if word in ("G107", "G108")]
+    both = [*of_channel[:1], *named, *of_axis] if of_channel else []
+    for pair in (of_channel, both, named if command.name == "MEAS" else [], edges):
+        if len(pair) > 1:
+            raise builder.source.error(
+                f"{pair[0]} and {pair[1]} of #{command.name} exclude each other",
+                offset,
+                value=pair[1],
+                allowed="one of them",
+            )
+    if not named and (of_axis or command.name == "MEAS PREPARE"):
+        raise builder.source.error(
+            f"#{command.name} names no axis",
+            offset,
+            value=of_axis[0] if of_axis else None,
+            allowed="AX=<name> or AXNR=<number>",
+        )
     return command
 
 
@@ -136,6 +169,7 @@ def _kinematic(
 _CHECKS: Mapping[str, Check] = {
     "MSG": _message,
     "MEAS MODE": _measuring_mode,
+    "MEAS": _probe,
     "CS": _system,
     "DRIVE": _drive,
     "KIN ID": _kinematic,
