@@ -53,6 +53,7 @@ class Measurement:
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
+        self._by_drive: set[str] = set()  # by #MEAS, whatever P-AXIS-00516 says
 
     @property
     def is_active(self) -> bool:
@@ -70,8 +71,10 @@ class Measurement:
         return not any(link.is_probing for link in self._links.values())
 
     def choose(self, command: canon.ProbeSettings) -> None:
-        """Measure with another edge or input; raises Alarm 50637 and 900223."""
+        """Measure with another signal, edge or input; raises Alarm 50637 and 900223."""
         self._check_released(command.axis, 50637)
+        if command.by_drive:
+            self._by_drive.add(command.axis)
         link, input_ = self._links[command.axis], command.probe_input
         if command.probe is not None:
             input_ = self._path.settings(command.axis).measuring.probe_inputs[command.probe]
@@ -98,6 +101,7 @@ class Measurement:
 
     def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
         """Measure with what the parameter lists say."""
+        self._by_drive.clear()
         for link in self._links.values():
             chosen = link.settings.probe_input, link.settings.edge
             if (link.probe_input, link.edge) != chosen:
@@ -111,8 +115,7 @@ class Measurement:
         Raises Alarm 50059, 900100, 900103, 900224 and those of the run itself.
         """
         for name in dict.fromkeys((*command.programmed_axes, *command.measuring_axes)):
-            self._check_released(name, 50059)
-            self._path.settings(name).measuring.check_source(name)
+            self.check(name)
         self._order = self._planned(command)
         self._run = self.arm(
             command.measuring_type,
@@ -207,6 +210,13 @@ class Measurement:
         )
         self._warn(warning)
         return highest_mm_s
+
+    def check(self, axis: str) -> None:
+        """Raise Alarm 50059 or 900100 for an axis that cannot take part in a run."""
+        self._check_released(axis, 50059)
+        measuring = self._path.settings(axis).measuring
+        if axis not in self._by_drive and not measuring.simulated[0]:
+            measuring.check_source(axis)
 
     def _check_released(self, axis: str, alarm_id: int) -> None:
         if not self._path.settings(axis).may_measure:

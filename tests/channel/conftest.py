@@ -173,6 +173,7 @@ class AxisSpec:
     stroke_mm: float = math.inf
     delay_ns: int = 0
     simulated: tuple[int, int] = (0, 0)
+    source: str = "DRIVE"
     window_mm: float = 0.001
     settling_ns: int = 2 * S
     probed: bool = True
@@ -185,6 +186,7 @@ class AxisSpec:
             self.old_offset_mm,
             self.delay_ns,
             simulated=self.simulated,
+            source=self.source,
         )
 
     def settings(self) -> AxisSettings:

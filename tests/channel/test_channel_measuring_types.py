@@ -251,6 +251,17 @@ def test_the_edge_in_use_decides_what_an_actuated_probe_is(
     assert bench.alarm_ids == [50052]
 
 
+@pytest.mark.provokes(900100, 2, word="kenngr.measure.signal = PLC of axis Z")
+def test_signal_drive_of_meas_wins_over_the_parameter_list(channel_bench: Make, words: Any) -> None:
+    run = words.probe(2, 600.0, Z=110.0)
+    for by_drive, alarms in ((False, [900100]), (True, [])):
+        bench = channel_bench(words.axis("Z", start_mm=130.0, source="PLC"), plane_mm=120.0)
+        chosen = words.probe_settings(1, "Z", by_drive=by_drive)
+        bench.run([chosen, run, words.wait(2), words.end()])
+        assert bench.alarm_ids == alarms
+    assert bench.channel.measured_acs_mm("Z") == pytest.approx(120.0, abs=INCREMENT_MM)
+
+
 def test_probe0_and_probe1_stand_for_inputs_of_the_list(channel_bench: Make, words: Any) -> None:
     """Both are input 1 here (P-AXIS-00583)."""
     for probe in (0, 1):

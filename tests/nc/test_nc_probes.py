@@ -60,6 +60,7 @@ def test_err_no_signal_goes_with_every_run_behind_it(run) -> None:
 def test_an_axis_gets_its_settings(run, text: str, settings: tuple[Any, ...]) -> None:
     (told,) = _of(run(f"#MEAS[{text}]"), ProbeSettings)
     assert (told.axis, told.edge, told.probe_input, told.probe) == settings
+    assert told.by_drive is ("SIGNAL" in text)
 
 
 def test_default_and_preparation_are_handed_on(run) -> None:

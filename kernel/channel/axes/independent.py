@@ -82,10 +82,8 @@ class IndependentAxes:
         if not self._links[axis].can_reach(command.target_acs_mm):
             raise Alarm(900012, axis=axis, target_mm=f"{command.target_acs_mm:.9g}")
         measures = command.measuring_type is not None
-        if measures and not settings.may_measure:
-            raise Alarm(50059, axis=axis)
         if measures:
-            settings.measuring.check_source(axis)
+            self._measurement.check(axis)
         if command.target_acs_mm == here_mm:
             if measures:
                 raise Alarm(900103, axes=axis)

@@ -67,7 +67,8 @@ def _of_axis(context: Context, block: Block, axis: str, command: Command) -> can
         raise context.alarm(900100, block, word=word, what="signals that the drive does not latch")
     probe_input, probe = _input(context, block, command.option("INPUT"))
     name = edge.value.upper() if isinstance(edge, Name) else None
-    return canon.ProbeSettings(block, axis, name, probe_input, probe)
+    by_drive = isinstance(signal, Name)
+    return canon.ProbeSettings(block, axis, name, probe_input, probe, by_drive)
 
 
 def _input(context: Context, block: Block, value: Option) -> tuple[int | None, int | None]:
