@@ -131,7 +131,8 @@ def test_an_arc_in_inches_in_another_plane(decode):
 
 @pytest.mark.provokes(20034, 2)
 @pytest.mark.provokes(20036, 2)
-@pytest.mark.provokes(20205, 2, word="I")
+@pytest.mark.provokes(20020, 2, word="I", value_mm="1e+06")
+@pytest.mark.provokes(20054, 2, value_mm="-2e+09", limit_mm="1e+09")
 @pytest.mark.provokes(21024, 2)
 @pytest.mark.provokes(21758, 2, difference_mm="0.1000", limit_mm="0.0010")
 @pytest.mark.provokes(900150, 2, offset_mm="1.0000", limit_mm="0.2500")
@@ -145,7 +146,8 @@ def test_an_arc_in_inches_in_another_plane(decode):
     [
         (20034, XYZ, words("G2", X=0, R=5, F=1)),
         (20036, XYZ, words("G2", X=10, F=1)),
-        (20205, XYZ, Words(("G2",), addresses=tuple((x, Number(1.0)) for x in "FII"))),
+        (20020, XYZ, words("G2", X=10, I=1e6, F=1)),
+        (20054, XYZ, words("G2", X=10, R=-2e9, F=1)),
         (21024, XYZ, words("G2", X=10, I=5, R=5, F=1)),
         (21758, XYZ, words("G2 G164", X=20.1, I=10, F=1)),
         (900150, XYZ, words("G2", X=10, I=6, F=1)),

@@ -191,6 +191,14 @@ def test_inches_in_and_out(run):
     assert told(commands) == pytest.approx([1, 2, 1, 1, 50.8, 0])
 
 
+@pytest.mark.parametrize(
+    "program", ["G2 X100 R50 F1", "G2 R=50 F1\nX100", "R1=50\nG2 X100 F1", "G2 X100 I=50 F1"]
+)
+def test_spellings_of_half_a_circle(run, program):
+    (arc,) = [command for command in run(program) if isinstance(command, ArcMove)]
+    assert arc.centre_acs_mm == {"X": 50, "Y": 0}
+
+
 def test_the_last_arc_in_variables(run):
     commands = run('G18 G2 Z20 K10.001 F100\n#MSG ["%f %f %f", V.G.K, V.G.I, V.G.R]')
     assert told(commands) == pytest.approx([10, 0, 10], abs=1e-9)

@@ -12,6 +12,9 @@ from kernel.nc.syntax import Words
 
 ARCS = ("G2", "G3")
 CENTRE = "IJK"
+# 2^31 steps of 0.1 um, and TF5200 programming manual 15556764811
+CENTRE_MAX_MM = 214_748.3647
+RADIUS_MAX_MM = 1e9
 
 
 @dataclass
@@ -70,12 +73,15 @@ def _centre_words(context: Context, block: Block, words: Words) -> Mapping[str, 
     for letter, value in words.addresses:
         if letter not in CENTRE:
             continue
-        if letter in centre:
-            raise context.alarm(20205, block, word=letter)
         if letter not in context.coordinates.centre_letters():
             where = f"in plane {context.coordinates.plane.g}"
             raise context.alarm(900153, block, word=letter, where=where)
-        centre[letter] = context.value(block, value) * context.unit_mm
+        at_mm = context.value(block, value) * context.unit_mm
+        if abs(at_mm) > CENTRE_MAX_MM:
+            raise context.alarm(
+                20020, block, word=letter, value_mm=f"{at_mm:g}", limit_mm=CENTRE_MAX_MM
+            )
+        centre[letter] = at_mm
     if centre and words.address("R") is not None:
         raise context.alarm(21024, block)
     return centre
@@ -104,7 +110,10 @@ def _choose(motion: str) -> Handler:
 def _radius(context: Context, block: Block, words: Words) -> None:
     value = words.address("R")
     assert value is not None
-    context.part(Circle).radius_mm = context.value(block, value) * context.unit_mm
+    radius_mm = context.value(block, value) * context.unit_mm
+    if abs(radius_mm) > RADIUS_MAX_MM:
+        raise context.alarm(20054, block, value_mm=f"{radius_mm:g}", limit_mm=f"{RADIUS_MAX_MM:g}")
+    context.part(Circle).radius_mm = radius_mm
 
 
 def _set(**changes: bool) -> Handler:

@@ -7,7 +7,7 @@ from kernel.nc.canon import Block
 from kernel.nc.coordinates import MAIN_AXES, Frame
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic, silent
-from kernel.nc.syntax import Command, Expression, Group, Name
+from kernel.nc.syntax import Command, Expression, Group, Name, Number
 
 COMPONENTS = 6
 # TF5200 programming manual 208480907 and 1037259147: so many can be stored or linked at a time
@@ -150,8 +150,12 @@ def _groups(command: Command) -> Iterator[Group]:
 
 def _name(group: Group) -> str:
     """Give the name in a bracket; a number is one too."""
-    first = group.arguments[0] if group.arguments else None
-    return first.value if isinstance(first, Name) else ""
+    match group.arguments[:1]:
+        case (Name(word),):
+            return word
+        case (Number(value),):
+            return f"{value:g}"
+    return "[]"
 
 
 def _id(context: Context, block: Block, group: Group) -> Id:

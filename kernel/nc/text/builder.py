@@ -34,6 +34,8 @@ from kernel.nc.text.words import Word, words
 NEEDS_AXES = ("G92", "G100", "G101", "G310", "G210")
 _FUNCTION_NUMBER = re.compile(r"[0-9]+")
 _DWELL = re.compile(r"G0*4")
+# R=5 and R1=5 are the radius of an arc. TF5200 programming manual 15556764811
+_RADIUS = ("R", "R1")
 # P1=5, R[2]=3 and @P4=1 set a parameter
 _PARAMETER = re.compile(r"(?P<sign>[PR])(?P<number>[0-9]*)|@.*")
 
@@ -180,6 +182,9 @@ class Builder(ControlBuilder):
     def _word(self, found: _Gathered, item: nodes.Word) -> None:
         if item.address in ("G", "M"):
             found.functions.append((item, self._function(item)))
+            return
+        if item.assigned and item.address in _RADIUS:
+            self._axis_or_address(found, "R", self._number(item), item)
             return
         if item.assigned and (match := _PARAMETER.fullmatch(item.address)):
             if match["sign"] and not match["number"]:

@@ -115,8 +115,8 @@ def _system(
         )
     for group in command.arguments:
         assert isinstance(group, Group)
-        texts = any(isinstance(argument, Text) for argument in group.arguments)
-        if len(group.arguments) > COMPONENTS or group.options or texts:
+        strange = any(isinstance(argument, Text | Group) for argument in group.arguments)
+        if len(group.arguments) > COMPONENTS or group.options or strange:
             raise _wrong(builder, command, offset, "three shifts and three angles")
     return command
 
