@@ -14,9 +14,9 @@ def params(
     words: Annotated[
         list[str] | None,
         typer.Argument(
-            help="A number, a path or an older name: it is explained. Other words: the parameters"
-            " they fit. `diff A B`: what two lists or rigs differ in. `write RIG`: its axis lists"
-            " as one.",
+            help="A number, a path or an older name: it is explained. A list: what it sets. Other"
+            " words: the parameters they fit. `diff A B`: what two lists or rigs differ in."
+            " `write RIG`: its axis lists as one.",
             show_default=False,
         ),
     ] = None,
@@ -33,7 +33,12 @@ def params(
     assignments: SetOption = None,
 ) -> None:
     """List and explain parameters, show what a rig has, compare lists or rigs."""
-    from bench.params.effective import difference_text, effective_text, written_lists
+    from bench.params.effective import (
+        contents_text,
+        difference_text,
+        effective_text,
+        written_lists,
+    )
     from bench.params.listing import parameters_text
 
     said, sets = words or [], assignments or []
@@ -49,6 +54,8 @@ def params(
         print(written_lists(Path(said[1]), axis, sets))
     elif rig is not None:
         print(effective_text(rig, axis, said, sets))
+    elif len(said) == 1 and Path(said[0]).is_file():
+        print(contents_text(Path(said[0])))
     elif axis or sets:
         raise UserError("--axis and --set belong to --rig")
     else:

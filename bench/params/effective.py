@@ -1,6 +1,6 @@
 """What a rig has: effective values and where each comes from; what two lists or rigs differ in."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from bench.params.words import decided_by, named, with_unit
@@ -16,7 +16,9 @@ from kernel.parameters import (
     list_text,
     names,
     read_sections,
+    start_up,
     table,
+    written,
 )
 from kernel.parameters.lists import NAME
 from kernel.parameters.table import INDEX
@@ -47,23 +49,48 @@ def effective_text(
     words: only parameters that fit them all; without any, what is set or acts.
     """
     settings = settings_of(rig, assignments)
-    blocks = []
-    for name, parameters in _parts(settings, axis).items():
-        rows = [
-            (key, with_unit(row, found, is_rotary=parameters.is_rotary), place)
-            for key, row, found, place in _values(parameters, words)
-        ]
-        if rows:
-            title = name if name == CHANNEL else f"axis {name}"
-            widths = [max(len(row[at]) for row in rows) for at in (0, 1)]
-            lines = [f"  {key:<{widths[0]}}  {value:<{widths[1]}}  {place}".rstrip()
-                     for key, value, place in rows]  # fmt: skip
-            blocks.append("\n".join([title, *lines]))
+    blocks = _blocks(_parts(settings, axis), words)
     if not blocks:
         raise UserError("no parameter of the rig fits", value=" ".join(words))
     notes = [f"warning: {warning}" for warning in settings.warnings]
     notes += [f"note: {note}" for note in settings.notes]
     return "\n\n".join([*blocks, *(["\n".join(notes)] if notes else [])])
+
+
+def contents_text(path: Path) -> str:
+    """Tell what a list sets, in both units, what of it is corrected and what does not act yet."""
+    parts = _read(path)
+    warnings = [
+        f"warning: {warning}"
+        for name, parameters in parts.items()
+        for warning in start_up(parameters, name)
+    ]
+    blocks = _blocks(parts, None)
+    inert = [
+        f"note: {key} = {written(value)} does not act yet"
+        for parameters in parts.values()
+        for key, value in parameters.inert()
+    ]
+    notes = [*warnings, *inert]
+    return "\n\n".join([*blocks, *(["\n".join(notes)] if notes else [])]) or "the list is empty"
+
+
+def _blocks(parts: Mapping[str, ParameterSet], words: Sequence[str] | None) -> list[str]:
+    """Tell values with their places; words None: only what is set."""
+    blocks = []
+    for name, parameters in parts.items():
+        rows = [
+            (key, with_unit(row, found, is_rotary=parameters.is_rotary), place)
+            for key, row, found, place in _values(parameters, words or [])
+            if words is not None or parameters.is_set(key)
+        ]
+        if rows:
+            title = f"axis {name}" if parameters.kind == "axis" else parameters.kind
+            widths = [max(len(row[at]) for row in rows) for at in (0, 1)]
+            lines = [f"  {key:<{widths[0]}}  {value:<{widths[1]}}  {place}".rstrip()
+                     for key, value, place in rows]  # fmt: skip
+            blocks.append("\n".join([title, *lines]))
+    return blocks
 
 
 def _values(

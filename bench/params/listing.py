@@ -30,9 +30,9 @@ _PAGE = """\
 
 Made by `axisrig params --format markdown`; do not edit. `axisrig params` lists them; with a number,
 a path or an older name it explains one (`axisrig params P-AXIS-00774`), with other words it lists
-those they fit. `axisrig params --rig RIG` shows what a rig has and where each value comes from,
-`axisrig params diff A B` what two lists or rigs differ in, `axisrig params write RIG` its axis
-lists as one.
+those they fit. `axisrig params LIST` shows what a list sets, `axisrig params --rig RIG` what a rig
+has and where each value comes from, `axisrig params diff A B` what two lists or rigs differ in,
+`axisrig params write RIG` prints its axis lists as one.
 
 A list has one name and one value in a line; `#`, `;` and ` (` begin a comment, texts with blanks
 stand in quotes, whole numbers may be hexadecimal (`0x40`), a BOOL is 0 or 1. Several axes may stand

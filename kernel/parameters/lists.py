@@ -121,12 +121,15 @@ def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Ori
 
 
 def list_text(sections: Sequence[ParameterSet] | ParameterSet) -> str:
-    """Return what was set as a list that `read_sections` reads back."""
+    """Return what was set as a list that `read_sections` reads back, with the numbers beside."""
     several = [sections] if isinstance(sections, ParameterSet) else list(sections)
     lines = [f"# {several[0].kind} parameter list"]
     for at, section in enumerate(several):
         lines += [""] if at else []
-        lines += [f"{name:<48} {_quoted(value)}" for name, value in _rows(section, len(several))]
+        for name, value in _rows(section, len(several)):
+            number = section.find(name, Origin(name))[0].number
+            comment = f"  # {number}" if number else ""
+            lines.append(f"{name:<56} {_quoted(value):<16}{comment}".rstrip())
     return "\n".join([*lines, ""])
 
 

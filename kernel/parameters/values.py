@@ -218,11 +218,18 @@ class ParameterSet:
         raise TypeError(f"{path} is given in {unit or 'no unit'}, which is no duration")
 
     def items(self) -> Iterator[tuple[str, Value]]:
-        """Give path and value of everything that was set, in the order of the table."""
-        order = {parameter.path: at for at, parameter in enumerate(self._table.parameters)}
+        """Give path and value of everything that was set, in the order of the table.
 
-        def place(key: str) -> tuple[int, tuple[int, ...]]:
-            return order[self._table.find(key)[0].path], indices_of(key)
+        What has the same first index stands together: one drive function behind the other.
+        """
+        order: dict[str, int] = {}
+        for at, parameter in enumerate(self._table.parameters):
+            order[parameter.path] = at
+            order.setdefault(_stem(parameter.path), at)
+
+        def place(key: str) -> tuple[int, tuple[int, ...], int, tuple[int, ...]]:
+            path, indices = self._table.find(key)[0].path, indices_of(key)
+            return order[_stem(path)], indices[:1], order[path], indices
 
         yield from sorted(self._values.items(), key=lambda item: place(item[0]))
 
@@ -246,6 +253,12 @@ class ParameterSet:
         if known is None or known.kernel != unit:
             raise TypeError(f"{path} is not convertible to {unit}")
         return self._number(path) / known.divisor
+
+
+def _stem(path: str) -> str:
+    """Return a path up to its first index, the whole path without any."""
+    head, has_index, _ = path.partition("[i]")
+    return head + has_index
 
 
 _LISTS = {

@@ -105,6 +105,24 @@ def test_effective_values_of_a_change_and_of_one_parameter(axisrig: Call) -> Non
     assert text.split() == ["axis", "Z", "kenngr.measure.edge", "NEG", "set:Z.kenngr.measure.edge"]
 
 
+def test_a_list_is_told_with_what_is_corrected_and_what_does_not_act(
+    axisrig: Call, tmp_path: Path
+) -> None:
+    path = tmp_path / "c.lst"
+    path.write_text("kopf.log_achs_name C\nkenngr.achs_typ ACHSTYP_ROTATOR\n"
+                    "kenngr.probing_offset 500\nkenngr.distc.kp 7\n")  # fmt: skip
+    values, notes = said(axisrig, str(path)).split("\n\n")
+    assert [" ".join(line.split()) for line in values.splitlines()] == [
+        "axis C",
+        "kopf.log_achs_name C c.lst:1",
+        "kenngr.achs_typ ACHSTYP_ROTATOR c.lst:2",
+        "kenngr.probing_offset 500 x 0.0001 deg = 0.05 deg c.lst:3",
+        "kenngr.dist_ctrl[0].kp 2.0 c.lst:4",
+    ]
+    assert notes.splitlines()[0].startswith("warning: ID 315010 class 1: ")
+    assert notes.splitlines()[1] == "note: kenngr.dist_ctrl[0].kp = 2.0 does not act yet"
+
+
 def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -> None:
     other = tmp_path / "other.lst"
     text = (LISTS / "axis-z.lst").read_text(encoding="utf-8")
