@@ -259,12 +259,15 @@ def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str
         return latch
     if not isinstance(truth.value, float):
         return truth
+    zero_mm = observed.zero_mm(axis, touch.record)
+    if zero_mm is None:
+        return Observation(None, note=f"axis {axis} was homed before and after the run")
     speed_um_s = abs(_speed_mm_s(observed, contact.time_ns, axis)) * 1e3
     fine_s = observed.machine.plant.fine_ns * 1e-9
     interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * fine_s**2 * 1e3
     events_ns = INSTANT_NS + touch.edge_uncertainty_ns
     return Observation(
-        (latch.value - truth.value) * 1e3,
+        (latch.value - (truth.value - zero_mm)) * 1e3,
         speed_um_s * events_ns * 1e-9 + interpolation_um,
         f"location of the events {events_ns:g} ns, interpolation inside a fine step"
         f" {interpolation_um:.2g} um",

@@ -150,6 +150,20 @@ class Observed:
             None,
         )
 
+    def zero_mm(self, axis: str, record: RunRecord) -> float | None:
+        """Return which place of the plant its drive counts from in a run: 0, or by homing (G74).
+
+        None for a run between two homings of the axis: what the first one set is not kept.
+        """
+        homed_ns = [t for t, name in self.machine.channel.single.homed if name == axis]
+        before = [time_ns for time_ns in homed_ns if time_ns <= record.begin_ns]
+        if not before:
+            return 0.0
+        if len(before) < len(homed_ns):
+            return None
+        per_mm = self.machine.links[axis].settings.increments_per_mm
+        return -self.machine.nodes[axis].servo.scaling.origin_units / per_mm
+
     @cached_property
     def buses(self) -> list[BusFigures]:
         """What the segments carried, in the order of the rig."""
@@ -191,6 +205,7 @@ class Observed:
         reactions = channel.reactions
         for time_ns, alarm in zip(reactions.further_ns, reactions.further, strict=True):
             marks.append(Event(time_ns, "alarm", f"{BESIDES}ID {alarm.id}", None))
+        marks += [Event(t, "mark", f"{axis}: homed", axis) for t, axis in channel.single.homed]
         marks += self._drive_marks()
         marks += [Event(t, "mark", label, None) for t, label, _ in plc_side(self.machine)]
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))

@@ -15,6 +15,7 @@ from bench.plan.assignment import parse_assignment
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import as_written, read_settings
+from kernel.channel import Channel
 from kernel.nc.text.parser import read_program
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -61,6 +62,7 @@ class Outcome:
 
 
 RunNc = Callable[..., Outcome]
+Watch = Callable[[Channel], None]
 
 
 @pytest.fixture
@@ -68,7 +70,13 @@ def run_nc(tmp_path: Path) -> RunNc:
     """Return `run(program, rig, *assignments, base=...)`; rig is TOML put above a shipped rig."""
     count = 0
 
-    def run(program: str, rig: str, *assignments: str, base: str = "probe-xyz.toml") -> Outcome:
+    def run(
+        program: str,
+        rig: str,
+        *assignments: str,
+        base: str = "probe-xyz.toml",
+        watch: Watch | None = None,
+    ) -> Outcome:
         nonlocal count
         count += 1
         rig_file, nc_file = tmp_path / f"rig{count}.toml", tmp_path / f"program{count}.nc"
@@ -76,7 +84,7 @@ def run_nc(tmp_path: Path) -> RunNc:
         nc_file.write_text(f"%unseen\n{program}\nN9999 M30\n", encoding="utf-8")
         # Geometry to a nanometre needs axes that stand: exact-stop windows of 0.1 um
         fine = [f"set:{a}.getriebe[0].window=1" for a in ("XYZ" if "xyz" in base else "")]
-        return run_files(nc_file, rig_file, [*fine, *assignments])
+        return run_files(nc_file, rig_file, [*fine, *assignments], watch)
 
     return run
 
@@ -87,12 +95,16 @@ def run_own() -> Callable[..., Outcome]:
     return run_files
 
 
-def run_files(program: Path, rig: Path, assignments: Sequence[str] = ()) -> Outcome:
-    """Run a program file on a rig file in this process."""
+def run_files(
+    program: Path, rig: Path, assignments: Sequence[str] = (), watch: Watch | None = None
+) -> Outcome:
+    """Run a program file on a rig file in this process; watch: called in every cycle."""
     table, files = read_rig(rig)
     changes = [(parse_assignment(text), as_written) for text in assignments]
     settings = read_settings(table, files, changes)
     machine = Machine(settings, read_program(program, tuple(table.axis)))
+    if watch is not None:
+        machine.channel.observers.append(watch)
     try:
         machine.run()
     finally:

@@ -11,6 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from bench.run.observe import Observed
+from kernel.errors import Alarm
+
 Run = Callable[..., Any]
 PLANS = Path(__file__).parents[2] / "testplans"
 INCREMENT_MM = 10 / 2**20
@@ -131,3 +134,41 @@ def test_the_program_goes_on_in_the_coordinates_of_the_reference(run_own: Run) -
     # one tick of 250 us and the input delay at 1 mm/s; the window of the axis list is 0.1 um
     late_mm = 1.0 * (250e-6 + 4e-6)
     assert 22.0 - 1e-4 < end_mm(out, "Z") < 22.0 + late_mm + 1e-4
+
+
+def test_a_run_behind_homing_measures_in_the_new_coordinates(run_nc: Run) -> None:
+    """The face at 30 mm lies 18 mm above the edge that is 100 mm; 10 mm/s and 4 us of delay."""
+    out = run_nc(
+        'N10 G74 Z1\nN20 G100 Z130 F600\n#MSG SYN["Z=%f", V.A.MESS.Z]',
+        """
+[axis.Z]
+probe_1 = "touch"
+probe_2 = "touch"
+[plant.touch]
+fmu = "AxisRig.Sensors.TouchProbe"
+start = { normal_x = 0, normal_y = 0, normal_z = -1, surface_mm = -30 }
+wire = { z = "z" }
+""",
+        base="homing-z-g74.toml",
+    )
+    assert out.alarms == []
+    (measured,) = out.printed("Z")
+    late_mm, delay_mm = 1.0 * (250e-6 + 4e-6), 10.0 * 4e-6
+    assert 118.0 + delay_mm - late_mm - INCREMENT_MM < measured < 118.0 + delay_mm + INCREMENT_MM
+    # what the report compares with the truth of the plant
+    zero_mm = Observed(out.machine).zero_mm("Z", out.machine.channel.records[0])
+    assert zero_mm == pytest.approx(30.0 + delay_mm - measured, abs=INCREMENT_MM)
+
+
+def test_homing_that_is_stopped_brings_the_axis_to_rest(run_nc: Run) -> None:
+    """The operator stops the search at 20 mm/s; the drive brakes with 500 mm/s2 (609A)."""
+
+    def stop(channel: Any) -> None:
+        if channel.links[0].actual_mm > 5.0 and not channel.alarms:
+            channel.stop(Alarm(900070))
+
+    out = run_nc("N10 G74 Z1\nN20 G1 Z0 F600", "", base="homing-z-g74.toml", watch=stop)
+    assert out.alarms == [900070]
+    assert end_mm(out, "Z") == pytest.approx(5.0 + 20.0**2 / (2 * 500.0) + 20.0 / KV, abs=0.15)
+    speed = np.diff(out.column("Z.truth_mm")[-20:])
+    assert np.abs(speed).max() < 1e-3

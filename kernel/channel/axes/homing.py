@@ -162,7 +162,7 @@ class AxisHoming:
 
 
 class Homing:
-    """The groups of one G74, one after the other; links: by axis."""
+    """The groups of one G74, one after the other; links: by axis. homed: in this cycle."""
 
     def __init__(
         self,
@@ -174,6 +174,7 @@ class Homing:
         self._groups = list(groups)
         self._path, self._links, self._clock = path, links, clock
         self._axes: dict[str, AxisHoming] = {}
+        self.homed: list[str] = []
         self._next()
 
     def _next(self) -> None:
@@ -185,7 +186,9 @@ class Homing:
         for axis, homing in self._axes.items():
             self._path.put(axis, self._links[axis].actual_mm)
             homing.step()
+        self.homed = []
         if all(homing.phase is Phase.DONE for homing in self._axes.values()):
+            self.homed = list(self._axes)
             self._next()
         return not self._axes
 

@@ -9,13 +9,16 @@ from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
 from kernel.channel.path import Path
 from kernel.channel.settings import CycleTiming
-from kernel.clock import Clock
+from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.nc import canon
 
 
 class SingleAxes:
-    """Carries out the commands of single axes; links: by axis."""
+    """Carries out the commands of single axes; links: by axis.
+
+    homed: every axis that has been homed, with the cycle in which it was known.
+    """
 
     def __init__(
         self,
@@ -30,6 +33,7 @@ class SingleAxes:
         self.independent = IndependentAxes(clock, timing, path, measurement, links)
         self.couplings = Couplings(path, links)
         self._homing: Homing | None = None
+        self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()
 
     def assign(self, execution: Execution) -> None:
@@ -91,8 +95,11 @@ class SingleAxes:
         self.independent.step()
         if self.couplings.watched:
             self.couplings.watch()
-        if self._homing is not None and self._homing.step():
-            self._homing = None
+        if self._homing is not None:
+            done = self._homing.step()
+            self.homed += [(self._clock.now_ns, axis) for axis in self._homing.homed]
+            if done:
+                self._homing = None
 
     def advance(self) -> None:
         """Lead the axes on by one cycle."""

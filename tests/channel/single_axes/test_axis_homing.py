@@ -1,0 +1,142 @@
+"""The homing of one axis against a drive that does what the test says."""
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from kernel.channel.axes.homing import (
+    BLIND_CYCLES,
+    LIMIT_NS,
+    MODE_POLLS_MAX,
+    SDO_CYCLES,
+    AxisHoming,
+    Phase,
+)
+from kernel.clock import MS
+from kernel.drives.sdo import SdoError
+from kernel.errors import Alarm
+
+MODE, DISPLAY, METHOD, ERROR = 0x6060, 0x6061, 0x6098, 0x603F
+ATTAINED, AT_REST, FAILED = 1 << 12, 1 << 10, 1 << 13
+CSP, HOMING = 8, 6
+
+
+class Drive:
+    """Objects that answer at once; refuses: objects that cannot be written or read."""
+
+    def __init__(self, *, mode_in_pdo: bool = False, refuses: tuple[int, ...] = ()) -> None:
+        self.objects = {MODE: CSP, DISPLAY: CSP, METHOD: 17, ERROR: 0x7305}
+        self.mode_in_pdo, self.refuses = mode_in_pdo, refuses
+        self.follows = True
+        self.settings = SimpleNamespace(node_id=3)
+        self.name, self.sdo = "Z", self
+        self.mode_bits, self.statusword, self.leads_itself = 0, 0, False
+
+    def set_object(self, index: int, sub: int, value: int) -> None:
+        if not self.mode_in_pdo:
+            raise KeyError(index)
+        self._take(index, value)
+
+    def _take(self, index: int, value: int) -> None:
+        self.objects[index] = value
+        if self.follows:
+            self.objects[DISPLAY] = self.objects[MODE]
+
+    def read(self, index: int, sub: int, done: Callable[[Any], None]) -> None:
+        if index in self.refuses:
+            done(SdoError(index, sub, 0x06020000))
+        else:
+            done(self.objects[index].to_bytes(2, "little"))
+
+    def write(self, index: int, sub: int, data: bytes, done: Callable[[Any], None]) -> None:
+        if index in self.refuses:
+            done(SdoError(index, sub, 0x06090030))
+        else:
+            self._take(index, data[0])
+            done(b"")
+
+
+def homing(drive: Drive) -> tuple[AxisHoming, SimpleNamespace]:
+    clock = SimpleNamespace(now_ns=0)
+    return AxisHoming(drive, clock), clock  # type: ignore[arg-type]
+
+
+def cycles(axis: AxisHoming, count: int) -> None:
+    for _ in range(count):
+        axis.step()
+
+
+@pytest.mark.parametrize("mode_in_pdo", [False, True])
+def test_the_course_of_a_homing(mode_in_pdo: bool) -> None:
+    drive = Drive(mode_in_pdo=mode_in_pdo)
+    axis, _ = homing(drive)
+    assert drive.leads_itself
+    cycles(axis, 4 * SDO_CYCLES)
+    assert (drive.objects[MODE], drive.mode_bits, axis.phase) == (HOMING, 1 << 4, Phase.SEARCHING)
+    cycles(axis, 100)
+    assert axis.phase is Phase.SEARCHING
+    drive.statusword = ATTAINED
+    cycles(axis, 5)
+    assert axis.phase is Phase.SEARCHING  # home is known, the axis is not at rest
+    drive.statusword = ATTAINED | AT_REST
+    cycles(axis, 4 * SDO_CYCLES)
+    assert (drive.objects[MODE], drive.mode_bits, axis.phase) == (CSP, 0, Phase.DONE)
+    assert not drive.leads_itself
+
+
+def test_a_reference_of_before_is_not_taken_for_the_new_one() -> None:
+    drive = Drive()
+    drive.statusword = ATTAINED | AT_REST
+    axis, _ = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES)
+    cycles(axis, BLIND_CYCLES - 2 * SDO_CYCLES)
+    drive.statusword = 0  # now the drive has seen the start
+    cycles(axis, 100)
+    assert axis.phase is Phase.SEARCHING
+
+
+@pytest.mark.provokes(900190, 4, axis="Z", method=17, error="0x7305", statusword="0x2000")
+def test_bit_13_is_an_alarm_with_what_the_drive_tells() -> None:
+    drive = Drive()
+    axis, _ = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES)
+    drive.statusword = FAILED
+    with pytest.raises(Alarm, match="reports an error"):
+        cycles(axis, BLIND_CYCLES + 4 * SDO_CYCLES)
+
+
+def test_a_homing_without_end_is_an_alarm() -> None:
+    drive = Drive()
+    axis, clock = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES + BLIND_CYCLES)
+    clock.now_ns = LIMIT_NS
+    cycles(axis, 1)
+    clock.now_ns += MS
+    with pytest.raises(Alarm, match="not at its end after 300 s"):
+        cycles(axis, 4 * SDO_CYCLES)
+
+
+@pytest.mark.provokes(900011, 4, axis="Z", node=3)
+@pytest.mark.parametrize("refused", [MODE, DISPLAY])
+def test_a_drive_that_does_not_take_the_mode(refused: int) -> None:
+    axis, _ = homing(Drive(refuses=(refused,)))
+    with pytest.raises(Alarm, match="900011"):
+        cycles(axis, 10 * SDO_CYCLES)
+
+
+def test_a_drive_that_does_not_change_its_mode() -> None:
+    drive = Drive()
+    drive.follows = False
+    axis, _ = homing(drive)
+    with pytest.raises(Alarm, match="6061 shows mode 8"):
+        cycles(axis, (MODE_POLLS_MAX + 5) * SDO_CYCLES)
+
+
+def test_breaking_off_takes_the_start_back() -> None:
+    drive = Drive()
+    axis, _ = homing(drive)
+    cycles(axis, 4 * SDO_CYCLES)
+    axis.abort()
+    assert drive.mode_bits == 0
