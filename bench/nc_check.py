@@ -1,11 +1,14 @@
 """`axisrig nc --check`: an NC program read and checked without running it."""
 
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from bench.rig.file import read_rig
+from kernel.errors import UserError
+from kernel.nc import decoder
 from kernel.nc.text.check import axes_of, check_program
-from kernel.nc.text.parser import read_text
+from kernel.nc.text.parser import parse_program, read_text
 
 
 def check_file(program: Path, rig: Path | None) -> bool:
@@ -25,14 +28,24 @@ def check_file(program: Path, rig: Path | None) -> bool:
     for note in checked.notes:
         print(f"note: {program}:{note.line}:{note.column}: {note.text}")
     sys.stdout.flush()
-    for error in checked.errors:
+    found = list(checked.errors) or _beyond_the_text(text, program, axes)
+    for error in found:
         print(f"error: {error}", file=sys.stderr)
         if error.excerpt is not None:
             print(error.excerpt, file=sys.stderr)
-    errors, notes = len(checked.errors), len(checked.notes)
+    errors, notes = len(found), len(checked.notes)
     print(f"{program}: {_many(checked.blocks, 'block')}, {_many(errors, 'error')}, ", end="")
     print(_many(notes, "note"))
-    return not checked.errors
+    return not found
+
+
+def _beyond_the_text(text: str, program: Path, axes: Sequence[str]) -> list[UserError]:
+    """Check jumps, files of subprograms and own variables of a text without errors."""
+    try:
+        decoder.check_program(parse_program(text, file=program, axes=axes))
+    except UserError as error:
+        return [error]
+    return []
 
 
 def _many(number: int, what: str) -> str:

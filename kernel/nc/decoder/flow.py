@@ -7,7 +7,6 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.frames import CALLS_MAX
-from kernel.nc.decoder.subprograms import local
 from kernel.nc.decoder.topic import Topic, silent
 from kernel.nc.expressions import Value
 from kernel.nc.syntax import (
@@ -185,8 +184,7 @@ def _call(context: Context, block: Block, call: SubprogramCall) -> None:
         # Source of the ID: global subprograms; the local ones have none of their own
         raise context.alarm(20360, block, limit=CALLS_MAX, name=call.name)
     unit = flow.frame.routine.unit
-    routine = local(unit, block, call.name) if call.scope == "local" else None
-    flow.call(routine or unit.called[call.name].main)
+    flow.call(unit.local[call.name] if call.scope == "local" else unit.called[call.name].main)
 
 
 def _return(context: Context, block: Block, words: Words) -> None:

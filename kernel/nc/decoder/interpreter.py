@@ -1,7 +1,9 @@
 """Decodes a checked program: blocks in, commands of `canon` out."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 
+from kernel.errors import UserError
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import OffsetTables
@@ -13,20 +15,38 @@ from kernel.nc.decoder.subprograms import Unit, link
 from kernel.nc.decoder.variables import external as external_variables
 from kernel.nc.decoder.variables import own
 from kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
+from kernel.nc.text.parser import read_text
+from kernel.nc.text.source import Source
 from kernel.nc.text.words import words as known_words
 
 # How many blocks may be decoded in a row that give the machine nothing to do
 IDLE_BLOCKS_MAX = 100_000
 
 
-def check_program(program: Program) -> Unit:
-    """Resolve what can be known before a run: jumps, subprograms and their files, own variables.
+def check_program(program: Program, external: Mapping[str, float] | None = None) -> Unit:
+    """Resolve what can be known before a run: jumps, subprograms and their files, variables.
 
+    external: what the PLC side has; None where that is not known yet.
     Raises UserError with the file, line and column of the first thing that cannot be right.
     """
-    main = link(program)
-    own.check(main)
+    try:
+        main = link(program)
+        own.check(main)
+        if external is not None:
+            external_variables.check(main, external)
+    except UserError as error:
+        _add_excerpt(error)
+        raise
     return main
+
+
+def _add_excerpt(error: UserError) -> None:
+    """Show the line of a place in a file, as errors of the text do."""
+    if error.excerpt is not None or error.file is None or not Path(error.file).is_file():
+        return
+    if error.line is not None and error.column is not None:
+        source = Source(read_text(error.file), error.file)
+        error.excerpt = source.excerpt(error.line, error.column)
 
 
 class Interpreter:
@@ -52,8 +72,7 @@ class Interpreter:
         kept: Store | None = None,
     ) -> None:
         assert tuple(axes) == program.axes, "the program was checked for other axes"
-        main = check_program(program)
-        external_variables.check(main, external)
+        main = check_program(program, external)
         self._context = Context(
             program,
             machine,

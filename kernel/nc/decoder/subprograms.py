@@ -6,7 +6,6 @@ Source: TF5200 programming manual 206828043 (local), 206834699 (global).
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import NoReturn
 
 from kernel.errors import UserError, nearest
 from kernel.nc.canon import Block
@@ -20,7 +19,7 @@ EXTENSIONS = ("", ".nc")
 
 @dataclass(eq=False)
 class Unit:
-    """One file: its main program and its local subprograms by name in upper case.
+    """One file: its main program and its local subprograms by name.
 
     called: the units of the global subprograms that this file calls, by name as written.
     """
@@ -49,9 +48,8 @@ class Routine:
 def link(program: Program) -> Unit:
     """Resolve every jump and every call that a program can reach.
 
-    Raises UserError for structures that are not closed, labels and subprograms that do not exist,
-    and for everything wrong in the files of global subprograms, with the name of the file in which
-    it stands.
+    Raises UserError for jumps into loops, for files of global subprograms that are not there, and
+    for everything wrong inside them, with the name of the file in which it stands.
     """
     units: dict[Path, Unit] = {}
     main = _unit(program)
@@ -61,9 +59,7 @@ def link(program: Program) -> Unit:
     while waiting:
         unit = waiting.pop()
         for block, call in _calls(unit):
-            if call.scope == "local":
-                local(unit, block, call.name)
-            elif call.scope == "global" and call.name not in unit.called:
+            if call.scope == "global" and call.name not in unit.called:
                 path = _file(program, unit, block, call.name)
                 key = path.resolve()
                 if key not in units:
@@ -81,27 +77,11 @@ def reachable(main: Unit) -> list[Unit]:
     return found
 
 
-def local(unit: Unit, block: Block, name: str) -> Routine:
-    """Find a local subprogram; raises UserError with the nearest names."""
-    if name.upper() not in unit.local:
-        known = [routine.name for routine in unit.local.values()]
-        close = nearest(name, known)
-        _refuse(
-            unit,
-            block,
-            "this file has no such local subprogram (%L)",
-            name,
-            known or "none: a local subprogram stands in front of the main program",
-            f"nearest: {', '.join(close)}" if close else None,
-        )
-    return unit.local[name.upper()]
-
-
 def _unit(program: Program) -> Unit:
     def routine(name: str, blocks: Sequence[ProgramBlock]) -> Routine:
         return Routine(name, program.file, blocks, resolve(program.file, blocks))
 
-    locals_ = {name.upper(): routine(name, part) for name, part in program.subprograms.items()}
+    locals_ = {name: routine(name, part) for name, part in program.subprograms.items()}
     unit = Unit(program, routine(program.name or "main program", program.blocks), locals_)
     for each in (unit.main, *locals_.values()):
         each.unit = unit
@@ -131,26 +111,12 @@ def _file(program: Program, unit: Unit, block: Block, name: str) -> Path:
     places = ", ".join(str(path) for path in tried)
     beside = sorted(path.name for folder in folders for path in folder.glob("*.nc"))
     close = nearest(asked.name, beside)
-    _refuse(
-        unit,
-        block,
-        "the file of the global subprogram is not there",
-        name,
-        f"one of {places}" if tried else "a file: this program has no place of its own",
-        f"nearest: {', '.join(close)}" if close else None,
-    )
-
-
-def _refuse(
-    unit: Unit, block: Block, message: str, name: str, allowed: object, hint: str | None
-) -> NoReturn:
-    at = max(block.text.upper().find(name.upper()), 0)
     raise UserError(
-        message,
+        "the file of the global subprogram is not there",
         file=unit.program.file,
         line=block.line,
-        column=block.column + at,
+        column=block.column + max(block.text.upper().find(name.upper()), 0),
         value=name,
-        allowed=allowed,  # type: ignore[arg-type]
-        hint=hint,
+        allowed=f"one of {places}" if tried else "a file: this program has no place of its own",
+        hint=f"nearest: {', '.join(close)}" if close else None,
     )

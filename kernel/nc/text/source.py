@@ -67,10 +67,10 @@ class Source:
             allowed=allowed,  # type: ignore[arg-type]
             hint=hint or None,
         )
-        error.excerpt = self._excerpt(line, column)
+        error.excerpt = self.excerpt(line, column)
         return error
 
-    def _excerpt(self, line: int, column: int) -> str:
+    def excerpt(self, line: int, column: int) -> str:
         """Give a line, or the part of a long one around the place, with a caret under it."""
         text, place = self.line(line), column - 1
         begin = max(0, place - EXCERPT_WIDTH // 2) if len(text) > EXCERPT_WIDTH else 0

@@ -108,7 +108,9 @@ class Structure:
         self._open.append(_Open(word, offset))
         if len(self._open) > DEPTH_MAX:
             raise self._source.error(
-                "control structures are nested too deep", offset, allowed=f"{DEPTH_MAX} levels"
+                "control structures are nested too deep (ID 20211)",
+                offset,
+                allowed=f"{DEPTH_MAX} levels",
             )
 
     def _end(self, word: str, begin: str, offset: int) -> None:
