@@ -43,9 +43,7 @@ def _holds(message: str, *fragments: str) -> None:
 PROGRAMS = [
     ("unknown word", "N10 G1 Z132 Q5 F100\n", ["part.nc:1:13:", "'Q'", "allowed: Z"]),
     ("unknown G", "N10 G90\nN20 G999 Z1 F1\n", ["part.nc:2:5:", "'G999'", "G100", "G102"]),
-    ("later G", "G108 Z120 F100\n", ["part.nc:1:1:", "'G108'", "not acting yet"]),
     ("unknown command", "N10 #MESS MODE[2]\n", ["part.nc:1:5:", "'#MESS MODE'", "#MEAS MODE"]),
-    ("later command", "#WAIT FOR[1]\n", ["part.nc:1:1:", "not acting yet"]),
     ("unknown variable", 'N1 #MSG["%f",V.A.MEES.Z]\n', ["part.nc:1:14:", "nearest: V.A.MESS.Z"]),
     ("axis not there", "N10 G1 Z132\nN20 X10 F100\n", ["part.nc:2:5:", "'X'", "allowed: Z"]),
     ("feed 0", "N10 G1 Z132 F0\n", ["part.nc:1:13:", "'F0'", "greater than 0"]),
