@@ -139,8 +139,8 @@ def _order(area: str, entries: Iterable[CatalogueEntry]) -> tuple[bool, str]:
 
 _PAGE_HEAD = """# Alarms
 
-All {count} alarm IDs, by area, made from `kernel/errors.csv` by `axisrig errors --markdown`. IDs
-below 900000 are those of the manuals, the others are ours where no ID is documented.
+All {count} alarm IDs, by area, made from `kernel/errors.csv` by `axisrig errors --format markdown`.
+IDs below 900000 are those of the manuals, the others are ours where no ID is documented.
 `axisrig errors 70331` tells all about one, `axisrig errors probe` finds those that have to do with
 a probe. How to add one: [architecture.md](architecture.md), "Errors and alarms".
 

@@ -1,6 +1,6 @@
 """The commands that list what plans and rigs may say; imports as in `bench.cli`."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -49,15 +49,18 @@ def errors(
         int | None, typer.Option("--class", min=1, max=7, help="Only this reaction class.")
     ] = None,
     area: Annotated[str | None, typer.Option("--area", help="Only this area.")] = None,
-    markdown: Annotated[
-        bool, typer.Option("--markdown", help="The page docs/errors.md instead.")
-    ] = False,
+    form: Annotated[
+        Literal["text", "markdown"],
+        typer.Option("--format", help="Form of the list; markdown is docs/errors.md."),
+    ] = "text",
 ) -> None:
     """List the alarms, or tell all about one: class, values, remedy, twin, source."""
     from bench.alarms import alarm_listing, page
 
-    shown = page() if markdown else f"{alarm_listing(word, reaction_class, area)}\n"
-    print(shown, end="")
+    if form == "markdown":
+        print(page(), end="")
+    else:
+        print(alarm_listing(word, reaction_class, area))
 
 
 @rejecting

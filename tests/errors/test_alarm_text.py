@@ -1,5 +1,7 @@
 """`axisrig errors`: the list, its filters, and everything about one alarm."""
 
+from pathlib import Path
+
 import pytest
 
 from bench.alarms import alarm_listing, explained, page, unit_of
@@ -74,6 +76,12 @@ def test_reactions_of_the_catalogue_are_those_of_the_classes() -> None:
 )  # fmt: skip
 def test_the_unit_stands_at_the_end_of_the_name(name: str, unit: str) -> None:
     assert unit_of(name) == unit
+
+
+def test_the_page_is_fresh() -> None:
+    """Else: axisrig errors --format markdown > docs/errors.md."""
+    path = Path(__file__).parents[2] / "docs" / "errors.md"
+    assert path.read_text(encoding="utf-8") == page()
 
 
 def test_the_page_has_every_alarm_under_its_area() -> None:

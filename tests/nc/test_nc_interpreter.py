@@ -296,6 +296,7 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
 )
 @pytest.mark.provokes(20008, 2)
 @pytest.mark.provokes(20138, 2)
+@pytest.mark.provokes(20396, 2)
 @pytest.mark.provokes(20772, 2)
 @pytest.mark.provokes(50061, 4)
 @pytest.mark.provokes(900101, 2)
