@@ -323,13 +323,13 @@ class Channel:
     # Stopping
 
     def _come_up(self, alarm: Alarm) -> None:
-        if self.state is ChannelState.STOPPING:
-            self.reactions.register_further(alarm)
-        elif self.reactions.come_up(alarm):
-            self.state = ChannelState.STOPPING
-        for further in self._monitor.further:
-            self.reactions.register_further(further)
-        self._monitor.further = []
+        """React to an alarm and to what came up with it; the first that ends the program counts."""
+        further, self._monitor.further = self._monitor.further, []
+        for one in (alarm, *further):
+            if self.state is ChannelState.STOPPING:
+                self.reactions.register_further(one)
+            elif self.reactions.come_up(one):
+                self.state = ChannelState.STOPPING
 
     def stop(self, alarm: Alarm) -> None:
         """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""

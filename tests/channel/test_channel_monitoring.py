@@ -127,6 +127,17 @@ def test_900035_warns_and_the_program_goes_on(trouble: Any) -> None:
     assert (case.bench.final_mm("Y"), case.bench.final_mm("Z")) == (60.0, 80.0)
 
 
+def test_a_warning_of_one_drive_does_not_hide_what_another_one_tells(trouble: Any) -> None:
+    """Y warns and Z sends an emergency in one cycle: the program ends because of Z."""
+    case = trouble()
+    case.other.send_message(0x081, struct.pack("<HB5x", 0x8120, 0x11))
+    case.other.send_message(EMCY, struct.pack("<HB5x", 0x4310, 0x09))
+    case.bench.finish()
+    told = [(alarm.id, alarm.values["axis"]) for alarm in case.bench.channel.alarms]
+    assert told == [(900035, "Y"), (900025, "Z")]
+    assert case.bench.final_mm("Y") < 60.0
+
+
 def test_an_emergency_that_says_error_reset_is_no_alarm(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, bytes(8))
