@@ -1,6 +1,7 @@
 """Unseen programs of types 2 to 5 with several axes: geometry, and the truth of the plant."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -74,3 +75,56 @@ def test_type_5_goes_on_from_where_the_axes_are(run_nc: Run) -> None:
         assert out.printed(f"PROG.{axis}") == near([out.stand_mm(axis)], 0.001)
     assert out.printed("ABS.Z") == near([out.printed("PROG.Z")[0] + 5], 1e-9)
     assert out.printed("PROG.Z")[0] < WALL
+
+
+MAP = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field
+RPDO1,1,0,0x6040,0,16,no,controlword
+RPDO1,1,0,0x607A,0,32,yes,target
+RPDO1,1,0,0x60B8,0,16,no,probe_function
+TPDO1,1,0,0x6041,0,16,no,statusword
+TPDO1,1,0,0x6064,0,32,yes,actual
+TPDO1,1,0,0x60B9,0,16,no,probe_status
+TPDO2,1,0,latch,0,32,yes,latch
+TPDO2,1,0,0x60BB,0,32,yes,
+TPDO3,254,10,0x60FD,0,32,no,inputs
+"""
+FLANKS = """N10 G1 G90 Z110 F3000
+N20 G100 Z80 F600
+#MSG SYN["down=%f", V.A.MESS.Z]
+N30 #MEAS [AX=Z EDGE=NEG]
+N40 G100 Z120 F600
+#MSG SYN["up=%f", V.A.MESS.Z]
+N50 #MEAS [AXNR=3 EDGE=POS INPUT=1]
+N60 G100 Z80 F600
+#MSG SYN["again=%f", V.A.MESS.Z]"""
+
+
+def test_a_program_measures_both_edges_of_a_probe(run_nc: Run, tmp_path: Path) -> None:
+    """The input falls where it rose: at the surface, 4 us late at 10 mm/s either way."""
+    table = tmp_path / "both.csv"
+    table.write_text(MAP, encoding="utf-8")
+    rig = f'[drive.servo]\npdo_map = "{table.as_posix()}"'
+    out = run_nc(FLANKS, rig, base="probe-z.toml")
+    assert out.alarms == []
+    late_mm = 10 * 4e-6
+    assert out.printed("down") == near([100 - late_mm])
+    assert out.printed("up") == near([100 + late_mm])
+    assert out.printed("again") == near([100 - late_mm])
+
+
+@pytest.mark.provokes(900223, 4, axis="Z", input=1, edge="NEG", object="0x60BB")
+def test_the_usual_telegram_carries_one_latch_only(run_nc: Run) -> None:
+    out = run_nc(FLANKS, "", base="probe-z.toml")
+    assert out.alarms == [900223]
+    assert "N30" in str(out.machine.channel.alarms[0])
+
+
+def test_a_simulated_probe_needs_no_workpiece(run_nc: Run) -> None:
+    """Mode 4 with SIMU_OFFSET: 2.5 mm before the target, to one cycle of 10 mm/s."""
+    program = "N10 G1 G90 Z110 F3000\nN15 #MEAS [SIMU_OFFSET=-2.5]\nN20 G100 Z104 F600\n" + show(
+        "MERF.Z", "MESS.Z"
+    )
+    out = run_nc(program, "", "set:Z.meas_simu.meas_simu_mode=4", base="probe-z.toml")
+    assert out.alarms == []
+    assert out.printed("MERF.Z") == [1]
+    assert 106.49 - 1e-6 <= out.printed("MESS.Z")[0] <= 106.5
