@@ -279,7 +279,7 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
         ('N7 #MSG ["%f", V.A.MEAS.ACS.VALUE.X]', 900101),
         ('N7 #MSG ["%f", V.A.MEAS.PCS.VALUE.X]', 900101),
         ('N7 #MSG ["%f", V.A.MOFFS.X]', 900101),
-        ("#MEAS MODE[7]\nN7 G100 X1 F100", 900100),
+        ("#MEAS MODE[V.A.ABS.X+7]\nN7 G100 X1 F100", 900100),
         ("#MEAS MODE[2]\nN7 G100 X1 Y1 F100", 50061),
         ("N7 G100 X0 F100", 900103),
         ("N7 #MEAS MODE[V.A.ABS.X]", 900104),

@@ -91,7 +91,7 @@ def test_g310_measures_with_feed_or_in_rapid_traverse(run, word: str) -> None:
 @pytest.mark.parametrize("type_", [1, 2, 3, 4, 7])
 @pytest.mark.provokes(20956, 2)
 def test_20956_g310_with_a_type_of_g100(run, type_: int) -> None:
-    alarm = _alarm(run, f"#MEAS MODE[{type_}]\nN7 G310 X5 F100")
+    alarm = _alarm(run, f"#MEAS MODE[V.A.ABS.X+{type_}]\nN7 G310 X5 F100")
     assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (20956, 2, {"type": type_})
 
 

@@ -6,6 +6,7 @@ import pytest
 
 from kernel.errors import Alarm, UserError
 from kernel.nc.canon import DefaultProbes, MeasuringRun, Message, PrepareProbe, ProbeSettings
+from kernel.nc.text.parser import parse_program
 
 RUN = "\nG100 X9 F100"
 
@@ -116,15 +117,24 @@ def test_900227_for_values_that_cannot_be(run, text: str, values: tuple[str, ...
 
 
 @pytest.mark.parametrize(
-    "text",
+    ("text", "word"),
     [
-        "AX=X SIGNAL=PLC",
-        "AX=X SIGNAL=FIXED_STOP",
-        "TRIGGER",
-        "AX=X G108",
-        "AX=X SIGNAL=PLC_TIMESTAMP",
+        ("#MEAS[AX=X SIGNAL=PLC]", "#MEAS [SIGNAL=PLC]"),
+        ("#MEAS[AX=X SIGNAL=FIXED_STOP]", "#MEAS [SIGNAL=FIXED_STOP]"),
+        ("#MEAS[AX=X SIGNAL=EXT_PROBE_WITH_DRIVE]", "#MEAS [SIGNAL=EXT_PROBE_WITH_DRIVE]"),
+        ("#MEAS[TYPE=7]", "#MEAS [TYPE=7]"),
+        ("#MEAS MODE[7]", "#MEAS MODE[7]"),
+        ("#MEAS[TRIGGER]", "#MEAS [TRIGGER"),
+        ("#MEAS[AX=X G108]", "#MEAS [G108"),
+        ("G108", "G108"),
+        ("G107", "G107"),
     ],
 )
 @pytest.mark.provokes(900100, 2)
-def test_900100_for_signals_of_later_functions(run, text: str) -> None:
-    assert _alarm(run, f"N7 #MEAS[{text}]").id == 900100
+def test_900100_and_a_note_of_the_check_for_what_belongs_to_later_functions(
+    run, text: str, word: str
+) -> None:
+    alarm = _alarm(run, f"N7 {text}")
+    assert (alarm.id, alarm.values["word"]) == (900100, word)
+    program = parse_program(f"N7 {text}\n", file="test.nc", axes=("X", "Y", "Z"))
+    assert [n.word for block in program.blocks for n in block.not_acting] == [word]

@@ -12,7 +12,6 @@ from kernel.nc.decoder.measuring import Measurements, choose_type
 from kernel.nc.decoder.topic import Topic
 from kernel.nc.syntax import Command, Expression, Name, Option
 
-FROM_THE_DRIVE = ("DRIVE", "DRIVE_TYPE_DEFAULT")
 INPUTS = (1, 2)  # of a CANopen drive: FCT-C4 8.2.2, P-AXIS-00517
 PROBES = {"PROBE0": 0, "PROBE1": 1}
 
@@ -61,13 +60,10 @@ def _error_no_signal(context: Context, block: Block, value: Option) -> bool:
 
 
 def _of_axis(context: Context, block: Block, axis: str, command: Command) -> canon.ProbeSettings:
-    signal, edge = command.option("SIGNAL"), command.option("EDGE")
-    if isinstance(signal, Name) and signal.value.upper() not in FROM_THE_DRIVE:
-        word = f"#MEAS SIGNAL={signal.value}"
-        raise context.alarm(900100, block, word=word, what="signals that the drive does not latch")
+    edge = command.option("EDGE")
     probe_input, probe = _input(context, block, command.option("INPUT"))
     name = edge.value.upper() if isinstance(edge, Name) else None
-    by_drive = isinstance(signal, Name)
+    by_drive = command.has("SIGNAL")  # any other source is noted as not acting
     return canon.ProbeSettings(block, axis, name, probe_input, probe, by_drive)
 
 
