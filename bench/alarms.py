@@ -57,7 +57,7 @@ def _searched(entry: CatalogueEntry) -> str:
 
 
 def _mark(entry: CatalogueEntry) -> str:
-    return "" if entry.is_raised else "(-) "
+    return "(-) " if _is_later(entry) else ""
 
 
 def _plain(text: str) -> str:
@@ -84,13 +84,24 @@ def _rows(entry: CatalogueEntry, reaction: dict[str, str]) -> Iterator[tuple[str
         "remedy": entry.remedy,
         "afterwards": reaction["afterwards"],
         "type": _TYPES.get(entry.error_type, ""),
-        "raised": "yes" if entry.is_raised else f"not yet: {entry.area} does not act",
+        "raised": _raised(entry),
         "source": entry.source,
         "inferred": ", ".join(entry.inferred),
     }
     for name, text in told.items():
         if text:
             yield name, fill(text, _WIDTH - _INDENT, subsequent_indent=" " * _INDENT)
+
+
+def _raised(entry: CatalogueEntry) -> str:
+    if _is_later(entry):
+        return "not yet: what leads to it does not act here"
+    return "yes" if entry.is_raised else f"as {entry.older_id}"
+
+
+def _is_later(entry: CatalogueEntry) -> bool:
+    """Whether nothing raises it, nor its older twin in its place."""
+    return not any(catalogue()[i].is_raised for i in (entry.id, entry.older_id or entry.id))
 
 
 _TYPES: dict[int | None, str] = {
@@ -165,7 +176,7 @@ def _table(entries: Iterable[CatalogueEntry]) -> Iterator[str]:
     yield "|---|---|---|---|---|"
     for e in entries:
         twin = e.newer_id or e.older_id
-        name = f"{e.id}{f' ({twin})' if twin else ''}{'' if e.is_raised else ' *(later)*'}"
+        name = f"{e.id}{f' ({twin})' if twin else ''}{' *(later)*' if _is_later(e) else ''}"
         number = f"{e.reaction_class}{_guess('class', e)}"
         text = f"{_cell(e.text)}{_guess('text', e)}"
         yield f"| {name} | {number} | {text} | {_cell(e.remedy)} | {_cell(e.source)} |"

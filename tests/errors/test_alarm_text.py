@@ -37,9 +37,13 @@ def test_one_id_is_told_in_full(word: str) -> None:
     assert "Newer builds report 310017." in told
     assert "deviation_mm [mm]" in told
     assert "P-AXIS-00414" in told
-    assert "not yet: distance control does not act" in told
+    assert "raised     not yet" in told
     assert "FCT-M3 11" in told
     assert "retract with care" in told
+
+
+def test_a_newer_twin_says_under_which_id_it_is_raised() -> None:
+    assert "raised     as 110757" in alarm_listing("110657")
 
 
 def test_every_alarm_can_be_told() -> None:
