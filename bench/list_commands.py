@@ -71,4 +71,19 @@ def explain(alarm_id: Annotated[str, typer.Argument(metavar="ID", help="ID of an
     print(alarm_listing(alarm_id))
 
 
-LISTINGS = (metrics, drives, faults, params, errors, explain)
+@rejecting
+def language(
+    word: Annotated[
+        str | None, typer.Argument(help="A word of NC programs: all about it, not the list.")
+    ] = None,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="The page docs/nc-language.md instead.")
+    ] = False,
+) -> None:
+    """List the words, commands and variables of NC programs; (-) marks what does not act."""
+    from bench.language import language_listing, page
+
+    print(page() if markdown else f"{language_listing(word)}\n", end="")
+
+
+LISTINGS = (metrics, drives, faults, params, errors, explain, language)

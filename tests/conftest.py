@@ -19,6 +19,7 @@ import pytest
 
 from kernel.channel.reactions import Reactions
 from kernel.errors import Alarm, catalogue
+from kernel.nc.text.words import not_acting
 
 _MARK = re.compile(r"mark\.provokes\(\s*(\d+)")
 
@@ -53,6 +54,8 @@ def unprovoked() -> list[int]:
 def pytest_terminal_summary(terminalreporter: Any) -> None:
     ids = " ".join(map(str, not_yet_provoked()))
     terminalreporter.write_line(f"alarm IDs not yet provoked: {ids or 'none'}")
+    words = ", ".join(not_acting())
+    terminalreporter.write_line(f"NC words known and not acting yet: {words or 'none'}")
 
 
 @pytest.hookimpl(wrapper=True)

@@ -123,6 +123,10 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     "EXP": _exponential,
     "LN": _logarithm("natural logarithm", math.log),
     "LOG": _logarithm("logarithm", math.log10),
+    "SQR": lambda value: value * value,
+    "DEXP": lambda value: _power(10.0, value),
+    "ATAN2": lambda y, x: math.degrees(math.atan2(y, x)),
+    "INV": lambda value: float(~_bits(value)),
     "MIN": min,
     "MAX": max,
 }

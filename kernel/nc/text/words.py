@@ -116,6 +116,24 @@ def commands() -> Mapping[str, Mapping[str, Keyword]]:
     return found
 
 
+def forms() -> tuple[tuple[str, str], ...]:
+    """Give the forms of blocks and words: how they are written, what they mean."""
+    return tuple((row["form"], row["meaning"]) for row in rows("forms.csv"))
+
+
+def not_acting() -> tuple[str, ...]:
+    """Give every word that is read and ends with alarm 900100 when the machine gets there."""
+    kinds = ("G", "M", "address", "function", "control", "sign")
+    found = [w.word for kind in kinds for w in words(kind).values() if not w.acts]
+    for name, table in commands().items():
+        shown = name if name.startswith(("<", "L ")) else f"#{name}"
+        if not table[""].acts:
+            found.append(shown)
+        else:
+            found += [f"{shown} [{word}]" for word, row in table.items() if word and not row.acts]
+    return (*found, *(row.name for row in variables() if not row.acts))
+
+
 @lru_cache(maxsize=4096)
 def find_variable(name: str) -> tuple[VariableName | None, str | None]:
     """Give the row of a variable (upper case) and the axis it names; the exact row wins."""
