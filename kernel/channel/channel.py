@@ -214,11 +214,14 @@ class Channel:
         self.path.advance()  # 5, 6 next set positions through the buffer
         for observer in self.observers:  # 7
             observer(self)
-        has_stopped = self.path.has_stopped and not self.single.is_moving
-        if was_stopping and has_stopped and self.reactions.has_stopped:
+        if was_stopping and self._has_stopped():
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
+
+    def _has_stopped(self) -> bool:
+        path = self.path
+        return path.has_stopped and not self.single.is_moving and self.reactions.has_stopped
 
     def _power(self) -> None:
         self.path.take_over(tuple(link.actual_mm for link in self.links))

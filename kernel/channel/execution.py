@@ -67,7 +67,10 @@ class Execution:
         return None if self._queue is None else self._queue.failed
 
     def _is_busy(self) -> bool:
-        return any(is_busy() for is_busy in self._busy)
+        for is_busy in self._busy:  # noqa: SIM110 - asked in every cycle, without a generator
+            if is_busy():
+                return True
+        return False
 
     def step(self) -> None:
         """Begin what can begin in this cycle; returns at the end of the program."""
