@@ -99,7 +99,9 @@ class Parameter:
         if self.is_open:
             span = f"above {low}" + (f", up to {high}" if high else "")
         else:
-            span = " .. ".join(limit for limit in (low, high) if limit) or "any number"
+            span = (
+                f"{low} .. {high}" if low and high else f"at least {low}" if low else "any number"
+            )
         return f"{span} {self.unit}".rstrip()
 
     def convert(self, text: str, origin: Origin) -> Value:
