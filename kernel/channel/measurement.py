@@ -211,10 +211,14 @@ class Measurement:
         self._warn(warning)
         return highest_mm_s
 
-    def check(self, axis: str) -> None:
-        """Raise Alarm 50059 or 900100 for an axis that cannot take part in a run."""
+    def check(self, axis: str, *, is_beside: bool = False) -> None:
+        """Raise Alarm 50059 or 900100 for an axis that cannot take part in a run.
+
+        is_beside: it moves beside the path.
+        """
         self._check_released(axis, 50059)
         measuring = self._path.settings(axis).measuring
+        measuring.check_simulation(axis, is_beside=is_beside)
         if axis not in self._by_drive and not measuring.simulated[0]:
             measuring.check_source(axis)
 

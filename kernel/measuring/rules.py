@@ -15,6 +15,7 @@ from kernel.nc.measuring_types import MeasuringType
 from kernel.parameters import ParameterSet
 
 SIGNAL = "kenngr.measure.signal"
+SPHERE = 6  # mode of P-AXIS-00112
 LATCHED = ("DRIVE", "DRIVE_TYPE_DEFAULT")  # a CANopen drive latches by itself
 
 
@@ -66,6 +67,17 @@ class MeasuringAxis:
         if self.source not in LATCHED:
             word = f"{SIGNAL} = {self.source} of axis {axis}"
             raise Alarm(900100, word=word, what="source of the probing signal")
+
+    def check_simulation(self, axis: str, *, is_beside: bool = False) -> None:
+        """Refuse a simulated probe that does not act, else another one would decide.
+
+        is_beside: for an axis beside the path. Raises Alarm 900100.
+        """
+        mode = self.simulated[0]
+        if mode == SPHERE or (mode and is_beside):
+            word = f"meas_simu.meas_simu_mode = {mode} of axis {axis}"
+            what = "sphere as probe" if mode == SPHERE else "simulated probe beside the path"
+            raise Alarm(900100, word=word, what=what)
 
     def overtravel_mm(self, kind: MeasuringType) -> float:
         """Return how far the axis may go behind its target in a run of a type."""

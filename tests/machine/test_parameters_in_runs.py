@@ -52,6 +52,23 @@ def test_an_older_switch_decides_while_the_source_is_blank(tmp_path: Path, run_n
     assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900100]
 
 
+@pytest.mark.provokes(900100, 2, word="meas_simu.meas_simu_mode = 6 of axis Z")
+def test_a_sphere_as_simulated_probe_is_not_taken_for_another_mode(
+    tmp_path: Path, run_nc: RunNc
+) -> None:
+    rig = z_list(tmp_path, "meas_simu.meas_simu_mode 6")
+    assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900100]
+
+
+@pytest.mark.provokes(900100, 2, word="meas_simu.meas_simu_mode = 5 of axis Z")
+def test_a_simulated_probe_beside_the_path_is_not_taken_for_the_drive(
+    tmp_path: Path, run_nc: RunNc
+) -> None:
+    rig = z_list(tmp_path, "meas_simu.meas_simu_mode 5")
+    program = "N10 G90 G1 Z101 F3000\nN20 Z[INDP_SYN G100 G90 POS98 FEED300]"
+    assert run_nc(program, rig, base="probe-z.toml").alarms == [900100]
+
+
 def test_the_source_of_the_drive_type_is_the_drive(tmp_path: Path, run_nc: RunNc) -> None:
     rig = z_list(tmp_path, "kenngr.measure.signal DRIVE_TYPE_DEFAULT")
     print_it = '\nN30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]'

@@ -83,7 +83,7 @@ class IndependentAxes:
             raise Alarm(900012, axis=axis, target_mm=f"{command.target_acs_mm:.9g}")
         measures = command.measuring_type is not None
         if measures:
-            self._measurement.check(axis)
+            self._measurement.check(axis, is_beside=True)
         if command.target_acs_mm == here_mm:
             if measures:
                 raise Alarm(900103, axes=axis)
