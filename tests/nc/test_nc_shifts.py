@@ -198,3 +198,12 @@ def test_under_a_system_ten_metres_come_back_to_a_millionth_of_a_micrometre(angl
 )
 def test_which_axis_is_which_main_axis(axes, places):
     assert main_places(axes) == places
+
+
+def test_axes_that_measure_on_their_own_have_directions_of_their_own():
+    """X and Y are sent off one after the other, then both have touched."""
+    coordinates = at()
+    coordinates.aim({"X": 100.0}, absolute=True)
+    coordinates.aim({"Y": -100.0}, absolute=True)
+    values = coordinates.measured({"X": 50.0, "Y": -50.0}, ball_radius_mm=2.0)
+    assert (values["X"].pcs_mm, values["Y"].pcs_mm) == (52.0, -52.0)

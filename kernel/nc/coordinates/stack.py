@@ -245,13 +245,22 @@ class Coordinates:
 
         absolute: G90, values are coordinates; otherwise distances from where the axis stands.
         """
-        before = {axis: self._state[axis].absolute_mm for axis in self.main_axes}
+        before = self._main_abs()
         self._program(programmed_mm, absolute)
+        self._take_direction(before)
+        return self._go()
+
+    def _take_direction(self, before: Mapping[str, float]) -> None:
+        """Keep the direction of a move as a unit vector of the main axes.
+
+        Axes that do not move keep theirs: without a coordinate system nobody asks for it, and an
+        axis of its own may still be under way.
+        """
         way = {axis: self._state[axis].absolute_mm - at for axis, at in before.items()}
         length = math.hypot(*way.values())
-        moves = length > SAME_POSITION_MM
-        self._direction = {axis: part / length for axis, part in way.items()} if moves else {}
-        return self._go()
+        for axis, part in way.items():
+            if self.transformed or abs(part) > SAME_POSITION_MM:
+                self._direction[axis] = part / length if length > SAME_POSITION_MM else 0.0
 
     def aim_arc(
         self, programmed_mm: Mapping[str, float], words: CircleWords, *, absolute: bool
