@@ -18,8 +18,11 @@ from bench.rig.lists import OFFSET_LISTS, inert_notes, read_lists, read_offsets,
 from kernel.clock import MS, TimeNs
 from kernel.errors import Alarm, UserError, nearest
 from kernel.nc.coordinates import OffsetTables
+from kernel.nc.coordinates.circle import CircleLimits
 from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import Origin, ParameterSet
+
+PER_MILLE = 1000
 
 EVERY_SEGMENT = "all"
 """Stands for all segments in a `bus:` column."""
@@ -90,6 +93,12 @@ class Settings:
         return self.offsets.tables(
             rotary=[name for name, parameters in self.axis.items() if parameters.is_rotary],
             ball_radius_counts=not self.channel.flag("meas_pcs_value_no_probe_radius"),
+            circle=CircleLimits(
+                self.channel.mm("mittelpkt_diff"),
+                self.channel.integer("mittelpkt_faktor") / PER_MILLE,
+                self.channel.mm("max_radius_diff_circle"),
+                self.channel.integer("max_proz_radius_diff_circle") / PER_MILLE,
+            ),
         )
 
     def apply(self, assignment: Assignment, located: Located) -> None:

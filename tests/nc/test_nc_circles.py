@@ -108,9 +108,10 @@ def test_a_rounded_centre_is_moved_onto_the_line_between_both_ends():
         ((0, 0), (10, 0), CircleWords(True, (5.6, 0)), 900150),
         ((0, 0), (1000, 0), CircleWords(True, (502.1, 0)), 900150),
         ((0, 0), (20, 0.02), CircleWords(True, (10, 0), corrected=False), None),
-        ((0, 0), (20.002, 0), CircleWords(True, (10, 0), corrected=False), 21758),
-        ((0, 0), (20.0009, 0), CircleWords(True, (10, 0), corrected=False), None),
+        ((0, 0), (2.0011, 0), CircleWords(True, (1, 0), corrected=False), 21758),
+        ((0, 0), (2.0009, 0), CircleWords(True, (1, 0), corrected=False), None),
         ((0, 0), (2000.006, 0), CircleWords(True, (1000, 0), corrected=False), 21758),
+        ((0, 0), (2000.004, 0), CircleWords(True, (1000, 0), corrected=False), None),
     ],
 )
 def test_words_that_make_no_arc(start, end, words, alarm_id):

@@ -134,7 +134,7 @@ def test_an_arc_in_inches_in_another_plane(decode):
 @pytest.mark.provokes(20020, 2, word="I", value_mm="1e+06")
 @pytest.mark.provokes(20054, 2, value_mm="-2e+09", limit_mm="1e+09")
 @pytest.mark.provokes(21024, 2)
-@pytest.mark.provokes(21758, 2, difference_mm="0.1000", limit_mm="0.0010")
+@pytest.mark.provokes(21758, 2, difference_mm="0.1000", limit_mm="0.0050")
 @pytest.mark.provokes(900150, 2, offset_mm="1.0000", limit_mm="0.2500")
 @pytest.mark.provokes(900151, 2, radius_mm="4.0000", distance_mm="10.0000")
 @pytest.mark.provokes(900152, 2, plane="G19", axes="X Y")

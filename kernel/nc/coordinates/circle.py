@@ -12,12 +12,25 @@ Point = tuple[float, float]
 
 SAME_POINT_MM = 1e-9
 
-# Limits of the centre correction: P-CHAN-00059 and P-CHAN-00060, as they are by default
-CENTRE_LIMIT_MM = 2.0
-CENTRE_LIMIT_OF_RADIUS = 0.05
-# Limits of the difference of the radii without correction: P-CHAN-00171 and P-CHAN-00172
-RADIUS_LIMIT_MM = 0.005
-RADIUS_LIMIT_OF_RADIUS = 0.0001
+# How much shorter than half the distance a radius may be and still means half a circle
+ROUNDING_MM = 0.005
+
+
+@dataclass(frozen=True)
+class CircleLimits:
+    """How exact the words of an arc must be; of two limits the smaller one counts.
+
+    centre_mm, centre_of_radius: way of the centre by the correction (P-CHAN-00059, P-CHAN-00060).
+    radius_mm, radius_of_radius: difference of the radii without it (P-CHAN-00171, P-CHAN-00172).
+    """
+
+    centre_mm: float = 2.0
+    centre_of_radius: float = 0.05
+    radius_mm: float = 0.005
+    radius_of_radius: float = 0.001
+
+
+DEFAULT_LIMITS = CircleLimits()
 
 
 class CircleError(Exception):
@@ -35,7 +48,7 @@ class CircleWords:
 
     clockwise: G2, seen against the third axis of the plane. centre: along the two axes of the
     plane, from the start (G162) or, with centre_absolute, as coordinates (G161); None = by radius.
-    radius_mm: R; below 0 the long way round. corrected: G165.
+    radius_mm: R; below 0 the long way round. corrected: G165. limits: of both ways.
     """
 
     clockwise: bool
@@ -43,6 +56,7 @@ class CircleWords:
     radius_mm: float | None = None
     centre_absolute: bool = False
     corrected: bool = True
+    limits: CircleLimits = DEFAULT_LIMITS
 
 
 @dataclass(frozen=True)
@@ -78,7 +92,7 @@ def plane_arc(start: Point, end: Point, words: CircleWords) -> PlaneArc:
         if math.dist(start, centre) <= SAME_POINT_MM:
             raise CircleError(20036)
         if math.dist(start, end) > SAME_POINT_MM:
-            centre = _checked_centre(start, end, words.centre, words.corrected)
+            centre = _checked_centre(start, end, words.centre, words)
     return PlaneArc(start, centre, _angle_rad(start, end, centre, words.clockwise))
 
 
@@ -92,14 +106,15 @@ def _angle_rad(start: Point, end: Point, centre: Point, clockwise: bool) -> floa
     return angle + math.tau if angle <= 0.0 else angle
 
 
-def _checked_centre(start: Point, end: Point, centre: Point, corrected: bool) -> Point:
+def _checked_centre(start: Point, end: Point, centre: Point, words: CircleWords) -> Point:
     """Move a centre to the nearest point that is as far from start as from end (G165).
 
     Without correction (G164) both radii must agree within their limits.
     """
-    if not corrected:
+    limits = words.limits
+    if not words.corrected:
         first, last = math.dist(start, centre), math.dist(end, centre)
-        limit = min(RADIUS_LIMIT_MM, RADIUS_LIMIT_OF_RADIUS * first)
+        limit = min(limits.radius_mm, limits.radius_of_radius * first)
         if abs(first - last) > limit:
             raise CircleError(
                 21758,
@@ -117,7 +132,7 @@ def _checked_centre(start: Point, end: Point, centre: Point, corrected: bool) ->
     )
     moved = (centre[0] - off * along[0], centre[1] - off * along[1])
     radius = math.dist(start, moved)
-    limit = min(CENTRE_LIMIT_MM, CENTRE_LIMIT_OF_RADIUS * radius)
+    limit = min(limits.centre_mm, limits.centre_of_radius * radius)
     if abs(off) > limit:
         raise CircleError(900150, offset_mm=_shown(abs(off)), limit_mm=_shown(limit))
     return moved
@@ -131,7 +146,7 @@ def _centre_of_radius(start: Point, end: Point, words: CircleWords) -> Point:
     if chord <= SAME_POINT_MM:
         raise CircleError(20034)
     half = chord / 2
-    if half - abs(radius) > RADIUS_LIMIT_MM:
+    if half - abs(radius) > ROUNDING_MM:
         raise CircleError(900151, radius_mm=_shown(abs(radius)), distance_mm=_shown(chord))
     height = math.sqrt(max(0.0, (abs(radius) - half) * (abs(radius) + half)))
     # Counter-clockwise the short way has the centre on the left of the chord

@@ -12,7 +12,7 @@ Source: programming manual, G54 (206487307), G92 (206057739), G101, D (306370955
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -306,11 +306,7 @@ class Coordinates:
         if words.centre is None:
             return words
         base = [self.shifts(a).total_mm for a in axes] if words.centre_absolute else start
-        return CircleWords(
-            clockwise=words.clockwise,
-            centre=(words.centre[0] + base[0], words.centre[1] + base[1]),
-            corrected=words.corrected,
-        )
+        return replace(words, centre=(words.centre[0] + base[0], words.centre[1] + base[1]))
 
     def _in_plane(self, axes: tuple[str, str]) -> tuple[float, float]:
         return self._state[axes[0]].absolute_mm, self._state[axes[1]].absolute_mm
@@ -344,6 +340,11 @@ class Coordinates:
         self.acs_mm.update(acs_mm)
         for axis, position_mm in self._from_acs(self.acs_mm).items():
             self._state[axis].absolute_mm = position_mm
+
+    def without_shifts_mm(self, acs_mm: Mapping[str, float], axis: str) -> float:
+        """Give where an axis is in the active system without its shifts, from axis positions."""
+        position_mm = self._from_acs(acs_mm)[axis]
+        return position_mm - self._state[axis].shifts.total_mm
 
     def take_as_target(self, axes: Iterable[str]) -> None:
         """Let what was programmed for axes be where they stand.

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from kernel.nc.coordinates.circle import DEFAULT_LIMITS, CircleLimits
 from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entries, read_entry
 from kernel.nc.coordinates.tools import Tools, make_tools
 from kernel.nc.coordinates.zero_offsets import ZeroOffsets, make_zero_offsets
@@ -15,13 +16,14 @@ class OffsetTables:
     """Zero offsets, tools and what decides on their use.
 
     rotary: axes in degrees, which have no inch. ball_radius_counts: the radius of the tool is in
-    V.A.MEAS.PCS.VALUE (P-CHAN-00311 = 0).
+    V.A.MEAS.PCS.VALUE (P-CHAN-00311 = 0). circle: how exact an arc must be.
     """
 
     zero_offsets: ZeroOffsets = field(default_factory=ZeroOffsets)
     tools: Tools = field(default_factory=Tools)
     rotary: frozenset[str] = frozenset()
     ball_radius_counts: bool = True
+    circle: CircleLimits = DEFAULT_LIMITS
 
 
 @dataclass
@@ -38,11 +40,18 @@ class Lists:
         """Take one value. Raises UserError."""
         self.entries[name].append(read_entry(name, path, text, origin))
 
-    def tables(self, *, rotary: Sequence[str], ball_radius_counts: bool) -> OffsetTables:
+    def tables(
+        self,
+        *,
+        rotary: Sequence[str],
+        ball_radius_counts: bool,
+        circle: CircleLimits = DEFAULT_LIMITS,
+    ) -> OffsetTables:
         """Make the tables of one run."""
         return OffsetTables(
             make_zero_offsets(self.entries[ZERO_OFFSETS]),
             make_tools(self.entries[TOOLS]),
             frozenset(rotary),
             ball_radius_counts,
+            circle,
         )

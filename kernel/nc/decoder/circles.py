@@ -97,6 +97,7 @@ def _circle_words(context: Context, centre: Mapping[str, float]) -> CircleWords:
         centre=(centre.get(first, 0.0), centre.get(second, 0.0)),
         centre_absolute=kept.centre_absolute,
         corrected=kept.corrected,
+        limits=context.tables.circle,
     )
 
 

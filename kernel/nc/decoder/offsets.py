@@ -48,6 +48,14 @@ def _of_axis(value_of: Callable[[Coordinates, str], float]) -> Reader:
     return reader
 
 
+def _actual(context: Context, block: Block, upper: str) -> float:
+    """V.A.ACT_POS: the actual position in the active system without shifts."""
+    axis, machine = context.axis(upper), context.machine
+    asked = context.coordinates.main_axes if context.coordinates.transformed else ()
+    actual = {name: machine.actual_acs_mm(name) for name in {axis, *asked}}
+    return context.shown(axis, context.coordinates.without_shifts_mm(actual, axis))
+
+
 def _unit(context: Context, block: Block, rest: str) -> float:
     return float(context.modal.inch)
 
@@ -117,6 +125,7 @@ TOPIC = Topic(
         "V.A.PROG": _of_axis(Coordinates.programmed_mm),
         "V.A.ABS": _of_axis(Coordinates.absolute_mm),
         "V.A.ACS.ABS": _of_axis(lambda coordinates, axis: coordinates.acs_mm[axis]),
+        "V.A.ACT_POS": _actual,
         "V.A.BZP": _of_axis(lambda coordinates, axis: coordinates.shifts(axis).reference_mm),
         "V.G.MASS_MM": _unit,
         "V.G.NP_DEFAULT": _default_group,
