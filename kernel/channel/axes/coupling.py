@@ -23,7 +23,6 @@ class _Coupled:
 
     pair: canon.AxisPair
     offset_mm: float
-    master_alone: AxisSettings
 
 
 class Couplings:
@@ -33,6 +32,7 @@ class Couplings:
         self._path, self._links = path, links
         self._groups: dict[int, list[_Coupled]] = {}
         self._slaves: list[_Coupled] = []
+        self._alone: dict[str, AxisSettings] = {}  # masters as they are without slaves
         self.watched = False
 
     def switch_on(self, command: canon.AxisLinkOn) -> None:
@@ -42,22 +42,25 @@ class Couplings:
 
     def switch_off(self, command: canon.AxisLinkOff) -> None:
         """Let the slaves of a group stand where they are."""
-        for coupled in reversed(self._groups.pop(command.group, [])):
-            self._path.use(coupled.master_alone)
+        self._groups.pop(command.group, None)
         self._renew()
 
     def _couple(self, pair: canon.AxisPair) -> _Coupled:
         path = self._path
-        master, slave = path.settings(pair.master), path.settings(pair.slave)
-        master_mm = path.position_acs_mm(pair.master)
-        slave_mm = path.position_acs_mm(pair.slave)
-        path.use(_for_both(master, slave))
-        return _Coupled(pair, slave_mm - master_mm, master)
+        self._alone.setdefault(pair.master, path.settings(pair.master))
+        apart_mm = path.position_acs_mm(pair.slave) - path.position_acs_mm(pair.master)
+        return _Coupled(pair, apart_mm)
 
     def _renew(self) -> None:
+        path = self._path
         self._slaves = [coupled for group in self._groups.values() for coupled in group]
         self.watched = any(coupled.pair.limits_mm for coupled in self._slaves)
-        self._path.follow = self._follow if self._slaves else None
+        path.follow = self._follow if self._slaves else None
+        for settings in self._alone.values():
+            path.use(settings)
+        for coupled in self._slaves:
+            pair = coupled.pair
+            path.use(_for_both(path.settings(pair.master), path.settings(pair.slave)))
 
     def _follow(self) -> None:
         path = self._path

@@ -17,7 +17,8 @@ from kernel.nc import canon
 class SingleAxes:
     """Carries out the commands of single axes; links: by axis.
 
-    homed: every axis that has been homed, with the cycle in which it was known.
+    is_active: whether anything is to be done in this cycle. homed: every axis that has been homed,
+    with the cycle in which it was known.
     """
 
     def __init__(
@@ -35,22 +36,24 @@ class SingleAxes:
         self._homing: Homing | None = None
         self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()
+        self.is_active = False
 
     def assign(self, execution: Execution) -> None:
         """Say what is carried out here."""
         execution.while_busy(self._is_busy)
-        execution.register(canon.IndependentMove, self.independent.begin)
+        execution.register(canon.IndependentMove, self._move)
         execution.register(canon.WaitIndependent, self._wait)
-        execution.register(canon.AxisLinkOn, self.couplings.switch_on, ready=self._are_in_position)
-        execution.register(canon.AxisLinkOff, self.couplings.switch_off, ready=self._stand)
+        execution.register(canon.AxisLinkOn, self._couple, ready=self._are_in_position)
+        execution.register(canon.AxisLinkOff, self._part, ready=self._stand)
         execution.register(canon.Homing, self._home, ready=self._are_in_position)
         execution.register(canon.AxisExchange, self._exchange, ready=self._stand)
         execution.register(canon.AdoptActual, self._adopt, ready=self._stand)
 
-    @property
-    def is_active(self) -> bool:
-        """Whether anything is to be done in this cycle."""
-        return self.independent.is_moving or self.couplings.watched or self._homing is not None
+    def _renew(self) -> None:
+        """Most programs have no single axes, and what is not there must cost nothing."""
+        self.is_active = (
+            self.independent.is_moving or self.couplings.watched or self._homing is not None
+        )
 
     @property
     def is_moving(self) -> bool:
@@ -63,6 +66,18 @@ class SingleAxes:
         if self._awaited and not self.independent.are_moving(self._awaited):
             self._awaited = ()
         return bool(self._awaited)
+
+    def _move(self, command: canon.IndependentMove) -> None:
+        self.independent.begin(command)
+        self._renew()
+
+    def _couple(self, command: canon.AxisLinkOn) -> None:
+        self.couplings.switch_on(command)
+        self._renew()
+
+    def _part(self, command: canon.AxisLinkOff) -> None:
+        self.couplings.switch_off(command)
+        self._renew()
 
     def _wait(self, command: canon.WaitIndependent) -> None:
         self._awaited = command.axes
@@ -83,6 +98,7 @@ class SingleAxes:
             for axis in group:
                 self._measurement.forget_prepared(axis)
         self._homing = Homing(command.groups, self._path, self._links, self._clock)
+        self._renew()
 
     def _adopt(self, command: canon.AdoptActual) -> None:
         for axis in command.axes:
@@ -104,6 +120,7 @@ class SingleAxes:
     def advance(self) -> None:
         """Lead the axes on by one cycle."""
         self.independent.advance()
+        self._renew()
 
     def stop(self) -> None:
         """Stop after an alarm: every axis on its own, homing broken off."""
@@ -111,3 +128,4 @@ class SingleAxes:
         if self._homing is not None:
             self._homing.abort()
             self._homing = None
+        self._renew()

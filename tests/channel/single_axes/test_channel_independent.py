@@ -204,3 +204,17 @@ def test_50059_and_900103_and_900012(channel_bench: Make, words: Any) -> None:
             words.axis("X", may_measure=False), words.axis("Z", start_mm=130.0), plane_mm=120.0
         )
         assert bench.run([order, words.end()]).alarm_ids == [alarm_id]
+
+
+def test_a_buffer_lets_the_axis_run_on_by_its_cycles(channel_bench: Make, words: Any) -> None:
+    """5 cycles at 10 mm/s: the edge is met 5 ms later, and braking acts 5 ms later."""
+    ends = []
+    for buffer_cycles in (0, 5):
+        bench = channel_bench(
+            words.axis("Z", start_mm=130.0), plane_mm=120.0, buffer_cycles=buffer_cycles
+        )
+        order = alone("Z", 100.0, feed_mm_min=600.0, measuring_type=1)
+        bench.run([order, at_targets("Z"), words.end()])
+        assert bench.alarm_ids == []
+        ends.append(bench.final_mm("Z"))
+    assert ends[0] - ends[1] == pytest.approx(5 * 1e-3 * 10.0, abs=1e-9)
