@@ -6,7 +6,8 @@ says: in this test alarm 50059 comes up, it is of class 4, its value `axis` is Z
 are optional, every value has to be there. Where the alarm reaches a channel, the channel must end
 the program for a class above 1, and go on for class 1. Several marks may stand over one test: all
 of them come up; over one that is parametrized by `alarm_id`, the one of each row. The end of a
-test run lists the IDs that something raises (`raised` of `kernel/errors.csv`) and no test provokes.
+test run lists the IDs that something raises (`raised` of `kernel/errors.csv`) and no test provokes,
+and the words of the language that do not act yet.
 """
 
 import re

@@ -136,3 +136,13 @@ def test_a_loop_that_asks_the_plc_side_goes_on_when_the_value_comes(
     decoding.run()
     assert bench.final_mm("Z") == 2.0
     assert 30 <= bench.set_mm("Z").count(1.0) <= 33
+
+
+def test_an_actual_position_is_read_when_the_machine_got_there(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z"))
+    done = Decoding(bench, 'G1 F600 Z2\n#MSG ["%f", V.A.ACT_POS.Z]').run()
+    ((time_ns, text),) = bench.messages
+    assert time_ns > done.reaches_ns(2.0)
+    assert 1.5 < float(text) < 2.0  # behind its set position by its following error

@@ -203,3 +203,9 @@ def test_a_loop_that_asks_the_plc_side_takes_cycles(run):
 class _Still:
     def position_acs_mm(self, axis):
         return 0.0
+
+
+def test_the_feed_in_force_is_a_variable(run):
+    assert value_of(run, "V.G.FEEDRATE") == 0
+    assert value_of(run, "V.G.FEEDRATE", "F250") == 250
+    assert value_of(run, "V.G.FEEDRATE", "G70 F10") == 10  # in the unit of the program

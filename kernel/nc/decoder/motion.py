@@ -35,6 +35,10 @@ def _feed_per_minute(context: Context, block: Block, words: Words) -> None:
     """G94 is what F means here: mm/min."""
 
 
+def _nothing(context: Context, block: Block, words: Words) -> None:
+    """G40: no tool radius compensation is ever on."""
+
+
 def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Decode axis words that no other function of the block takes."""
     if context.modal.motion in circles.ARCS:
@@ -60,6 +64,7 @@ TOPIC = Topic(
     settings={
         "G0": silent(_rapid),
         "G1": silent(_straight),
+        "G40": silent(_nothing),
         "G90": silent(_absolute),
         "G91": silent(_relative),
         "G94": silent(_feed_per_minute),

@@ -113,6 +113,11 @@ def waits_of(statement: Statement) -> str:
     return found
 
 
+def is_read(row_name: str) -> bool:
+    """Tell whether somebody reads the variables of a row of variables.csv."""
+    return _stem(row_name.replace("<axis>", "X").replace("<name>", "ANY"), writes=False) is not None
+
+
 class Variables:
     """Reads and writes variables through the tables of the topics."""
 

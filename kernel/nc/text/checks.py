@@ -129,7 +129,8 @@ def _system(
             "a coordinate system needs three main axes", offset, value=", ".join(builder.axes)
         )
     for group in command.arguments:
-        assert isinstance(group, Group)
+        if not isinstance(group, Group):
+            raise _wrong(builder, command, offset, "brackets behind it")
         strange = any(isinstance(argument, Text | Group) for argument in group.arguments)
         if len(group.arguments) > COMPONENTS or group.options or strange:
             raise _wrong(builder, command, offset, "three shifts and three angles")
