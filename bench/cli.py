@@ -274,12 +274,12 @@ def drive(
 @app.command()
 @rejecting
 def check(
-    files: Annotated[list[Path], typer.Argument(help="Plans and rigs.")],
+    files: Annotated[list[Path], typer.Argument(help="Plans, rigs, parameter lists.")],
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     is_forced: ForceOption = False,
 ) -> None:
-    """Check plans and rigs without running them; show the bus arithmetic of a rig."""
+    """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
     from bench.run.apart import do_apart
     from bench.run.campaign import check_file
 

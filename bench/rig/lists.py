@@ -7,6 +7,7 @@ from kernel.errors import Alarm
 from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS
 from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import ParameterSet, read_list, start_up, written
+from kernel.parameters.lists import NEXT_AXIS
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they stand for
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
@@ -62,6 +63,22 @@ def take_over(channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[Alar
     for name, parameters in axes.items():
         warnings += start_up(parameters, name)
     return warnings
+
+
+def check_numbers(axes: dict[str, ParameterSet]) -> None:
+    """Refuse a logical number (P-AXIS-00016) that two lists give; without one nothing is said."""
+    seen: dict[int, str] = {}
+    for name, parameters in axes.items():
+        place = parameters.origin(NEXT_AXIS)
+        if place is None:
+            continue
+        number = parameters.integer(NEXT_AXIS)
+        if number in seen:
+            raise place.error(
+                f"axes {seen[number]} and {name} have the same logical number (P-AXIS-00016)",
+                value=number,
+            )
+        seen[number] = name
 
 
 def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[str]:

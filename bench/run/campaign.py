@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
+from bench.params.effective import contents_text
 from bench.plan.assignment import Assignment, parse_assignment
 from bench.plan.checks import known_metrics
 from bench.plan.plan import Case, Plan, read_plan
@@ -195,14 +196,21 @@ def _overload(result: CaseResult, bus: Mapping[str, Any]) -> str:
     return text
 
 
+LIST_SUFFIXES = (".lst", ".lis")
+
+
 def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
-    """Check a plan or a rig and describe it. Raises UserError when it is rejected.
+    """Check a plan, a rig or a parameter list and describe it.
+
+    Raises UserError when it is rejected.
 
     assignments: texts of `--set`.
     """
     changes = [parse_assignment(text) for text in assignments]
     if path.suffix.lower() == ".toml":
         return _check_rig_file(path, changes)
+    if path.suffix.lower() in LIST_SUFFIXES:
+        return f"{path}\n{contents_text(path)}"
     plan = read_plan(path).with_inputs(changes)
     for case in plan.cases:
         prepare(case)

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from kernel.errors import UserError
-from kernel.parameters.errata import damaged_name, damaged_value, meant
+from kernel.parameters.errata import damaged_name, damaged_value
 from kernel.parameters.origin import Origin
 from kernel.parameters.table import Kind, table
 from kernel.parameters.types import Value, written
@@ -112,7 +112,7 @@ def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Ori
     if value is None:
         raise at_name.error("no value behind the name", value=name)
     at_value = Origin(file, number, match.start("value") + 1)
-    if rest:
+    if rest and row is not None:  # else its name is told
         hint = damaged_value(f"{value} {rest}", row)
         raise at_name.error("more than one value behind the name", value=rest, hint=hint)
     if value[0] in _QUOTES and value[-1] == value[0] and len(value) > 1:
@@ -151,6 +151,3 @@ def _quoted(value: Value) -> str:
 def write_list(parameters: Sequence[ParameterSet] | ParameterSet, path: str | Path) -> None:
     """Write what was set as a list that `read_sections` reads back."""
     Path(path).write_text(list_text(parameters), encoding="utf-8")
-
-
-__all__ = ["list_text", "meant", "read_list", "read_sections", "write_list"]

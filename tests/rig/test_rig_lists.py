@@ -50,6 +50,26 @@ def test_an_axis_that_a_shared_list_does_not_have(rig_file: Write, settings_of: 
         settings_of(rig)
 
 
+def test_two_axes_with_one_number_are_refused(rig_file: Write, settings_of: Read) -> None:
+    rig = rig_file(("[plant.probe]", SECOND_AXIS.replace("axis-z.lst", "axis-x.lst")))
+    listed(listed(rig, "kopf.achs_nr 2\n", "axis-x.lst"), "kenngr.messachse 1\nkopf.achs_nr 2\n")
+    with pytest.raises(UserError, match="axes Z and X have the same logical number") as caught:
+        check_rig(settings_of(rig))
+    assert (Path(str(caught.value.file)).name, caught.value.line) == ("axis-x.lst", 1)
+
+
+def test_check_tells_a_list_too(tmp_path: Path) -> None:
+    path = tmp_path / "z.lst"
+    path.write_text("kenngr.distc.kp 5\ngetriebe[0].window 30\n", encoding="utf-8")
+    text = check_file(path)
+    assert "getriebe[0].window" in text
+    assert "30 x 0.1 um = 0.003 mm" in text
+    assert "warning: ID 315010 class 1: " in text
+    path.write_text("kenngr.dist kp 5\n", encoding="utf-8")
+    with pytest.raises(UserError, match="unknown axis parameter"):
+        check_file(path)
+
+
 def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
     rig = listed(rig_file(), "kenngr.distc.kp 0.3\nkenngr.echtzeit_bit_nr 1\nkenngr.messachse 1\n")
     listed(rig, "messtyp 7\ndist_ctrl[0].v_max 10000\n", "channel.lst")
