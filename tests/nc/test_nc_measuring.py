@@ -148,3 +148,51 @@ def test_under_cs_all_three_main_axes_must_signal_in_every_type(run, plane_machi
         text = f"#MEAS MODE[{type_}]\n#CS ON[0,0,0,0,0,0]\n{word} X9 F100"
         (told,) = _runs(run(text, machine))
         assert told.measuring_axes == XYZ
+
+
+# Programs of the manuals
+
+
+def test_fct_c4_waits_for_the_axes_that_move(run) -> None:
+    """%Measurement_run_standard, FCT-C4 section 4."""
+    text = (
+        "%Measurement_run_standard\nN10 G00 X0 Y1 Z0\nN20 X5\nN30 G100 X10 F500\nN40 G01 Y3\n"
+        "N50 G100 Y10 F500\nN60 G01 X10 Y5\nN70 G100 X15 Y10 F500\nN100 M30\n"
+    )
+    assert [told.measuring_axes for told in _runs(run(text))] == [("X",), ("Y",), ("X", "Y")]
+
+
+def test_fct_c4_waits_for_all_three_under_cs(run) -> None:
+    """%Measurement_run_CS, FCT-C4 section 4; its `\\#CS` is damaged."""
+    text = (
+        "%Measurement_run_CS\nN10 G00 X0 Y1 Z0\nN20 #CS ON[0,0,0,0,45]\nN30 G100 X10 F500\n"
+        "N40 #CS OFF\nN50 #CS ON[0,0,0,0,0,90]\nN60 G100 X10 F500\nN70 #CS OFF\nN100 M30\n"
+    )
+    assert [told.measuring_axes for told in _runs(run(text))] == [XYZ, XYZ]
+
+
+@pytest.mark.parametrize(("plane_mm", "end_mm"), [(40.0, (0.0, 0.0)), (500.0, (200.0, 200.0))])
+def test_the_manual_jumps_only_after_a_signal(
+    run, plane_machine, plane_mm: float, end_mm: tuple[float, float]
+) -> None:
+    """Programming manual 206197003; default type 5 of the channel."""
+    text = (
+        "N10 G00 X0 Y0\nN20 G310 G01 F100 X100 Y200 $GOTO[N_LABEL]\nN30 G01 X200\n"
+        "N40 $GOTO[ENDE]\nN50 [N_LABEL] X0 Y0\nN60 [ENDE] M30\n"
+    )
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", plane_mm))
+    run(text, machine, default_measuring_type=5)
+    assert (machine.acs_mm["X"], machine.acs_mm["Y"]) == end_mm
+
+
+def test_a_search_that_measures_in_a_loop_until_it_meets_something(run, plane_machine) -> None:
+    """Steps of 10 from 0; the plane lies at 34, so the fourth step meets it."""
+    text = (
+        "#MEAS MODE[5]\nV.P.STEPS = 0\n$WHILE V.P.STEPS < 9\nV.P.STEPS = V.P.STEPS + 1\n"
+        'G91 G310 G1 F100 X10 $GOTO[MET]\n$ENDWHILE\n#MSG["nothing"]\nM30\n'
+        '[MET] #MSG["%d %g", V.P.STEPS, V.A.MESS.X]\n'
+    )
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 34.0))
+    assert _texts(run(text, machine)) == ["4 34"]
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    assert _texts(run(text, machine)) == ["nothing"]

@@ -41,6 +41,7 @@ def _listed(name: str) -> Decimal:
 
 A = _listed("getriebe[0].lslope_profil.a_grenz_stufe_1")
 assert _listed("getriebe[0].lslope_profil.a_grenz_stufe_2") == A, "one slope: no change-over"
+A_FEEDHOLD = _listed("getriebe[0].lslope_profil.a_feedh")
 # What the lists leave unset: FCT-C4 8.2.2
 UNSET = {
     "set:Z.kenngr.vb_messen": 16666,
@@ -50,6 +51,7 @@ UNSET = {
     "set:Z.kenngr.probe_actuation_time_delay": 0,
     "plant:probe.trigger_delay_us": 0,
     "set:channel.meas_error_no_signal": 0,
+    "set:channel.use_drive_curr_limit": 0,
 }
 
 
@@ -65,17 +67,18 @@ class Run:
     target: Decimal
     wanted: Decimal
     stroke: Decimal
+    stops_with: Decimal
     goes_on: bool
 
     @property
     def is_lowered(self) -> bool:
         """Types 2 and 4 stop within the stroke: v² = 2 a s (P-AXIS-00086)."""
-        return self.type in (2, 4) and self.wanted**2 > 2 * A * self.stroke
+        return self.type in (2, 4) and self.wanted**2 > 2 * self.stops_with * self.stroke
 
     @property
     def v(self) -> Decimal:
         """The speed of the run."""
-        return (2 * A * self.stroke).sqrt() if self.is_lowered else self.wanted
+        return (2 * self.stops_with * self.stroke).sqrt() if self.is_lowered else self.wanted
 
     @property
     def has_signal(self) -> bool:
@@ -95,6 +98,8 @@ def _run(row: dict[str, str]) -> Run:
         Decimal(row["plc:V.E.TARGET"]),
         own if kind == 2 else feed,
         _input(row, "set:Z.kenngr.hub_messtaster") / 10000,
+        # FCT-C4 2.1, rows 0/0/0 and 0/0/1
+        A_FEEDHOLD if _input(row, "set:channel.use_drive_curr_limit") else A,
         "G106" in re.sub(r";.*", "", text),
     )
 
@@ -163,9 +168,9 @@ def test_calibrated_at_300_and_measured_at_600_is_5_mm_s_times_the_delay_off() -
 @pytest.mark.parametrize("case", BRAKING)
 def test_overtravel_and_standstill_of_a_run_that_brakes(case: str) -> None:
     """v (t_late + U + T) + v²/2a + v/Kv with U in [0, T): see test_shipped_bands.py."""
-    row, v = ROWS[case], _run(ROWS[case]).v
+    row, v, a = ROWS[case], _run(ROWS[case]).v, _run(ROWS[case]).stops_with
     late = _input(row, "plant:probe.trigger_delay_us") * Decimal("1e-6") + INPUT_DELAY
-    least = v * (late + T) + v * v / (2 * A) + v / KV
+    least = v * (late + T) + v * v / (2 * a) + v / KV
     low, high = _range(row["check:overtravel_mm"])
     assert _is(low, least)
     assert _is(high, least + v * T)

@@ -50,8 +50,7 @@ def _number(context: Context, block: Block, value: Option) -> float:
 
 
 def _error_no_signal(context: Context, block: Block, value: Option) -> bool:
-    """1 when written without a value. Source: programming manual 207092107."""
-    chosen = 1.0 if value is None else _number(context, block, value)
+    chosen = _number(context, block, value)
     if chosen not in (0.0, 1.0):
         raise context.alarm(
             900227, block, keyword="ERR_NO_SIGNAL", value=f"{chosen:g}", allowed="0 1"
