@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kernel.nc.coordinates import CircleError, CircleWords, Coordinates, Frame
+from kernel.nc.coordinates import CircleWords, Coordinates, Frame, GeometryError
 from kernel.nc.coordinates.circle import plane_arc
 from kernel.nc.coordinates.places import PLANES
 
@@ -118,7 +118,7 @@ def test_words_that_make_no_arc(start, end, words, alarm_id):
     if alarm_id is None:
         plane_arc(start, end, words)
         return
-    with pytest.raises(CircleError) as fault:
+    with pytest.raises(GeometryError) as fault:
         plane_arc(start, end, words)
     assert fault.value.alarm_id == alarm_id
 
@@ -223,7 +223,7 @@ def test_relative_end_and_shifts():
 
 def test_a_rig_without_the_second_axis_of_the_plane_has_no_circle():
     coordinates = Coordinates(("X", "Z"), {"X": 0.0, "Z": 0.0})
-    with pytest.raises(CircleError) as fault:
+    with pytest.raises(GeometryError) as fault:
         coordinates.aim_arc({"X": 1.0}, CircleWords(True, (1.0, 0.0)), absolute=True)
     assert fault.value.alarm_id == 900152
     coordinates.plane = PLANES["G18"]

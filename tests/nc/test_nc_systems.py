@@ -214,6 +214,23 @@ def test_an_arc_under_a_tilted_system(run):
     assert arc.angle_rad == pytest.approx(math.pi)
 
 
+@pytest.mark.provokes(900156, 2, axis="X", limit_mm=214748.3647)
+@pytest.mark.parametrize(
+    "program",
+    [
+        "G0 X214749",
+        "G70 G0 X=10**308",
+        "G92 X=10**300\nG0 X0",
+        "#CS ON[10**308,0,0,0,0,10**300]\nG0 X1",
+        "V.G.WZ_AKT.V.X = -[10**200]\nG0 X0",
+    ],
+)
+def test_a_position_that_no_axis_can_have(run, program):
+    with pytest.raises(Alarm) as alarm:
+        run(program)
+    assert alarm.value.id == 900156
+
+
 @pytest.mark.parametrize("name", ["V.G.NP[97].V.X", "V.G.NP[1].V[3]", "V.G.WZ[201].L"])
 def test_an_index_that_is_too_large(run, name):
     with pytest.raises(Alarm) as alarm:

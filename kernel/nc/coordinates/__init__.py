@@ -4,7 +4,7 @@
 Nothing here reads NC text; docs/coordinates.md has the order of all shifts as one picture.
 """
 
-from kernel.nc.coordinates.circle import CircleError, CircleWords
+from kernel.nc.coordinates.circle import CircleWords, GeometryError
 from kernel.nc.coordinates.frames import MAIN_AXES, Frame
 from kernel.nc.coordinates.shifts import Shifts
 from kernel.nc.coordinates.stack import Arc, Coordinates, Measured
@@ -15,10 +15,10 @@ from kernel.nc.coordinates.zero_offsets import ZeroOffsets
 __all__ = [
     "MAIN_AXES",
     "Arc",
-    "CircleError",
     "CircleWords",
     "Coordinates",
     "Frame",
+    "GeometryError",
     "Measured",
     "OffsetTables",
     "Shifts",

@@ -33,8 +33,8 @@ class CircleLimits:
 DEFAULT_LIMITS = CircleLimits()
 
 
-class CircleError(Exception):
-    """The words of a block make no arc: an alarm with its values."""
+class GeometryError(Exception):
+    """The words of a block make no arc or no position: an alarm with its values."""
 
     def __init__(self, alarm_id: int, **values: object) -> None:
         super().__init__(f"{alarm_id} {values}")
@@ -83,14 +83,14 @@ class PlaneArc:
 def plane_arc(start: Point, end: Point, words: CircleWords) -> PlaneArc:
     """Make the arc from start to end; a centre in `words` is a coordinate here.
 
-    An end that is the start is a full circle. Raises CircleError.
+    An end that is the start is a full circle. Raises GeometryError.
     """
     if words.centre is None:
         centre = _centre_of_radius(start, end, words)
     else:
         centre = words.centre
         if math.dist(start, centre) <= SAME_POINT_MM:
-            raise CircleError(20036)
+            raise GeometryError(20036)
         if math.dist(start, end) > SAME_POINT_MM:
             centre = _checked_centre(start, end, words.centre, words)
     return PlaneArc(start, centre, _angle_rad(start, end, centre, words.clockwise))
@@ -116,7 +116,7 @@ def _checked_centre(start: Point, end: Point, centre: Point, words: CircleWords)
         first, last = math.dist(start, centre), math.dist(end, centre)
         limit = min(limits.radius_mm, limits.radius_of_radius * first)
         if abs(first - last) > limit:
-            raise CircleError(
+            raise GeometryError(
                 21758,
                 difference_mm=_shown(abs(first - last)),
                 limit_mm=_shown(limit),
@@ -134,7 +134,7 @@ def _checked_centre(start: Point, end: Point, centre: Point, words: CircleWords)
     radius = math.dist(start, moved)
     limit = min(limits.centre_mm, limits.centre_of_radius * radius)
     if abs(off) > limit:
-        raise CircleError(900150, offset_mm=_shown(abs(off)), limit_mm=_shown(limit))
+        raise GeometryError(900150, offset_mm=_shown(abs(off)), limit_mm=_shown(limit))
     return moved
 
 
@@ -142,12 +142,12 @@ def _centre_of_radius(start: Point, end: Point, words: CircleWords) -> Point:
     """Find the centre that has the end on the short way, for R below 0 on the long way."""
     radius, chord = words.radius_mm, math.dist(start, end)
     if not radius:
-        raise CircleError(20036)
+        raise GeometryError(20036)
     if chord <= SAME_POINT_MM:
-        raise CircleError(20034)
+        raise GeometryError(20034)
     half = chord / 2
     if half - abs(radius) > ROUNDING_MM:
-        raise CircleError(900151, radius_mm=_shown(abs(radius)), distance_mm=_shown(chord))
+        raise GeometryError(900151, radius_mm=_shown(abs(radius)), distance_mm=_shown(chord))
     height = math.sqrt(max(0.0, (abs(radius) - half) * (abs(radius) + half)))
     # Counter-clockwise the short way has the centre on the left of the chord
     side = height if words.clockwise == (radius < 0) else -height

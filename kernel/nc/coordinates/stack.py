@@ -16,7 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from kernel.nc.coordinates.circle import CircleError, CircleWords, PlaneArc, plane_arc
+from kernel.nc.coordinates.circle import CircleWords, GeometryError, PlaneArc, plane_arc
 from kernel.nc.coordinates.frames import MAIN_AXES, Array, Frame
 from kernel.nc.coordinates.places import XY, Plane, main_places
 from kernel.nc.coordinates.shifts import Shifts
@@ -25,6 +25,8 @@ from kernel.nc.coordinates.tools import Tool
 # An axis whose target differs by less does not move: far below every encoder increment, far above
 # the rounding of a turn there and back.
 SAME_POSITION_MM = 1e-9
+# 2^31 steps of 0.1 um (0.0001 deg): travel of an axis. TF5200 programming manual 15556764811
+FARTHEST_MM = 214_748.3647
 
 
 @dataclass
@@ -244,6 +246,7 @@ class Coordinates:
         """Take the axis words of a move; return the new axis position of every axis that changes.
 
         absolute: G90, values are coordinates; otherwise distances from where the axis stands.
+        Raises GeometryError for a position that no axis can have.
         """
         before = self._main_abs()
         self._program(programmed_mm, absolute)
@@ -265,7 +268,7 @@ class Coordinates:
     def aim_arc(
         self, programmed_mm: Mapping[str, float], words: CircleWords, *, absolute: bool
     ) -> Arc:
-        """Take the words of an arc in the plane. Raises CircleError for words that make none."""
+        """Take the words of an arc in the plane. Raises GeometryError for words that make none."""
         axes = self.plane_axes()
         start = self._in_plane(axes)
         height = self._main_abs()
@@ -290,10 +293,10 @@ class Coordinates:
         )
 
     def plane_axes(self) -> tuple[str, str]:
-        """Give the axes of the plane. Raises CircleError where the rig has not both."""
+        """Give the axes of the plane. Raises GeometryError where the rig has not both."""
         first, second = (self._places[at] for at in (self.plane.first, self.plane.second))
         if first is None or second is None:
-            raise CircleError(900152, plane=self.plane.g, axes=" ".join(self.axes))
+            raise GeometryError(900152, plane=self.plane.g, axes=" ".join(self.axes))
         return first, second
 
     def centre_letters(self) -> tuple[str, str]:
@@ -327,6 +330,11 @@ class Coordinates:
 
     def _go(self) -> dict[str, float]:
         target_mm = self._to_acs({axis: self._state[axis].absolute_mm for axis in self.axes})
+        for axis, position_mm in target_mm.items():
+            if not abs(position_mm) <= FARTHEST_MM:  # also when it is no number
+                raise GeometryError(
+                    900156, axis=axis, value_mm=f"{position_mm:g}", limit_mm=FARTHEST_MM
+                )
         changed = {
             axis: position_mm
             for axis, position_mm in target_mm.items()

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
-from kernel.nc.coordinates import Arc, CircleError, CircleWords
+from kernel.nc.coordinates import Arc, CircleWords
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Handler, Reader, Topic, silent
 from kernel.nc.syntax import Words
@@ -42,12 +42,9 @@ def arc(context: Context, block: Block, words: Words) -> Iterator[canon.Command]
         return
     feed_mm_min = context.feed(block, context.modal.motion)
     coordinates, kept = context.coordinates, context.part(Circle)
-    try:
-        made = coordinates.aim_arc(
-            values, _circle_words(context, centre), absolute=context.modal.absolute
-        )
-    except CircleError as error:
-        raise context.alarm(error.alarm_id, block, **error.values) from None
+    made = coordinates.aim_arc(
+        values, _circle_words(context, centre), absolute=context.modal.absolute
+    )
     kept.last = made
     yield canon.ArcMove(
         block,

@@ -6,7 +6,7 @@ from pathlib import Path
 from kernel.errors import UserError
 from kernel.nc import canon
 from kernel.nc.canon import Block
-from kernel.nc.coordinates import OffsetTables
+from kernel.nc.coordinates import GeometryError, OffsetTables
 from kernel.nc.decoder import axes, motion, registry, technology
 from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
@@ -107,6 +107,13 @@ class Interpreter:
 
 
 def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
+    try:
+        yield from _decode_part(context, part)
+    except GeometryError as error:
+        raise context.alarm(error.alarm_id, part.block, **error.values) from None
+
+
+def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
     block, statement = part.block, part.statement
     if part.not_acting and not _refuses_itself(part):
         first = part.not_acting[0]
