@@ -31,7 +31,7 @@ from kernel.nc.text.controls import ControlBuilder
 from kernel.nc.text.values import Part
 from kernel.nc.text.words import Word, words
 
-NEEDS_AXES = ("G92", "G100", "G101", "G310", "G210")
+NEEDS_AXES = ("G74", "G92", "G100", "G101", "G310", "G210")
 _FUNCTION_NUMBER = re.compile(r"[0-9]+")
 _DWELL = re.compile(r"G0*4")
 # R=5 and R1=5 are the radius of an arc. TF5200 programming manual 15556764811

@@ -264,6 +264,7 @@ def test_channel_init_takes_over_what_is_asked_for() -> None:
         return Command("CHANNEL INIT", options=options)
 
     assert kinds(decode(init(("CMDPOS", None)))) == ["Wait", "EndOfProgram"]
+    assert kinds(decode(init())) == ["Wait", "EndOfProgram"]
     every = decode(init(("ACTPOS", None)))[0]
     assert every == canon.AdoptActual(every.block, ("X", "Y", "Z", "C", "X2"))
     some = decode(init(("ACTPOS", None), ("AX", Name("X")), ("AXNR", Number(3.0))))[0]

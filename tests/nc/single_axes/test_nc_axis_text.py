@@ -132,6 +132,7 @@ def test_homing_and_positions(run: Run) -> None:
         "X[INDP_SYN G90 G0 POS=]",
         "X[INDP G90 G0 POS=1]",
         "#SET AX LINK",
+        "G74",
     ],
 )
 def test_what_the_text_alone_shows_is_refused_before_anything_moves(run: Run, block: str) -> None:
@@ -139,3 +140,36 @@ def test_what_the_text_alone_shows_is_refused_before_anything_moves(run: Run, bl
         run(f"%t\nN10 {block}\nN20 M30\n")
     assert (caught.value.line, caught.value.file) == (2, "test.nc")
     assert AXES
+
+
+@pytest.mark.provokes(20203, 2, axis="X")
+@pytest.mark.parametrize(
+    "block",
+    ["X10 X[INDP_SYN G0 G90 POS=1] F100", "X[INDP_SYN G0 G90 POS=1] X[INDP_SYN G0 G90 POS=2]"],
+)
+def test_20203_for_an_axis_that_is_programmed_twice_in_a_block(run: Run, block: str) -> None:
+    with pytest.raises(Alarm, match="20203"):
+        run(f"%t\nN10 {block}\nN20 M30\n")
+
+
+@pytest.mark.parametrize(
+    ("block", "alarm_id"),
+    [
+        ("#SET AX LINK[1,[X2=X,G,X,Y]]", 900198),
+        ("#SET AX LINK[1,[X2=X,H,1,2]]", 900198),
+        ("#SET AX LINK[1,[[X2=X]]]", 900198),
+        ("#SET AX LINK[1,X2=5]", 900198),
+        ("#SET AX LINK[1,,X2=X]", 900198),
+        ("#SET AX LINK[]", 900197),
+        ("#ENABLE AX LINK", 900197),
+        ("#CALL AX[]", 20312),
+        ("#CALL AX[X,Y,Z]", 20312),
+        ("#CALL AX[X,1,0.5]", 900199),
+        ("#CALL AX[X,1,-1]", 900199),
+        ("#CHANNEL INIT[ACTPOS AXNR=1.5]", 20312),
+    ],
+)
+def test_what_a_command_cannot_mean_is_told(run: Run, block: str, alarm_id: int) -> None:
+    with pytest.raises(Alarm) as caught:
+        run(f"%t\nN10 {block}\nN20 M30\n", axes=XYZ2)
+    assert caught.value.id == alarm_id

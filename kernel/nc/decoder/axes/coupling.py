@@ -11,7 +11,7 @@ from typing import Final
 from kernel.nc import canon
 from kernel.nc.canon import AxisPair, Block
 from kernel.nc.decoder.axes.state import AxisStates, states
-from kernel.nc.decoder.axes.values import brackets, shown, whole
+from kernel.nc.decoder.axes.values import brackets, number, shown, whole
 from kernel.nc.decoder.context import Context
 from kernel.nc.syntax import Argument, Command, Group, Name, Option
 
@@ -50,7 +50,8 @@ def _pairs(context: Context, block: Block, bracket: Group) -> Iterator[AxisPair]
         yield _pair(context, block, slave, master)
     for argument in bracket.arguments[1:]:
         if not isinstance(argument, Group) or len(argument.options) != 1:
-            raise context.alarm(900198, block, value=_shown(argument), what="no slave=master")
+            written = shown(context, block, argument)
+            raise context.alarm(900198, block, value=written, what="no slave=master")
         ((slave, master),) = argument.options
         limits = _limits(context, block, slave, argument.arguments)
         yield _pair(context, block, slave, master, limits)
@@ -64,7 +65,7 @@ def _pair(
     limits_mm: tuple[float, float] | None = None,
 ) -> AxisPair:
     names = {axis.upper(): axis for axis in context.axes}
-    pair = f"{slave}={_shown(master)}"
+    pair = f"{slave}={shown(context, block, master)}"
     if not isinstance(master, Name) or not {slave.upper(), master.value.upper()} <= names.keys():
         raise context.alarm(900198, block, value=pair, what="the channel has no such axis")
     return AxisPair(names[slave.upper()], names[master.value.upper()], limits_mm)
@@ -81,26 +82,26 @@ def _limits(
         or len(values) not in (0, 2)
     ):
         raise context.alarm(900198, block, value=slave, what="G and two limits belong behind it")
-    numbers = [context.value(block, value) for value in values]  # type: ignore[arg-type]
+    numbers = [number(context, block, value) for value in values]
     if not numbers:
         return None
+    if None in numbers:
+        raise context.alarm(900198, block, value=slave, what="limits are numbers")
     first_mm, second_mm = numbers
+    assert first_mm is not None
+    assert second_mm is not None
     if not 0.0 < first_mm <= second_mm:
         both = f"{first_mm:g}, {second_mm:g}"
         raise context.alarm(900198, block, value=both, what="limits rise and are above 0")
     return first_mm, second_mm
 
 
-def _shown(value: Argument | Option) -> str:
-    return value.value if isinstance(value, Name) else "a value"
-
-
 def _check(context: Context, block: Block, group: int, pairs: tuple[AxisPair, ...]) -> None:
     masters = {pair.master for pair in pairs}
     slaves: set[str] = set()
-    for number, pair in enumerate(pairs):
+    for place, pair in enumerate(pairs):
         if pair.slave == pair.master:
-            raise context.alarm(20475, block, axis=pair.slave, pair=number, group=group)
+            raise context.alarm(20475, block, axis=pair.slave, pair=place, group=group)
         if pair.slave in slaves:
             raise context.alarm(20476, block, axis=pair.slave)
         slaves.add(pair.slave)

@@ -54,7 +54,7 @@ def call(context: Context, block: Block, command: Command) -> Iterator[canon.Com
     21258, 21260, 21261 and 900199; 900100 for options of the exchange.
     """
     known = states(context)
-    wanted = [_wanted(context, block, b) for b in brackets(command) if len(b.arguments) > 1]
+    wanted = [_wanted(context, block, bracket) for bracket in brackets(command)]
     for place, alarm_id, word in ((0, 21256, "axis"), (1, 21258, "number"), (2, 21257, "index")):
         values = [str(entry[place]).upper() for entry in wanted if entry[place] is not None]
         twice = next((v for v in values if values.count(v) > 1), None)
@@ -77,14 +77,17 @@ def call(context: Context, block: Block, command: Command) -> Iterator[canon.Com
 
 
 def _wanted(context: Context, block: Block, bracket: Group) -> tuple[str, int, int | None]:
-    name, number, *rest = bracket.arguments
-    written = shown(context, block, name)
-    found = whole(context, block, number)
+    name, number, index, *more = (*bracket.arguments, *(None,) * 3)
+    written, found = shown(context, block, name), whole(context, block, number)
     if found is None:
         raise context.alarm(20312, block, number=shown(context, block, number))
-    if len(rest) > 1 or bracket.options:
+    if any(option is not None for option in more) or bracket.options:
         raise context.not_acting(block, "options of #CALL AX", "offsets taken over")
-    return written, found, whole(context, block, rest[0]) if rest else None
+    place = whole(context, block, index)
+    if index is not None and (place is None or place < 0):
+        what = f"axis index ({shown(context, block, index)})"
+        raise context.alarm(900199, block, axis=written, what=what)
+    return written, found, place
 
 
 def _check_place(context: Context, block: Block, axis: str, name: str, index: int | None) -> None:

@@ -34,9 +34,14 @@ LINEAR_SLOPE: Final = "STEP"
 def before_block(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Refuse axes that cannot be programmed, and wait for those that must be known first."""
     known = states(context)
+    commanded = [command.axis for command in words.axis_commands]
+    if commanded:
+        named = [*commanded, *(axis for axis, _ in words.axes)]
+        twice = next((axis for axis in commanded if named.count(axis) > 1), None)
+        if twice is not None:
+            raise context.alarm(20203, block, axis=twice)
     if known.is_plain:
         return
-    commanded = [command.axis for command in words.axis_commands]
     for axis in dict.fromkeys((*(axis for axis, _ in words.axes), *commanded)):
         alarm = forbidden(context, block, axis)
         if alarm is not None:

@@ -2,7 +2,7 @@
 
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
-from kernel.nc.syntax import Argument, Command, Group, Name
+from kernel.nc.syntax import Argument, Command, Group, Name, Text
 
 
 def brackets(command: Command) -> tuple[Group, ...]:
@@ -13,18 +13,27 @@ def brackets(command: Command) -> tuple[Group, ...]:
     return (Group(command.arguments, command.options),)
 
 
-def whole(context: Context, block: Block, argument: Argument) -> int | None:
-    """Give the value of an expression that stands for a whole number; None if it does not."""
+def number(context: Context, block: Block, argument: Argument) -> float | None:
+    """Give the value of an expression; None for anything else."""
     if argument is None or isinstance(argument, Name | Group):
         return None
-    value = context.value(block, argument)
-    return int(value) if value == int(value) else None
+    return context.value(block, argument)
+
+
+def whole(context: Context, block: Block, argument: Argument) -> int | None:
+    """Give the value of an expression that stands for a whole number; None if it does not."""
+    value = number(context, block, argument)
+    return None if value is None or value != int(value) else int(value)
 
 
 def shown(context: Context, block: Block, argument: Argument) -> str:
     """Give what stands in a program for a message."""
-    if argument is None or isinstance(argument, Group):
+    if argument is None:
         return "nothing"
+    if isinstance(argument, Group):
+        return "a bracket"
+    if isinstance(argument, Text):
+        return f'"{argument.value}"'
     if isinstance(argument, Name):
         return argument.value
     return f"{context.value(block, argument):g}"
