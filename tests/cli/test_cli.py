@@ -75,7 +75,6 @@ def test_readme_names_every_command() -> None:
         ["run", "plan.csv", "-j", "0"],
         ["run", "plan.csv", "-j", "two"],
         ["run", "plan.csv", "--timeout", "0"],
-        ["nc", "part.nc"],
         ["nc", "--rig", "rig.toml"],
         ["check"],
         ["replay", "out"],
@@ -90,6 +89,13 @@ def test_wrong_usage_goes_to_standard_error(axisrig: Call, words: list[str]) -> 
     assert (code, out) == (2, "")
     assert "Usage:" in err
     assert "--help" in err
+
+
+def test_a_program_without_a_rig_is_told_what_it_lacks(axisrig: Call) -> None:
+    code, out, err = axisrig("nc", "part.nc")
+    assert (code, out) == (2, "")
+    assert "--rig FILE" in err
+    assert "--check" in err
 
 
 # ---- what goes where
