@@ -118,6 +118,27 @@ def test_nc_puts_an_alarm_on_standard_error_with_its_id(place: Path, axisrig: Ca
     assert len(err.splitlines()) == 1
 
 
+def test_nc_tells_stops_and_functions_with_their_instants(place: Path, axisrig: Call) -> None:
+    """The drives are on after 24 ms; the axis stands for 10 cycles before M0 counts."""
+    (place / "part.nc").write_text(
+        'N10 M8\nN20 G4 0.1\nN30 M0\nN40 #MSG SYN ["on"]\nN50 M30\n', encoding="utf-8"
+    )
+    words = ("nc", "part.nc", "--rig", "rig.toml")
+    code, out, err = axisrig(*words, "--set", "plc:start_ms=250")
+    assert (code, out) == (0, "on\n")
+    told = [line.partition(" s: ") for line in err.splitlines()]
+    instants = [round(1000 * float(at)) for at, _, _ in told]
+    assert [at - instants[0] for at in instants] == [0, 110, 360]
+    assert [text for _, _, text in told] == [
+        "M8 to the PLC (line 1, block N10)",
+        "M0: stop (line 3, block N30)",
+        "M0: started again (line 3, block N30)",
+    ]
+    code, out, err = axisrig(*words)
+    assert (code, out) == (1, "")
+    assert "ID 900170 class 2: M0 " in err
+
+
 def test_nc_keeps_the_messages_before_an_alarm(place: Path, axisrig: Call) -> None:
     (place / "part.nc").write_text(
         'N10 G1 Z131 F3000\nN20 #MSG ["here"]\nN30 G101 Z1\nN40 M30\n', encoding="utf-8"

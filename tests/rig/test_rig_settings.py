@@ -25,6 +25,13 @@ def _refused(settings_of: Read, path: Path, text: str) -> UserError:
 # What they change
 
 
+def test_plc_says_how_stops_go_on(rig_file: Write, settings_of: Read) -> None:
+    plain = settings_of(rig_file()).operator
+    assert (plain.start_after_ns, plain.optional_stop) == (None, False)
+    settings = settings_of(rig_file(), "plc:start_ms=0.5", "plc:optional_stop=1")
+    assert (settings.operator.start_after_ns, settings.operator.optional_stop) == (500_000, True)
+
+
 def test_set_changes_axis_and_channel(rig_file: Write, settings_of: Read) -> None:
     settings = settings_of(
         rig_file(),
@@ -90,6 +97,10 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("bus:can1.interface=socketkan", "socketkan", "socketcan"),
         ("bus:can1.options=tty", "tty", "key=value"),
         ("plc:FEED=3", "FEED", "V.E.<NAME>"),
+        ("plc:start_s=1", "start_s", "start_ms"),
+        ("plc:start_ms=soon", "soon", "not a number"),
+        ("plc:start_ms=-1", "-1", "0 .. 1e9 ms"),
+        ("plc:optional_stop=yes", "yes", "0, 1"),
         ("plc:V.E.FEED=fast", "fast", "not a number"),
         ("fault:dealy=Z.TPDO1", "dealy", "delay"),
         ("fault:drop=Z.TPDO5", "Z.TPDO5", "Z.TPDO1, Z.TPDO2, Z.TPDO3, Z.TPDO4, Z.RPDO1"),
