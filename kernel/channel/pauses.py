@@ -43,13 +43,16 @@ class Pauses:
         self._until_ns = self._clock.now_ns + cycles * self._period_ns
 
     def _stop(self, command: canon.ProgramStop) -> None:
-        """Wait for the operator's start; raises Alarm 900170 when nobody will start."""
+        """Wait for the operator's start, a cycle at least.
+
+        Raises Alarm 900170 when nobody will start.
+        """
         if command.optional and not self.optional_stop:
             return
         if self.start_after_ns is None:
             raise Alarm(900170, word="M1" if command.optional else "M0")
         now_ns = self._clock.now_ns
-        cycles = -(-self.start_after_ns // self._period_ns)
+        cycles = max(1, -(-self.start_after_ns // self._period_ns))
         self._until_ns = now_ns + cycles * self._period_ns
         self.stops.append((now_ns, self._until_ns, command))
 

@@ -348,10 +348,17 @@ TAKES_TIME = (
     LinearMove,
     ArcMove,
     MeasuringRun,
-    Dwell,
-    ProgramStop,
     DriveRead,
     DriveWait,
     IndependentMove,
     Homing,
 )
+
+
+def takes_time(command: Command) -> bool:
+    """Tell whether at least one cycle passes with a command, whatever the machine does."""
+    if isinstance(command, Dwell):
+        return command.duration_ns > 0
+    if isinstance(command, ProgramStop):
+        return not command.optional
+    return isinstance(command, TAKES_TIME)

@@ -146,6 +146,14 @@ def test_programmed_stop_lasts_until_the_operator_starts(channel_bench: Any, wor
     assert bench.alarm_ids == []
 
 
+def test_a_stop_lasts_a_cycle_at_least(channel_bench: Any, words: Any) -> None:
+    bench = channel_bench(words.axis("X"))
+    bench.channel.pauses.start_after_ns = 0
+    stops = [canon.ProgramStop(block(n), optional=False) for n in (1, 2, 3)]
+    bench.run([*stops, words.end()])
+    assert [start_ns - stop_ns for stop_ns, start_ns, _ in bench.channel.pauses.stops] == [MS] * 3
+
+
 @pytest.mark.provokes(900170, 2, word="M0")
 def test_programmed_stop_without_an_operator_ends_the_program(
     channel_bench: Any, words: Any

@@ -100,7 +100,7 @@ class Interpreter:
                 raise _endless(context, block)
             for command in _decode(context, part):
                 yield command
-                takes_time = isinstance(command, canon.TAKES_TIME)
+                takes_time = canon.takes_time(command)
                 if takes_time or (isinstance(command, canon.Wait) and command.for_cycle):
                     flow.idle_blocks = 0
         yield canon.EndOfProgram(block)
