@@ -41,7 +41,9 @@ def blamed(error: UserError, settings: Settings, check: Callable[[Settings], Non
 def _blames_rig(error: UserError, settings: Settings) -> bool:
     """Whether the error names a file of the rig, or one of its lists, and no cell already."""
     rig = settings.written
-    lists = [rig.channel.list, *(axis.list for axis in rig.axis.values())]
+    channel = rig.channel
+    lists = [channel.list, channel.zero_offsets, channel.tools]
+    lists += [axis.list for axis in rig.axis.values()]
     return error.file in [str(file) for file in (*settings.files, *lists)]
 
 

@@ -44,6 +44,34 @@ def test_set_changes_axis_and_channel(rig_file: Write, settings_of: Read) -> Non
     assert settings.channel.flag("meas_error_no_signal") is True
 
 
+def test_set_changes_zero_offsets_and_tools(rig_file: Write, settings_of: Read) -> None:
+    """Lists of the rig first, then the assignments."""
+    path = rig_file(("[channel]", '[channel]\ntools = "lists/tools.lst"'))
+    (path.parent / "lists" / "tools.lst").write_text("wz[1].radius 20000\nwz[1].gueltig 1\n")
+    tables = settings_of(
+        path, "set:tools.wz[1].radius=30000", "set:zero_offsets.np_grp[1].achse[0].versch=-5"
+    ).offset_tables
+    tool = tables.tools.find(1)
+    assert tool is not None
+    assert tool.radius_mm == 3.0
+    assert tables.zero_offsets.shift_mm(1, 0) == -0.0005
+    assert tables.ball_radius_counts
+
+
+def test_a_list_that_is_missing_or_wrong_is_told_with_its_place(
+    rig_file: Write, settings_of: Read
+) -> None:
+    path = rig_file(("[channel]", '[channel]\nzero_offsets = "lists/zero.lst"'))
+    with pytest.raises(UserError, match=r"zero offsets zero\.lst is no file") as caught:
+        settings_of(path)
+    assert caught.value.file == str(path)
+    wrong = path.parent / "lists" / "zero.lst"
+    wrong.write_text("# first\nnp_grp[1].achse[0].versch fast\n")
+    with pytest.raises(UserError, match="takes a value of type SGN32") as caught:
+        settings_of(path)
+    assert (caught.value.file, caught.value.line) == (str(wrong), 2)
+
+
 def test_the_last_assignment_wins(rig_file: Write, settings_of: Read) -> None:
     settings = settings_of(rig_file(), "bus:can1.bitrate=500000", "bus:can1.bitrate=800000")
     assert settings.segment["can1"].bitrate == 800_000
@@ -89,6 +117,9 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("set:channel.messtyp=8", "8", "1 .. 7"),
         ("set:channel.messtyp=7", None, "1, 2, 3, 4, 5"),
         ("set:Z.messtyp=1", "messtyp", "parameter of the channel"),
+        ("set:tools.wz[1].length=1", "wz[1].length", "wz[i].laenge"),
+        ("set:tools.wz[201].radius=1", "wz[201].radius", "0 .. 200"),
+        ("set:zero_offsets.default_index=97", "97", "0 .. 96"),
         ("plant:q.surface_mm=1", "q", "z, probe"),
         ("bus:can7.bitrate=500000", "can7", "can1"),
         ("bus:can1.bitrates=500000", "bitrates", "bitrate"),
