@@ -1,0 +1,70 @@
+"""Independent axes keep to what their measuring type says: speed, stroke, missing signal."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from math import sqrt
+from typing import Any
+
+import pytest
+
+from kernel.nc import canon
+
+Make = Callable[..., Any]
+INCREMENT_MM = 10 / 2**20
+
+
+def _run(
+    channel_bench: Make,
+    words: Any,
+    kind: int,
+    plane_mm: float | None,
+    error_no_signal: bool | None = None,
+    **axis: Any,
+) -> Any:
+    """Z beside the path from 130 to 110 with FEED=3000; the lists say 10 mm/s for type 2."""
+    bench = channel_bench(words.axis("Z", start_mm=130.0, **axis), plane_mm=plane_mm)
+    block = canon.Block(1, 10, "N10")
+    move = canon.IndependentMove(
+        block, "Z", 110.0, feed_mm_min=3000.0, measuring_type=kind, error_no_signal=error_no_signal
+    )
+    bench.run([move, canon.WaitIndependent(block, ("Z",)), words.end()])
+    return bench
+
+
+def _top_speed_mm_s(bench: Any) -> float:
+    sent = [sample.sent_mm[0] for sample in bench.samples]
+    return max(abs(b - a) for a, b in pairwise(sent)) * 1e3
+
+
+@pytest.mark.parametrize(("kind", "v"), [(1, 50.0), (2, 10.0)])
+def test_type_2_has_the_speed_of_its_list(
+    channel_bench: Make, words: Any, kind: int, v: float
+) -> None:
+    bench = _run(channel_bench, words, kind, 120.0)
+    assert bench.alarm_ids == []
+    assert _top_speed_mm_s(bench) == pytest.approx(v, rel=1e-4)
+    assert bench.channel.records[0].latched_mm["Z"] == pytest.approx(120.0, abs=INCREMENT_MM)
+
+
+def test_type_2_stops_within_the_stroke_of_its_probe(channel_bench: Make, words: Any) -> None:
+    """0.02 mm at 1000 mm/s2: sqrt(40) mm/s."""
+    bench = _run(channel_bench, words, 2, 120.0, stroke_mm=0.02)
+    assert bench.alarm_ids == [900222]
+    assert _top_speed_mm_s(bench) == pytest.approx(sqrt(40.0), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "programmed", "alarms"),
+    [(1, None, []), (1, True, [900004]), (2, None, [900004]), (2, False, [900004])],
+)
+def test_type_2_always_wants_a_signal_and_type_1_when_meas_says_so(
+    channel_bench: Make, words: Any, kind: int, programmed: bool | None, alarms: list[int]
+) -> None:
+    assert _run(channel_bench, words, kind, None, programmed).alarm_ids == alarms
+
+
+def test_a_dead_time_is_led_back_here_too(channel_bench: Make, words: Any) -> None:
+    """10 mm/s for 10 ms."""
+    bench = _run(channel_bench, words, 2, 120.0, delay_ns=10_000_000)
+    value_mm = bench.channel.records[0].latched_mm["Z"]
+    assert value_mm == pytest.approx(120.1, abs=21 * INCREMENT_MM)
