@@ -200,7 +200,7 @@ def nc(
 
         raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
     if rig is None:
-        raise UserError("a run needs a rig", allowed="--rig FILE; --check without one")
+        raise typer.BadParameter("a run needs one; --check does not", param_hint="--rig")
     inputs = (
         program,
         rig,
@@ -402,13 +402,17 @@ def perf(
     bus: Annotated[
         bool, typer.Option("--bus", help="Time the bus and the codecs instead.")
     ] = False,
+    parse: Annotated[bool, typer.Option("--parse", help="Time the NC text instead.")] = False,
 ) -> None:
     """Time one row with all its files written, and split a cycle into its parts."""
+    if parse:
+        from bench.run.parse_perf import time_parse
+
+        return print(time_parse(repeats, time.perf_counter_ns, as_json))
     if bus:
         from bench.run.bus_perf import measure_bus, show_bus
 
-        print(show_bus(measure_bus(repeats, time.perf_counter_ns), as_json))
-        return
+        return print(show_bus(measure_bus(repeats, time.perf_counter_ns), as_json))
     if fmu:
         from bench.run.fmu_perf import measure_fmu, show_fmu
 

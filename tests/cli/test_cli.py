@@ -301,6 +301,14 @@ def test_perf_of_the_axis_fmu_compares_python_with_c(axisrig: Call) -> None:
     assert "slave / (loop + call) = " in axisrig("perf", "--fmu", "--repeats", "1")[1]
 
 
+def test_perf_of_the_nc_text_reads_two_programs(axisrig: Call) -> None:
+    code, out, err = axisrig("perf", "--parse", "--json", "--repeats", "1")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert all(told[name]["bytes"] >= 1_000_000 for name in ("moves", "mixed"))
+    assert told["moves"]["blocks"] > 20_000
+
+
 # ---- processes of their own: pipes, encodings, Ctrl-C, a killed worker
 
 

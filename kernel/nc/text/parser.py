@@ -21,7 +21,7 @@ from kernel.nc.text.builder import Builder
 from kernel.nc.text.errata import meant_in
 from kernel.nc.text.shapes import Shapes
 from kernel.nc.text.source import Source
-from kernel.nc.text.structure import Structure, call_errors
+from kernel.nc.text.structure import ERRORS_MAX, Structure, call_errors
 from kernel.nc.text.syntax_errors import syntax_error
 
 
@@ -90,11 +90,16 @@ class Reading:
         self.block_count = 0
 
     def run(self) -> None:
-        """Read all blocks; errors are kept, and reading goes on with the next block."""
+        """Read all blocks; errors are kept, and reading goes on with the next block.
+
+        It ends at `ERRORS_MAX` errors: who reads them will begin with the first.
+        """
         code = self.source.code
         self._builder.use(self.source, self._axes)
         self._variables, self.remarks = self._builder.variables, self._builder.remarks
         for begin, end in self.source.blocks():
+            if len(self.errors) >= ERRORS_MAX:
+                break
             try:
                 if code[begin] == "%":
                     self._header(begin, end)
@@ -107,6 +112,7 @@ class Reading:
         self._end_part()
         self.errors += call_errors(self._calls, self._subprograms, self.source.error)
         self.errors.sort(key=lambda error: (error.line or 0, error.column or 0))
+        del self.errors[ERRORS_MAX:]
 
     def program(self) -> Program:
         """Give what was read."""

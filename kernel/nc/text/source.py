@@ -194,10 +194,13 @@ class Source:
             return begin
         found = _COMMENT_END.search(self.text, begin)
         if found is None:
-            raise self.error(
-                "comment is not closed", begin, value="#COMMENT BEGIN", allowed="#COMMENT END"
+            # All that follows is comment then; there is nothing to read in it
+            self.faults.append(
+                self.error(
+                    "comment is not closed", begin, value="#COMMENT BEGIN", allowed="#COMMENT END"
+                )
             )
-        return found.end()
+        return len(self.text) if found is None else found.end()
 
     def _continuation_end(self, begin: int) -> int:
         r"""`\` ends a line; the next one goes on and may carry a block number of its own.

@@ -14,6 +14,8 @@ from kernel.nc.text.source import Source
 
 # Deeper nesting is a typing error; the manual has a fixed depth as well without telling it.
 DEPTH_MAX = 100
+# More are of no help to anyone
+ERRORS_MAX = 100
 
 _BEGINS = {
     syntax.If: "$IF",
@@ -91,7 +93,7 @@ class Structure:
             for opened in self._open
         ]
         for target, offset in self._targets:
-            if target.label not in self._labels:
+            if len(errors) < ERRORS_MAX and target.label not in self._labels:
                 close = nearest(target.label, self._labels)
                 errors.append(
                     self._source.error(
@@ -167,9 +169,10 @@ def call_errors(
     error: Callable[..., UserError],
 ) -> list[UserError]:
     """Give an error for every call of a local subprogram that the file does not have."""
-    errors = []
+    errors: list[UserError] = []
     for call, offset in calls:
-        if call.scope == "local" and call.name not in subprograms:
+        is_missing = call.scope == "local" and call.name not in subprograms
+        if is_missing and len(errors) < ERRORS_MAX:
             close = nearest(call.name, subprograms)
             errors.append(
                 error(

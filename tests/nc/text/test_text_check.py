@@ -114,3 +114,8 @@ def test_an_error_of_a_run_shows_its_line_too(tmp_path, capsys):
     with pytest.raises(SystemExit):
         main(["nc", str(file), "--rig", "testplans/rigs/probe-xyz.toml"])
     assert "      |     ^^^^\n" in capsys.readouterr().err
+
+
+def test_a_hundred_errors_are_enough():
+    found = checked("G777\n" * 5000)
+    assert [error.line for error in found.errors] == list(range(1, 101))

@@ -1,8 +1,6 @@
 """Programs as text: what is accepted, and where each error is found."""
 
 import pytest
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
 
 from kernel.errors import UserError
 from kernel.nc.canon import LinearMove
@@ -198,80 +196,3 @@ def test_every_variable_of_the_table_is_read():
         name = row.name.replace("<axis>", "X").replace("<name>", "ANY").replace("[]", "[1]")
         shown = row.name.replace("<axis>", "X").replace("<name>", "ANY")
         assert notes(f"X={name}") == ([] if row.acts else [shown])
-
-
-PIECES = st.sampled_from(
-    [
-        *("N10", "G1", "G100", "G92", "M30", "F100", "X10", "X=", "Y-1.5", "V.A.MESS.Z", "V.E.A"),
-        *(
-            "#MSG",
-            "#MSG SYN",
-            "#CS ON",
-            "#CS OFF",
-            "#MEAS MODE",
-            "[",
-            "]",
-            "(",
-            ")",
-            ",",
-            '"',
-            "%f",
-        ),
-        *(
-            "+",
-            "-",
-            "*",
-            "/",
-            "=",
-            ";",
-            "\\",
-            "\n",
-            " ",
-            "1",
-            ".5",
-            "SIN",
-            "%",
-            "$",
-            "é",
-            "\t",
-            "#",
-        ),
-    ]
-)
-
-
-def user_error_of(text):
-    try:
-        parse_program(text, file="p.nc", axes=XYZ)
-    except UserError as error:
-        return error
-    return None
-
-
-def check_any_text(text):
-    """No other exception, and a place inside the text so that an editor can jump to it."""
-    error = user_error_of(text)
-    if error is not None:
-        lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-        assert 1 <= error.line <= len(lines)
-        assert 1 <= error.column <= len(lines[error.line - 1]) + 1
-
-
-@settings(max_examples=300, deadline=None)
-@given(st.text(max_size=60))
-@example("X=" + "-" * 3000 + "1")
-@example("X=" + "+".join(["V.A.ABS.X"] * 3000))
-@example("X=" + "[" * 20 + "1" + "]" * 20)
-@example("N" + "9" * 5000)
-@example("G" + "9" * 5000)
-@example('#MSG ["%' + "9" * 30 + 'f", 1]')
-@example("\x0b\x85 \u2028")
-@example("X\u0661")
-def test_any_text_is_accepted_or_a_user_error(text):
-    check_any_text(text)
-
-
-@settings(max_examples=500, deadline=None)
-@given(st.lists(PIECES, max_size=25).map("".join))
-def test_any_mix_of_words_is_accepted_or_a_user_error(text):
-    check_any_text(text)
