@@ -132,7 +132,7 @@ def page() -> str:
     """The text of docs/errors.md."""
     entries = list(catalogue().values())
     areas = sorted({entry.area for entry in entries}, key=lambda area: _order(area, entries))
-    parts = [_PAGE_HEAD.format(count=len(entries)), *_class_table(), ""]
+    parts = [_PAGE_HEAD, *_class_table(), ""]
     for area in areas:
         parts += [
             f"## {area[0].upper()}{area[1:]}",
@@ -150,7 +150,7 @@ def _order(area: str, entries: Iterable[CatalogueEntry]) -> tuple[bool, str]:
 
 _PAGE_HEAD = """# Alarms
 
-All {count} alarm IDs, by area, made from `kernel/errors.csv` by `axisrig errors --format markdown`.
+All alarm IDs, by area, made from `kernel/errors.csv` by `axisrig errors --format markdown`.
 IDs below 900000 are those of the manuals, the others are ours where no ID is documented.
 `axisrig errors 70331` tells all about one, `axisrig errors probe` finds those that have to do with
 a probe. How to add one: [architecture.md](architecture.md), "Errors and alarms".
