@@ -103,9 +103,14 @@ def test_spellings_of_couplings(
     assert (begun.group, ended.group) == (1, 1)
 
 
-def test_couplings_by_numbers_are_known_and_do_not_act(run: Run) -> None:
-    with pytest.raises(Alarm, match="900100"):
-        run("%t\nN10 #AX LINK NBR[1, X2=X]\nN20 M30\n", axes=XYZ2)
+def test_couplings_by_logical_axis_numbers(run: Run) -> None:
+    """TF5200 programming manual 207120267: `#AX LINK NBR [2, 8 = 2]`."""
+    text = "%t\nN5 #AX LINK NBR[1, 4 = 1]\nN10 #AX LINK NBR [2, [4=2,G,1,2]]\n"
+    (on,) = orders(run(text + "N20 #AX LINK ON[2]\nN30 M30\n", axes=XYZ2))
+    assert on.pairs == (AxisPair("X2", "Y", (1.0, 2.0)),)
+    for pair in ("9=1", "4=9", "4=X", "X2=1"):
+        with pytest.raises(Alarm, match="900198"):
+            run(f"%t\nN10 #AX LINK NBR[1, {pair}]\nN20 M30\n", axes=XYZ2)
 
 
 def test_spellings_of_the_exchange(run: Run) -> None:

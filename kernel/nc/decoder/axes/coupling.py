@@ -5,15 +5,17 @@ may come apart by two limits in mm. Couplings end with the program. Sources: TF5
 manual 207120267 and 207133579, ISG 285662475.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 
 from kernel.nc import canon
 from kernel.nc.canon import AxisPair, Block
 from kernel.nc.decoder.axes.state import AxisStates, states
-from kernel.nc.decoder.axes.values import brackets, number, shown, whole
+from kernel.nc.decoder.axes.values import axis_named, brackets, number, shown, whole
 from kernel.nc.decoder.context import Context
 from kernel.nc.syntax import Argument, Command, Group, Name, Option
+
+Finder = Callable[[Context, Block, str, Option], tuple[str, str] | None]
 
 GROUP_MAX: Final = 31
 GANTRY: Final = "G"
@@ -28,7 +30,8 @@ def define(context: Context, block: Block, command: Command) -> Iterator[canon.C
     group = _group(context, block, bracket)
     if group in known.active:
         raise context.alarm(20472, block, group=group)
-    pairs = tuple(_pairs(context, block, bracket))
+    finds = _by_number if command.has("NBR") else _by_name
+    pairs = tuple(_pairs(context, block, bracket, finds))
     if not pairs:
         raise context.alarm(900197, block, group=group, what="has no pair of axes")
     _check(context, block, group, pairs)
@@ -45,30 +48,38 @@ def _group(context: Context, block: Block, bracket: Group) -> int:
     return group
 
 
-def _pairs(context: Context, block: Block, bracket: Group) -> Iterator[AxisPair]:
-    for slave, master in bracket.options:
-        yield _pair(context, block, slave, master)
+def _pairs(context: Context, block: Block, bracket: Group, finds: Finder) -> Iterator[AxisPair]:
+    entries: list[tuple[tuple[str, Option], tuple[float, float] | None]]
+    entries = [(option, None) for option in bracket.options]
     for argument in bracket.arguments[1:]:
         if not isinstance(argument, Group) or len(argument.options) != 1:
             written = shown(context, block, argument)
             raise context.alarm(900198, block, value=written, what="no slave=master")
-        ((slave, master),) = argument.options
-        limits = _limits(context, block, slave, argument.arguments)
-        yield _pair(context, block, slave, master, limits)
+        (option,) = argument.options
+        entries.append((option, _limits(context, block, option[0], argument.arguments)))
+    for (slave, master), limits_mm in entries:
+        found = finds(context, block, slave, master)
+        if found is None:
+            pair = f"{slave}={shown(context, block, master)}"
+            raise context.alarm(900198, block, value=pair, what="the channel has no such axis")
+        yield AxisPair(*found, limits_mm)
 
 
-def _pair(
-    context: Context,
-    block: Block,
-    slave: str,
-    master: Option,
-    limits_mm: tuple[float, float] | None = None,
-) -> AxisPair:
-    names = {axis.upper(): axis for axis in context.axes}
-    pair = f"{slave}={shown(context, block, master)}"
-    if not isinstance(master, Name) or not {slave.upper(), master.value.upper()} <= names.keys():
-        raise context.alarm(900198, block, value=pair, what="the channel has no such axis")
-    return AxisPair(names[slave.upper()], names[master.value.upper()], limits_mm)
+def _by_name(context: Context, block: Block, slave: str, master: Option) -> tuple[str, str] | None:
+    """The axes of a pair of names; None when one of them is not there."""
+    first, second = axis_named(context, Name(slave)), axis_named(context, master)
+    return None if first is None or second is None else (first, second)
+
+
+def _by_number(
+    context: Context, block: Block, slave: str, master: Option
+) -> tuple[str, str] | None:
+    """The axes of a pair of logical numbers (NBR)."""
+    axis = context.machine.axis_numbered
+    number = whole(context, block, master)
+    first = axis(int(slave)) if slave.isdecimal() else None
+    second = None if number is None else axis(number)
+    return None if first is None or second is None else (first, second)
 
 
 def _limits(
