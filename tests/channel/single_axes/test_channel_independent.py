@@ -1,12 +1,13 @@
 """Independent axes: each has its own profile and its own run, beside the path."""
 
-import itertools
 from collections.abc import Callable
+from itertools import pairwise
 from math import ceil
 from typing import Any
 
 import pytest
 
+from kernel.errors import Alarm
 from kernel.nc import canon
 
 Make = Callable[..., Any]
@@ -129,10 +130,31 @@ def test_an_alarm_stops_every_axis_with_its_own_ramp(channel_bench: Make, words:
     assert bench.alarm_ids == [50052]
     x = bench.set_mm("X")
     assert 0.0 < x[-1] < 50.0
-    steps = [b - a for a, b in itertools.pairwise(x)]
+    steps = [b - a for a, b in pairwise(x)]
     assert min(steps) >= 0.0
     full = max(n for n, step in enumerate(steps) if abs(step - 0.02) < 1e-9)
     assert x[-1] - x[full + 1] == pytest.approx(20.0**2 / (2 * A_MM_S2), abs=1e-9)
+
+
+def test_a_block_that_cannot_be_decoded_stops_axes_that_are_under_way(
+    channel_bench: Make, words: Any
+) -> None:
+    """Class 2: the path ends its blocks; what moves beside it stops with its own ramp."""
+
+    def program() -> Any:
+        yield alone("X", 100.0, feed_mm_min=600.0)
+        yield words.move(2, 600.0, Y=2.0)
+        raise Alarm(900108, place="N30")
+
+    bench = channel_bench(words.axis("X"), words.axis("Y"))
+    bench.run(program())
+    assert bench.alarm_ids == [900108]
+    assert bench.final_mm("Y") == 2.0
+    x = bench.set_mm("X")
+    assert 2.0 < x[-1] < 3.0
+    steps = [b - a for a, b in pairwise(x)]
+    full = max(n for n, step in enumerate(steps) if abs(step - 0.01) < 1e-9)
+    assert x[-1] - x[full + 1] == pytest.approx(10.0**2 / (2 * A_MM_S2), abs=1e-9)
 
 
 # Measuring
