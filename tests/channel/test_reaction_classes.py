@@ -72,6 +72,18 @@ def test_classes_2_and_3_end_the_program_and_stop_no_motion(
     assert stop.has_ended_with_closed_loops()
 
 
+def test_class_2_brakes_axes_that_move_by_themselves(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Y"), words.axis("Z", a_mm_s2=4000.0))
+    beside = canon.IndependentMove(words.end().block, "Z", 80.0, feed_mm_min=3000.0)
+    bench.prepare([beside, words.move(1, 3000.0, Y=60.0), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples or bench.set_mm("Y")[-1] < 12.0, 10 * S)
+    z_mm = bench.set_mm("Z")[-1]
+    bench.channel.stop(Alarm(900105, reason="none"))
+    bench.finish()
+    assert bench.final_mm("Y") == 60.0
+    assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
+
+
 def test_class_4_stops_all_axes_on_the_path(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(900070))
     assert stop.is_on_the_line
