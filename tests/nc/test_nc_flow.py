@@ -110,6 +110,12 @@ def test_break_in_a_switch_inside_a_loop_leaves_the_switch_only(run):
     assert path(run, text) == [1, 0, 2, 0]
 
 
+def test_the_plc_side_counts_no_loops(run):
+    with pytest.raises(UserError) as caught:
+        run("X0\n$FOR V.E.A=1,3,1\n$ENDFOR", external={"A": 0.0})
+    assert (caught.value.line, caught.value.column) == (2, 6)
+
+
 # ---- jumps
 
 

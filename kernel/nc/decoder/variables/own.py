@@ -20,7 +20,7 @@ from kernel.nc.decoder.subprograms import Unit, reachable
 from kernel.nc.decoder.topic import Reader, Topic, Writer, silent
 from kernel.nc.decoder.walk import written_by
 from kernel.nc.expressions import Value
-from kernel.nc.syntax import Assign, Command, Declare
+from kernel.nc.syntax import Assign, Command, Declare, For
 
 ELEMENTS_MAX = 1_000_000
 PARAMETER = "P[]"
@@ -188,19 +188,30 @@ def check(main: Unit) -> None:
     Raises UserError with the nearest names.
     """
     units = reachable(main)
-    statements = [
-        part.statement
+    parts = [
+        (unit, part)
         for unit in units
         for routine in (unit.main, *unit.local.values())
         for part in routine.blocks
-        if part.statement is not None
     ]
+    for unit, part in parts:
+        if isinstance(part.statement, For):
+            _check_counter(unit, part.block, part.statement.variable.name)
+    statements = [part.statement for _, part in parts if part.statement is not None]
     made = {variable.name for each in statements for variable in written_by(each)}
     declared = {each.target.name for each in statements if isinstance(each, Declare)}
     for unit in units:
         for name, line, column in unit.program.variables:
             if name.startswith(("V.P.", "V.L.")):
                 _check_name(unit, name, (line, column), made, declared)
+
+
+def _check_counter(unit: Unit, block: Block, name: str) -> None:
+    """Refuse a counter that the PLC side keeps: what is written is there only later."""
+    if name.startswith("V.E."):
+        at = max(block.text.upper().find(name), 0)
+        place = (block.line, block.column + at)
+        _refuse(unit, place, "$FOR cannot count in a variable of the PLC side", name, "P or V.P")
 
 
 def _check_name(
