@@ -80,6 +80,12 @@ class Source:
         margin = f"{line:5} | "
         return f"{margin}{shown}\n{' ' * (len(margin) - 2)}| {' ' * (place - begin)}{'^' * width}"
 
+    def place_of(self, sign: str, begin: int) -> int:
+        """Give where a sign stands in the block that begins at an offset; its begin without one."""
+        end = self.code.find("\n", begin)
+        found = self.code[begin : None if end < 0 else end].upper().find(sign)
+        return begin + max(found, 0)
+
     def line(self, number: int) -> str:
         """Give a line as written; number: from 1."""
         begin = self._line_starts[number - 1]

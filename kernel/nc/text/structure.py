@@ -64,6 +64,10 @@ class Structure:
     def take(self, statement: Statement | None, offset: int) -> None:
         """Take the next statement; offset: where its block begins."""
         kind = type(statement)
+        if isinstance(statement, Goto) or (isinstance(statement, Words) and statement.goto):
+            offset = self._source.place_of("$GOTO", offset)
+        elif kind is not Words and kind is not Label:
+            offset = self._source.place_of("$", offset)
         if kind is Words:
             assert isinstance(statement, Words)
             if statement.goto is not None:

@@ -204,3 +204,18 @@ def test_functions_known_by_their_name_only(text, value):
 
 def test_assignments_act_in_front_of_the_words_of_their_block():
     assert kinds("G0 XP1 P1=5 P2=P1") == ["Assign", "Assign", "Words"]
+
+
+@pytest.mark.parametrize(
+    ("text", "column"),
+    [
+        ("N10 G0 X1 $GOTO [A]", 11),
+        ("N10 $IF P1 $GOTO N5", 12),
+        ("N10 $ENDIF", 5),
+        ("/ N10 $IF 1", 7),
+    ],
+)
+def test_the_place_is_that_of_the_word(text, column):
+    with pytest.raises(UserError) as caught:
+        program(text)
+    assert caught.value.column == column
