@@ -22,6 +22,7 @@ from kernel.nc.syntax import (
     Number,
     Statement,
     Target,
+    Text,
     Variable,
     Words,
 )
@@ -235,6 +236,10 @@ class Builder(ControlBuilder):
     def _axis_or_address(
         self, found: _Gathered, address: str, value: Expression, item: nodes.Word
     ) -> None:
+        if isinstance(value, Text):
+            raise self.source.error(
+                f"{address} takes a number", item.offset, value=value.value, allowed="no text"
+            )
         axis = self.axes.get(address)
         if axis is not None:
             if axis in found.axes:

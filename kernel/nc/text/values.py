@@ -129,7 +129,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
         operands = [part.expression for part in children[::2]]
         signs = [_SIGNS.get(sign, sign) for sign in map(str.upper, children[1::2])]
         expression = _ranked(operands, signs) if signs else operands[0]
-        if isinstance(expression, Number | Variable) or _is_left_open(expression):
+        if isinstance(expression, Number | Text | Variable) or _is_left_open(expression):
             return nodes.Value(expression, offset)
         try:
             return nodes.Value(folded(expression), offset)
@@ -247,10 +247,8 @@ def _name_and_indices(
 
 
 def _is_left_open(expression: Expression) -> bool:
-    """Whether only the decoder can work with it: a text, or a function that does not act."""
+    """Whether a function that does not act takes part, so that nobody can compute it."""
     match expression:
-        case Text():
-            return True
         case Negative(operand) | Not(operand):
             return _is_left_open(operand)
         case Call(function, operands):
