@@ -99,7 +99,8 @@ class Reading:
         self._variables, self.remarks = self._builder.variables, self._builder.remarks
         for begin, end in self.source.blocks():
             if len(self.errors) >= ERRORS_MAX:
-                break
+                self.errors.sort(key=_place)
+                return
             try:
                 if code[begin] == "%":
                     self._header(begin, end)
@@ -109,9 +110,10 @@ class Reading:
                     self._take(begin, end)
             except UserError as error:
                 self.errors.append(error)
+                self._structure.assume(code[begin:end], begin)
         self._end_part()
         self.errors += call_errors(self._calls, self._subprograms, self.source.error)
-        self.errors.sort(key=lambda error: (error.line or 0, error.column or 0))
+        self.errors.sort(key=_place)
         del self.errors[ERRORS_MAX:]
 
     def program(self) -> Program:
@@ -210,6 +212,10 @@ class Reading:
         if head.placeholder is not None:
             builder.remark("Nxx read as a block without number", head.placeholder)
         return head, statements
+
+
+def _place(error: UserError) -> tuple[int, int]:
+    return error.line or 0, error.column or 0
 
 
 def with_hint(error: UserError, block: str) -> UserError:

@@ -4,6 +4,7 @@ Source: programming manual 206890763 (control blocks), 206915851 (jumps), 206828
 subprograms).
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
@@ -39,6 +40,11 @@ _INSIDE = {
     syntax.Case: ("$CASE", ("$SWITCH",)),
     syntax.Default: ("$DEFAULT", ("$SWITCH",)),
 }
+_BEGINNING = re.compile(
+    r"(?:/[0-9]*[ \t]*)?(?:N[ \t]*(?P<number>[0-9]{1,9})[ \t]*:|\[(?P<name>[^\]]*)\]"
+    r"|(?:N[ \t]*[0-9]+[ \t]*)?\$(?P<word>[A-Z]+))",
+    re.IGNORECASE,
+)
 _LOOPS = ("$FOR", "$WHILE", "$DO", "$REPEAT")
 
 
@@ -85,6 +91,19 @@ class Structure:
         elif isinstance(statement, Goto):
             self._targets.append((statement.target, offset))
 
+    def assume(self, code: str, offset: int) -> None:
+        """Take what a block with an error surely begins, so that its end is no second error."""
+        begins = _BEGINNING.match(code)
+        if begins is None:
+            return
+        if begins["word"] and f"${begins['word'].upper()}" in _BEGINS.values():
+            if "$GOTO" not in code.upper():
+                self._open.append(_Open(f"${begins['word'].upper()}", offset))
+        elif begins["number"]:
+            self._labels.setdefault(f"N{int(begins['number'])}", offset)
+        elif begins["name"]:
+            self._labels.setdefault(f"[{begins['name'].strip()}]", offset)
+
     def end(self) -> list[UserError]:
         """Give the errors that show only at the end of the part."""
         errors = [
@@ -111,13 +130,11 @@ class Structure:
         return errors
 
     def _begin(self, word: str, offset: int) -> None:
-        self._open.append(_Open(word, offset))
-        if len(self._open) > DEPTH_MAX:
+        if len(self._open) == DEPTH_MAX:
             raise self._source.error(
-                "control structures are nested too deep (ID 20211)",
-                offset,
-                allowed=f"{DEPTH_MAX} levels",
+                "control structures are nested too deep", offset, allowed=f"{DEPTH_MAX} levels"
             )
+        self._open.append(_Open(word, offset))
 
     def _end(self, word: str, begin: str, offset: int) -> None:
         if not self._open or self._open[-1].word != begin:

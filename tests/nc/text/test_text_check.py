@@ -116,6 +116,21 @@ def test_an_error_of_a_run_shows_its_line_too(tmp_path, capsys):
     assert "      |     ^^^^\n" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "$IF V.A.MES.X\nG0 X1\n$ELSE\nG0 X2\n$ENDIF",
+        "N5 $FOR P1=1,\nG0 X1\n$ENDFOR",
+        "/ N5 $WHILE 1+\n$BREAK\n$ENDWHILE",
+        "N10: G777\n$GOTO N10",
+        "[A] G777\n$GOTO [A]",
+        "$IF Q $GOTO [A]\n[A] G0 X1",
+    ],
+)
+def test_a_wrong_block_does_not_make_those_wrong_that_belong_to_it(text):
+    assert [error.line for error in checked(text).errors] == [1]
+
+
 def test_a_hundred_errors_are_enough():
     found = checked("G777\n" * 5000)
     assert [error.line for error in found.errors] == list(range(1, 101))
