@@ -3,7 +3,7 @@
 import pytest
 
 from kernel.errors import Alarm, UserError
-from kernel.nc.canon import LinearMove
+from kernel.nc.canon import LinearMove, Warn
 from kernel.nc.decoder import Interpreter
 from kernel.nc.text.parser import read_program
 
@@ -51,8 +51,12 @@ def test_parameters_carry_values_in_and_out(run):
     assert path(run, "%L TWICE\nP2=P1*2\n%MAIN\nG0 P1=4\nLL TWICE\nX=P2") == [8]
 
 
-def test_m30_in_a_subprogram_ends_the_program(run):
-    assert path(run, "%L SUB\nX1 M30\n%MAIN\nG0\nLL SUB\nX2") == [1]
+@pytest.mark.provokes(900125, 1, word="M30", name="SUB")
+def test_900125_warns_of_m30_in_a_subprogram_which_ends_the_program(run):
+    commands = run("%L SUB\nX1 M30\n%MAIN\nG0\nLL SUB\nX2")
+    assert moves_of(commands) == [1]
+    (warning,) = (c.alarm for c in commands if isinstance(c, Warn))
+    assert (warning.id, warning.ends_program) == (900125, False)
 
 
 def test_modal_words_go_on_behind_the_return(run):

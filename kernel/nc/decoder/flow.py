@@ -192,8 +192,14 @@ def _return(context: Context, block: Block, words: Words) -> None:
         context.ends = True
 
 
-def _end(context: Context, block: Block, words: Words) -> None:
+def _end(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
+    """M2, M30: also in a subprogram, with a warning. Source: programming manual 206828043."""
     context.ends = True
+    flow = context.flow
+    if len(flow.frames) > 1:
+        word = "M30" if "M30" in words.m else "M2"
+        name = flow.frame.routine.name
+        yield canon.Warn(block, context.alarm(900125, block, word=word, name=name))
 
 
 TOPIC = Topic(
@@ -221,8 +227,8 @@ TOPIC = Topic(
         SubprogramCall: silent(_call),
     },
     endings={
-        "M2": silent(_end),
-        "M30": silent(_end),
+        "M2": _end,
+        "M30": _end,
         "M17": silent(_return),
         "M29": silent(_return),
     },
