@@ -130,13 +130,13 @@ class Structure:
         return errors
 
     def _begin(self, word: str, offset: int) -> None:
-        self._open.append(_Open(word, offset))
-        if len(self._open) == DEPTH_MAX + 1:  # told once, or the rest would hide it
+        if len(self._open) == DEPTH_MAX:
             raise self._source.error(
                 "control structures are nested too deep (ID 20211)",
                 offset,
                 allowed=f"{DEPTH_MAX} levels",
             )
+        self._open.append(_Open(word, offset))
 
     def _end(self, word: str, begin: str, offset: int) -> None:
         if not self._open or self._open[-1].word != begin:
