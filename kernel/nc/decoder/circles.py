@@ -56,12 +56,11 @@ def arc(context: Context, block: Block, words: Words) -> Iterator[canon.Command]
     )
 
 
-def refuse_centre(context: Context, block: Block, words: Words) -> None:
-    """Raise Alarm 900153 for I, J or K in a block without an arc."""
+def refuse_centre(context: Context, block: Block, words: Words, function: str) -> None:
+    """Raise Alarm 900153 for I, J or K in a block of a G function that makes no arc."""
     letter = next((name for name, _ in words.addresses if name in CENTRE), None)
     if letter is not None:
-        where = f"with {context.modal.motion}"
-        raise context.alarm(900153, block, word=letter, where=where)
+        raise context.alarm(900153, block, word=letter, where=f"with {function}")
 
 
 def _centre_words(context: Context, block: Block, words: Words) -> Mapping[str, float]:

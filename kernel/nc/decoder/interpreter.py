@@ -7,11 +7,12 @@ from kernel.errors import UserError
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import GeometryError, OffsetTables
-from kernel.nc.decoder import axes, motion, registry, technology
+from kernel.nc.decoder import axes, circles, motion, registry, technology
 from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.frames import Flow
 from kernel.nc.decoder.subprograms import Unit, link
+from kernel.nc.decoder.topic import Handler
 from kernel.nc.decoder.variables import external as external_variables
 from kernel.nc.decoder.variables import own
 from kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
@@ -178,7 +179,11 @@ def _decode_words(context: Context, block: Block, words: Words) -> Iterator[cano
             raise context.not_acting(block, f"{command.axis}[{command.name}]", "single axis")
         yield from handler(context, block, command)
     taking = next((g for g in functions if g in registry.TAKES_AXES), None)
-    takes = motion.move if taking is None else registry.TAKES_AXES[taking]
+    if taking is None:
+        takes: Handler = motion.move
+    else:
+        circles.refuse_centre(context, block, words, taking)
+        takes = registry.TAKES_AXES[taking]
     yield from axes.synchronised(context, block, takes(context, block, words))
     yield from axes.after_block(context, block, words)
     for function in functions:

@@ -44,7 +44,7 @@ def move(context: Context, block: Block, words: Words) -> Iterator[canon.Command
     if context.modal.motion in circles.ARCS:
         yield from circles.arc(context, block, words)
     else:
-        circles.refuse_centre(context, block, words)
+        circles.refuse_centre(context, block, words, context.modal.motion)
         values = context.axis_values(block, words)
         if values:
             yield from _go(context, block, values)

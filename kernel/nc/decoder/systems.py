@@ -1,12 +1,14 @@
 """Machining coordinate systems (#CS)."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import MAIN_AXES, Frame
+from kernel.nc.decoder import axes
 from kernel.nc.decoder.context import Context
-from kernel.nc.decoder.topic import Topic, silent
+from kernel.nc.decoder.topic import Handler, Topic, silent
 from kernel.nc.syntax import Command, Expression, Group, Name, Number
 
 COMPONENTS = 6
@@ -178,14 +180,24 @@ def _components(context: Context, block: Block, group: Group) -> Components:
     return tuple(values)
 
 
+def _turning(act: Callable[[Context, Block, Command], None]) -> Handler:
+    """Make the handler of a command that changes the active system."""
+
+    def handler(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+        yield from axes.before_turning(context, block)
+        act(context, block, command)
+
+    return handler
+
+
 TOPIC = Topic(
     commands={
-        "CS ON": silent(_on),
-        "CS OFF": silent(_off),
-        "CS OFF ALL": silent(_all_off),
+        "CS ON": _turning(_on),
+        "CS OFF": _turning(_off),
+        "CS OFF ALL": _turning(_all_off),
         "CS DEF": silent(_store),
         "CS ADD": silent(_link),
-        "CS SELECT": silent(_select),
-        "CS SET": silent(_change),
+        "CS SELECT": _turning(_select),
+        "CS SET": _turning(_change),
     }
 )

@@ -1,10 +1,15 @@
 """Independent axes, couplings, exchange and homing of axes, and taking over their positions."""
 
 from kernel.nc.decoder.axes import coupling, exchange, homing, independent, positions
-from kernel.nc.decoder.axes.independent import after_block, before_block, synchronised
+from kernel.nc.decoder.axes.independent import (
+    after_block,
+    before_block,
+    before_turning,
+    synchronised,
+)
 from kernel.nc.decoder.topic import Topic
 
-__all__ = ["TOPIC", "after_block", "before_block", "synchronised"]
+__all__ = ["TOPIC", "after_block", "before_block", "before_turning", "synchronised"]
 
 TOPIC = Topic(
     commands={

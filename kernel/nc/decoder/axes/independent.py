@@ -5,11 +5,12 @@ An INDP_SYN axis lets the next block wait for it. An INDP_ASYN axis moves beside
 Sources: FCT-C4 section 2; TF5200 programming manual 208612235, P-CHAN-00451 (502430091).
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.coordinates.stack import SAME_POSITION_MM
 from kernel.nc.decoder import measuring, technology
 from kernel.nc.decoder.axes import coupling
 from kernel.nc.decoder.axes.state import forbidden, states
@@ -54,17 +55,34 @@ def before_block(context: Context, block: Block, words: Words) -> Iterator[canon
 def synchronised(
     context: Context, block: Block, commands: Iterable[canon.Command]
 ) -> Iterator[canon.Command]:
-    """Let commands of the path wait for axes that they move and that are still under way."""
-    under_way = states(context).under_way
-    if not under_way:
+    """Let commands of the path wait for axes that they move and that are still under way.
+
+    Raises Alarm 900195 for those that have been given away.
+    """
+    known = states(context)
+    if known.is_plain:
         yield from commands
         return
+    stood_mm = {axis: context.coordinates.acs_mm[axis] for axis in known.away}
     for command in commands:
-        moved: Iterable[str] = getattr(command, "target_acs_mm", ())
-        late = tuple(axis for axis in moved if axis in under_way)
+        moved: Mapping[str, float] = getattr(command, "target_acs_mm", {})
+        # A turned system moves and measures with axes that the block does not name
+        for axis, at_mm in stood_mm.items():
+            is_moved = abs(moved.get(axis, at_mm) - at_mm) > SAME_POSITION_MM
+            if is_moved or axis in getattr(command, "measuring_axes", ()):
+                raise context.alarm(900195, block, axis=axis)
+        late = tuple(axis for axis in moved if axis in known.under_way)
         if late:
             yield from _wait_for(context, block, late)
         yield command
+
+
+def before_turning(context: Context, block: Block) -> Iterator[canon.Command]:
+    """Let a change of the coordinate system wait for main axes that are still under way.
+
+    A measured value belongs to the system in which its run took place (FCT-C4 section 5).
+    """
+    yield from wait_for_all(context, block, context.coordinates.main_axes)
 
 
 def after_block(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
