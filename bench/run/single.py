@@ -80,7 +80,8 @@ def run_program(
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    notes = [
+    notes = [Ended(text, False) for text in settings.notes]
+    notes += [
         Ended(f"segment {name} is overloaded: {text}", False)
         for name, text in overloads(settings).items()
     ]

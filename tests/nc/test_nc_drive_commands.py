@@ -42,6 +42,22 @@ def test_without_wait_the_program_goes_on(run: Callable[..., list[Any]]) -> None
     assert (command.value, command.waits) == (-3.0, False)
 
 
+def test_a_drive_is_named_by_the_number_of_its_axis_and_syn_may_be_left_out(
+    run: Callable[..., list[Any]],
+) -> None:
+    """The machine of these tests numbers its axes from 1."""
+    (write,) = _commands(run, "#DRIVE WR [AXNR=2 KEY=a VAL=3 WAIT]")
+    assert (write.axis, write.value, write.waits) == ("Y", 3.0, True)
+    (wait,) = _commands(run, "#DRIVE WAIT SYN [AXNR=3]")
+    assert wait.axis == "Z"
+
+
+def test_no_axis_has_this_number(run: Callable[..., list[Any]]) -> None:
+    with pytest.raises(Alarm) as caught:
+        _commands(run, "#DRIVE WR SYN [AXNR=7 KEY=a VAL=3]")
+    assert (caught.value.id, caught.value.values) == (20312, {"number": "7"})
+
+
 def test_a_function_may_be_called_like_a_keyword(run: Callable[..., list[Any]]) -> None:
     (command,) = _commands(run, "#DRIVE WR SYN [AX=X KEY=WAIT VAL=1]")
     assert (command.key, command.waits) == ("WAIT", False)

@@ -175,28 +175,27 @@ SAMPLES = [
     ),
     Sample(
         "FCT-M3 4.1",
-        "kenngr.distc.filter_type MOVING_AVERAGE # ..\n"
-        "kenngr.distc.n cycles 20 # Number of incl # Number of included measured values\n",
+        "kenngr.distc.filter_type MOVING_AVERAGE # ..\nkenngr.distc.n cycles 20 # .. # ..\n",
         ({f"{K}.n_cycles": 20, f"{K}.filter_type": "MOVING_AVERAGE"},),
         hints=("kenngr.distc.n_cycles 20",),
     ),
     Sample(
         "FCT-M3 4.2.1",
         "kenngr.distc.filter_type      EXPO_MEAN # ..\n"
-        "kenngr.distc.n cycles 30 # Number of included measured\nvalues\n"
+        "kenngr.distc.n cycles 30 # ..\nvalues\n"
         "kenngr.distc.smoothing_factor 0.3       # ..\n",
         ({f"{K}.n_cycles": 30, f"{K}.filter_type": "EXPO_MEAN", f"{K}.smoothing_factor": 0.3},),
         hints=("kenngr.distc.n_cycles 30",),
     ),
     Sample(
         "FCT-M3 7.1",
-        "kenngr.distc.mode dist use both encoder 1 # Motor and distance encoder active\n",
+        "kenngr.distc.mode dist use both encoder 1 # ..\n",
         ({f"{K}.mode_dist_use_both_encoder": True},),
         hints=("kenngr.distc.mode_dist_use_both_encoder 1",),
     ),
     Sample(
         "FCT-M3 7.3",
-        "kenngr.distc.optimized_scheduling 1 # Scheduling active\n",
+        "kenngr.distc.optimized_scheduling 1 # ..\n",
         ({f"{K}.optimized_scheduling": True},),
     ),
     Sample(
@@ -207,8 +206,8 @@ SAMPLES = [
         f"{D}.v_weight_down             0\n{D}.a_weight_down              0\n"
         f"{D}.ref_offset                0\n{D}.max_pos                   1500000\n"
         f"{D}.min_pos                   -1500000\n{D}.tolerance                 0\n"
-        "dist ctrl[0].kp 0.3# P-CHAN-00822: integral time\n"
-        "dist ctrl[0].i tn 0.0# P-CHAN-00823: derivative time\n"
+        "dist ctrl[0].kp 0.3# P-CHAN-00822\n"
+        "dist ctrl[0].i tn 0.0# P-CHAN-00823\n"
         f"{D}.d_tv 0.01## Filter\n# P-CHAN-00800\n{D}.n_cycles                  20\n"
         f"dist ctrl[0].filter type \t MOVING AVERAGE\n{D}.smoothing_factor          0.05\n"
         f"{D}.kalman_sigma              2000\ndist ctrl[0].low pass filter order 3\n"

@@ -142,6 +142,14 @@ class Context:
             raise self.index_alarm(block, "V[]", index, len(self.axes) - 1)
         return self.axes[index]
 
+    def numbered_axis(self, block: Block, expression: Expression) -> str:
+        """Give the axis of a logical number (P-AXIS-00016); raises Alarm 20312 without one."""
+        number = self.value(block, expression)
+        axis = self.machine.axis_numbered(int(number)) if number == int(number) else None
+        if axis is None:
+            raise self.alarm(20312, block, number=f"{number:g}")
+        return axis
+
     def index_alarm(self, block: Block, name: str, index: int, last: int) -> Alarm:
         """Make the alarm of an index that is too large."""
         return self.alarm(20403, block, name=name, value=index, lower=0, upper=last)

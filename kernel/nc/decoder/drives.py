@@ -15,20 +15,28 @@ def _name(command: Command, keyword: str) -> str:
     return name.value
 
 
+def _axis(context: Context, block: Block, command: Command) -> str:
+    number = command.option("AXNR")
+    if isinstance(number, Expression):
+        return context.numbered_axis(block, number)
+    return _name(command, "AX")
+
+
 def _write(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     value = command.option("VAL")
     assert isinstance(value, Expression)
     number = context.value(block, value)
-    axis, key = _name(command, "AX"), _name(command, "KEY")
+    axis, key = _axis(context, block, command), _name(command, "KEY")
     yield canon.DriveWrite(block, axis, key, number, command.has("WAIT"))
 
 
 def _wait(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    yield canon.DriveWait(block, _name(command, "AX"))
+    yield canon.DriveWait(block, _axis(context, block, command))
 
 
 def _read(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    axis, key, variable = _name(command, "AX"), _name(command, "KEY"), command.option("P")
+    axis, key = _axis(context, block, command), _name(command, "KEY")
+    variable = command.option("P")
     assert isinstance(variable, Variable)
     yield canon.DriveRead(block, axis, key)
     yield canon.Wait(block)
@@ -36,4 +44,11 @@ def _read(context: Context, block: Block, command: Command) -> Iterator[canon.Co
     yield from context.write(block, variable, value)
 
 
-TOPIC = Topic(commands={"DRIVE WR SYN": _write, "DRIVE WAIT SYN": _wait, "DRIVE RD": _read})
+TOPIC = Topic(
+    commands={
+        "DRIVE WR SYN": _write,
+        "DRIVE WR": _write,  # drive functions are written synchronously only (207630987)
+        "DRIVE WAIT SYN": _wait,
+        "DRIVE RD": _read,
+    }
+)

@@ -36,11 +36,8 @@ def _axes(context: Context, block: Block, command: Command) -> list[str]:
         if keyword == "AX" and isinstance(value, Name):
             axes.append(context.axis(value.value.upper()))
         elif keyword == "AXNR":
-            number = _number(context, block, value)
-            found = context.machine.axis_numbered(int(number)) if number == int(number) else None
-            if found is None:
-                raise context.alarm(20312, block, number=f"{number:g}")
-            axes.append(found)
+            assert isinstance(value, Expression), "the table of commands has checked it"
+            axes.append(context.numbered_axis(block, value))
     return axes
 
 

@@ -12,9 +12,9 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.axes.independent import wait_for_all
 from kernel.nc.decoder.axes.state import states
-from kernel.nc.decoder.axes.values import axis_named, shown, whole
+from kernel.nc.decoder.axes.values import axis_named
 from kernel.nc.decoder.context import Context
-from kernel.nc.syntax import Command, Option
+from kernel.nc.syntax import Command, Expression, Option
 
 
 def initialise(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
@@ -38,8 +38,5 @@ def _axis(context: Context, block: Block, keyword: str, value: Option) -> str:
         axis = axis_named(context, value)
         assert axis is not None, "the text has been checked for axes of the rig"
         return axis
-    number = whole(context, block, value)
-    found = None if number is None else context.machine.axis_numbered(number)
-    if found is None:
-        raise context.alarm(20312, block, number=shown(context, block, value))
-    return found
+    assert isinstance(value, Expression), "the table of commands has checked it"
+    return context.numbered_axis(block, value)
