@@ -200,7 +200,7 @@ def nc(
 
         raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
     if rig is None:
-        raise typer.BadParameter("a run needs one; --check does not", param_hint="--rig")
+        raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
     inputs = (
         program,
         rig,
