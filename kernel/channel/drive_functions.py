@@ -154,7 +154,7 @@ class DriveFunctions:
         if isinstance(answer, SdoError) and self._failed is None:
             self._failed = Alarm(
                 900032,
-                place=str(command.block),
+                place=command.block.place,
                 axis=command.axis,
                 key=function.key,
                 object=object_name(answer.index, answer.sub),

@@ -202,7 +202,7 @@ class Measurement:
             raise Alarm(900224, axis=least, type=measuring_type)
         warning = Alarm(
             900222,
-            place=str(block),
+            place=block.place,
             axis=least,
             speed_mm_min=f"{wanted_mm_s * S_PER_MIN:.9g}",
             stroke_mm=f"{axes[least].stroke_mm:.9g}",

@@ -78,7 +78,7 @@ class Reactions:
     def come_up(self, alarm: Alarm) -> bool:
         """Register an alarm of the running program and react; return whether the program ends."""
         if alarm.place is None and self._execution.block is not None:
-            alarm.place = str(self._execution.block)
+            alarm.place = self._execution.block.place
         self.register(alarm)
         if not alarm.ends_program:
             return False

@@ -141,6 +141,18 @@ def test_speed_in_a_small_circle_is_limited_by_the_centripetal_acceleration() ->
     assert found.acceleration.a_low_mm_s2 == pytest.approx(1000 / math.sqrt(2))
 
 
+@pytest.mark.parametrize("steps", [(1000.0, 250.0), (250.0, 1000.0)])
+def test_of_a_slope_with_two_steps_the_smaller_one_counts_on_an_arc(
+    steps: tuple[float, float],
+) -> None:
+    """r = 5 mm, 250 mm/s² of both: v² / r = 250 / sqrt 2."""
+    slope = Slope(*steps, 50.0)
+    found = arc_dynamics(
+        [Dynamics(slope, slope, slope, 500.0)] * 3, in_plane(5.0, 0.3, math.tau, 1.0)
+    )
+    assert found.speed_max_mm_s == pytest.approx(math.sqrt(5 * 250 / math.sqrt(2)))
+
+
 def test_slow_feed_leaves_nearly_all_acceleration_for_the_ramps() -> None:
     """v = 10 mm/s on r = 50 mm takes 2 mm/s²: sqrt(1000² - 2²) are left."""
     arc = in_plane(50.0, 0.3, math.tau, 1.0)

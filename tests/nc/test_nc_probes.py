@@ -138,3 +138,10 @@ def test_900100_and_a_note_of_the_check_for_what_belongs_to_later_functions(
     assert (alarm.id, alarm.values["word"]) == (900100, word)
     program = parse_program(f"N7 {text}\n", file="test.nc", axes=("X", "Y", "Z"))
     assert [n.word for block in program.blocks for n in block.not_acting] == [word]
+
+
+def test_simu_offset_is_a_length_and_ends_with_the_defaults(run) -> None:
+    """-1 inch is -25.4 mm; #MEAS DEFAULT takes it off."""
+    text = "G70\n#MEAS[SIMU_OFFSET=-1]\nG100 X1 F10\n#MEAS DEFAULT\nG100 X2"
+    runs = [command for command in run(text) if isinstance(command, MeasuringRun)]
+    assert [one.simulated_offset_mm for one in runs] == [pytest.approx(-25.4), 0.0]

@@ -146,6 +146,16 @@ def test_alarms_in_a_global_subprogram_carry_its_own_file_name(files):
     assert "sub.nc line 2, block N20" in str(caught.value.place)
 
 
+def test_alarms_of_the_machine_carry_the_file_of_their_block(tmp_path, plane_machine):
+    """What comes up in a cycle knows the block only."""
+    (tmp_path / "main.nc").write_text("L sub.nc", encoding="utf-8")
+    (tmp_path / "sub.nc").write_text("G0\nN20 X7", encoding="utf-8")
+    program = read_program(tmp_path / "main.nc", XYZ)
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    move, *_ = Interpreter(program, XYZ, machine, external={}).commands()
+    assert move.block.place == f"{tmp_path / 'sub.nc'} line 2, block N20"
+
+
 def test_files_may_call_each_other_as_long_as_they_come_back(files):
     main = "G0 P1=0\nL a.nc\nX9"
     assert files(main=main, a="P1=P1+1\nX=P1\n$IF P1<3\nL b.nc\n$ENDIF", b="L a.nc") == [1, 2, 3, 9]

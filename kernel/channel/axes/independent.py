@@ -188,7 +188,7 @@ class IndependentAxes:
 
 def _judged(mover: Mover, alarm: Alarm) -> Alarm:
     """Give an alarm of a run the place of its block, and the ID of independent axes."""
-    place = str(mover.command.block)
+    place = mover.command.block.place
     if alarm.id in (NOT_ARMED, SWITCHED_OFF):
         return Alarm(NOT_INITIALISED, place=place, axis=mover.command.axis)
     alarm.place = alarm.place or place

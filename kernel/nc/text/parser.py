@@ -169,14 +169,14 @@ class Reading:
             plain = shapes.plain(self.source.code, begin, end)
             statement = None if plain is None else self._shapes.statement(plain)
             if plain is not None and statement is not None:
-                block = Block(line, plain.number, text, column)
+                block = Block(line, plain.number, text, column, self.source.file)
                 self._blocks.append(ProgramBlock(block, statement))
                 return
         head, statements = self._parse(begin, end)
         not_acting = tuple(self._builder.not_acting)
         if plain is not None and not not_acting and len(statements) == 1:
             self._shapes.learn(plain, statements[0])
-        block = Block(line, head.number, text, column)
+        block = Block(line, head.number, text, column, self.source.file)
         for part in statements or (None,):
             noted = () if isinstance(part, Label) else not_acting
             self._keep(ProgramBlock(block, part, head.skip, noted), part, begin)
