@@ -6,8 +6,12 @@ from pathlib import Path
 from bench.params.words import decided_by, named, with_unit
 from bench.plan.assignment import parse_assignment
 from bench.rig.file import read_rig
+from bench.rig.lists import offset_notes
 from bench.rig.settings import Settings, as_written, read_settings
 from kernel.errors import UserError
+from kernel.nc.coordinates.lists import UNITS_PER_MM, forms, guess_list
+from kernel.nc.coordinates.tables import Lists
+from kernel.nc.coordinates.tools import inch_tools
 from kernel.parameters import (
     KINDS,
     Kind,
@@ -59,6 +63,10 @@ def effective_text(
 
 def contents_text(path: Path) -> str:
     """Tell what a list sets, in both units, what of it is corrected and what does not act yet."""
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    offsets = guess_list(text)
+    if offsets is not None:
+        return _offsets_text(path, offsets)
     parts = _read(path)
     warnings = [
         f"warning: {warning}"
@@ -73,6 +81,22 @@ def contents_text(path: Path) -> str:
     ]
     notes = [*warnings, *inert]
     return "\n\n".join([*blocks, *(["\n".join(notes)] if notes else [])]) or "the list is empty"
+
+
+def _offsets_text(path: Path, name: str) -> str:
+    """Tell what a list of zero offsets or tools sets; its axes are known with a rig only."""
+    lists = Lists()
+    lists.read(name, path)
+    unit = {form.path: form.unit for form in forms(name).values()}
+    inches = inch_tools(lists.entries[name])
+    lines = []
+    for entry in lists.entries[name]:
+        told = ""
+        if unit[entry.path] and not set(entry.indices[:1]) & inches:
+            told = f" x {unit[entry.path]} = {float(entry.value) / UNITS_PER_MM:g} mm"
+        lines.append(f"  {entry.written}{told}  {entry.origin.short}")
+    notes = [f"note: {note}" for note in offset_notes(lists)]
+    return "\n".join([name, *lines, *(["", *notes] if notes else [])])
 
 
 def _blocks(parts: Mapping[str, ParameterSet], words: Sequence[str] | None) -> list[str]:

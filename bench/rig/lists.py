@@ -1,10 +1,11 @@
 """The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from bench.rig.file import RigFile, rig_error
 from kernel.errors import Alarm
-from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS
+from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import ParameterSet, read_list, start_up, written
 from kernel.parameters.lists import NEXT_AXIS
@@ -94,3 +95,36 @@ def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSe
             what = "1 setting does" if len(inert) == 1 else f"{len(inert)} settings do"
             notes.append(f"{of}: {what} not act yet ({Path(path).name}): {names}")
     return notes
+
+
+def offset_notes(lists: Lists, axes: Sequence[str] | None = None) -> list[str]:
+    """Tell what in the lists of zero offsets and tools cannot be meant, value by value.
+
+    axes: those of the rig, in its order, which the indices count from 0; None without a rig.
+    """
+    notes: list[str] = []
+    told: set[tuple[int, ...]] = set()
+    for name, entries in lists.entries.items():
+        last = {(entry.path, entry.indices): entry for entry in entries}
+        valid = {at for (path, at), entry in last.items() if "gueltig" in path and entry.value}
+        for entry in last.values():
+            why = _oddity(entry, axes)
+            if why is None and name == TOOLS and entry.indices[:1] not in valid | told:
+                told.add(entry.indices[:1])
+                number = entry.indices[0]
+                why = f"no `wz[{number}].gueltig 1` stands in the list, so D{number} is refused"
+            if why is not None:
+                notes.append(f"{name}: {entry.written} ({entry.origin.short}): {why}")
+    return notes
+
+
+def _oddity(entry: Entry, axes: Sequence[str] | None) -> str | None:
+    of_axis = entry.path.endswith(("versch", "inaktiv", "ax_versatz[j]"))
+    if axes is not None and of_axis and entry.indices[1] >= len(axes):
+        known = ", ".join(f"{at} = {axis}" for at, axis in enumerate(axes))
+        return f"the rig has no axis {entry.indices[1]}, it has {known}"
+    if entry.path == "wz[i].radius" and float(entry.value) < 0:
+        return "a radius below 0"
+    if entry.path.startswith("wz") and entry.indices[0] == 0:
+        return "D0 is no tool, its data never act"
+    return None

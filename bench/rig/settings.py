@@ -14,7 +14,14 @@ from bench.drive.profiles import value_of
 from bench.plan.assignment import Assignment
 from bench.rig.faults import Fault, needs_heartbeats, read_faults
 from bench.rig.file import DriveTable, RigFile, SegmentTable
-from bench.rig.lists import OFFSET_LISTS, inert_notes, read_lists, read_offsets, take_over
+from bench.rig.lists import (
+    OFFSET_LISTS,
+    inert_notes,
+    offset_notes,
+    read_lists,
+    read_offsets,
+    take_over,
+)
 from kernel.clock import MS, TimeNs
 from kernel.errors import Alarm, UserError, nearest
 from kernel.nc.coordinates import OffsetTables
@@ -219,6 +226,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
     try:
         settings.warnings = take_over(channel, axes)
         settings.notes = inert_notes(rig, channel, axes)
+        settings.notes += offset_notes(settings.offsets, tuple(axes))
     except UserError as error:
         for assignment, located in assignments:
             if assignment.column == error.file:

@@ -197,6 +197,7 @@ def _overload(result: CaseResult, bus: Mapping[str, Any]) -> str:
 
 
 LIST_SUFFIXES = (".lst", ".lis")
+PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
 
 
 def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
@@ -211,6 +212,14 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         return _check_rig_file(path, changes)
     if path.suffix.lower() in LIST_SUFFIXES:
         return f"{path}\n{contents_text(path)}"
+    if path.suffix.lower() in PROGRAM_SUFFIXES:
+        hint = f"for an NC program: `axisrig nc --check {path}`"
+        raise UserError("no plan, rig or list", file=path, hint=hint)
+    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
+        message = "a folder, no file to check" if path.is_dir() else "not a file to check"
+        allowed = ", ".join([*SUFFIXES, ".toml", *LIST_SUFFIXES])
+        value = None if path.is_dir() else path.suffix
+        raise UserError(message, file=path, value=value, allowed=allowed)
     plan = read_plan(path).with_inputs(changes)
     for case in plan.cases:
         prepare(case)

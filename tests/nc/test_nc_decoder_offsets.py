@@ -54,6 +54,26 @@ def test_zero_offsets_of_the_rig_act_in_their_block_already(decode):
     assert [dict(move.target_acs_mm) for move in moves] == [{"X": 11.0}, {"X": 61.0}, {"X": 1.0}]
 
 
+def test_g159_takes_any_group_of_the_table_and_is_modal(decode):
+    """TF5200 zero offsets 103721099: G159 = 0 is G53, 6 is G59, then up to 96."""
+    table = ZeroOffsets({(1, 0): 10.0, (96, 0): 960.0})
+    moves = decode(
+        words("G0 G159", G159=96, X=1),
+        words("", X=2),
+        words("G159", G159=1, X=1),
+        words("G159", G159=0, X=1),
+        tables=OffsetTables(zero_offsets=table),
+    )
+    assert [move.target_acs_mm["X"] for move in moves] == [961.0, 962.0, 11.0, 1.0]
+
+
+@pytest.mark.parametrize(("group", "alarm_id"), [(97, 20403), (-1, 20403), (1.5, 900105)])
+def test_g159_of_a_group_that_no_table_has(decode, group, alarm_id):
+    with pytest.raises(Alarm) as caught:
+        decode(words("G0 G159", G159=group, X=1))
+    assert caught.value.id == alarm_id
+
+
 def test_the_group_of_the_program_start_and_the_values_of_g53(decode):
     """P-ZERO-00002 and P-ZERO-00001; an axis that is inactive in a group has none."""
     table = ZeroOffsets({(2, 0): 20.0, (2, 1): 20.0, (0, 0): 1.0}, {(2, 1)}, True, 2)

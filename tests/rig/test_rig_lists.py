@@ -70,6 +70,46 @@ def test_check_tells_a_list_too(tmp_path: Path) -> None:
         check_file(path)
 
 
+def test_check_tells_a_list_of_zero_offsets_or_tools_as_what_it_is(tmp_path: Path) -> None:
+    path = tmp_path / "some.lst"
+    path.write_text("# zero\nnp_grp[1].achse[2].versch 330000\n", encoding="utf-8")
+    text = check_file(path)
+    assert "zero offsets" in text
+    assert "np_grp[1].achse[2].versch 330000 x 0.1 um = 33 mm  some.lst:2" in text
+    path.write_text("wz[1].radius 20000\nwz[1].gueltig 1\n", encoding="utf-8")
+    assert "wz[1].radius 20000 x 0.1 um = 2 mm" in check_file(path)
+    path.write_text("wz[1].lenght 5\n", encoding="utf-8")
+    with pytest.raises(UserError, match="unknown name in a list of tools"):
+        check_file(path)
+
+
+def test_values_of_offset_lists_that_cannot_be_meant_are_notes(
+    rig_file: Write, settings_of: Read
+) -> None:
+    named = 'list = "lists/channel.lst"\nzero_offsets = "lists/z0.lst"\ntools = "lists/t.lst"'
+    rig = rig_file(('list = "lists/channel.lst"', named))
+    listed(rig, "np_grp[1].achse[0].versch 1\nnp_grp[1].achse[9].versch 2\n", "z0.lst")
+    tools = "wz[1].radius -20000\nwz[1].gueltig 1\nwz[1].laenge -5\nwz[3].laenge 7\n"
+    listed(rig, tools, "t.lst")
+    far, radius, useless = settings_of(rig).notes
+    assert far == (
+        "zero offsets: np_grp[1].achse[9].versch 2 (z0.lst:2): the rig has no axis 9, it has 0 = Z"
+    )
+    assert radius == "tools: wz[1].radius -20000 (t.lst:1): a radius below 0"
+    assert "wz[3].laenge 7 (t.lst:4): no `wz[3].gueltig 1`" in useless
+    later = settings_of(rig, "set:tools.wz[3].gueltig=1", "set:tools.wz[1].radius=1")
+    assert later.notes == [far], "a cell counts, not what it replaces"
+
+
+def test_a_file_that_check_does_not_know_names_what_does(tmp_path: Path) -> None:
+    program = tmp_path / "p.nc"
+    program.write_text("M30\n", encoding="utf-8")
+    with pytest.raises(UserError, match=r"axisrig nc --check .*p\.nc"):
+        check_file(program)
+    with pytest.raises(UserError, match=r"a folder.*\.csv, \.xlsx, \.ods, \.toml, \.lst, \.lis"):
+        check_file(tmp_path)
+
+
 def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
     rig = listed(rig_file(), "kenngr.distc.kp 0.3\nkenngr.echtzeit_bit_nr 1\nkenngr.messachse 1\n")
     listed(rig, "messtyp 7\ndist_ctrl[0].v_max 10000\n", "channel.lst")

@@ -14,7 +14,7 @@ from importlib import resources
 from pathlib import Path
 
 from kernel.errors import UserError, nearest
-from kernel.parameters import INTEGER_RANGES, Origin, Value, convert
+from kernel.parameters import INTEGER_RANGES, Origin, Value, convert, written
 
 INCH_MM = 25.4
 UNITS_PER_MM = 10_000
@@ -55,11 +55,19 @@ class Form:
 
 @dataclass(frozen=True)
 class Entry:
-    """One value of a list. path: with `[i]`, `[j]`; indices: their values."""
+    """One value of a list. path: with `[i]`, `[j]`; indices: their values; origin: its place."""
 
     path: str
     indices: tuple[int, ...]
     value: Value
+    origin: Origin
+
+    @property
+    def written(self) -> str:
+        """Name and value as in a list."""
+        indices = iter(self.indices)
+        name = _PLACE.sub(lambda _: f"[{next(indices)}]", self.path)
+        return f"{name} {written(self.value)}"
 
 
 @cache
@@ -83,6 +91,15 @@ def _form(row: Mapping[str, str]) -> Form:
         meaning=row["meaning"],
         source=row["source"],
     )
+
+
+def guess_list(text: str) -> str | None:
+    """Tell which of the two lists a text is by the beginnings of its names; None for neither."""
+    said = {re.split(r"[\s\[]", line.strip(), maxsplit=1)[0] for line in text.splitlines()}
+    for name in (ZERO_OFFSETS, TOOLS):
+        if said & {path.partition("[")[0] for path in forms(name)}:
+            return name
+    return None
 
 
 def read_entry(name: str, path: str, text: str, origin: Origin) -> Entry:
@@ -118,7 +135,7 @@ def read_entry(name: str, path: str, text: str, origin: Origin) -> Entry:
     if form.acts not in ("yes", "ignored") and number != float(form.acts):
         message = f"{form.path} ({form.number}) = {text} is known to the manuals, does not act yet"
         raise origin.error(message, allowed=form.acts, hint="remove the line")
-    return Entry(key, indices, value)
+    return Entry(key, indices, value, origin)
 
 
 def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:

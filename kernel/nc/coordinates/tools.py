@@ -49,10 +49,15 @@ class Tools:
         return Tools({number: tool.copy() for number, tool in self._tools.items()})
 
 
+def inch_tools(entries: Iterable[Entry]) -> set[int]:
+    """Give the numbers of the tools whose lengths are in inches (P-TOOL-00008)."""
+    return {e.indices[0] for e in entries if e.path == "wz[i].mass_einheit" and e.value}
+
+
 def make_tools(entries: Iterable[Entry]) -> Tools:
     """Make the tools from the values of a list; the unit of a tool may stand behind its values."""
     entries = tuple(entries)
-    inch = {e.indices[0] for e in entries if e.path == "wz[i].mass_einheit" and e.value}
+    inch = inch_tools(entries)
     tools = Tools()
     for entry in entries:
         number = entry.indices[0]

@@ -26,6 +26,16 @@ def _zero_offset(group: int) -> Handler:
     return silent(lambda context, block, words: context.select_zero(group))
 
 
+def _numbered_offset(context: Context, block: Block, words: Words) -> None:
+    """G159 = group: every group of the list, also beyond G59. TF5200 zero offsets 103721099."""
+    expression = words.address("G159")
+    assert expression is not None, "checked by the parser"
+    value = context.value(block, expression)
+    if value != round(value):
+        raise context.alarm(900105, block, reason=f"G159 = {value:g} is no group")
+    context.select_zero(_group(context, block, round(value), "G159"))
+
+
 def _choose_plane(g: str) -> Handler:
     def choose(context: Context, block: Block, words: Words) -> None:
         context.coordinates.plane = PLANES[g]
@@ -72,9 +82,9 @@ def _choose_default(
     return iter(())
 
 
-def _group(context: Context, block: Block, index: int) -> int:
+def _group(context: Context, block: Block, index: int, name: str = "V.G.NP[]") -> int:
     if not 0 <= index < GROUPS:
-        raise context.index_alarm(block, "V.G.NP[]", index, GROUPS - 1)
+        raise context.index_alarm(block, name, index, GROUPS - 1)
     return index
 
 
@@ -116,11 +126,13 @@ def _origin(context: Context, block: Block, letter: str) -> float:
 TOPIC = Topic(
     settings={
         **{g: _zero_offset(group) for g, group in ZERO_OFFSETS.items()},
+        "G159": silent(_numbered_offset),
         **{g: _choose_plane(g) for g in PLANES},
         "G70": _choose_unit(True),
         "G71": _choose_unit(False),
     },
     takes_axes={"G92": silent(_reference_point)},
+    read_addresses=("G159",),
     readers={
         "V.A.PROG": _of_axis(Coordinates.programmed_mm),
         "V.A.ABS": _of_axis(Coordinates.absolute_mm),

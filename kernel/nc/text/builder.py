@@ -32,6 +32,7 @@ from kernel.nc.text.controls import ControlBuilder
 from kernel.nc.text.values import Part
 from kernel.nc.text.words import Word, words
 
+ZERO_GROUP = "G159"
 NEEDS_AXES = ("G74", "G92", "G100", "G101", "G310", "G210")
 _FUNCTION_NUMBER = re.compile(r"[0-9]+")
 _DWELL = re.compile(r"G0*4")
@@ -184,6 +185,8 @@ class Builder(ControlBuilder):
         if item.address in ("G", "M"):
             found.functions.append((item, self._function(item)))
             return
+        if item.address == ZERO_GROUP:  # its value stands among the addresses
+            found.functions.append((item, words("G")[ZERO_GROUP]))
         if item.assigned and item.address in _RADIUS:
             self._axis_or_address(found, "R", self._number(item), item)
             return
@@ -295,6 +298,8 @@ class Builder(ControlBuilder):
             return Word(name, "M", "", True, "", "")
         if word is None:
             raise self.unknown(f"{item.address} function", name, item.offset, words(item.address))
+        if name == ZERO_GROUP:
+            raise self.source.error(f"{name} needs a group", item.offset, allowed="G159 = 0 .. 96")
         if not word.acts:
             self.note(name, word.meaning, item.offset)
         return word
