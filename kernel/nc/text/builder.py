@@ -34,6 +34,8 @@ from kernel.nc.text.words import Word, words
 
 ZERO_GROUP = "G159"
 NEEDS_AXES = ("G74", "G92", "G100", "G101", "G310", "G210")
+# Their jump depends on the signal. Source: FCT-C4 section 3, type 5
+_JUMP_BEHIND = {"G310", "G210"}
 _FUNCTION_NUMBER = re.compile(r"[0-9]+")
 _DWELL = re.compile(r"G0*4")
 # R=5 and R1=5 are the radius of an arc. TF5200 programming manual 15556764811
@@ -179,6 +181,14 @@ class Builder(ControlBuilder):
             return
         words_of_block = self._words(found)
         jumps_only = words_of_block == Words(goto=found.goto)
+        if found.goto and not jumps_only and not _JUMP_BEHIND & set(words_of_block.g):
+            raise self.source.error(
+                "$GOTO stands alone, behind assignments, or behind G310 (G210)",
+                self.source.place_of("$", self.begin),
+                value="$GOTO",
+                allowed="a block of its own",
+                hint="only G310 and G210 jump when their motion ends by the signal",
+            )
         yield Goto(found.goto) if jumps_only and found.goto else words_of_block
 
     def _word(self, found: _Gathered, item: nodes.Word) -> None:

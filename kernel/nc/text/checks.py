@@ -19,7 +19,17 @@ KEY_LENGTH_MAX = 29  # P-AXIS-00396
 COMPONENTS = 6  # of a coordinate system
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
-Check = Callable[[ExpressionBuilder, Command, Mapping[str, int], int], Command]
+# What the brackets of a #CS command hold, by their number. TF5200 programming manual 208480907
+_SHIFTS, _ID, _NAMED = ("shifts",), ("ID", "shifts"), ("name", "shifts")
+_BRACKETS: Mapping[str, Mapping[int, tuple[str, ...]]] = {
+    "CS ON": {1: _SHIFTS, 2: _ID},
+    "CS DEF": {1: _SHIFTS, 2: _ID},
+    "CS ADD": {2: _NAMED},
+    "CS SET": {2: _NAMED},
+    "CS SELECT": {1: ("name",)},
+}
+
+Check = Callable[[ExpressionBuilder, Command, Mapping[str, int], nodes.RawCommand], Command]
 
 
 def checked(
@@ -31,7 +41,7 @@ def checked(
     """Give the command back; places: where the value of each keyword stands."""
     for start, check in _CHECKS.items():
         if command.name == start or command.name.startswith(f"{start} "):
-            return check(builder, command, places, raw.offset)
+            return check(builder, command, places, raw)
     return command
 
 
@@ -40,11 +50,13 @@ def _wrong(builder: ExpressionBuilder, command: Command, offset: int, allowed: s
 
 
 def _message(
-    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     arguments = command.arguments
     if not arguments or not isinstance(arguments[0], Text) or None in arguments:
-        raise _wrong(builder, command, offset, '["text", value, ..]')
+        raise _wrong(builder, command, raw.offset, '["text", value, ..]')
+    for bracket in raw.brackets:
+        _check_values(builder, f"#{command.name}", bracket)
     try:
         pieces = message.pieces_of(arguments[0].value)
         kinds = [
@@ -53,7 +65,7 @@ def _message(
         ]
         message.check_arguments(pieces, kinds)
     except message.FormatError as fault:
-        text_begin = builder.source.code.index('"', offset) + 1
+        text_begin = builder.source.code.index('"', raw.offset) + 1
         raise builder.source.error(
             fault.message, text_begin + fault.position, value=fault.value, allowed=fault.allowed
         ) from None
@@ -61,19 +73,19 @@ def _message(
 
 
 def _measuring_mode(
-    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     for chosen in command.arguments:
         if chosen is None:
-            raise _wrong(builder, command, offset, "[type] or nothing")
+            raise _wrong(builder, command, raw.offset, "[type] or nothing")
         if isinstance(chosen, Number) and chosen.value not in measuring_types():
             raise builder.source.error(
                 "no such measuring type",
-                offset,
+                raw.offset,
                 value=f"{chosen.value:g}",
                 allowed=measuring_types(),
             )
-        _note_type(builder, chosen, "#MEAS MODE[{}]", offset)
+        _note_type(builder, chosen, "#MEAS MODE[{}]", raw.offset)
     return command
 
 
@@ -87,7 +99,7 @@ def _note_type(builder: ExpressionBuilder, chosen: object, shown: str, offset: i
 
 
 def _probe(
-    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     """What belongs to an axis names one, and what belongs to the channel does not.
 
@@ -103,42 +115,85 @@ def _probe(
         if len(pair) > 1:
             raise builder.source.error(
                 f"{pair[0]} and {pair[1]} of #{command.name} exclude each other",
-                offset,
+                raw.offset,
                 value=pair[1],
                 allowed="one of them",
             )
     if not named and (of_axis or command.name == "MEAS PREPARE"):
         raise builder.source.error(
             f"#{command.name} names no axis",
-            offset,
+            raw.offset,
             value=of_axis[0] if of_axis else None,
             allowed="AX=<name> or AXNR=<number>",
         )
-    _note_type(builder, command.option("TYPE"), "#MEAS [TYPE={}]", offset)
+    _note_type(builder, command.option("TYPE"), "#MEAS [TYPE={}]", raw.offset)
     signal = command.option("SIGNAL")
     if isinstance(signal, Name) and signal.value not in BY_DRIVE:
-        builder.note(f"#MEAS [SIGNAL={signal.value}]", "signal that no drive latches", offset)
+        builder.note(f"#MEAS [SIGNAL={signal.value}]", "signal that no drive latches", raw.offset)
     return command
 
 
 def _system(
-    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     if len(builder.axes) < MAIN_AXES and command.arguments:
         raise builder.source.error(
-            "a coordinate system needs three main axes", offset, value=", ".join(builder.axes)
+            "a coordinate system needs three main axes", raw.offset, value=", ".join(builder.axes)
         )
     for group in command.arguments:
         if not isinstance(group, Group):
-            raise _wrong(builder, command, offset, "brackets behind it")
+            raise _wrong(builder, command, raw.offset, "brackets behind it")
         strange = any(isinstance(argument, Text | Group) for argument in group.arguments)
         if len(group.arguments) > COMPONENTS or group.options or strange:
-            raise _wrong(builder, command, offset, "three shifts and three angles")
+            raise _wrong(builder, command, raw.offset, "three shifts and three angles")
+    held = _BRACKETS.get(command.name, {}).get(len(raw.brackets), ())
+    for bracket, what in zip(raw.brackets, held, strict=False):
+        if what != "shifts":
+            _check_id(builder, command, bracket, what)
+        elif command.name != "CS ON" or len(raw.brackets) > 1 or len(bracket.elements) > 1:
+            _check_values(builder, f"#{command.name}", bracket)
     return command
 
 
+def _check_id(
+    builder: ExpressionBuilder, command: Command, bracket: nodes.Bracket, what: str
+) -> None:
+    """An ID is a number or a name; a letter O alone is a zero that was mistyped."""
+    entries = [entry for element in bracket.elements for entry in element]
+    value = entries[0].value if entries else None
+    is_zero = isinstance(value, nodes.Bare) and value.text.upper() == "O" and what == "ID"
+    if len(entries) > 1 or is_zero:
+        wrong = entries[1] if len(entries) > 1 else entries[0]
+        raise builder.source.error(
+            f"the first bracket of #{command.name} takes one {what}",
+            wrong.offset,
+            value=builder.source.found(wrong.offset),
+            allowed="a number from 1, or a name" if what == "ID" else "a name",
+            hint="0 meant?" if is_zero else None,
+        )
+
+
+def _check_values(builder: ExpressionBuilder, shown: str, bracket: nodes.Bracket) -> None:
+    """Refuse a name where a number belongs, and two values without a comma between them."""
+    for element in bracket.elements:
+        for place, entry in enumerate(element):
+            found = builder.source.found(entry.offset)
+            if place:
+                raise builder.source.error(
+                    "a comma stands between two values", entry.offset, value=found, allowed="comma"
+                )
+            if isinstance(entry.value, nodes.Bare):
+                raise builder.source.error(
+                    f"{shown} takes a number or an expression here",
+                    entry.offset,
+                    value=found,
+                    allowed="10, P1, V.P.NAME, [P1+5]",
+                    hint="0 meant?" if found.upper() == "O" else None,
+                )
+
+
 def _drive(
-    builder: ExpressionBuilder, command: Command, places: Mapping[str, int], _: int
+    builder: ExpressionBuilder, command: Command, places: Mapping[str, int], _: nodes.RawCommand
 ) -> Command:
     source, key = builder.source, command.option("KEY")
     if isinstance(key, Name) and (not _KEY.fullmatch(key.value) or len(key.value) > KEY_LENGTH_MAX):
@@ -168,7 +223,7 @@ def _drive(
 
 
 def _kinematic(
-    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], offset: int
+    builder: ExpressionBuilder, command: Command, _: Mapping[str, int], raw: nodes.RawCommand
 ) -> Command:
     """`#KIN ID[9.98]` is printed for `#KIN ID[9,98]`: two kinematics, no number with a fraction."""
     values = command.arguments
@@ -176,7 +231,7 @@ def _kinematic(
         whole, point, fraction = repr(values[0].value).partition(".")
         if point and int(fraction):
             builder.remark(
-                f"#{command.name}[{whole}.{fraction}] read as [{whole},{fraction}]", offset
+                f"#{command.name}[{whole}.{fraction}] read as [{whole},{fraction}]", raw.offset
             )
             return replace(command, arguments=(Number(float(whole)), Number(float(fraction))))
     return command

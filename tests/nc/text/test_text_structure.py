@@ -55,7 +55,7 @@ def test_a_loop_without_condition_goes_on_for_ever():
 
 
 def test_jumps_and_labels():
-    text = "N10: G0 X1\n[BACK] X2\n$GOTO N10\n$IF P1 > 3 $GOTO [BACK]\nG0 X3 $GOTO [BACK]"
+    text = "N10: G0 X1\n[BACK] X2\n$GOTO N10\n$IF P1 > 3 $GOTO [BACK]\nG310 X3 $GOTO [BACK]"
     n10, _, back, _, jump, conditional, move = statements(text)
     assert (n10, back, jump) == (Label("N10"), Label("[BACK]"), Goto(Target("N10")))
     assert isinstance(conditional, Goto)
@@ -209,7 +209,7 @@ def test_assignments_act_in_front_of_the_words_of_their_block():
 @pytest.mark.parametrize(
     ("text", "column"),
     [
-        ("N10 G0 X1 $GOTO [A]", 11),
+        ("N10 G310 X1 $GOTO [A]", 13),
         ("N10 $IF P1 $GOTO N5", 12),
         ("N10 $ENDIF", 5),
         ("/ N10 $IF 1", 7),
@@ -219,3 +219,16 @@ def test_the_place_is_that_of_the_word(text, column):
     with pytest.raises(UserError) as caught:
         program(text)
     assert caught.value.column == column
+
+
+@pytest.mark.parametrize("words", ["G1 Z140 F3000", "G100 Z20 F300", "M3", "F500", "P1=3 G4 1"])
+def test_a_jump_beside_words_is_refused_as_it_would_not_be_made(words):
+    with pytest.raises(UserError) as caught:
+        parse_program(f"{words} $GOTO [A]\n[A] M30", axes=XYZ)
+    assert (caught.value.line, caught.value.column) == (1, len(words) + 2)
+    assert "G310" in str(caught.value)
+
+
+@pytest.mark.parametrize("words", ["", "P1=3 V.P.A=4 ", "G310 Z20 F300 ", "G210 Z20 "])
+def test_a_jump_stands_alone_behind_assignments_or_behind_g310(words):
+    assert len(parse_program(f"{words}$GOTO [A]\n[A] M30", axes=XYZ).blocks) >= 3
