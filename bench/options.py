@@ -69,17 +69,25 @@ YesOption = Annotated[
 ]
 
 
+# So many errors of one file are told beside the first
+_ERRORS_TOLD = 24
+
+
 def rejecting(command: Callable[..., None]) -> Callable[..., None]:
-    """Turn what a user can mend into one line on standard error and exit code 2."""
+    """Turn what a user can mend into a line each on standard error and exit code 2."""
 
     @wraps(command)
     def guarded(*args: Any, **kwargs: Any) -> None:
         try:
             command(*args, **kwargs)
         except UserError as error:
-            print(f"error: {error}", file=sys.stderr)
-            if error.excerpt is not None:
-                print(error.excerpt, file=sys.stderr)
+            for one in (error, *error.further[:_ERRORS_TOLD]):
+                print(f"error: {one}", file=sys.stderr)
+                if one.excerpt is not None:
+                    print(one.excerpt, file=sys.stderr)
+            if error.further[_ERRORS_TOLD:]:
+                more = len(error.further) - _ERRORS_TOLD
+                print(f"error: {more} further errors", file=sys.stderr)
             raise typer.Exit(EXIT_REJECTED) from None
         except BrokenPipeError:
             # The reader has gone (`| head`); what follows must not complain a second time

@@ -10,7 +10,7 @@ Anything else that escapes is a defect of the bench.
 
 import csv
 import difflib
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
@@ -36,9 +36,11 @@ class UserError(Exception):
     file, line, column: where (line and column count from 1).
     value: what was found. allowed: what may stand there, or a `Guess`. hint: what to do.
     excerpt: the line with a mark under the place, for a reader at a terminal; no part of the text.
+    further: what else is wrong in the same file, in its order; no part of the text either.
     """
 
     excerpt: str | None = None
+    further: Sequence["UserError"] = ()
 
     def __init__(
         self,
@@ -74,6 +76,13 @@ class UserError(Exception):
         if self.hint is not None:
             parts.append(self.hint)
         return "; ".join(parts)
+
+
+def together(errors: Sequence[UserError]) -> UserError:
+    """Make one error of all that are wrong with a file; at least one."""
+    first, *others = (one for error in errors for one in (error, *error.further))
+    first.further = tuple(others)
+    return first
 
 
 def _short(text: str) -> str:

@@ -146,16 +146,16 @@ def _keys(parameters: ParameterSet, row: Parameter, *, is_all: bool) -> list[str
 
 
 def _guess(path: Path) -> Kind:
-    """Find out which kind a list has: the one whose names it uses first."""
+    """Find out which kind a list has: the one that refuses the fewest of its lines."""
     errors = []
     for kind in KINDS:
         try:
             read_sections(path, kind)
         except UserError as error:
-            errors.append((error.line or 0, kind))
+            errors.append((len(error.further), kind))
         else:
             return kind
-    return max(errors, key=lambda item: (item[0], -KINDS.index(item[1])))[1]
+    return min(errors, key=lambda item: (item[0], KINDS.index(item[1])))[1]
 
 
 def _read(path: Path) -> dict[str, ParameterSet]:

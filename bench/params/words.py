@@ -36,7 +36,7 @@ def chosen(words: Sequence[str]) -> list[Parameter]:
 def named(word: str) -> Parameter | None:
     """Return the one row that a number, a present or an older path means."""
     for kind in KINDS:
-        row = table(kind).numbered(word.upper()) or table(kind).row(word)
+        row = table(kind).numbered(word) or table(kind).row(word)
         if row is not None:
             return row
     short = [row for row in every_parameter() if row.number.endswith(f"-{word}")]

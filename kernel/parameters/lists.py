@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from kernel.errors import UserError
+from kernel.errors import UserError, together
 from kernel.parameters.errata import damaged_name, damaged_value
 from kernel.parameters.origin import Origin
 from kernel.parameters.table import Kind, table
@@ -17,6 +17,8 @@ from kernel.parameters.values import ParameterSet
 
 NEXT_AXIS = "kopf.achs_nr"
 NAME = "kopf.log_achs_name"
+
+NO_SIGN = "no `=` stands between name and value"
 
 _LINE = re.compile(
     r"""\s*(?P<name>[^\s"'#;]\S*)(?:\s+(?P<value>"[^"]*"|'[^']*'|\S+)(?P<rest>.*))?""", re.DOTALL
@@ -52,7 +54,7 @@ def read_list(path: str | Path, kind: Kind, axis: str | None = None) -> Paramete
 def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
     """Read a list that may hold several axes, in its order; at least one part comes back.
 
-    Raises UserError as `read_list` does.
+    Raises UserError as `read_list` does; what else is wrong is in its `further`.
     """
     try:
         # Old lists are not always UTF-8, but only their comments hold anything beyond ASCII.
@@ -60,24 +62,42 @@ def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
     except OSError as error:
         message = "parameter list cannot be read"
         raise UserError(message, file=path, hint=error.strerror) from error
-    sections = [ParameterSet(kind)]
-    lines: dict[str, int] = {}
+    reading = _Reading(str(path), kind)
+    errors = []
     for number, line in enumerate(text.splitlines(), start=1):
-        parts = _parts(line, str(path), number, kind)
+        try:
+            reading.take(number, line)
+        except UserError as error:
+            errors.append(error)
+    if errors:
+        raise together(errors)
+    return reading.sections
+
+
+class _Reading:
+    """A list as far as it is read: its parts, and the lines of the names of the last one."""
+
+    def __init__(self, file: str, kind: Kind) -> None:
+        self.sections = [ParameterSet(kind)]
+        self._file, self._kind = file, kind
+        self._lines: dict[str, int] = {}
+
+    def take(self, number: int, line: str) -> None:
+        parts = _parts(line, self._file, number, self._kind)
         if parts is None:
-            continue
+            return
         name, value, at_name, at_value = parts
-        if name == NEXT_AXIS and NEXT_AXIS in lines:
-            sections.append(ParameterSet(kind))
-            lines = {}
-        key = _key(sections[-1], name, value, at_name, line)
-        if key in lines:
-            message = f"parameter is already set in line {lines[key]}"
-            hint = f"keep one; {NEXT_AXIS} begins the next axis" if kind == "axis" else "keep one"
+        if name == NEXT_AXIS and NEXT_AXIS in self._lines:
+            self.sections.append(ParameterSet(self._kind))
+            self._lines = {}
+        key = _key(self.sections[-1], name, value, at_name, line)
+        if key in self._lines:
+            message = f"parameter is already set in line {self._lines[key]}"
+            is_axis = self._kind == "axis"
+            hint = f"keep one; {NEXT_AXIS} begins the next axis" if is_axis else "keep one"
             raise at_name.error(message, value=name, hint=hint)
-        lines[key] = number
-        sections[-1].load(name, value, at_value)
-    return sections
+        self._lines[key] = number
+        self.sections[-1].load(name, value, at_value)
 
 
 def _key(parameters: ParameterSet, name: str, value: str, origin: Origin, line: str) -> str:
@@ -93,6 +113,14 @@ def _key(parameters: ParameterSet, name: str, value: str, origin: Origin, line: 
         raise origin.error(message, value=f"{name} {value}".strip(), hint=hint) from error
 
 
+def unit_hint(rest: str, unit: str) -> str | None:
+    """Tell in which unit a value counts that has something like a unit behind it."""
+    if rest[:1].isdigit():
+        return None
+    counted = f"; it counts in {unit}" if unit else ""
+    return f"a list has no units behind its values{counted}"
+
+
 def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Origin, Origin] | None:
     """Return name and value of a line with their places, None for a line without any."""
     text = _COMMENT.sub(lambda match: match[1] or "", line)
@@ -105,6 +133,8 @@ def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Ori
     name, value = match["name"], match["value"]
     rest = (match["rest"] or "").strip()
     row = table(kind).row(name)
+    if row is None and "=" in name:
+        raise at_name.error(NO_SIGN, value=name, hint=f"write `{name.replace('=', ' ', 1)}`")
     if row is None and (value is None or rest):
         hint = damaged_name(text, kind)
         if hint is not None:
@@ -112,9 +142,12 @@ def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Ori
     if value is None:
         raise at_name.error("no value behind the name", value=name)
     at_value = Origin(file, number, match.start("value") + 1)
+    if value.startswith("="):
+        raise at_value.error(NO_SIGN, value=value, hint=f"write `{name} {value[1:] or rest}`")
     if rest and row is not None:  # else its name is told
-        hint = damaged_value(f"{value} {rest}", row)
-        raise at_name.error("more than one value behind the name", value=rest, hint=hint)
+        hint = damaged_value(f"{value} {rest}", row) or unit_hint(rest, row.unit)
+        at_rest = Origin(file, number, text.index(rest, match.end("value")) + 1)
+        raise at_rest.error("more than one value behind the name", value=rest, hint=hint)
     if value[0] in _QUOTES and value[-1] == value[0] and len(value) > 1:
         value = value[1:-1]
     return name, value, at_name, at_value

@@ -31,6 +31,7 @@ from kernel.parameters.types import INTEGER_RANGES, Value, convert, written
 Kind = Literal["axis", "channel", "external", "startup"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
+NUMBER = re.compile(r"P-([A-Z]+)-([0-9]{1,5})", re.IGNORECASE)
 INDEX = re.compile(r"\[([0-9]{1,4})\]")
 
 
@@ -216,8 +217,12 @@ class Table:
         return self._by_path.get(INDEX.sub("[i]", path))
 
     def numbered(self, number: str) -> Parameter | None:
-        """Return the row of a number such as P-AXIS-00774, None if there is none."""
-        return next((row for row in self.parameters if row.number == number), None)
+        """Return the row of a number such as P-AXIS-00774 or p-axis-774, None if there is none."""
+        match = NUMBER.fullmatch(number)
+        if match is None:
+            return None
+        full = f"P-{match[1].upper()}-{match[2]:0>5}"
+        return next((row for row in self.parameters if row.number == full), None)
 
 
 def indices_of(key: str) -> tuple[int, ...]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from kernel.clock import US, TimeNs
 from kernel.errors import UserError, nearest
 from kernel.parameters.origin import Origin
-from kernel.parameters.table import KINDS, Kind, Parameter, indices_of, table
+from kernel.parameters.table import KINDS, NUMBER, Kind, Parameter, indices_of, table
 from kernel.parameters.types import Value
 from kernel.parameters.units import UNITS
 
@@ -97,11 +97,15 @@ class ParameterSet:
                 f"{row.label} has no such index", value=path, allowed=f"index {limits}"
             )
         others = [kind for kind in KINDS if kind != self.kind and table(kind).row(path)]
-        known = self._table.paths()
+        close = nearest(path, self._table.paths())
         if others:
             hint = f"it is a parameter of {_LISTS[others[0]]}"
+        elif NUMBER.fullmatch(path):
+            hint = _numbered(path, self.kind)
+        elif close:
+            hint = "nearest names: " + ", ".join(close)
         else:
-            hint = "nearest names: " + ", ".join(nearest(path, known) or known[:3])
+            hint = "no name is near it; `axisrig params WORD` finds names by what they mean"
         return origin.error(f"unknown {self.kind} parameter", value=path, hint=hint)
 
     def _store(self, path: str, parameter: Parameter, key: str, text: str, origin: Origin) -> None:
@@ -259,6 +263,16 @@ def _stem(path: str) -> str:
     """Return a path up to its first index, the whole path without any."""
     head, has_index, _ = path.partition("[i]")
     return head + has_index
+
+
+def _numbered(number: str, asked: Kind) -> str:
+    """Tell the name that a number stands for."""
+    for kind in (asked, *KINDS):
+        row = table(kind).numbered(number)
+        if row is not None:
+            of = "" if kind == asked else f", a parameter of {_LISTS[kind]}"
+            return f"it is the number of `{row.path}`{of}; lists and plans take the name"
+    return "no parameter of this number is known; `axisrig params` lists them"
 
 
 _LISTS = {

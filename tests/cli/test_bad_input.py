@@ -297,7 +297,15 @@ LISTS = [
     ("of the channel", "messtyp 1", 1, ["it is a parameter of the channel"]),
     ("twice", "  kenngr.messachse 1", 3, ["already set in line "]),
     ("no value", "kenngr.probing_offset", 1, ["no value"]),
-    ("two values", "kenngr.probing_offset 1 2", 1, ["more than one value", "'2'"]),
+    ("two values", "kenngr.probing_offset 1 2", 25, ["more than one value", "'2'"]),
+    ("unit", "kenngr.vb_messen 10 mm/s", 21, ["more than one value", "'mm/s'", "counts in um/s"]),
+    ("sign", "getriebe[0].window = 7", 20, ["no `=` stands", "write `getriebe[0].window 7`"]),
+    ("close sign", "kenngr.messachse=1", 1, ["no `=` stands", "write `kenngr.messachse 1`"]),
+    ("nothing near", "antr.v_reso_num 3", 1, ["no name is near it", "axisrig params"]),
+    ("number", "P-AXIS-00236 100", 1, ["the number of `getriebe[i].window`"]),
+    ("short number", "p-axis-518 POS", 1, ["the number of `kenngr.measure.edge`"]),
+    ("other number", "P-CHAN-00057 1", 1, ["`messtyp`, a parameter of the channel"]),
+    ("no such number", "P-AXIS-99999 1", 1, ["no parameter of this number"]),
     ("below", "kenngr.probing_offset -1", 23, ["P-AXIS-00467", "0 .. 4294967295 0.1 um"]),
     ("fraction", "kenngr.probing_offset 1.5", 23, ["UNS32", "'1.5'"]),
     ("text", "kenngr.probing_offset many", 23, ["UNS32", "'many'"]),
@@ -306,6 +314,21 @@ LISTS = [
     ("huge index", f"getriebe[{'9' * 5000}].kv 1", 1, ["unknown axis parameter"]),
     ("binary", "\0\1\2 3", 1, [r"'\x00\x01\x02'"]),
 ]
+
+
+def test_every_mistake_of_a_list_is_told_at_once(
+    place: Path, axisrig: Callable[..., tuple[int, str, str]]
+) -> None:
+    path = place / "lists/axis-z.lst"
+    path.write_text("kenngr.messache 1\nkopf.achs_nr 1\na 1\nkenngr.edge\n", encoding="utf-8")
+    (place / "p.csv").write_text("case,program,rig\n1,part.nc,rig.toml\n", encoding="utf-8")
+    for what in (("check", "rig.toml"), ("check", "lists/axis-z.lst"), ("check", "p.csv")):
+        code, _, err = axisrig(*what)
+        told = [line.partition("axis-z.lst:")[2][:4] for line in err.splitlines()]
+        assert (code, told) == (2, ["1:1:", "3:1:", "4:1:"]), err
+    path.write_text("".join(f"a{n} 1\n" for n in range(30)), encoding="utf-8")
+    *_, last = axisrig("check", "rig.toml")[2].splitlines()
+    assert last == "error: 5 further errors"
 
 
 @_table("added column fragments", LISTS)

@@ -173,3 +173,8 @@ def test_what_makes_no_sense_is_rejected(axisrig: Call, words: list[str], messag
     code, out, err = axisrig("params", *words)
     assert (code, out) == (2, "")
     assert message in err
+
+
+@pytest.mark.parametrize("number", ["P-AXIS-00518", "P-AXIS-518", "p-axis-0518"])
+def test_a_number_is_found_with_and_without_its_leading_zeros(axisrig: Call, number: str) -> None:
+    assert said(axisrig, number).startswith("P-AXIS-00518  kenngr.measure.edge\n")

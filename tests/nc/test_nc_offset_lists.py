@@ -91,6 +91,12 @@ def test_single_values_come_after_the_file(lists):
         (ZERO_OFFSETS, "np_grp[1].achse[0].versch 1.5", "takes a value of type SGN32"),
         (ZERO_OFFSETS, "np_grp[1].achse[0].inaktiv 80000", "outside its range"),
         (ZERO_OFFSETS, "g53_verfuegbar", "no value behind the name"),
+        (ZERO_OFFSETS, "np_grp[1].achse[2].versch 33 mm", "more than one.*'mm'.*counts in 0.1 um"),
+        (ZERO_OFFSETS, "np_grp[1].achse [2].versch = 33", "no `=` stands"),
+        (ZERO_OFFSETS, "default_index=3", "no `=` stands.*write `default_index 3`"),
+        (ZERO_OFFSETS, "P-ZERO-00003 4", r"the number of `np_grp\[i\].achse\[j\].versch`"),
+        (ZERO_OFFSETS, "np_grp[1.achse 5", "unknown name"),
+        (ZERO_OFFSETS, "[ 5", "no name"),
         (TOOLS, "wz[1].length 5", "unknown name in a list of tools"),
         (TOOLS, "wz[1].laenge 99999999999", "outside its range"),
         (TOOLS, "wz[1].orientation_vector[2] -1", "does not act yet"),
@@ -102,6 +108,12 @@ def test_what_a_list_may_not_hold(lists, name, text, message):
         lists(name, text)
     assert error.value.file is not None
     assert error.value.line == text.count("\n") + 1
+
+
+def test_all_mistakes_of_a_list_come_together(lists):
+    with pytest.raises(UserError) as error:
+        lists(TOOLS, "wz[1].length 5\nwz[1].laenge 5\nwz[300].laenge 5\nwz[1].laenge 6\n")
+    assert [one.line for one in (error.value, *error.value.further)] == [1, 3, 4]
 
 
 def test_a_list_that_is_not_there(tmp_path):

@@ -13,8 +13,9 @@ from functools import cache
 from importlib import resources
 from pathlib import Path
 
-from kernel.errors import UserError, nearest
+from kernel.errors import UserError, nearest, together
 from kernel.parameters import INTEGER_RANGES, Origin, Value, convert, written
+from kernel.parameters.lists import NO_SIGN, unit_hint
 
 INCH_MM = 25.4
 UNITS_PER_MM = 10_000
@@ -26,7 +27,8 @@ LAST_INDEX: Mapping[str, tuple[int, ...]] = {ZERO_OFFSETS: (96, 31), TOOLS: (200
 
 _INDEX = re.compile(r"\s*\[\s*([0-9]{1,4})\s*\]")
 _COMMENT = re.compile(r"[#;].*|\([^()]*\)\s*$")
-_LINE = re.compile(r"\s*(?P<name>.*?\S)\s+(?P<value>\S+)\s*$")
+# A blank may stand in front of an index, as printed
+_LINE = re.compile(r"\s*(?P<name>[^\s\[]+(?:\s*\[[^\]]*\][^\s\[]*)*)(?P<rest>.*)$")
 _PLACE = re.compile(r"\[[ij]\]")
 
 
@@ -110,13 +112,11 @@ def read_entry(name: str, path: str, text: str, origin: Origin) -> Entry:
     """
     known = forms(name)
     indices = tuple(int(index) for index in _INDEX.findall(path))
-    places = iter(("[i]", "[j]", "[k]", "[l]"))
-    key = _INDEX.sub(lambda _: next(places, "[]"), path)
+    key = _key(path)
     form = known.get(key)
     if form is None:
-        close = nearest(key, known) or list(known)[:3]
         message = f"unknown name in a list of {name}"
-        raise origin.error(message, value=path, hint=f"nearest names: {', '.join(close)}")
+        raise origin.error(message, value=path, hint=_guessed(name, path, key))
     for index, last in zip(indices, LAST_INDEX[name], strict=False):
         if index > last:
             raise origin.error("index too large", value=path, allowed=f"0 .. {last}")
@@ -138,10 +138,20 @@ def read_entry(name: str, path: str, text: str, origin: Origin) -> Entry:
     return Entry(key, indices, value, origin)
 
 
+def _guessed(name: str, path: str, key: str) -> str:
+    """Tell what an unknown name may mean."""
+    for form in forms(name).values():
+        if form.number == path.upper():
+            return f"it is the number of `{form.path}`; lists and plans take the name"
+    close = nearest(key, forms(name))
+    return f"nearest names: {', '.join(close)}" if close else f"names: {', '.join(forms(name))}"
+
+
 def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:
     """Read a list file with the places of its values; a name stands once.
 
-    `#` and `;` begin a comment, brackets at the end of a line are one. Raises UserError.
+    `#` and `;` begin a comment, brackets at the end of a line are one. Raises UserError; what else
+    is wrong is in its `further`.
     """
     try:
         text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
@@ -149,17 +159,53 @@ def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:
         message = f"the list of {name} cannot be read"
         raise UserError(message, file=path, hint=error.strerror) from error
     lines: dict[tuple[str, tuple[int, ...]], int] = {}
+    found, errors = [], []
     for number, line in enumerate(text.splitlines(), start=1):
         bare = _COMMENT.sub("", line)
         if not bare.strip():
             continue
-        match = _LINE.match(bare)
         origin = Origin(str(path), number, len(bare) - len(bare.lstrip()) + 1)
-        if match is None:
-            raise origin.error("no value behind the name", value=bare.strip())
-        entry = read_entry(name, match["name"], match["value"], origin)
-        key = (entry.path, entry.indices)
-        if key in lines:
-            raise origin.error(f"it stands in line {lines[key]} already", value=match["name"])
+        try:
+            written_name, value = _taken_apart(name, bare, origin)
+            entry = read_entry(name, written_name, value, origin)
+            key = (entry.path, entry.indices)
+            if key in lines:
+                raise origin.error(f"it stands in line {lines[key]} already", value=written_name)
+        except UserError as error:
+            errors.append(error)
+            continue
         lines[key] = number
-        yield entry, origin
+        found.append((entry, origin))
+    if errors:
+        raise together(errors)
+    yield from found
+
+
+def _taken_apart(name: str, bare: str, origin: Origin) -> tuple[str, str]:
+    """Give name and value of a line."""
+    match = _LINE.match(bare)
+    if match is None:
+        raise origin.error(f"no name of a list of {name}", value=bare.strip())
+    path, rest = match["name"], match["rest"].strip()
+    if "=" in path or rest.startswith("="):
+        left, _, right = bare.partition("=")
+        hint = f"write `{left.strip()} {right.strip()}`"
+        raise origin.error(NO_SIGN, value=bare.strip(), hint=hint)
+    form = forms(name).get(_key(path))
+    if form is None and not rest:
+        raise origin.error("no value behind the name", value=path)
+    value, _, further = rest.partition(" ")
+    further = further.strip()
+    if form is not None and not value:
+        raise origin.error("no value behind the name", value=path)
+    if form is not None and further:
+        message = "more than one value behind the name"
+        at = Origin(origin.file, origin.line, bare.rindex(further) + 1)
+        raise at.error(message, value=further, hint=unit_hint(further, form.unit))
+    return path, value
+
+
+def _key(path: str) -> str:
+    """Give a name with `[i]`, `[j]` in place of its indices."""
+    places = iter(("[i]", "[j]", "[k]", "[l]"))
+    return _INDEX.sub(lambda _: next(places, "[]"), path)
