@@ -189,6 +189,7 @@ def nc(
 ) -> None:
     """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error.
 
+    It may take 600 s of simulated time; --set plc:limit_s=5 changes that.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
     from bench.run.apart import do_apart

@@ -26,17 +26,16 @@ from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
 from bench.rig.settings import Settings
+from bench.rig.unfinished import in_words
 from kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
 from kernel.channel.drive_functions import DriveFunctions
-from kernel.clock import MS, US, TimeNs
+from kernel.clock import US, S, TimeNs
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State
 from kernel.errors import Alarm, UserError
 from kernel.nc.canon import Message
 from kernel.nc.decoder import Interpreter
 from kernel.nc.syntax import Program
-
-SIMULATED_LIMIT_NS = 600_000 * MS
 
 
 class SimulatedTimeoutError(Exception):
@@ -48,7 +47,7 @@ class Machine:
 
     settings: checked rig with the assignments of this run. program: parsed NC program.
     bus_logs: files to write, their suffixes say the kind. put_out: takes each `#MSG` text when it
-    is due. seed: of everything random in the run. limit_ns: simulated time that it may take.
+    is due. seed: of everything random in the run.
     hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
     simulated.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
@@ -62,7 +61,6 @@ class Machine:
         bus_logs: Sequence[Path] = (),
         put_out: Callable[[str], None] | None = None,
         seed: int = 0,
-        limit_ns: TimeNs = SIMULATED_LIMIT_NS,
         hardware: Hardware | None = None,
     ) -> None:
         check_rig(settings)
@@ -77,7 +75,7 @@ class Machine:
         self.messages: list[Message] = []
         self.drive_states: list[tuple[TimeNs, str, State]] = []
         self._put_out = put_out
-        self._limit_ns = limit_ns
+        self._limit_ns = settings.operator.limit_ns
         self.timing = CycleTiming(
             period_ns=settings.rig.cycle.period_us * US,
             offset_ns=settings.rig.cycle.cycle_offset_us * US,
@@ -114,10 +112,11 @@ class Machine:
             self._inject_faults(seed)
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
-            self.channel.load(self._interpreter(program).commands())
+            self._interpreter = self._build_interpreter(program)
+            self.channel.load(self._interpreter.commands())
             guard.pop_all()
 
-    def _interpreter(self, program: Program) -> Interpreter:
+    def _build_interpreter(self, program: Program) -> Interpreter:
         self.channel.external.values.update(self.settings.external)
         return Interpreter(
             program,
@@ -126,6 +125,7 @@ class Machine:
             external=self.channel.external.values,
             default_measuring_type=self.settings.channel.integer("messtyp"),
             tables=self.settings.offset_tables,
+            plc_is_constant=True,
         )
 
     def _expect_answers(self) -> None:
@@ -241,11 +241,9 @@ class Machine:
         limit_ns = scheduler.now_ns + self._limit_ns
         while not channel.has_ended:
             if scheduler.now_ns >= limit_ns:
-                places = ", ".join(f"{link.name} {link.actual_mm:.3f}" for link in channel.links)
                 raise SimulatedTimeoutError(
-                    f"the program did not end within {self._limit_ns // 1_000_000_000} s of"
-                    f" simulated time; the axes stand at {places} mm; feed too small or path too"
-                    " long?"
+                    f"the program did not end within {self._limit_ns / S:g} s of simulated time"
+                    f" (plc:limit_s): {in_words(channel, self._interpreter)}"
                 )
             scheduler.run_until(scheduler.now_ns + period_ns)
             if self._hardware is not None:

@@ -22,7 +22,7 @@ from bench.rig.lists import (
     read_offsets,
     take_over,
 )
-from kernel.clock import MS, TimeNs
+from kernel.clock import MS, S, TimeNs
 from kernel.errors import Alarm, UserError, nearest
 from kernel.nc.coordinates import OffsetTables
 from kernel.nc.coordinates.circle import CircleLimits
@@ -30,6 +30,7 @@ from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import Origin, ParameterSet
 
 PER_MILLE = 1000
+SIMULATED_LIMIT_NS = 600 * S
 
 EVERY_SEGMENT = "all"
 """Stands for all segments in a `bus:` column."""
@@ -55,14 +56,15 @@ def as_written(error: UserError, assignment: Assignment) -> UserError:
 
 @dataclass(frozen=True)
 class Operator:
-    """Who starts a program again that M0 has stopped.
+    """Who starts a program again that M0 has stopped, and gives one up that does not end.
 
     start_after_ns: how long after the stop; None when nobody does. optional_stop: whether M1
-    stops as well.
+    stops as well. limit_ns: simulated time that a program may take.
     """
 
     start_after_ns: TimeNs | None = None
     optional_stop: bool = False
+    limit_ns: TimeNs = SIMULATED_LIMIT_NS
 
 
 @dataclass
@@ -189,6 +191,11 @@ class Settings:
                 raise UserError("no time", value=item.value, allowed="0 .. 1e9 ms")
             self.operator = replace(self.operator, start_after_ns=round(item.si() * MS))
             return
+        if item.name == "limit_s":
+            if not 0.001 <= item.si() <= 1e7:
+                raise UserError("no time", value=item.value, allowed="0.001 .. 1e7 s")
+            self.operator = replace(self.operator, limit_ns=round(item.si() * S))
+            return
         if item.name == "optional_stop":
             if item.value not in ("0", "1"):
                 raise UserError("optional_stop is on or off", value=item.value, allowed="0, 1")
@@ -198,7 +205,7 @@ class Settings:
             raise UserError(
                 "the PLC side has no such key",
                 value=item.name,
-                allowed="V.E.<NAME>, start_ms, optional_stop",
+                allowed="V.E.<NAME>, start_ms, optional_stop, limit_s",
             )
         if item.name == "V.E.":
             raise UserError("the external variable has no name", value=item.name)

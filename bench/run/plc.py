@@ -25,5 +25,6 @@ def plc_side(machine: Machine) -> list[tuple[TimeNs, str, Block]]:
 def plc_log(machine: Machine) -> list[str]:
     """Return a line for each."""
     return [
-        f"{time_ns / S:.3f} s: {words} ({block})" for time_ns, words, block in plc_side(machine)
+        f"{time_ns / S:.3f} s: {words} ({block.place})"
+        for time_ns, words, block in plc_side(machine)
     ]

@@ -32,7 +32,7 @@ class _Step:
 class Execution:
     """The queue of a channel and who carries out what.
 
-    block: the block under execution, for the place of an alarm.
+    block: the block under execution, for the place of an alarm. begun: the last command begun.
     """
 
     def __init__(self, put_out: Callable[[canon.Message], None]) -> None:
@@ -41,6 +41,7 @@ class Execution:
         self._busy: list[Ready] = []
         self._queue: Lookahead | None = None
         self.block: canon.Block | None = None
+        self.begun: canon.Command | None = None
         self.register(canon.Message, put_out, is_block=False)
 
     def register(
@@ -66,7 +67,13 @@ class Execution:
         """The alarm of a block that could not be decoded."""
         return None if self._queue is None else self._queue.failed
 
-    def _is_busy(self) -> bool:
+    @property
+    def head(self) -> canon.Command | None:
+        """The command that is to begin next, None when none is decoded."""
+        return None if self._queue is None or self._queue.is_empty else self._queue.head
+
+    def is_busy(self) -> bool:
+        """Tell whether somebody still carries out a command that keeps the next one waiting."""
         for is_busy in self._busy:  # noqa: SIM110 - asked in every cycle, without a generator
             if is_busy():
                 return True
@@ -76,7 +83,7 @@ class Execution:
         """Begin what can begin in this cycle; returns at the end of the program."""
         assert self._queue is not None
         self._queue.begin_cycle()
-        while not self._is_busy():
+        while not self.is_busy():
             self._queue.refill()
             if self._queue.is_empty:
                 return
@@ -86,6 +93,7 @@ class Execution:
                 return
             if step.is_block:
                 self.block = command.block
+            self.begun = command
             step.begin(command)
             self._queue.pop()
             if isinstance(command, canon.EndOfProgram):

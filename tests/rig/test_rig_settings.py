@@ -30,6 +30,9 @@ def test_plc_says_how_stops_go_on(rig_file: Write, settings_of: Read) -> None:
     assert (plain.start_after_ns, plain.optional_stop) == (None, False)
     settings = settings_of(rig_file(), "plc:start_ms=0.5", "plc:optional_stop=1")
     assert (settings.operator.start_after_ns, settings.operator.optional_stop) == (500_000, True)
+    assert plain.limit_ns == 600 * 10**9
+    limited = settings_of(rig_file(), "plc:limit_s=2.5").operator
+    assert limited.limit_ns == 2_500_000_000
 
 
 def test_set_changes_axis_and_channel(rig_file: Write, settings_of: Read) -> None:
@@ -132,6 +135,7 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("plc:start_ms=soon", "soon", "not a number"),
         ("plc:start_ms=-1", "-1", "0 .. 1e9 ms"),
         ("plc:optional_stop=yes", "yes", "0, 1"),
+        ("plc:limit_s=0", "0", "0.001 .. 1e7 s"),
         ("plc:V.E.FEED=fast", "fast", "not a number"),
         ("fault:dealy=Z.TPDO1", "dealy", "delay"),
         ("fault:drop=Z.TPDO5", "Z.TPDO5", "Z.TPDO1, Z.TPDO2, Z.TPDO3, Z.TPDO4, Z.RPDO1"),

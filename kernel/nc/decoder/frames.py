@@ -20,8 +20,9 @@ class Frame:
     following: place of the block that comes next. testing: a condition did not hold and the next
     branch is to be asked. choosing: the value of a $SWITCH whose case is being looked for. loops:
     last value and step of the $FOR loops that run, by place. turns: how often each place was
-    jumped back to. turning: the loop that has just been jumped back to. local: the V.L variables
-    that were made in this call.
+    jumped back to. turning: the loop that has just been jumped back to. turned: the same for any
+    jump back, until somebody has looked. seen: what had been changed at the last turn, by place.
+    local: the V.L variables that were made in this call.
     """
 
     routine: Routine
@@ -31,6 +32,8 @@ class Frame:
     loops: dict[int, tuple[float, float]] = field(default_factory=dict)
     turns: dict[int, int] = field(default_factory=dict)
     turning: int | None = None
+    turned: int | None = None
+    seen: dict[int, int] = field(default_factory=dict)
     local: Store = field(default_factory=dict)
 
     @property
@@ -55,7 +58,7 @@ class Frame:
     def turn_back(self, place: int) -> None:
         """Jump back in a loop and count its turn."""
         self.turns[place] = self.turns.get(place, 0) + 1
-        self.turning = place
+        self.turning = self.turned = place
         self.jump(place)
 
 

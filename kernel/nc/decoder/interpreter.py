@@ -15,6 +15,7 @@ from kernel.nc.decoder.subprograms import Unit, link
 from kernel.nc.decoder.topic import Handler
 from kernel.nc.decoder.variables import external as external_variables
 from kernel.nc.decoder.variables import own
+from kernel.nc.decoder.waiting import Waiting
 from kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
 from kernel.nc.text.parser import read_text
 from kernel.nc.text.source import Source
@@ -57,6 +58,8 @@ class Interpreter:
     name, read when the machining has got to the block that uses one; upper and lower case do not
     differ. default_measuring_type: P-CHAN-00057. tables: zero offsets and tools of the rig. kept:
     the variables V.S., which outlive a program; hand the same one to the next of the session.
+    plc_is_constant: nothing but the program changes `external`, so that a loop that only waits for
+    it is refused (900126).
     Raises UserError for control structures, labels, subprograms and variables that cannot be
     right (`check_program`), and for a `V.E.` variable that `external` does not have.
     """
@@ -71,6 +74,7 @@ class Interpreter:
         default_measuring_type: int = 1,
         tables: OffsetTables | None = None,
         kept: Store | None = None,
+        plc_is_constant: bool = False,
     ) -> None:
         assert tuple(axes) == program.axes, "the program was checked for other axes"
         main = check_program(program, external)
@@ -85,6 +89,8 @@ class Interpreter:
         )
         if kept is not None:
             self._context.part(own.OwnVariables).kept = kept
+        self._waiting = self._context.part(Waiting)
+        self._waiting.is_constant = plc_is_constant
 
     def commands(self) -> Iterator[canon.Command]:
         """Yield the commands of the program, `EndOfProgram` last.
@@ -104,7 +110,13 @@ class Interpreter:
                 takes_time = canon.takes_time(command)
                 if takes_time or (isinstance(command, canon.Wait) and command.for_cycle):
                     flow.idle_blocks = 0
+            if flow.frame.turned is not None:
+                self._waiting.turn(context, block)
         yield canon.EndOfProgram(block)
+
+    def busiest_loop(self) -> tuple[Block, int] | None:
+        """Give the loop under decoding with the most turns: where it begins, and the turns."""
+        return self._context.flow.busiest_loop()
 
 
 def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
@@ -125,6 +137,7 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
     waits = frame.routine.waits.get(frame.place)
     if waits is None:
         waits = frame.routine.waits[frame.place] = registry.waits_of(statement)
+    context.part(Waiting).note(statement, waits)
     commands = _decode_statement(context, block, statement)
     if waits:
         yield canon.Wait(block, for_cycle=waits == "cycle")

@@ -7,6 +7,7 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Topic, silent
+from kernel.nc.decoder.waiting import Waiting
 from kernel.nc.decoder.walk import read_by
 from kernel.nc.syntax import Command, Expression, Group, Name, Words
 
@@ -81,7 +82,7 @@ def _flush_wait(context: Context, block: Block, command: Command) -> Iterator[ca
 def _wait_for(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     """Decode on when the condition holds (above 0.5), asked in every cycle.
 
-    Raises Alarm 900173 when nothing in it can change meanwhile.
+    Raises Alarm 900173 when nothing in it can change meanwhile, 900126 when the PLC side does not.
     Source: TF5200 programming manual 207058059.
     """
     (condition,) = command.arguments
@@ -89,6 +90,9 @@ def _wait_for(context: Context, block: Block, command: Command) -> Iterator[cano
     while context.value(block, condition) <= 0.5:
         if not any(variable.name.startswith("V.E.") for variable in read_by(command)):
             raise context.alarm(900173, block)
+        waiting = context.part(Waiting)
+        if waiting.is_constant:
+            raise waiting.alarm(context, block, block)
         yield canon.Wait(block, for_cycle=True)
 
 

@@ -114,7 +114,7 @@ def test_couplings_by_logical_axis_numbers(run: Run) -> None:
 
 
 def test_spellings_of_the_exchange(run: Run) -> None:
-    text = "%t\nN10 #PUT AX[X, B]\nN20 #CALL AX[X,1,0]\nN30 #PUT AX ALL\n"
+    text = "%t\nN10 #PUT AX[X, X]\nN20 #CALL AX[X,1,0]\nN30 #PUT AX ALL\n"
     text += "N40 #CALL AX FAST [X,1,0] [Y,2,1]\nN50 M30\n"
     first, back, every, two = orders(run(text))
     assert (first.given, back.called) == (("X",), ("X",))
@@ -137,6 +137,8 @@ def test_homing_and_positions(run: Run) -> None:
         "X[INDP_SYN G90 G0 POS=]",
         "X[INDP G90 G0 POS=1]",
         "#SET AX LINK",
+        "#PUT AX[O]",
+        "#PUT AX[Q,X]",
         "G74",
     ],
 )

@@ -28,14 +28,14 @@ FORBIDS: Final[tuple[Callable[[Context, Block, str], Alarm | None], ...]] = (_co
 
 
 def put(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    """#PUT AX [axis, ..] and #PUT AX ALL; axes that are not in the channel are no error."""
+    """#PUT AX [axis, ..] and #PUT AX ALL; axes that were given away already are no error."""
     known = states(context)
     named = [a for bracket in brackets(command) for a in bracket.arguments]
     is_all = command.has("ALL") or (
         len(named) == 1 and isinstance(named[0], Name) and named[0].value.upper() == "ALL"
     )
     axes = list(context.axes) if is_all else [axis_named(context, a) for a in named]
-    given = tuple(axis for axis in axes if axis is not None and axis not in known.away)
+    given = tuple(a for a in dict.fromkeys(axes) if a is not None and a not in known.away)
     for axis in given:
         for forbids in FORBIDS:
             alarm = forbids(context, block, axis)

@@ -12,12 +12,15 @@ from kernel.nc.canon import Block
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.subprograms import Unit, reachable
 from kernel.nc.decoder.variables.own import nearest_with_value, spelled
+from kernel.nc.decoder.waiting import Waiting
 from kernel.nc.expressions import Value
 
 
 def read(context: Context, block: Block, name: str, *indices: int) -> float:
     """Give the present value of V.E.<name>; upper and lower case do not differ."""
-    return float(context.external[_known(context, block, name, indices)])
+    known = _known(context, block, name, indices)
+    context.part(Waiting).asked[f"V.E.{known}"] = None
+    return float(context.external[known])
 
 
 def write(

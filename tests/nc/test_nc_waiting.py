@@ -1,0 +1,87 @@
+"""Loops that wait for the PLC side where nothing changes it: they end at once, with a name."""
+
+import pytest
+
+from kernel.errors import Alarm
+from kernel.nc.canon import Wait
+from kernel.nc.decoder import Interpreter
+from kernel.nc.text.parser import parse_program
+from tests.nc.conftest import PlaneMachine
+
+AXES = ("X", "Y", "Z")
+MANY = 200
+
+
+def decode(text: str, external: dict[str, float], *, constant: bool = True) -> int:
+    """Decode at most MANY commands; how many there were."""
+    machine = PlaneMachine(dict.fromkeys(AXES, 0.0), None)
+    program = parse_program(text, file="wait.nc", axes=AXES)
+    interpreter = Interpreter(program, AXES, machine, external=external, plc_is_constant=constant)
+    count = 0
+    for command in interpreter.commands():
+        machine.queue.append(command)
+        if isinstance(command, Wait):
+            machine.execute()
+        count += 1
+        if count == MANY:
+            break
+    return count
+
+
+@pytest.mark.provokes(900126, 2, loop="line 2 (N20 $WHILE V.E.READY == 0)", names="V.E.READY")
+def test_900126_for_a_loop_that_waits_for_a_constant_plc_side() -> None:
+    with pytest.raises(Alarm) as caught:
+        decode("G1 X1 F100\nN20 $WHILE V.E.READY == 0\n$ENDWHILE", {"READY": 0.0})
+    assert caught.value.id == 900126
+    assert caught.value.values == {
+        "loop": "line 2 (N20 $WHILE V.E.READY == 0)",
+        "names": "V.E.READY",
+    }
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "$WHILE V.E.READY == 0\nG4 X0.1\n$ENDWHILE",
+        '$WHILE V.E.READY == 0\n#MSG ["not yet"]\n#TIME 0.1\n$ENDWHILE',
+        "$DO\n$ENDDO V.E.READY == 0",
+        "$REPEAT\n$UNTIL V.E.READY == 1",
+        "$WHILE 1\n$IF V.E.READY == 1\n$BREAK\n$ENDIF\n$ENDWHILE",
+        "N10:\n$IF V.E.READY == 0 $GOTO N10",
+        "%L ASK\n$WHILE V.E.READY == 0\n$ENDWHILE\nM17\n%MAIN\nLL ASK",
+        "#WAIT FOR V.E.READY == 1",
+        "$WHILE V.E.READY == V.P.WANTED\n$ENDWHILE",
+    ],
+)
+def test_every_way_of_waiting_is_found(text: str) -> None:
+    if "WANTED" in text:
+        text = f"V.P.WANTED = 0\n{text}"
+    with pytest.raises(Alarm) as caught:
+        decode(text, {"READY": 0.0})
+    assert caught.value.id == 900126
+    assert "V.E.READY" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "P1 = 0\n$WHILE V.E.READY == 0\nP1 = P1 + 1\n$IF P1 > 5\n$BREAK\n$ENDIF\n$ENDWHILE",
+        '$FOR P1 = 1, 5, 1\n$IF V.E.READY == 1\n#MSG ["on"]\n$ENDIF\n$ENDFOR',
+        "$WHILE V.E.READY == 0 AND V.A.ABS.X < 5\nG91 G1 X1 F100\n$ENDWHILE",
+        "$WHILE V.E.READY == 1\n$ENDWHILE",
+    ],
+)
+def test_a_loop_that_can_end_is_left_alone(text: str) -> None:
+    assert decode(text, {"READY": 0.0}) < MANY
+
+
+def test_a_loop_that_writes_or_moves_is_not_judged() -> None:
+    """What it does may still end the program, by an alarm at the latest."""
+    for body in ("V.E.DONE = 1", "G91 G1 X1 F100", "M10"):
+        text = f"$WHILE V.E.READY == 0\n{body}\n$ENDWHILE"
+        assert decode(text, {"READY": 0.0, "DONE": 0.0}) == MANY
+
+
+def test_a_plc_side_that_may_change_is_waited_for() -> None:
+    text = "$WHILE V.E.READY == 0\n$ENDWHILE"
+    assert decode(text, {"READY": 0.0}, constant=False) == MANY
