@@ -47,7 +47,8 @@ class Machine:
 
     settings: checked rig with the assignments of this run. program: parsed NC program.
     bus_logs: files to write, their suffixes say the kind. put_out: takes each `#MSG` text when it
-    is due. seed: of everything random in the run.
+    is due. seed: of everything random in the run. limit_ns: simulated time that it may take, None =
+    what the settings say.
     hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
     simulated.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
@@ -61,6 +62,7 @@ class Machine:
         bus_logs: Sequence[Path] = (),
         put_out: Callable[[str], None] | None = None,
         seed: int = 0,
+        limit_ns: TimeNs | None = None,
         hardware: Hardware | None = None,
     ) -> None:
         check_rig(settings)
@@ -75,7 +77,7 @@ class Machine:
         self.messages: list[Message] = []
         self.drive_states: list[tuple[TimeNs, str, State]] = []
         self._put_out = put_out
-        self._limit_ns = settings.operator.limit_ns
+        self._limit_ns = limit_ns or settings.operator.limit_ns
         self.timing = CycleTiming(
             period_ns=settings.rig.cycle.period_us * US,
             offset_ns=settings.rig.cycle.cycle_offset_us * US,
