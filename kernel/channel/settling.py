@@ -1,4 +1,4 @@
-"""When axes stand at their set positions (exact stop, P-AXIS-00236)."""
+"""When axes stand: at their set positions (exact stop, P-AXIS-00236), or wherever they are."""
 
 from collections.abc import Iterable
 
@@ -8,6 +8,7 @@ from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 
 SETTLED_CYCLES = 10
+REST_INCREMENTS = 2  # an encoder at rest flickers by one to either side
 
 
 class Settling:
@@ -53,3 +54,36 @@ class Settling:
                 window_mm=f"{axis.window_mm:.4f}",
                 ms=waited_ns // 1_000_000,
             )
+
+
+class Rest:
+    """Watches axes come to rest wherever that is: a stop may keep them off their set positions.
+
+    They rest when no actual position has changed by more than REST_INCREMENTS for SETTLED_CYCLES.
+    """
+
+    def __init__(
+        self, clock: Clock, period_ns: TimeNs, axes: Iterable[tuple[AxisSettings, AxisLink]]
+    ) -> None:
+        self._clock, self._period_ns, self._axes = clock, period_ns, tuple(axes)
+        self._begin_ns = clock.now_ns
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        self._since_ns = self._clock.now_ns
+        self._places = [link.actual_increments for _, link in self._axes]
+
+    def judge(self) -> bool:
+        """Tell whether the axes rest; called once per cycle.
+
+        Raises Alarm 900200 when an axis does not within its settling time.
+        """
+        now_ns = self._clock.now_ns
+        for (axis, link), place in zip(self._axes, self._places, strict=True):
+            if abs(link.actual_increments - place) > REST_INCREMENTS:
+                waited_ns = now_ns - self._begin_ns
+                if 0 < axis.settling_ns < waited_ns:
+                    raise Alarm(900200, axis=axis.name, ms=waited_ns // 1_000_000)
+                self._begin_anew()
+                return False
+        return now_ns - self._since_ns >= SETTLED_CYCLES * self._period_ns

@@ -9,6 +9,7 @@ from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
 from kernel.channel.path import Path
 from kernel.channel.settings import CycleTiming
+from kernel.channel.settling import Rest
 from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.nc import canon
@@ -30,12 +31,14 @@ class SingleAxes:
         links: Mapping[str, AxisLink],
     ) -> None:
         self._clock, self._path, self._links = clock, path, links
-        self._measurement = measurement
+        self._timing, self._measurement = timing, measurement
         self.independent = IndependentAxes(clock, timing, path, measurement, links)
         self.couplings = Couplings(path, links)
         self._homing: Homing | None = None
         self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()
+        self._adopted: tuple[str, ...] = ()
+        self._rest: Rest | None = None
         self.is_active = False
 
     def assign(self, execution: Execution) -> None:
@@ -52,7 +55,10 @@ class SingleAxes:
     def _renew(self) -> None:
         """Most programs have no single axes, and what is not there must cost nothing."""
         self.is_active = (
-            self.independent.is_moving or self.couplings.watched or self._homing is not None
+            self.independent.is_moving
+            or self.couplings.watched
+            or self._homing is not None
+            or self._rest is not None
         )
 
     @property
@@ -61,7 +67,7 @@ class SingleAxes:
         return self.independent.is_moving
 
     def _is_busy(self) -> bool:
-        if self._homing is not None:
+        if self._homing is not None or self._rest is not None:
             return True
         if self._awaited and not self.independent.are_moving(self._awaited):
             self._awaited = ()
@@ -101,8 +107,17 @@ class SingleAxes:
         self._renew()
 
     def _adopt(self, command: canon.AdoptActual) -> None:
-        for axis in command.axes:
-            self._path.put(axis, self._links[axis].actual_mm)
+        """What an axis lags while it comes to rest is no place to stand at: wait for its end."""
+        axes = [(self._path.settings(axis), self._links[axis]) for axis in command.axes]
+        self._adopted = command.axes
+        self._rest = Rest(self._clock, self._timing.period_ns, axes)
+        self._renew()
+
+    def _adopt_at_rest(self, rest: Rest) -> None:
+        if rest.judge():
+            for axis in self._adopted:
+                self._path.put(axis, self._links[axis].actual_mm)
+            self._rest = None
 
     # Each cycle
 
@@ -111,6 +126,8 @@ class SingleAxes:
         self.independent.step()
         if self.couplings.watched:
             self.couplings.watch()
+        if self._rest is not None:
+            self._adopt_at_rest(self._rest)
         if self._homing is not None:
             done = self._homing.step()
             self.homed += [(self._clock.now_ns, axis) for axis in self._homing.homed]
@@ -125,6 +142,7 @@ class SingleAxes:
     def stop(self) -> None:
         """Stop after an alarm: every axis on its own, homing broken off."""
         self.independent.stop()
+        self._rest = None
         if self._homing is not None:
             self._homing.abort()
             self._homing = None

@@ -349,6 +349,15 @@ class Coordinates:
         for axis, position_mm in self._from_acs(self.acs_mm).items():
             self._state[axis].absolute_mm = position_mm
 
+    def begin_at(self, acs_mm: Mapping[str, float]) -> None:
+        """Take over where axes stand, as what was programmed for them (position initialised).
+
+        In a turned system the place of one main axis is part of the coordinates of all.
+        """
+        self.stand_at(acs_mm)
+        turned = self.main_axes if self.transformed and acs_mm.keys() & set(self.main_axes) else ()
+        self.take_as_target({*acs_mm, *turned})
+
     def without_shifts_mm(self, acs_mm: Mapping[str, float], axis: str) -> float:
         """Give where an axis is in the active system without its shifts, from axis positions."""
         position_mm = self._from_acs(acs_mm)[axis]

@@ -182,7 +182,7 @@ def switch_off(context: Context, block: Block, command: Command) -> Iterator[can
     if slaves:
         yield canon.Wait(block)
         at = context.machine.position_acs_mm
-        context.coordinates.stand_at({axis: at(axis) for axis in slaves})
+        context.coordinates.begin_at({axis: at(axis) for axis in slaves})
 
 
 def _chosen(context: Context, block: Block, command: Command) -> int | None:

@@ -72,7 +72,7 @@ def call(context: Context, block: Block, command: Command) -> Iterator[canon.Com
         yield canon.AxisExchange(block, (), tuple(called))
         yield canon.Wait(block)
         at = context.machine.position_acs_mm
-        context.coordinates.stand_at({axis: at(axis) for axis in called})
+        context.coordinates.begin_at({axis: at(axis) for axis in called})
         known.away.difference_update(called)
 
 

@@ -39,4 +39,4 @@ def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command
     yield canon.Homing(block, groups)
     yield canon.Wait(block)
     at = context.machine.position_acs_mm
-    context.coordinates.stand_at({axis: at(axis) for axis in order})
+    context.coordinates.begin_at({axis: at(axis) for axis in order})

@@ -30,7 +30,7 @@ def initialise(context: Context, block: Block, command: Command) -> Iterator[can
         yield canon.AdoptActual(block, tuple(axis for axis in axes if axis not in slaves))
     yield canon.Wait(block)
     at = context.machine.position_acs_mm
-    context.coordinates.stand_at({axis: at(axis) for axis in (present if actual else axes)})
+    context.coordinates.begin_at({axis: at(axis) for axis in (present if actual else axes)})
 
 
 def _axis(context: Context, block: Block, keyword: str, value: Option) -> str:
