@@ -6,7 +6,7 @@ from importlib import resources
 from kernel.errors import UserError, nearest
 from kernel.nc.text.errata import errata
 from kernel.nc.text.values import RANKS
-from kernel.nc.text.words import Keyword, commands, forms, variables, words
+from kernel.nc.text.words import Keyword, commands, examples, forms, variables, words
 
 # Up to so many commands are told with their keywords
 _FEW = 8
@@ -64,6 +64,8 @@ def language_listing(word: str | None = None) -> str:
         told.append(_line(*line))
         if len(found) <= _FEW:
             told += _keyword_lines(line[0])
+            is_last = [other for other in found if other[0] == line[0]][-1] is line
+            told += _example_lines(line[0]) if is_last else []  # a word may have two rows
     return "\n".join(told)
 
 
@@ -97,6 +99,16 @@ def _keyword_lines(shown: str) -> list[str]:
     ]
 
 
+def _example_lines(shown: str) -> list[str]:
+    """Tell how a word is used and which page explains it."""
+    if shown not in examples():
+        return []
+    text, page = examples()[shown]
+    first, *others = text.splitlines()
+    lines = [f"    example: {first}", *(f"             {line}" for line in others)]
+    return [*lines, f"    see {page}"]
+
+
 def _keyword(row: Keyword) -> str:
     if row.kind == "flag":
         return row.keyword
@@ -110,6 +122,7 @@ def page() -> str:
     ranks = enumerate(reversed(RANKS), start=1)
     parts.append("".join(f"| {rank} | {_code(signs)} |\n" for rank, signs in ranks))
     parts.append("\n`OR` and `AND` stand for `||` and `&&`.\n")
+    parts += ["\n## Examples\n\n", _table(("word", "example", "explained in"), _example_rows())]
     for kind, title in _KINDS.items():
         parts += [
             f"\n## {title}\n\n",
@@ -167,6 +180,16 @@ def _command(name: str) -> str:
     if not keywords:
         return text
     return f"{text}\n{_table(('keyword', 'meaning', 'needed', 'acts'), keywords)}"
+
+
+def _example_rows() -> Iterable[tuple[str, ...]]:
+    by_example: dict[tuple[str, str], list[str]] = {}
+    for word, told in examples().items():
+        by_example.setdefault(told, []).append(word)
+    for (text, place), names in by_example.items():
+        lines = "<br>".join(f"`{line}`" for line in text.splitlines())
+        link = place.removeprefix("docs/")
+        yield " ".join(f"`{name}`" for name in names), lines, f"[{link}]({link})"
 
 
 def _needed(row: Keyword) -> str:

@@ -65,6 +65,13 @@ def test_quarter_turn_about_z_sends_x_along_y():
     assert go(coordinates, X=10.0) == pytest.approx((0, 10, 0), abs=1e-12)
 
 
+def test_the_order_of_the_turns_as_the_page_tells_it():
+    """docs/coordinates.md: with A 90 and C 90, X, Y, Z of the system are Y, Z, X of the axes."""
+    coordinates = at()
+    coordinates.switch_on(Frame.of([0, 0, 0, 90, 0, 90]))
+    assert go(coordinates, X=1.0, Y=2.0, Z=3.0) == pytest.approx((3, 1, 2), abs=1e-12)
+
+
 def test_axes_that_do_not_change_are_not_named():
     """cos 90 is not exactly zero; X moves by 1e-15 mm, that is not at all."""
     coordinates = at()

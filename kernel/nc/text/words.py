@@ -121,6 +121,16 @@ def forms() -> tuple[tuple[str, str], ...]:
     return tuple((row["form"], row["meaning"]) for row in rows("forms.csv"))
 
 
+@cache
+def examples() -> Mapping[str, tuple[str, str]]:
+    """Give for a word, `$` and `#` words as written: lines of a program, and the page about it."""
+    found = {}
+    for row in rows("examples.csv"):
+        for name in row["words"].split("|"):
+            found[name] = (row["example"].replace("\\n", "\n"), row["page"])
+    return found
+
+
 def not_acting() -> tuple[str, ...]:
     """Give every word that is read and ends with alarm 900100 when the machine gets there."""
     kinds = ("G", "M", "address", "function", "control", "sign")
