@@ -83,14 +83,15 @@ def test_program_is_rejected(
 
 
 UNREADABLE = [
-    ("binary", bytes(range(256)), ["UTF-8"]),
-    ("latin-1", "M30 ; Müll\n".encode("latin-1"), ["UTF-8"]),
-    ("utf-16", "M30\n".encode("utf-16"), ["UTF-8"]),
+    ("binary nc", "part.nc", bytes(range(256)), ["UTF-8"]),
+    ("utf-16 nc", "part.nc", "M30\n".encode("utf-16"), ["UTF-8"]),
+    ("binary rig", "rig.toml", bytes(range(256)), ["UTF-8"]),
+    ("latin-1 rig", "rig.toml", "# Müll\n".encode("latin-1"), ["UTF-8"]),
+    ("utf-16 rig", "rig.toml", "M30\n".encode("utf-16"), ["UTF-8"]),
 ]
 
 
-@_table("content fragments", UNREADABLE)
-@pytest.mark.parametrize("file", ["part.nc", "rig.toml"])
+@_table("file content fragments", UNREADABLE)
 def test_file_that_is_no_text(
     place: Path, rejected: Reject, file: str, content: bytes, fragments: list[str]
 ) -> None:

@@ -273,6 +273,14 @@ def group(form: Form, bracket: nodes.Bracket) -> Group:
 def _unknown_keyword(form: Form, word: str, offset: int) -> UserError:
     """Make the error of a word the command does not know; it may be half of a name with `_`."""
     known = [keyword for keyword in form.table if keyword]
+    if not known and form.own.kind in _KINDS:
+        return form.wrong(
+            f"{form.shown} takes {_KINDS[form.own.kind]}",
+            offset,
+            value=word,
+            allowed="10, P1, V.P.NAME" if form.own.kind == "expression" else form.shape(),
+            hint="0 meant?" if word.upper() == "O" else None,
+        )
     hint = None
     if form.options and isinstance(form.options[-1][1], Name):
         hint = f"names have no blanks: {form.options[-1][1].value}_{word}?"
@@ -305,7 +313,8 @@ def _check_required(form: Form) -> None:
         if not any(keyword in form.places for keyword in keywords)
     ]
     if lacking and form.options:
-        raise form.wrong(f"{form.shown} lacks {' and '.join(lacking)}")
+        shown = f"{form.shown} ..]" if "[" in form.shown else form.shown
+        raise form.wrong(f"{shown} lacks {' and '.join(lacking)}")
     if lacking and form.own.required == "yes":
         raise form.wrong(f"{form.shown} needs its keywords in one bracket")
 

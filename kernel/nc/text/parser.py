@@ -23,12 +23,13 @@ from kernel.nc.text.shapes import Shapes
 from kernel.nc.text.source import Source
 from kernel.nc.text.structure import ERRORS_MAX, Structure, call_errors
 from kernel.nc.text.syntax_errors import syntax_error
+from kernel.nc.text.typos import meant_at
 
 
 def read_program(path: str | Path, axes: Sequence[str]) -> Program:
     """Read and check a program file; see `parse_program`.
 
-    Raises UserError when the file cannot be read or is not UTF-8, and for every error inside.
+    Raises UserError when the file cannot be read or is no text, and for every error inside.
     """
     program = parse_program(read_text(path), file=path, axes=axes)
     if not program.blocks:
@@ -37,17 +38,29 @@ def read_program(path: str | Path, axes: Sequence[str]) -> Program:
 
 
 def read_text(path: str | Path) -> str:
-    """Give the text of a program file; raises UserError when it cannot be read."""
+    """Give the text of a program file, UTF-8 or else Latin-1 as old editors write comments.
+
+    Raises UserError when the file cannot be read or is neither.
+    """
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
+        data = Path(path).read_bytes()
     except OSError as error:
         raise UserError(
             f"NC program cannot be read: {error.strerror or error}", file=path
         ) from None
-    except UnicodeDecodeError as error:
-        raise UserError(
-            "NC program is not UTF-8 text", file=path, value=f"byte {error.start}"
-        ) from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        if (zero := data.find(b"\0")) < 0:
+            return data.decode("latin-1")
+    raise UserError(
+        "NC program is not UTF-8 text",
+        file=path,
+        line=data.count(b"\n", 0, zero) + 1,
+        value="byte 0",
+        allowed="UTF-8 or Latin-1",
+        hint="save it as UTF-8",
+    )
 
 
 def parse_program(text: str, *, file: str | Path | None = None, axes: Sequence[str]) -> Program:
@@ -206,7 +219,9 @@ class Reading:
         except UnexpectedInput as error:
             raise syntax_error(source, self._axes, error, begin, end) from None
         except UserError as error:
-            raise with_hint(error, source.text[begin:end]) from None
+            offset = source.offset(error.line or 1, error.column or 1)
+            typo = meant_at(source, begin, end, offset) if error.hint is None else None
+            raise with_hint(error, source.text[begin:end], typo) from None
         head: nodes.Head = built[0]
         statements: tuple[Statement, ...] = built[1]
         if head.placeholder is not None:
@@ -218,9 +233,9 @@ def _place(error: UserError) -> tuple[int, int]:
     return error.line or 0, error.column or 0
 
 
-def with_hint(error: UserError, block: str) -> UserError:
-    """Add what a printed damage means to the error of a block."""
-    meant = meant_in(block)
+def with_hint(error: UserError, block: str, typo: str | None = None) -> UserError:
+    """Add what a printed damage, or else a slip of the fingers, means to the error of a block."""
+    meant = meant_in(block) or typo
     if meant is None or (error.hint is not None and meant in error.hint):
         return error
     told = UserError(

@@ -47,6 +47,10 @@ class Source:
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
+    def offset(self, line: int, column: int) -> int:
+        """Give the offset of a line and a column, both from 1."""
+        return self._line_starts[line - 1] + column - 1
+
     def error(
         self,
         message: str,
@@ -112,7 +116,13 @@ class Source:
         out = list(self.text)
         opened: list[int] = []
         offset = 0
-        while match := (_SPECIAL if opened else _OUTSIDE).search(self.text, offset):
+        while True:
+            match = (_SPECIAL if opened else _OUTSIDE).search(self.text, offset)
+            if match is None and not opened:
+                return "".join(out)
+            if match is None:
+                offset = self._give_up(out, opened)
+                continue
             begin = match.start()
             try:
                 end = self._element_end(begin, opened)
@@ -129,10 +139,15 @@ class Source:
             if not keeps and match.group() != ")":
                 out[begin:end] = _blanked(self.text[begin:end]) if end - begin > 1 else " "
             offset = max(end, begin + 1)
-        if opened:
-            self.faults.append(self._not_closed(opened[-1]))
-            out[opened[0] :] = _blanked(self.text[opened[0] :])
-        return "".join(out)
+
+    def _give_up(self, out: list[str], opened: list[int]) -> int:
+        """Blank the line of a bracket that nothing closes; what is behind it is read as blocks."""
+        line_begin = self.text.rfind("\n", 0, opened[0]) + 1
+        line_end = self._line_end(opened[0])
+        self.faults.append(self._not_closed(max(place for place in opened if place < line_end)))
+        out[line_begin:] = _blanked(self.text[line_begin:line_end]) + self.text[line_end:]
+        opened.clear()
+        return line_end
 
     def _element_end(self, begin: int, opened: list[int]) -> int:
         """Give the end of the element that begins here; keep the list of open brackets."""

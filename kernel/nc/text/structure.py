@@ -42,7 +42,7 @@ _INSIDE = {
 }
 _BEGINNING = re.compile(
     r"(?:/[0-9]*[ \t]*)?(?:N[ \t]*(?P<number>[0-9]{1,9})[ \t]*:|\[(?P<name>[^\]]*)\]"
-    r"|(?:N[ \t]*[0-9]+[ \t]*)?\$(?P<word>[A-Z]+))",
+    r"|(?:N[ \t]*[0-9]+[ \t]*)?\$?(?P<word>[A-Z]+)(?![A-Z0-9_]|[ \t]*(?:=(?!=)|\[)))",
     re.IGNORECASE,
 )
 _LOOPS = ("$FOR", "$WHILE", "$DO", "$REPEAT")
@@ -96,13 +96,19 @@ class Structure:
         begins = _BEGINNING.match(code)
         if begins is None:
             return
-        if begins["word"] and f"${begins['word'].upper()}" in _BEGINS.values():
-            if "$GOTO" not in code.upper():
-                self._open.append(_Open(f"${begins['word'].upper()}", offset))
+        if begins["word"]:
+            self._assume_word(f"${begins['word'].upper()}", code, offset)
         elif begins["number"]:
             self._labels.setdefault(f"N{int(begins['number'])}", offset)
         elif begins["name"]:
             self._labels.setdefault(f"[{begins['name'].strip()}]", offset)
+
+    def _assume_word(self, word: str, code: str, offset: int) -> None:
+        closes = dict(_ENDS.values())
+        if word in _BEGINS.values() and "GOTO" not in code.upper():
+            self._open.append(_Open(word, offset))
+        elif word in closes and self._open and self._open[-1].word == closes[word]:
+            self._open.pop()
 
     def end(self) -> list[UserError]:
         """Give the errors that show only at the end of the part."""

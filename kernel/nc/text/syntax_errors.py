@@ -8,6 +8,7 @@ from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedTok
 from kernel.errors import UserError, nearest
 from kernel.nc.text.errata import meant_in
 from kernel.nc.text.source import Source
+from kernel.nc.text.typos import meant_at
 from kernel.nc.text.words import words
 
 _OPENING = re.compile(r"(?:/[0-9]*[ \t]*)?(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<word>\$[ \t]*[A-Za-z]*)")
@@ -97,7 +98,8 @@ def _word_error(source: Source, axes: Sequence[str], found: str, offset: int) ->
 def _hint(source: Source, begin: int, end: int, offset: int, wants_operand: bool) -> str | None:
     line_end = source.code.find("\n", offset)
     written = source.text[begin : len(source.text) if line_end < 0 else line_end]
-    if (meant := meant_in(source.text[begin:end])) is not None:
+    meant = meant_in(source.text[begin:end]) or meant_at(source, begin, end, offset)
+    if meant is not None:
         return meant
     if wants_operand and "(" in written:
         return "( ) hold comments; [ ] group an expression"
