@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Iterable, Iterator
+from difflib import SequenceMatcher
 from textwrap import fill
 
 from kernel.errors import CatalogueEntry, Guess, UserError, catalogue, nearest, reaction_classes
 
 _NEAR = 500
 _WIDTH, _INDENT = 96, 11
+_GUESSED_FROM, _ALIKE = 4, 0.75
 _UNITS = {
     "mm": "mm", "ms": "ms", "s": "s", "us": "us", "hz": "Hz", "deg": "degrees",
     "um_s": "um/s", "mm_s": "mm/s", "mm_s2": "mm/s2", "mm_min": "mm/min", "permille": "0.1 %",
@@ -44,12 +46,26 @@ def alarm_listing(
         raise UserError(
             "no alarm fits",
             value=word or reaction_class,
-            allowed=nearest(word or "", words) or None,
+            allowed=_alike(word or "", words) or None,
             hint="axisrig errors lists all",
         )
     lines = [f"{e.id:>6}  {e.reaction_class}  {_mark(e)}{_plain(e.text)}" for e in found]
     legend = f"ID, class, text; {len(found)} of {len(catalogue())}. (-) nothing raises it yet."
     return "\n".join([*lines, "", legend, "axisrig errors ID tells all about one."])
+
+
+def _alike(word: str, words: Iterable[str]) -> Guess:
+    """Words that differ from one by little: a short one has none, for it is like many."""
+    if len(word) < _GUESSED_FROM:
+        return Guess()
+    ratio = SequenceMatcher(None, "", word.casefold())
+    close = nearest(word, {part.strip(".,:;(){}") for part in words})
+    found = Guess()
+    for other in close:
+        ratio.set_seq1(other)
+        if ratio.ratio() >= _ALIKE:
+            found.append(other)
+    return found
 
 
 def _searched(entry: CatalogueEntry) -> str:

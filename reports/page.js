@@ -93,6 +93,8 @@
       ctx.strokeStyle = ctx.fillStyle = css("limit");
       ctx.textAlign = "right";
       ctx.lineWidth = ratio;
+      /* Limits outside the picture are named at its edge, one below the other. */
+      let outside = { above: 0, below: 0 };
       for (const [i, limit] of limits.entries()) {
         const y = Math.round(u.valToPos(limit.value, "y", true));
         const above = y < bbox.top, below = y > bbox.top + bbox.height;
@@ -100,7 +102,8 @@
         const text = `${limit.label} ${limit.value}`;
         if (above || below) {
           ctx.textBaseline = above ? "top" : "bottom";
-          const edge = above ? bbox.top + 2 * ratio : bbox.top + bbox.height - 2 * ratio;
+          const row = 12 * ratio * outside[above ? "above" : "below"]++ + 2 * ratio;
+          const edge = above ? bbox.top + row : bbox.top + bbox.height - row;
           ctx.fillText(`${above ? "▲" : "▼"} ${text}`, right, edge);
           continue;
         }

@@ -9,7 +9,7 @@ from decimal import Decimal, InvalidOperation, Overflow
 from functools import cache
 from importlib import resources
 
-from kernel.errors import UserError, nearest
+from kernel.errors import Guess, UserError, nearest
 
 INPUT_KINDS = ("set", "plant", "drive", "bus", "plc", "fault")
 
@@ -145,9 +145,8 @@ def parse_column(column: str, value: str) -> Assignment:
     form = find_form(column)
     if form is None or not form.is_input:
         inputs = [form.column for form in column_forms() if form.is_input]
-        raise UserError(
-            "not an input column", value=column, allowed=nearest(column, inputs) or inputs
-        )
+        meant = _with_kind(column) or nearest(column, inputs)
+        raise UserError("not an input column", value=column, allowed=meant or inputs)
     match = form.pattern.fullmatch(column)
     assert match is not None
     groups = match.groupdict()
@@ -155,6 +154,15 @@ def parse_column(column: str, value: str) -> Assignment:
     if form.kind == "plant":
         name, unit = _split_unit(name)
     return Assignment(column, form.kind, groups.get("target") or "", name, unit, value)
+
+
+def _with_kind(column: str) -> Guess:
+    """Give a column that lacks only what stands before the colon."""
+    if ":" in column:
+        return Guess()
+    kind = "plc" if column.upper().startswith("V.E.") else "set"
+    full = f"{kind}:{column}"
+    return Guess() if find_form(full) is None else Guess([full])
 
 
 def _split_unit(variable: str) -> tuple[str, str]:

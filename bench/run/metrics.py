@@ -242,8 +242,10 @@ def contact_mm(observed: Observed, _touch: Touch, contact: Contact, axis: str) -
 def contact_velocity_mm_s(
     observed: Observed, _touch: Touch, contact: Contact, axis: str
 ) -> Observation:
-    """True velocity at the last SYNC before contact."""
-    return Observation(_speed_mm_s(observed, contact.time_ns, axis))
+    """True velocity at the last SYNC before contact; negative towards smaller positions."""
+    value_mm_s = _speed_mm_s(observed, contact.time_ns, axis)
+    note = "signed: the axis moves towards smaller positions" if value_mm_s < 0 else ""
+    return Observation(value_mm_s, note=note)
 
 
 def _speed_mm_s(observed: Observed, time_ns: TimeNs, axis: str) -> float:

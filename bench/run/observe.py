@@ -207,8 +207,10 @@ class Observed:
             marks.append(Event(time_ns, "alarm", f"{BESIDES}ID {alarm.id}", None))
         marks += [Event(t, "mark", f"{axis}: homed", axis) for t, axis in channel.single.homed]
         marks += self._drive_marks()
+        marks.sort(key=lambda mark: (mark.time_ns, mark.kind, mark.label))
+        # What passed at one instant stays in the order of the program
         marks += [Event(t, "mark", label, None) for t, label, _ in plc_side(self.machine)]
-        return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind, mark.label))
+        return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind))
 
     def _drive_marks(self) -> list[Event]:
         """Faults brought in, what the drives went into once they were on, values given to them."""

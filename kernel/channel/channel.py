@@ -81,11 +81,13 @@ class Channel:
             warn=self.warn,
         )
         self.execution = Execution(put_out)
-        self.pauses = Pauses(clock, timing.period_ns, self.path.is_in_position)
+        self.passed_to_plc: list[canon.Command] = []
+        in_position, passed = self.path.is_in_position, self.passed_to_plc
+        self.pauses = Pauses(clock, timing.period_ns, in_position, passed)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.reactions.stops.append(self.single.stop)
-        self.external = ExternalVariables(clock)
+        self.external = ExternalVariables(clock, passed)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None

@@ -14,11 +14,18 @@ class Pauses:
     start_after_ns: how long after a programmed stop the operator starts again; None when nobody
     does. optional_stop: whether M1 stops. is_in_position: exact stop of all axes.
     told: every function that the PLC side was told, with its instant; it acknowledges at once.
-    stops: every programmed stop with the instants of the stop and of the new start.
+    stops: every programmed stop with the instants of the stop and of the new start. passed: takes
+    each of them, in the order in which they were carried out.
     """
 
-    def __init__(self, clock: Clock, period_ns: TimeNs, is_in_position: Callable[[], bool]) -> None:
-        self._clock, self._period_ns = clock, period_ns
+    def __init__(
+        self,
+        clock: Clock,
+        period_ns: TimeNs,
+        is_in_position: Callable[[], bool],
+        passed: list[canon.Command],
+    ) -> None:
+        self._clock, self._period_ns, self._passed = clock, period_ns, passed
         self._is_in_position = is_in_position
         self._until_ns: TimeNs = 0
         self.start_after_ns: TimeNs | None = None
@@ -55,9 +62,11 @@ class Pauses:
         cycles = max(1, -(-self.start_after_ns // self._period_ns))
         self._until_ns = now_ns + cycles * self._period_ns
         self.stops.append((now_ns, self._until_ns, command))
+        self._passed.append(command)
 
     def _tell(self, command: canon.TechnologyFunction) -> None:
         self.told.append((self._clock.now_ns, command))
+        self._passed.append(command)
 
 
 def _go_on(_command: canon.ExactStop) -> None:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from kernel.nc.decoder import registry
+from kernel.nc.decoder import registry, technology
 from kernel.nc.expressions import FUNCTIONS
 from kernel.nc.text.words import commands, variables, words
 
@@ -37,7 +37,8 @@ def known() -> tuple[Entry, ...]:
 def _words() -> Iterator[Entry]:
     for kind, handled in (
         ("G", {*registry.SETTINGS, *registry.TAKES_AXES}),
-        ("M", set(words("M"))),  # what has no meaning of its own is told to the PLC side
+        # What has no meaning of its own is told to the PLC side
+        ("M", words("M").keys() - technology.SPINDLE),
         ("address", {*registry.ADDRESSES, *registry.READ_ADDRESSES, *_LETTERS}),
         ("function", {*FUNCTIONS, "NOT"}),
     ):

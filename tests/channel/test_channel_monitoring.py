@@ -110,6 +110,15 @@ def test_900025_for_an_emergency_without_a_fault(trouble: Any) -> None:
     assert alarm.values["emcy"] == words
 
 
+def test_the_emergency_of_a_limit_switch_says_so_and_what_to_do(trouble: Any) -> None:
+    case = trouble()
+    case.other.send_message(EMCY, struct.pack("<HB5x", 0x8612, 0x01))
+    alarm = case.only_alarm(3)
+    assert alarm.id == 900025
+    assert "a limit switch or a position limit of the drive has stopped the axis" in str(alarm)
+    assert "Off a limit switch the axis goes in the other direction" in str(alarm)
+
+
 def test_an_unknown_emergency_stops_too(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, struct.pack("<HB5x", 0xA123, 0x01))

@@ -92,3 +92,10 @@ def test_the_page_has_every_alarm_under_its_area() -> None:
     rows = [line for line in page().splitlines() if line.startswith("| ")]
     ids = {int(row.split()[1]) for row in rows if row.split()[1].isdigit()}
     assert set(catalogue()) <= ids
+
+
+def test_a_word_that_is_like_nothing_gets_no_guesses() -> None:
+    with pytest.raises(UserError) as caught:
+        alarm_listing("foo")
+    assert "did you mean" not in str(caught.value)
+    assert "axisrig errors lists all" in str(caught.value)

@@ -5,6 +5,7 @@ import pytest
 from kernel.errors import Alarm
 from kernel.nc import not_acting
 from kernel.nc.canon import LinearMove
+from kernel.nc.text.check import check_program
 
 # What the language has to do by now, as the project has set it out; what belongs to the fixed stop,
 # to distance control, to SERCOS and to kinematics comes later.
@@ -101,3 +102,14 @@ def test_the_alarm_names_the_word(run, text, word):
 def test_blocks_that_are_never_reached_end_nothing(run):
     commands = run("G0 X1\n$IF 0\n#TRAFO ON\n$ENDIF\nX2")
     assert len([c for c in commands if isinstance(c, LinearMove)]) == 2
+
+
+def test_functions_of_a_spindle_are_noted_and_end_with_an_alarm_of_their_own(run):
+    """TF5200 diagnosis 255149963: 21548, not the 900100 of other words that do not act."""
+    for word in ("M3", "M4", "M5", "M19"):
+        noted = check_program(f"N10 G1 X1 F100\nN20 {word}\n", "spindle.nc", ("X", "Y", "Z")).notes
+        assert [(note.line, note.column) for note in noted] == [(2, 5)]
+        assert "alarm 21548 without a spindle" in noted[0].text
+        with pytest.raises(Alarm) as caught:
+            run(f"N20 {word}")
+        assert caught.value.id == 21548

@@ -258,3 +258,16 @@ def test_a_later_error_points_at_the_cell(write_plan: PlanWriter) -> None:
     error = case.error("unknown parameter", "set:Z.nme", value="nme")
     assert (error.line, error.column) == (2, 4)
     assert case.error("unknown", "set:X.y").line is None
+
+
+@pytest.mark.parametrize(
+    ("text", "meant"),
+    [
+        ("Z.kenngr.measure.edge=NEG", "set:Z.kenngr.measure.edge"),
+        ("V.E.FEED=600", "plc:V.E.FEED"),
+    ],
+)
+def test_a_column_without_its_kind_is_told_with_it(text: str, meant: str) -> None:
+    with pytest.raises(UserError) as caught:
+        parse_assignment(text)
+    assert str(caught.value).endswith(f"did you mean: {meant}")
