@@ -3,12 +3,14 @@
 from collections.abc import Iterable
 
 from kernel.channel.settings import AxisSettings
-from kernel.clock import Clock, TimeNs
+from kernel.clock import Clock, S, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 
 SETTLED_CYCLES = 10
 REST_INCREMENTS = 2  # an encoder at rest flickers by one to either side
+REST_CYCLES = 50  # longer than friction holds an axis that swings about its place
+REST_LIMIT_NS = 5 * S
 
 
 class Settling:
@@ -59,7 +61,9 @@ class Settling:
 class Rest:
     """Watches axes come to rest wherever that is: a stop may keep them off their set positions.
 
-    They rest when no actual position has changed by more than REST_INCREMENTS for SETTLED_CYCLES.
+    They rest when none has moved by more than REST_INCREMENTS for REST_CYCLES. An axis that sways
+    for longer than its settling time (REST_LIMIT_NS without one) counts as one at rest inside its
+    exact-stop window.
     """
 
     def __init__(
@@ -76,14 +80,16 @@ class Rest:
     def judge(self) -> bool:
         """Tell whether the axes rest; called once per cycle.
 
-        Raises Alarm 900200 when an axis does not within its settling time.
+        Raises Alarm 900200 for one that sways too long and too far.
         """
         now_ns = self._clock.now_ns
+        waited_ns = now_ns - self._begin_ns
         for (axis, link), place in zip(self._axes, self._places, strict=True):
-            if abs(link.actual_increments - place) > REST_INCREMENTS:
-                waited_ns = now_ns - self._begin_ns
-                if 0 < axis.settling_ns < waited_ns:
-                    raise Alarm(900200, axis=axis.name, ms=waited_ns // 1_000_000)
+            if abs(link.actual_increments - place) <= REST_INCREMENTS:
+                continue
+            if waited_ns <= (axis.settling_ns or REST_LIMIT_NS):
                 self._begin_anew()
                 return False
-        return now_ns - self._since_ns >= SETTLED_CYCLES * self._period_ns
+            if abs(link.lag_mm) > axis.window_mm:
+                raise Alarm(900200, axis=axis.name, ms=waited_ns // 1_000_000)
+        return now_ns - self._since_ns >= REST_CYCLES * self._period_ns

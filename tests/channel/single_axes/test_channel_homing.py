@@ -113,32 +113,30 @@ def adopt(*axes: str) -> canon.AdoptActual:
     return canon.AdoptActual(canon.Block(3, 30, "N30"), axes)
 
 
-@pytest.mark.parametrize("buffer_cycles", [0, 5])
 def test_adopting_the_actual_position_waits_for_the_lag_of_the_motion_to_pass(
-    channel_bench: Make, words: Any, buffer_cycles: int
-) -> None:
-    """At 50 mm/s the axis lags by 1.25 mm; at rest by nothing.
-
-    Rest is 2 increments in 10 cycles: with Kv = 40 1/s a gap of 2.5 / (1 - exp(-0.4)) increments.
-    """
-    bench = channel_bench(words.axis("Z", start_mm=140.0), buffer_cycles=buffer_cycles)
-    bench.run([words.move(2, 3000.0, Z=150.0), adopt("Z"), words.wait(3), words.end()])
-    assert bench.alarm_ids == []
-    gap_increments = 2.5 / (1 - math.exp(-0.4))
-    assert bench.final_mm("Z") == pytest.approx(150.0, abs=(gap_increments + 1) * INCREMENT_MM)
-    # what the drive is told is the new place at once: nothing of the old one is in the buffer
-    assert len({sample.sent_mm[0] for sample in bench.samples[-10:]}) == 1
-    sent = [sample.sent_mm[0] for sample in bench.samples]
-    assert sent[sent.index(bench.final_mm("Z")) :].count(150.0) == 0
-
-
-def test_adopting_the_actual_position_moves_an_axis_by_its_droop(
     channel_bench: Make, words: Any
 ) -> None:
-    bench = channel_bench(words.axis("Z", start_mm=40.0, droop_mm=0.02, window_mm=0.1))
+    """At 50 mm/s the axis lags by 1.25 mm, at rest by nothing."""
+    bench = channel_bench(words.axis("Z", start_mm=140.0))
+    bench.run([words.move(2, 3000.0, Z=150.0), adopt("Z"), words.wait(3), words.end()])
+    assert bench.alarm_ids == []
+    assert bench.final_mm("Z") == pytest.approx(150.0, abs=3 * INCREMENT_MM)
+
+
+@pytest.mark.parametrize("buffer_cycles", [0, 5])
+def test_adopting_the_actual_position_moves_an_axis_by_its_droop(
+    channel_bench: Make, words: Any, buffer_cycles: int
+) -> None:
+    spec = words.axis("Z", start_mm=40.0, droop_mm=0.02, window_mm=0.1)
+    bench = channel_bench(spec, buffer_cycles=buffer_cycles)
     bench.run([words.move(2, 600.0, Z=45.0), adopt("Z"), words.end()])
     assert bench.alarm_ids == []
-    assert bench.final_mm("Z") == pytest.approx(45.0 - 0.02, abs=9 * INCREMENT_MM)
+    # with Kv = 40 1/s, 2 increments in 50 cycles are a gap of 2.5 / (1 - exp(-2)) at their begin
+    assert bench.final_mm("Z") == pytest.approx(45.0 - 0.02, abs=3 * INCREMENT_MM)
+    # what the drive is told is the new place at once: nothing of the old one is in the buffer
+    sent = [sample.sent_mm[0] for sample in bench.samples]
+    set_mm = bench.set_mm("Z")
+    assert sent.index(bench.final_mm("Z")) == set_mm.index(bench.final_mm("Z"))
 
 
 def test_adopting_takes_an_axis_on_a_stop_where_it_stands(channel_bench: Make, words: Any) -> None:
@@ -151,17 +149,34 @@ def test_adopting_takes_an_axis_on_a_stop_where_it_stands(channel_bench: Make, w
     assert bench.set_mm("Z")[-1] == pytest.approx(44.0, abs=0.01)
 
 
-@pytest.mark.provokes(900200, 4, axis="Z", ms=31)
-def test_900200_for_an_axis_that_never_rests(channel_bench: Make, words: Any) -> None:
-    bench = channel_bench(words.axis("Z", start_mm=40.0, settling_ns=30_000_000, window_mm=0.1))
+def sway(bench: Any) -> None:
+    """Let Z swing by 10 um with a period of 6.3 ms."""
     axis = bench.axes["Z"]
     still = axis.motor_position_m_at
     axis.motor_position_m_at = lambda t: still(t) + 1e-5 * math.sin(t / 1e6)
+
+
+@pytest.mark.provokes(900200, 4, axis="Z")
+def test_900200_for_an_axis_that_never_rests(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=40.0, settling_ns=100_000_000))
+    sway(bench)
     bench.run([adopt("Z"), words.end()])
     (alarm,) = bench.channel.alarms
     assert (alarm.id, alarm.entry.reaction_class) == (900200, 4)
-    assert alarm.values == {"axis": "Z", "ms": 31}
+    # it may pass its window in the very cycle in which its time is over
+    assert (alarm.values["axis"], alarm.values["ms"] in range(101, 105)) == ("Z", True)
     assert "N30" in str(alarm)
+
+
+def test_an_axis_that_sways_inside_its_window_is_adopted_after_its_settling_time(
+    channel_bench: Make, words: Any
+) -> None:
+    spec = words.axis("Z", start_mm=40.0, settling_ns=100_000_000, window_mm=0.05)
+    bench = channel_bench(spec)
+    sway(bench)
+    bench.run([adopt("Z"), words.end()])
+    assert bench.alarm_ids == []
+    assert bench.final_mm("Z") == pytest.approx(40.0, abs=0.05)
 
 
 @pytest.mark.parametrize("resets", ["homing", "exchange"])
