@@ -28,18 +28,22 @@ def check_file(program: Path, rig: Path | None) -> bool:
     for note in checked.notes:
         print(f"note: {program}:{note.line}:{note.column}: {note.text}")
     sys.stdout.flush()
-    found = list(checked.errors) or _beyond_the_text(text, program, axes)
+    found = list(checked.errors)
+    # A text with errors may lack the blocks that write a name; a file is there or not
+    found += decoder.missing_files(checked.program) if found else _beyond(text, program, axes)
     for error in found:
         print(f"error: {error}", file=sys.stderr)
         if error.excerpt is not None:
             print(error.excerpt, file=sys.stderr)
+    if not found:
+        print("the text is read; whether its values can be carried out shows in a run")
     errors, notes = len(found), len(checked.notes)
     print(f"{program}: {_many(checked.blocks, 'block')}, {_many(errors, 'error')}, ", end="")
     print(_many(notes, "note"))
     return not found
 
 
-def _beyond_the_text(text: str, program: Path, axes: Sequence[str]) -> list[UserError]:
+def _beyond(text: str, program: Path, axes: Sequence[str]) -> list[UserError]:
     """Check jumps, files of subprograms and own variables of a text without errors."""
     try:
         decoder.check_program(parse_program(text, file=program, axes=axes))

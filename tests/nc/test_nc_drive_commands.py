@@ -85,7 +85,7 @@ def test_reading_waits_and_gives_the_value_to_a_variable(
     assert move.target_acs_mm == {"X": 24.0}
 
 
-@pytest.mark.provokes(900113, 2, name="V.P.TORQUE", near="nothing like it has one")
+@pytest.mark.provokes(900113, 2, name="V.P.TORQUE", near="nothing has written it or a name like it")
 def test_900113_for_a_variable_that_nothing_was_read_into(run: Callable[..., list[Any]]) -> None:
     with pytest.raises(Alarm) as caught:
         run(

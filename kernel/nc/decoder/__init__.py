@@ -2,5 +2,6 @@
 
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.interpreter import Interpreter, check_program
+from kernel.nc.decoder.subprograms import missing_files
 
-__all__ = ["Context", "Interpreter", "MachineView", "check_program"]
+__all__ = ["Context", "Interpreter", "MachineView", "check_program", "missing_files"]

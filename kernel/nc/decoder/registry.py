@@ -155,7 +155,7 @@ def _indices(context: Context, block: Block, variable: Variable) -> list[int]:
                 name=variable.name,
                 value=f"{value:g}",
                 lower=0,
-                upper="a whole number",
+                upper="the last element",
             )
         found.append(index)
     return found

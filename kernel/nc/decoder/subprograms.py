@@ -58,9 +58,9 @@ def link(program: Program) -> Unit:
     waiting = [main]
     while waiting:
         unit = waiting.pop()
-        for block, call in _calls(unit):
+        for block, call in _calls(unit.program):
             if call.scope == "global" and call.name not in unit.called:
-                path = _file(program, unit, block, call.name)
+                path = _file(program, unit.program, block, call.name)
                 key = path.resolve()
                 if key not in units:
                     units[key] = _unit(read_program(path, program.axes))
@@ -88,16 +88,31 @@ def _unit(program: Program) -> Unit:
     return unit
 
 
-def _calls(unit: Unit) -> Iterator[tuple[Block, SubprogramCall]]:
-    for routine in (unit.main, *unit.local.values()):
-        for part in routine.blocks:
+def missing_files(program: Program) -> list[UserError]:
+    """Give an error for every file of a global subprogram that a text calls and that is not there.
+
+    program: may lack blocks, as one with errors does.
+    """
+    errors: dict[str, UserError] = {}
+    for block, call in _calls(program):
+        if call.scope == "global" and call.name not in errors:
+            try:
+                _file(program, program, block, call.name)
+            except UserError as error:
+                errors[call.name] = error
+    return list(errors.values())
+
+
+def _calls(program: Program) -> Iterator[tuple[Block, SubprogramCall]]:
+    for blocks in (program.blocks, *program.subprograms.values()):
+        for part in blocks:
             if isinstance(part.statement, SubprogramCall):
                 yield part.block, part.statement
 
 
-def _file(program: Program, unit: Unit, block: Block, name: str) -> Path:
+def _file(program: Program, caller: Program, block: Block, name: str) -> Path:
     """Find the file of a global subprogram, beside the main program or beside its caller."""
-    files = (program.file, unit.program.file)
+    files = (program.file, caller.file)
     folders = dict.fromkeys(Path(file).parent for file in files if file is not None)
     asked = Path(name)
     tried = [
@@ -113,10 +128,10 @@ def _file(program: Program, unit: Unit, block: Block, name: str) -> Path:
     close = nearest(asked.name, beside)
     raise UserError(
         "the file of the global subprogram is not there",
-        file=unit.program.file,
+        file=caller.file,
         line=block.line,
         column=block.column + max(block.text.upper().find(name.upper()), 0),
         value=name,
-        allowed=f"one of {places}" if tried else "a file: this program has no place of its own",
+        allowed=f"a file at {places}" if tried else "a file: this program has no place of its own",
         hint=f"nearest: {', '.join(close)}" if close else None,
     )

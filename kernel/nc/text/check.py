@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kernel.errors import UserError
-from kernel.nc.syntax import ProgramBlock
+from kernel.nc.syntax import Program, ProgramBlock
 from kernel.nc.text.parser import Reading
 
 # DIN 66025: the letters of axes
@@ -28,12 +28,14 @@ class Checked:
     """What the check of a program found.
 
     errors: in the order of the text. notes: what does not act, and what was read in another way
-    than it is written. blocks: how many blocks there are, local subprograms included.
+    than it is written. blocks: how many blocks there are, local subprograms included. program: what
+    was read; without the blocks that have errors.
     """
 
     errors: tuple[UserError, ...]
     notes: tuple[Note, ...]
     blocks: int
+    program: Program
 
 
 def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Checked:
@@ -50,7 +52,7 @@ def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Ch
             told = f"{word.word} is known to the manuals and does not act yet ({word.what})"
             notes.add(Note(word.line, word.column, told))
     ordered = sorted(notes, key=lambda note: (note.line, note.column, note.text))
-    return Checked(tuple(reading.errors), tuple(ordered), reading.block_count)
+    return Checked(tuple(reading.errors), tuple(ordered), reading.block_count, program)
 
 
 def axes_of(text: str) -> tuple[str, ...]:

@@ -33,6 +33,7 @@ _TERMINAL_NAMES = {
     "RSQB": "]",
     "EQUAL": "=",
     "COLON": ":",
+    "TYPE": "BOOLEAN, SGN08, SGN16, SGN32, UNS08, UNS16, UNS32, REAL64, STRING",
     "$END": "end of the block",
 }
 

@@ -24,6 +24,8 @@ def meant_at(source: Source, begin: int, end: int, offset: int) -> str | None:
     before, behind = code[offset - 1 : offset], code[offset + 1 : offset + 2]
     if code[offset : offset + 1] == "," and before.isdigit() and behind.isdigit():
         return "the decimal sign is a point: 1.5"
+    if code[offset : offset + 1] == ":" and code[begin : begin + 2].upper() == "V.":
+        return "a variable gets its type between #VAR and #ENDVAR"
     left, right = _WORD_BEFORE.search(code[begin:offset]), _WORD.match(code, offset)
     word = (left.group() if left else "") + (right.group() if right else "")
     if f"${word.upper()}" in words("control"):

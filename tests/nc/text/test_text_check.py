@@ -134,3 +134,17 @@ def test_a_wrong_block_does_not_make_those_wrong_that_belong_to_it(text):
 def test_a_hundred_errors_are_enough():
     found = checked("G777\n" * 5000)
     assert [error.line for error in found.errors] == list(range(1, 101))
+
+
+def test_a_sound_text_says_that_values_show_in_a_run(tmp_path, capsys):
+    _, out, _ = check_file(tmp_path, capsys, "G4\nM30\n")
+    assert "whether its values can be carried out shows in a run" in out
+    _, out, _ = check_file(tmp_path, capsys, "G777\n")
+    assert "shows in a run" not in out
+
+
+def test_a_missing_file_is_told_beside_other_errors(tmp_path, capsys):
+    code, _, err = check_file(tmp_path, capsys, "G777\nL nofile\nL nofile\nM30\n")
+    assert code == 2
+    assert err.count("error: ") == 2
+    assert "allowed: a file at " in err

@@ -197,7 +197,8 @@ def test_every_word_of_the_table_is_read(kind):
         assert word.source
         operands = ",".join(["1"] * int(word.group.partition("-")[0])) if kind == "function" else ""
         text = {"G": "{} X1", "M": "{}", "function": "X={}[" + operands + "]"}[kind]
-        assert notes(text.format(word.word)) == ([] if word.acts else [word.word])
+        written = "G159=1" if word.word == "G159" else word.word
+        assert notes(text.format(written)) == ([] if word.acts else [word.word])
 
 
 def test_every_variable_of_the_table_is_read():

@@ -100,3 +100,10 @@ def test_what_is_no_text_is_told_with_its_line_and_what_to_do(tmp_path):
     with pytest.raises(Exception, match=r"p\.nc:2") as caught:
         read_program(file, XYZ)
     assert "save it as UTF-8" in str(caught.value)
+
+
+def test_a_type_is_told_with_those_there_are():
+    (error,) = errors("#VAR\nV.P.X : INT\n#ENDVAR\nM30")
+    assert "UNS32, REAL64, STRING" in str(error)
+    (error,) = errors("V.P.X : UNS32")
+    assert "between #VAR and #ENDVAR" in str(error)

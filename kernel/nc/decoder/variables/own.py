@@ -73,7 +73,11 @@ def _near(context: Context, name: str, indices: tuple[int, ...]) -> str:
 
 def nearest_with_value(names: Sequence[str]) -> str:
     """Say for an alarm which names look alike and have a value."""
-    return f"the nearest with one: {', '.join(names)}" if names else "nothing like it has one"
+    return (
+        f"the nearest with one: {', '.join(names)}"
+        if names
+        else "nothing has written it or a name like it"
+    )
 
 
 def spelled(name: str, indices: tuple[int, ...]) -> str:
