@@ -7,6 +7,7 @@ from pathlib import Path
 
 from kernel.errors import UserError
 from kernel.nc.syntax import Program, ProgramBlock
+from kernel.nc.text.constants import ending_words
 from kernel.nc.text.parser import Reading
 
 # DIN 66025: the letters of axes
@@ -27,9 +28,9 @@ class Note:
 class Checked:
     """What the check of a program found.
 
-    errors: in the order of the text. notes: what does not act, and what was read in another way
-    than it is written. blocks: how many blocks there are, local subprograms included. program: what
-    was read; without the blocks that have errors.
+    errors: in the order of the text. notes: what does not act, what ends a run, and what was
+    read in another way than it is written. blocks: how many blocks there are, local subprograms
+    included. program: what was read; without the blocks that have errors.
     """
 
     errors: tuple[UserError, ...]
@@ -51,6 +52,8 @@ def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Ch
         for word in part.not_acting:
             told = f"{word.word} is known to the manuals and does not act yet ({word.what})"
             notes.add(Note(word.line, word.column, told))
+    for line, column, told in ending_words(parts, axes[0] if axes else ""):
+        notes.add(Note(line, column, f"a run ends here: {told}"))
     ordered = sorted(notes, key=lambda note: (note.line, note.column, note.text))
     return Checked(tuple(reading.errors), tuple(ordered), reading.block_count, program)
 

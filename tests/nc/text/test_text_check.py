@@ -148,3 +148,28 @@ def test_a_missing_file_is_told_beside_other_errors(tmp_path, capsys):
     assert code == 2
     assert err.count("error: ") == 2
     assert "allowed: a file at " in err
+
+
+@pytest.mark.parametrize(
+    ("text", "alarm"),
+    [
+        ("D-1", 900155),
+        ("M1000", 20160),
+        ("G4", 900171),
+        ("G4 X-1", 20752),
+        ("G2 X10 Y10 F500", 20036),
+        ("X[INDP_SYN POS10 G0 G1 FEED=5]", 900194),
+        ("X[INDP_ASYN POS10 FEED=-5]", 50603),
+    ],
+)
+def test_constants_that_no_run_can_carry_out_are_noted_with_their_alarm(text, alarm):
+    (note,) = checked(f"G0 X1\n{text}\nM30").notes
+    assert note.line == 2
+    assert f"(ID {alarm})" in note.text
+
+
+@pytest.mark.parametrize(
+    "text", ["D=P1", "M999", "G4 0", "G4 X2", "G2 X1 I5", "G2 R5\nG2 X9", "G2", "G4=V.E.T"]
+)
+def test_what_may_be_right_in_a_run_is_not_noted(text):
+    assert not [note for note in checked(text).notes if "a run ends here" in note.text]
