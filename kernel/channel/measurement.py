@@ -193,7 +193,7 @@ class Measurement:
         axes = {name: self._path.settings(name).measuring for name in moving}
         if kind.has_own_speed:
             wanted_mm_s = self._path.settings(named[0]).measuring.speed_mm_s
-        wanted_mm_s = min(wanted_mm_s, dynamics.speed_max_mm_s)
+        programmed_mm_s, wanted_mm_s = wanted_mm_s, min(wanted_mm_s, dynamics.speed_max_mm_s)
         highest_mm_s = highest_speed(kind, list(axes.values()), dynamics.stop_deceleration)
         if wanted_mm_s <= highest_mm_s:
             return wanted_mm_s
@@ -204,7 +204,7 @@ class Measurement:
             900222,
             place=block.place,
             axis=least,
-            speed_mm_min=f"{wanted_mm_s * S_PER_MIN:.9g}",
+            speed_mm_min=f"{programmed_mm_s * S_PER_MIN:.9g}",
             stroke_mm=f"{axes[least].stroke_mm:.9g}",
             corrected_mm_min=f"{highest_mm_s * S_PER_MIN:.9g}",
         )

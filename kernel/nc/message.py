@@ -112,5 +112,6 @@ def _element_text(element: Format, value: float | Text) -> str:
             raise NotFitting(value, element)
         return pattern % int(value)
     if element.letter == "s":
-        return pattern % f"{value:g}"
-    return pattern % value
+        return pattern % f"{value or 0.0:g}"
+    shown = pattern % value
+    return shown if float(shown) else pattern % 0.0  # rounding leaves no sign on nothing

@@ -158,13 +158,18 @@ class World:
 
 @dataclass(frozen=True)
 class AxisSpec:
-    """One axis of a bench; a_mm_s2: of every ramp. probed: whether the probe leads to its drive."""
+    """One axis of a bench.
+
+    a_mm_s2: of every ramp. stop_mm_s2: of a stop, None = as the others. probed: whether the probe
+    leads to its drive.
+    """
 
     name: str
     start_mm: float = 0.0
     kv: float = 40.0
     droop_mm: float = 0.0
     a_mm_s2: float = 1000.0
+    stop_mm_s2: float | None = None
     speed_max_mm_s: float = 500.0
     may_measure: bool = True
     probing_offset_mm: float = 0.0
@@ -191,7 +196,9 @@ class AxisSpec:
 
     def settings(self) -> AxisSettings:
         slope = Slope(self.a_mm_s2, self.a_mm_s2, self.speed_max_mm_s)
-        dynamics = Dynamics(slope, slope, slope, self.speed_max_mm_s)
+        stop_mm_s2 = self.stop_mm_s2 or self.a_mm_s2
+        stop = Slope(stop_mm_s2, stop_mm_s2, self.speed_max_mm_s)
+        dynamics = Dynamics(slope, slope, stop, self.speed_max_mm_s)
         return AxisSettings(
             self.name,
             self.may_measure,

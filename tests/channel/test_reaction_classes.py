@@ -84,6 +84,17 @@ def test_class_2_brakes_axes_that_move_by_themselves(channel_bench: Make, words:
     assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
 
 
+def test_class_2_brakes_a_run_on_the_path(channel_bench: Make, words: Any) -> None:
+    """What is decoded is carried out, but nobody waits for the signal of the run any more."""
+    bench = channel_bench(words.axis("Z", a_mm_s2=4000.0))
+    bench.prepare([words.probe(1, 3000.0, Z=80.0), words.wait(1), words.end()])
+    bench.scheduler.run_while(lambda: not bench.samples or bench.set_mm("Z")[-1] < 12.0, 10 * S)
+    z_mm = bench.set_mm("Z")[-1]
+    bench.channel.stop(Alarm(900105, reason="none"))
+    bench.finish()
+    assert bench.final_mm("Z") - z_mm == pytest.approx(50.0**2 / 8000.0, abs=1e-9)
+
+
 def test_class_4_stops_all_axes_on_the_path(channel_bench: Make, words: Any) -> None:
     stop = Stop(channel_bench, words, Alarm(900070))
     assert stop.is_on_the_line
@@ -130,6 +141,15 @@ def test_class_5_stops_the_faulty_axis_at_once(channel_bench: Make, words: Any) 
     assert stop.way_mm("Z") == 0.0
     assert stop.way_mm("Y") == pytest.approx(OWN_Y_MM, abs=1e-9)
     assert stop.has_ended_with_closed_loops()
+
+
+def test_class_5_stops_the_faulty_axis_at_once_under_p_chan_00218_too(
+    channel_bench: Make, words: Any
+) -> None:
+    alarm = Alarm(70082, axis="Y", lag_mm="1", window_mm="0.1", ms=10)
+    stop = Stop(channel_bench, words, alarm, each_axis_halts=True)
+    assert stop.way_mm("Y") == 0.0
+    assert stop.way_mm("Z") == pytest.approx(OWN_Z_MM, abs=1e-9)
 
 
 def test_class_6_stops_every_axis_at_once(channel_bench: Make, words: Any) -> None:

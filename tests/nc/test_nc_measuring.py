@@ -73,6 +73,7 @@ def test_type_4_measures_with_main_axes(run) -> None:
     alarm = _alarm(run, "#MEAS MODE[4]\nN7 G100 X1 Y2 Z3 A4 F100", axes=axes)
     assert alarm.id == 50061
     assert alarm.values == {"programmed": 4, "maximum": 3, "type": 4}
+    assert "The block names 4 axes and measuring type 4 allows at most 3" in str(alarm)
     alarm = _alarm(run, "#MEAS MODE[4]\nN7 G100 X1 B4 F100", axes=axes)
     assert (alarm.id, alarm.values) == (900220, {"type": 4, "axis": "B"})
     assert alarm.entry.reaction_class == 2

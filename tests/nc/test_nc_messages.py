@@ -56,3 +56,21 @@ def test_900107_for_a_value_that_its_format_cannot_show(run, text, value, elemen
         run(text)
     assert caught.value.id == 900107
     assert (caught.value.values["value"], caught.value.values["format"]) == (value, element)
+
+
+@pytest.mark.parametrize(
+    ("element", "value", "text"),
+    [
+        ("%f", "-0.0000001", "0.000000"),
+        ("%.3f", "0*[-1]", "0.000"),
+        ("%8.2f", "-0.004", "    0.00"),
+        ("%.3f", "-0.0006", "-0.001"),
+        ("%g", "0*[-1]", "0"),
+        ("%s", "0*[-1]", "0"),
+        ("%d", "0*[-1]", "0"),
+        ("%e", "-0.0000001", "-1.000000e-07"),
+    ],
+)
+def test_nothing_has_no_sign(run, element, value, text):
+    (message,) = messages(run, f'P1={value}\n#MSG ["{element}", P1]')
+    assert message.text == text

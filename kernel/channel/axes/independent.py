@@ -214,13 +214,13 @@ def _start(
     target_mm += beyond_mm if target_mm > here_mm else -beyond_mm
     length_mm, fastest = abs(target_mm - here_mm), dynamics.speed_max_mm_s
     if command.feed_mm_min is not None:
-        speed_mm_s = min(command.feed_mm_min / 60.0, fastest)
+        speed_mm_s = command.feed_mm_min / 60.0
     elif command.time_s is not None:
         slopes = dynamics.acceleration, dynamics.deceleration
         speed_mm_s = speed_for(length_mm, command.time_s, *slopes, fastest)
     else:
         speed_mm_s = fastest * (1.0 if command.speed_share is None else command.speed_share)
-    speed_mm_s = allowed(speed_mm_s)
+    speed_mm_s = min(allowed(speed_mm_s), fastest)
     profile = plan(length_mm, speed_mm_s, dynamics.acceleration, dynamics.deceleration)
     axis = command.axis
     mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)

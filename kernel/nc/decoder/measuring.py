@@ -125,11 +125,16 @@ def _without_run(context: Context, block: Block, words: Words) -> None:
 
 
 def take_results(
-    context: Context, measuring: Sequence[str], programmed: Sequence[str], moved: Sequence[str]
+    context: Context,
+    measuring: Sequence[str],
+    programmed: Sequence[str],
+    moved: Sequence[str],
+    ball_radius_mm: float | None = None,
 ) -> None:
     """Keep what the run gave, as seen in the coordinate system in which it took place.
 
     Axes that are neither measuring nor programmed keep the values of an earlier run.
+    ball_radius_mm: that of the run; None for the tool in use.
     Source: FCT-C4 section 5, notice on several runs.
     """
     kept, machine = context.part(Measurements), context.machine
@@ -141,9 +146,14 @@ def take_results(
         value_mm = machine.measured_acs_mm(axis) if kept.signalled[axis] else None
         if value_mm is not None:
             latched_mm[axis] = value_mm
-    counts = context.tables.ball_radius_counts
-    radius_mm = context.coordinates.tool.radius_mm if counts else 0.0
+    radius_mm = ball_of_tool_mm(context) if ball_radius_mm is None else ball_radius_mm
     kept.results.update(context.coordinates.measured(latched_mm, ball_radius_mm=radius_mm))
+
+
+def ball_of_tool_mm(context: Context) -> float:
+    """Give the radius of the tool in use as far as it counts in results (P-CHAN-00311)."""
+    counts = context.tables.ball_radius_counts
+    return context.coordinates.tool.radius_mm if counts else 0.0
 
 
 def _include_offset(context: Context, block: Block, words: Words) -> None:

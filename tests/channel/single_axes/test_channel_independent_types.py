@@ -68,3 +68,33 @@ def test_a_dead_time_is_led_back_here_too(channel_bench: Make, words: Any) -> No
     bench = _run(channel_bench, words, 2, 120.0, delay_ns=10_000_000)
     value_mm = bench.channel.records[0].latched_mm["Z"]
     assert value_mm == pytest.approx(120.1, abs=21 * INCREMENT_MM)
+
+
+@pytest.mark.parametrize("stop_mm_s2", [500.0, 4000.0])
+def test_a_run_beside_the_path_brakes_with_the_deceleration_of_a_stop(
+    channel_bench: Make, words: Any, stop_mm_s2: float
+) -> None:
+    """Its ramps have 1000 mm/s2. At 50 mm/s: v^2 / 2a from the cycle of the signal on."""
+    bench = _run(channel_bench, words, 1, 120.0, stop_mm_s2=stop_mm_s2)
+    record = bench.channel.records[0]
+    at_brake_mm = next(
+        before.set_mm[0]
+        for before, sample in pairwise(bench.samples)
+        if sample.time_ns == record.signal_ns
+    )
+    way_mm = at_brake_mm - bench.final_mm("Z")
+    assert way_mm == pytest.approx(50.0**2 / (2 * stop_mm_s2), abs=1e-9)
+
+
+@pytest.mark.provokes(900222, 1, axis="Z", speed_mm_min="60000")
+def test_900222_names_the_speed_that_was_programmed(channel_bench: Make, words: Any) -> None:
+    """1000 mm/s of the list (P-AXIS-00215), although the axis has 20 mm/s at most."""
+    (warning,) = _run(
+        channel_bench, words, 2, 120.0, stroke_mm=0.02, speed_max_mm_s=20.0, measuring_mm_s=1000.0
+    ).channel.alarms
+    assert (warning.id, warning.values["speed_mm_min"]) == (900222, "60000")
+
+
+def test_a_feed_beyond_the_axis_is_that_of_the_axis(channel_bench: Make, words: Any) -> None:
+    bench = _run(channel_bench, words, 1, 120.0, speed_max_mm_s=20.0)
+    assert _top_speed_mm_s(bench) == pytest.approx(20.0, rel=1e-3)

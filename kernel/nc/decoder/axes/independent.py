@@ -96,12 +96,14 @@ def after_block(context: Context, block: Block, words: Words) -> Iterator[canon.
 
 def _wait_for(context: Context, block: Block, axes: tuple[str, ...]) -> Iterator[canon.Command]:
     """Wait for axes; those that measured bring their results."""
-    under_way = states(context).under_way
+    known = states(context)
     yield canon.WaitIndependent(block, axes)
-    measured = [axis for axis in axes if under_way.pop(axis, False)]
+    measured = [axis for axis in axes if known.under_way.pop(axis, False)]
     if measured:
         yield canon.Wait(block)
-        measuring.take_results(context, measured, measured, moved=measured)
+    for axis in measured:
+        one, ball_mm = (axis,), known.balls_mm.pop(axis)
+        measuring.take_results(context, one, one, moved=one, ball_radius_mm=ball_mm)
 
 
 def wait_for_all(context: Context, block: Block, axes: tuple[str, ...]) -> Iterator[canon.Command]:
@@ -149,7 +151,10 @@ def move(context: Context, block: Block, command: AxisCommand) -> Iterator[canon
         error_no_signal=context.part(measuring.Measurements).error_no_signal,
         **speed,
     )
-    states(context).under_way[axis] = measures
+    known = states(context)
+    known.under_way[axis] = measures
+    if measures:  # a D before the end of the run is not the tool of the run
+        known.balls_mm[axis] = measuring.ball_of_tool_mm(context)
 
 
 def _check(

@@ -12,10 +12,12 @@ class AxisStates:
     """under_way: axes that move beside the program (INDP_ASYN), and whether they measure.
 
     groups: coupling groups as defined. active: groups that are on, in the order of switching on.
+    balls_mm: radius of the probe with which an axis under way measures.
     away: axes that have been given away. offsets_mm: of coupled slaves to their masters.
     """
 
     under_way: dict[str, bool] = field(default_factory=dict)
+    balls_mm: dict[str, float] = field(default_factory=dict)
     groups: dict[int, tuple[AxisPair, ...]] = field(default_factory=dict)
     active: list[int] = field(default_factory=list)
     away: set[str] = field(default_factory=set)

@@ -1,0 +1,39 @@
+"""The tool of the moment in which an independent axis begins to measure counts."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kernel.nc import canon
+from kernel.nc.coordinates import OffsetTables, Tool, Tools
+
+Run = Callable[..., Any]
+TOUCHED_MM = {"X": 60.0, "Y": 80.0}
+BALLS = Tools({n: Tool(radius_mm=float(n), valid=True) for n in (2, 3)})
+
+
+@pytest.fixture
+def machine(plane_machine: Any) -> Any:
+    """Every independent run ends where its axis has touched."""
+
+    class Machine(plane_machine):
+        def execute(self) -> None:
+            for order in self.queue:
+                if isinstance(order, canon.IndependentMove):
+                    self.acs_mm[order.axis] = self.latched[order.axis] = TOUCHED_MM[order.axis]
+            super().execute()
+
+    return Machine(dict.fromkeys(("X", "Y", "Z"), 0.0), None)
+
+
+@pytest.mark.parametrize("counts", [True, False])
+def test_the_ball_is_that_of_the_tool_of_the_run(run: Run, machine: Any, counts: bool) -> None:
+    text = (
+        "%t\nN10 D2\nN20 X[INDP_ASYN G100 G90 POS=100 FEED=500]\nN30 D3\n"
+        "N40 Y[INDP_ASYN G100 G90 POS=100 FEED=500]\nN50 D0\nN60 #WAIT INDP ALL\n"
+        '#MSG ["%g %g", V.A.MEAS.PCS.VALUE.X, V.A.MEAS.PCS.VALUE.Y]\nN70 M30\n'
+    )
+    tables = OffsetTables(tools=BALLS.copy(), ball_radius_counts=counts)
+    (message,) = [c for c in run(text, machine, tables=tables) if isinstance(c, canon.Message)]
+    assert message.text == ("62 83" if counts else "60 80")
