@@ -130,9 +130,9 @@ def test_nc_tells_stops_and_functions_with_their_instants(place: Path, axisrig: 
     instants = [round(1000 * float(at)) for at, _, _ in told]
     assert [at - instants[0] for at in instants] == [0, 110, 360]
     assert [text for _, _, text in told] == [
-        "M8 to the PLC (line 1, block N10)",
-        "M0: stop (line 3, block N30)",
-        "M0: started again (line 3, block N30)",
+        "M8 to the PLC (part.nc line 1, block N10)",
+        "M0: stop (part.nc line 3, block N30)",
+        "M0: started again (part.nc line 3, block N30)",
     ]
     code, out, err = axisrig(*words)
     assert (code, out) == (1, "")
