@@ -320,6 +320,11 @@ def _environment(**more: str) -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "120", **more}
 
 
+def _hear_ctrl_c() -> None:
+    """A shell lets its background jobs ignore SIGINT, and their children inherit that."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @contextmanager
 def _started(place: Path, words: Sequence[str]) -> Iterator[subprocess.Popen[str]]:
     """A process in a group of its own, ended with the test whatever happens."""
@@ -331,6 +336,7 @@ def _started(place: Path, words: Sequence[str]) -> Iterator[subprocess.Popen[str
         stderr=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=_hear_ctrl_c if os.name == "posix" else None,  # noqa: PLW1509 - no threads
     )
     try:
         yield process
