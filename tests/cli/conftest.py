@@ -1,12 +1,15 @@
 """A folder with a rig, its lists and a program, and the command line called inside this process."""
 
 import shutil
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from bench.cli import main
+
+sys.path.insert(0, str(Path(__file__).parent))  # cli_plan.py
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
 

@@ -1,19 +1,14 @@
-"""The command line as its caller meets it: exit codes, the two outputs, help, interruption."""
+"""The command line as its caller meets it: exit codes, the two outputs, help."""
 
 import json
-import os
-import signal
-import subprocess
-import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import pytest
+from cli_plan import write_plan
 
 from bench.plan.plan import Case
 from bench.run import runner
@@ -24,17 +19,11 @@ Call = Callable[..., Outcome]
 Reject = Callable[..., str]
 
 ROOT = Path(__file__).parents[2]
-HEADER = "case,program,rig,plc:V.E.FEED,check:msg:N30,check:alarms"
 COMMANDS = [
     ["run"], ["demo"], ["nc"], ["check"], ["replay"], ["report"], ["metrics"], ["perf"], ["bus"],
     ["params"],
     ["doctor"], ["fmu"], ["fmu", "list"], ["fmu", "show"], ["fmu", "check"], ["fmu", "build"],
 ]  # fmt: skip
-
-
-def _write_plan(place: Path, *rows: str, name: str = "plan.csv") -> str:
-    (place / name).write_text("\n".join([HEADER, *rows, ""]), encoding="utf-8")
-    return name
 
 
 # ---- help and usage
@@ -172,7 +161,7 @@ def test_run_ends_with_the_code_of_the_worst_verdict(
     place: Path, axisrig: Call, row: str, expected: int
 ) -> None:
     good = "good,part.nc,rig.toml,3000,== 1,"
-    code, out, err = axisrig("run", _write_plan(place, row, good), "-o", "out")
+    code, out, err = axisrig("run", write_plan(place, row, good), "-o", "out")
     assert code == expected, err
     assert out.splitlines()[-1] == "out/report.html"
     assert "plan-good" in err  # progress
@@ -194,7 +183,7 @@ def test_defect_in_one_row_costs_that_row_only(
 
     monkeypatch.setattr(runner, "_judged", breaks)
     rows = [f"{name},part.nc,rig.toml,3000,== 1," for name in ("a", "b")]
-    code, out, err = axisrig("run", _write_plan(place, *rows), "-o", "out")
+    code, out, err = axisrig("run", write_plan(place, *rows), "-o", "out")
     assert code == 4
     assert "a wheel came off" in out
     assert "Traceback" not in err
@@ -205,7 +194,7 @@ def test_defect_in_one_row_costs_that_row_only(
 
 
 def test_check_describes_plan_and_rig_on_standard_output(place: Path, axisrig: Call) -> None:
-    plan = _write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
     code, out, err = axisrig("check", plan, "rig.toml")
     assert (code, err) == (0, "")
     assert "plan.csv: 1 run" in out
@@ -223,7 +212,7 @@ def test_tables_fit_the_terminal(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch, width: int
 ) -> None:
     monkeypatch.setenv("COLUMNS", str(width))
-    plan = _write_plan(place, "a,part.nc,rig.toml,3000,== 0,")
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,== 0,")
     for words in (["metrics"], ["check", "rig.toml"], ["run", plan, "-o", "out"]):
         _, out, _ = axisrig(*words)
         table = [line for line in out.splitlines() if not line.startswith("plan-a: ")]
@@ -247,7 +236,7 @@ def test_small_commands(axisrig: Call) -> None:
 
 
 def test_replay_tells_whether_every_frame_came_again(place: Path, axisrig: Call) -> None:
-    plan = _write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
     assert axisrig("run", plan, "-o", "out", "--set", "plant:z.kv=30")[0] == 0
     code, out, _ = axisrig("replay", "out", "plan-a")
     assert code == 0
@@ -266,7 +255,7 @@ def test_replay_tells_whether_every_frame_came_again(place: Path, axisrig: Call)
 def test_perf_json_is_one_object_with_the_split_and_the_hash_of_run(
     place: Path, axisrig: Call
 ) -> None:
-    plan = _write_plan(place, "slow,part.nc,rig.toml,1000,== 1,", "a,part.nc,rig.toml,3000,== 1,")
+    plan = write_plan(place, "slow,part.nc,rig.toml,1000,== 1,", "a,part.nc,rig.toml,3000,== 1,")
     code, out, err = axisrig("perf", "--json", "--plan", plan, "--case", "a", "--repeats", "1")
     assert (code, err) == (0, "")
     told = json.loads(out)
@@ -282,7 +271,7 @@ def test_perf_json_is_one_object_with_the_split_and_the_hash_of_run(
 
 
 def test_perf_takes_the_first_row_and_prints_a_table(place: Path, axisrig: Call) -> None:
-    plan = _write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,== 1,")
     code, out, err = axisrig("perf", "--plan", plan, "--repeats", "1")
     assert (code, err) == (0, "")
     assert out.startswith("plan-a: ")
@@ -309,136 +298,7 @@ def test_perf_of_the_nc_text_reads_two_programs(axisrig: Call) -> None:
     assert told["moves"]["blocks"] > 20_000
 
 
-# ---- processes of their own: pipes, encodings, Ctrl-C, a killed worker
-
-
-def _command(*words: str) -> list[str]:
-    return [sys.executable, "-m", "bench.cli", *words]
-
-
-def _environment(**more: str) -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "120", **more}
-
-
-def _hear_ctrl_c() -> None:
-    """A shell lets its background jobs ignore SIGINT, and their children inherit that."""
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-@contextmanager
-def _started(place: Path, words: Sequence[str]) -> Iterator[subprocess.Popen[str]]:
-    """A process in a group of its own, ended with the test whatever happens."""
-    process = subprocess.Popen(
-        _command(*words),
-        cwd=place,
-        env=_environment(),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-        preexec_fn=_hear_ctrl_c if os.name == "posix" else None,  # noqa: PLW1509 - no threads
-    )
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-
-
-def _wait_for_rows(folder: Path, rows: int) -> None:
-    for _ in range(1500):
-        path = folder / "cases.csv"
-        if path.is_file() and path.read_text(encoding="utf-8").count("\n") > rows:
-            return
-        time.sleep(0.02)
-    pytest.fail(f"no {rows} rows in {folder}")
-
-
-posix = pytest.mark.skipif(os.name != "posix", reason="signals and pipes of POSIX")
-
-
-@posix
-@pytest.mark.parametrize("words", [["nc", "many.nc", "--rig", "rig.toml"], ["check", "rig.toml"]])
-def test_reader_that_goes_away_is_no_rejection(place: Path, words: list[str]) -> None:
-    lines = "".join(f'N{n} #MSG SYN["{n}"]\n' for n in range(10, 3000))
-    (place / "many.nc").write_text(f"{lines}M30\n", encoding="utf-8")
-    read, write = os.pipe()
-    os.close(read)
-    with os.fdopen(write, "w") as pipe:
-        ended = subprocess.run(
-            _command(*words), cwd=place, env=_environment(), stdout=pipe, stderr=subprocess.PIPE,
-            text=True, check=False,
-        )  # fmt: skip
-    assert ended.stderr == ""
-    assert ended.returncode not in (1, 2)
-
-
-@pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "ascii"])
-def test_terminal_that_lacks_the_signs(place: Path, encoding: str) -> None:
-    plan = _write_plan(place, "a,part.nc,rig.toml,3000,== 0,")
-    ended = subprocess.run(
-        _command("run", plan, "-o", "out"),
-        cwd=place,
-        env=_environment(PYTHONIOENCODING=encoding, PYTHONUTF8="0"),
-        capture_output=True,
-        check=False,
-    )
-    assert ended.returncode == 1
-    assert b"Traceback" not in ended.stderr
-    assert b"msg:N30" in ended.stdout
-    assert (place / "out" / "report.html").is_file()
-
-
-@posix
-@pytest.mark.parametrize("jobs", ["1", "2"])
-def test_ctrl_c_keeps_what_is_there_and_stops_the_rest(place: Path, jobs: str) -> None:
-    quick = "a,part.nc,rig.toml,3000,== 1,"
-    # 6 mm at 1 mm/min: six simulated minutes that must not be waited for
-    slow = [f"s{n},part.nc,rig.toml,1,== 1," for n in range(4)]
-    plan = _write_plan(place, quick, *slow)
-    words = ["run", plan, "-o", "out", "-j", jobs, "--timeout", "600"]
-    with _started(place, words) as process:
-        _wait_for_rows(place / "out", 1)
-        time.sleep(0.2)
-        os.killpg(process.pid, signal.SIGINT)
-        out, err = process.communicate(timeout=15)
-    assert process.returncode == 4
-    assert "Traceback" not in out + err
-    assert "interrupted" in err
-    assert "out" in err.rpartition("interrupted")[2]  # where the results are
-    cases = pd.read_csv(place / "out" / "cases.csv")
-    assert list(cases["run"]) == ["plan-a"]
-    assert [path.stem for path in (place / "out" / "bus").iterdir()] == ["plan-a"]
-    manifest = json.loads((place / "out" / "manifest.json").read_text(encoding="utf-8"))
-    assert manifest["finished"] is False
-    assert manifest["runs_planned"] == 5
-
-
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="finds the workers in /proc")
-def test_killed_worker_costs_its_row_only(place: Path) -> None:
-    rows = ["slow,part.nc,rig.toml,1,== 1,"]
-    rows += [f"q{n},part.nc,rig.toml,3000,== 1," for n in range(3)]
-    plan = _write_plan(place, *rows)
-    with _started(place, ["run", plan, "-o", "out", "-j", "2"]) as process:
-        for _ in range(1500):
-            if list((place / "out" / "bus").glob("plan-q2.blf")):
-                break
-            time.sleep(0.02)
-        time.sleep(0.5)
-        listed = Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text()
-        busy = max(map(int, listed.split()), key=_cpu_ticks)
-        os.kill(busy, signal.SIGKILL)
-        out, err = process.communicate(timeout=15)
-    assert process.returncode == 4, out + err
-    assert "Traceback" not in out + err
-    cases = pd.read_csv(place / "out" / "cases.csv").set_index("case")["verdict"]
-    assert dict(cases) == {"slow": "error", "q0": "pass", "q1": "pass", "q2": "pass"}
-
-
-def _cpu_ticks(pid: int) -> int:
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return int(fields[11]) + int(fields[12])
+# ---- version, variables, probes
 
 
 def test_the_version_is_that_of_the_package(axisrig: Call) -> None:
