@@ -1,28 +1,28 @@
 """What passed between the program and the PLC side: stops, new starts, functions, variables."""
 
 from bench.rig.machine import Machine
+from kernel.channel.external import PlcEvent
 from kernel.clock import S, TimeNs
+from kernel.nc import canon
 from kernel.nc.canon import Block
 
 
 def plc_side(machine: Machine) -> list[tuple[TimeNs, str, Block]]:
     """Return instant, words and block of each, in the order in which they were carried out."""
-    pauses = machine.channel.pauses
-    order = {id(command): at for at, command in enumerate(machine.channel.passed_to_plc)}
-    found = []
-    for stop_ns, start_ns, stop in pauses.stops:
-        word = "M1" if stop.optional else "M0"
-        found.append((stop_ns, order[id(stop)], f"{word}: stop", stop.block))
-        if start_ns <= machine.end_ns:
-            found.append((start_ns, order[id(stop)], f"{word}: started again", stop.block))
-    for time_ns, told in pauses.told:
-        words = f"{told.letter}{told.number} to the PLC"
-        found.append((time_ns, order[id(told)], words, told.block))
-    for time_ns, write in machine.channel.external.writes:
-        words = f"V.E.{write.name} = {write.value:.15g} to the PLC"
-        found.append((time_ns, order[id(write)], words, write.block))
-    found.sort(key=lambda item: item[:2])
-    return [(time_ns, words, block) for time_ns, _, words, block in found]
+    events = [event for event in machine.channel.plc_events if event.time_ns <= machine.end_ns]
+    events.sort(key=lambda event: event.time_ns)  # a new start is noted with its stop
+    return [(event.time_ns, _words(event), event.command.block) for event in events]
+
+
+def _words(event: PlcEvent) -> str:
+    match event.command:
+        case canon.ProgramStop(optional=optional):
+            what = "started again" if event.starts_again else "stop"
+            return f"{'M1' if optional else 'M0'}: {what}"
+        case canon.TechnologyFunction(letter=letter, number=number):
+            return f"{letter}{number} to the PLC"
+        case canon.ExternalWrite(name=name, value=value):
+            return f"V.E.{name} = {value:.15g} to the PLC"
 
 
 def plc_log(machine: Machine) -> list[str]:

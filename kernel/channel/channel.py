@@ -12,7 +12,7 @@ from typing import Any
 from kernel.channel.axes import SingleAxes
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.channel.execution import Execution
-from kernel.channel.external import ExternalVariables
+from kernel.channel.external import ExternalVariables, PlcEvent
 from kernel.channel.measurement import Measurement
 from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.path import Path
@@ -81,13 +81,13 @@ class Channel:
             warn=self.warn,
         )
         self.execution = Execution(put_out)
-        self.passed_to_plc: list[canon.Command] = []
-        in_position, passed = self.path.is_in_position, self.passed_to_plc
-        self.pauses = Pauses(clock, timing.period_ns, in_position, passed)
+        self.plc_events: list[PlcEvent] = []
+        in_position = self.path.is_in_position
+        self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc_events)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.reactions.stops.append(self.single.stop)
-        self.external = ExternalVariables(clock, passed)
+        self.external = ExternalVariables(clock, self.plc_events)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None

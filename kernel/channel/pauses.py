@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from kernel.channel.execution import Execution
+from kernel.channel.external import PlcEvent
 from kernel.clock import Clock, TimeNs
 from kernel.errors import Alarm
 from kernel.nc import canon
@@ -13,9 +14,8 @@ class Pauses:
 
     start_after_ns: how long after a programmed stop the operator starts again; None when nobody
     does. optional_stop: whether M1 stops. is_in_position: exact stop of all axes.
-    told: every function that the PLC side was told, with its instant; it acknowledges at once.
-    stops: every programmed stop with the instants of the stop and of the new start. passed: takes
-    each of them, in the order in which they were carried out.
+    events: takes every stop with its new start, and every function that the PLC side was told; it
+    acknowledges at once.
     """
 
     def __init__(
@@ -23,15 +23,13 @@ class Pauses:
         clock: Clock,
         period_ns: TimeNs,
         is_in_position: Callable[[], bool],
-        passed: list[canon.Command],
+        events: list[PlcEvent],
     ) -> None:
-        self._clock, self._period_ns, self._passed = clock, period_ns, passed
+        self._clock, self._period_ns, self._events = clock, period_ns, events
         self._is_in_position = is_in_position
         self._until_ns: TimeNs = 0
         self.start_after_ns: TimeNs | None = None
         self.optional_stop = False
-        self.told: list[tuple[TimeNs, canon.TechnologyFunction]] = []
-        self.stops: list[tuple[TimeNs, TimeNs, canon.ProgramStop]] = []
 
     def assign(self, execution: Execution) -> None:
         """Say which commands are carried out here."""
@@ -61,12 +59,10 @@ class Pauses:
         now_ns = self._clock.now_ns
         cycles = max(1, -(-self.start_after_ns // self._period_ns))
         self._until_ns = now_ns + cycles * self._period_ns
-        self.stops.append((now_ns, self._until_ns, command))
-        self._passed.append(command)
+        self._events += (PlcEvent(now_ns, command), PlcEvent(self._until_ns, command, True))
 
     def _tell(self, command: canon.TechnologyFunction) -> None:
-        self.told.append((self._clock.now_ns, command))
-        self._passed.append(command)
+        self._events.append(PlcEvent(self._clock.now_ns, command))
 
 
 def _go_on(_command: canon.ExactStop) -> None:

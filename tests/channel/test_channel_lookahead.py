@@ -100,7 +100,7 @@ def test_a_value_for_the_plc_side_is_given_out_between_the_moves(
 ) -> None:
     bench = channel_bench(words.axis("Z"))
     done = Decoding(bench, "G1 F600 Z2\nV.E.DONE=1\nZ3", DONE=0.0).run()
-    ((time_ns, write),) = bench.channel.external.writes
+    ((time_ns, write, _),) = bench.channel.plc_events
     assert (write.name, write.value) == ("DONE", 1.0)
     assert time_ns >= done.reaches_ns(2.0) > done.at_ns(2)
     assert bench.channel.external.values["DONE"] == 1.0
