@@ -48,7 +48,7 @@ def before_block(context: Context, block: Block, words: Words) -> Iterator[canon
         if alarm is not None:
             raise alarm
         # Where an axis ends that measures is not known, and a moving one cannot begin anew
-        if axis in known.under_way and (known.under_way[axis] or axis in commanded):
+        if axis in known.under_way and (known.under_way[axis] is not None or axis in commanded):
             yield from _wait_for(context, block, (axis,))
 
 
@@ -98,11 +98,12 @@ def _wait_for(context: Context, block: Block, axes: tuple[str, ...]) -> Iterator
     """Wait for axes; those that measured bring their results."""
     known = states(context)
     yield canon.WaitIndependent(block, axes)
-    measured = [axis for axis in axes if known.under_way.pop(axis, False)]
+    balls_mm = {axis: known.under_way.pop(axis, None) for axis in axes}
+    measured = {axis: ball_mm for axis, ball_mm in balls_mm.items() if ball_mm is not None}
     if measured:
         yield canon.Wait(block)
-    for axis in measured:
-        one, ball_mm = (axis,), known.balls_mm.pop(axis)
+    for axis, ball_mm in measured.items():
+        one = (axis,)
         measuring.take_results(context, one, one, moved=one, ball_radius_mm=ball_mm)
 
 
@@ -151,10 +152,9 @@ def move(context: Context, block: Block, command: AxisCommand) -> Iterator[canon
         error_no_signal=context.part(measuring.Measurements).error_no_signal,
         **speed,
     )
-    known = states(context)
-    known.under_way[axis] = measures
-    if measures:  # a D before the end of the run is not the tool of the run
-        known.balls_mm[axis] = measuring.ball_of_tool_mm(context)
+    # A D before the end of the run is not the tool of the run
+    ball_mm = measuring.ball_of_tool_mm(context) if measures else None
+    states(context).under_way[axis] = ball_mm
 
 
 def _check(
