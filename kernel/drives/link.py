@@ -72,6 +72,7 @@ class AxisLink:
 
     mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
     itself (homing), so that there is no lag and its position may jump to a new reference.
+    watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
     """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
@@ -104,6 +105,7 @@ class AxisLink:
         self.resets_fault = False
         self.mode_bits = 0
         self.leads_itself = False
+        self.watches_lag = True
         self._is_held_back = self.stops_quickly = False
         self._function_word = 0
         self.set_mm = 0.0

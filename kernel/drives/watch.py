@@ -143,7 +143,7 @@ class DriveWatch:
 
     def _lag(self) -> Alarm | None:
         limit_mm = self._link.settings.lag_limit_mm
-        if limit_mm == inf or abs(self._link.lag_mm) <= limit_mm:
+        if limit_mm == inf or not self._link.watches_lag or abs(self._link.lag_mm) <= limit_mm:
             return None
         lag_mm = f"{self._link.lag_mm:.4f}"
         return Alarm(900036, axis=self._link.name, lag_mm=lag_mm, limit_mm=f"{limit_mm:g}")

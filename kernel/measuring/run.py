@@ -22,6 +22,7 @@ from typing import Protocol
 
 from kernel.clock import TimeNs
 from kernel.errors import Alarm
+from kernel.measuring.fixed_stop.record import FixedStopRecord
 
 # Cycles that a drive may take to show a changed latch control word, and a latch to arrive after
 # standstill: four times the two to four cycles of known drives (docs/architecture.md).
@@ -82,7 +83,8 @@ class RunRecord:
 
     axes: the measuring axes. latched_mm: measured position per axis, ACS; empty without signal.
     block: NC block for messages. signal_ns: cycle in which the first stored edge was seen.
-    goes_on: the signal does not end the motion. inputs: probing input in use per axis.
+    goes_on: the signal does not end the motion. inputs: probing input in use per axis. fixed_stop:
+    of a run to a fixed stop, whose signal is that the stop is found.
     """
 
     axes: tuple[str, ...]
@@ -94,6 +96,7 @@ class RunRecord:
     signal_ns: TimeNs | None = None
     end_ns: TimeNs | None = None
     latched_mm: dict[str, float] = field(default_factory=dict)
+    fixed_stop: FixedStopRecord | None = None
 
     @property
     def has_signal(self) -> bool:
