@@ -228,6 +228,6 @@ class Observed:
             elif state is State.OPERATION_ENABLED:
                 were_on.add(axis)
         for time_ns, write in self.machine.channel.drive_writes:
-            label = f"#DRIVE WR {write.axis} {write.key} = {write.value:.15g}"
+            label = f"{write.word} {write.axis} {write.key} = {write.value:.15g}"
             marks.append(Event(time_ns, "mark", label, write.axis))
         return marks

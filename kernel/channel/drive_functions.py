@@ -1,7 +1,8 @@
-"""#DRIVE while the program runs: values for drives, over SDO beside the cycle or in an RPDO.
+"""#DRIVE and #IDENT in a running program: values for drives, over SDO or in an RPDO.
 
 Without WAIT a write runs in parallel to the program; an error of it comes up in the cycle in which
-the drive's answer is there. Source: TF5200 programming manual 207630987 (drive functions).
+the drive's answer is there. Sources: TF5200 programming manual 207630987 (drive functions),
+207347083 (idents, which go by SDO as acyclic functions do).
 """
 
 from collections import Counter
@@ -9,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from kernel.drives.functions import DriveFunction, Functions
+from kernel.drives.idents import DriveIdent, drive_idents
 from kernel.drives.link import AxisLink
 from kernel.drives.sdo import SdoClient, SdoError, object_name
 from kernel.errors import Alarm
@@ -71,12 +73,15 @@ class DriveFunctions:
                     access.link.set_object(function.index, function.sub, function.startup)
 
     def begin(self, command: canon.DriveCommand) -> None:
-        """Begin one command; raises Alarm 900110 to 900112 for what cannot be begun."""
+        """Begin one command; raises Alarm 900110 to 900112, 900255 and 900256."""
         axis = command.axis
         if isinstance(command, canon.DriveWait):
             self._awaited = axis
             return
-        function = self._find(axis, command.key)
+        if command.length_bytes is None:
+            function = self._find(axis, command.key)
+        else:
+            function = self._ident(axis, command.key, command.length_bytes)
         if isinstance(command, canon.DriveRead):
             self._read(command, function)
             self._awaited = axis
@@ -92,6 +97,16 @@ class DriveFunctions:
             known = ", ".join(f.key for f in functions.values()) or "none"
             raise Alarm(900110, axis=axis, key=key, known=known)
         return function
+
+    def _ident(self, axis: str, name: str, length_bytes: int) -> DriveIdent:
+        idents = drive_idents(self._accesses[axis].link.settings.increments_per_mm)
+        found = idents.get(name)
+        if found is None:
+            raise Alarm(900255, axis=axis, ident=name, known=", ".join(idents))
+        if length_bytes != found.length_bytes:
+            allowed = f"{found.length_bytes} for {name}"
+            raise Alarm(900256, keyword="TYP", value=f"{length_bytes}", allowed=allowed)
+        return found
 
     def _write(self, command: canon.DriveWrite, function: DriveFunction) -> None:
         access = self._accesses[command.axis]
@@ -138,6 +153,8 @@ class DriveFunctions:
 
         def done(answer: bytes | SdoError) -> None:
             if not isinstance(answer, SdoError):
+                if isinstance(function, DriveIdent) and not function.can_tell(answer):
+                    self._failed = self._failed or _untold(command, function)
                 self._values[command.axis, command.key.upper()] = function.value(answer)
             self._close(command, function, answer)
 
@@ -160,3 +177,15 @@ class DriveFunctions:
                 object=object_name(answer.index, answer.sub),
                 answer=str(answer),
             )
+
+
+def _untold(command: canon.DriveRead, ident: DriveIdent) -> Alarm:
+    return Alarm(
+        900257,
+        place=command.block.place,
+        axis=command.axis,
+        value=ident.off,
+        object=object_name(ident.read_index, ident.read_sub),
+        ident=ident.key,
+        off=ident.off,
+    )

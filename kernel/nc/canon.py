@@ -175,9 +175,10 @@ class Message:
 
 @dataclass(frozen=True)
 class DriveWrite:
-    """A value for a drive function (#DRIVE WR SYN), given out when the machining has got here.
+    """A value for a drive function (#DRIVE) or an ident (#IDENT), given out when it is due.
 
-    waits: nothing goes on before the drive has taken it.
+    waits: nothing goes on before the drive has taken it. length_bytes: of an ident (TYP), None for
+    a drive function. value: of an ident in its smallest digits.
     """
 
     block: Block
@@ -185,15 +186,25 @@ class DriveWrite:
     key: str
     value: float
     waits: bool
+    length_bytes: int | None = None
+
+    @property
+    def word(self) -> str:
+        """The command as programs write it."""
+        return "#DRIVE WR" if self.length_bytes is None else "#IDENT WR"
 
 
 @dataclass(frozen=True)
 class DriveRead:
-    """The value of a drive function is asked for (#DRIVE RD); nothing goes on before it is here."""
+    """The value of a drive function or an ident is asked for; nothing goes on before it is here.
+
+    length_bytes: as in `DriveWrite`.
+    """
 
     block: Block
     axis: str
     key: str
+    length_bytes: int | None = None
 
 
 @dataclass(frozen=True)

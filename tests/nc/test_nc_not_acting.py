@@ -86,7 +86,7 @@ def test_900100_ends_the_program_at_the_block(run):
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("#IDENT WR SYN [AX=X ID=S-0-0092 VAL=100 TYP=2 DEC=0 SERC]", "#IDENT WR SYN"),
+        ("#COMMAND WR SYN [AX=X ID=S-0-0170 SERC]", "#COMMAND WR SYN"),
         ('#MSG SYN_ACK ["ready?"]', "#MSG SYN_ACK"),
         ("Z[DIST_CTRL ON SET_POS=30]", "Z[DIST_CTRL]"),
         ("G41", "G41"),

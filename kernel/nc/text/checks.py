@@ -17,6 +17,8 @@ PROBE_OF_AXIS = ("SIGNAL", "EDGE", "INPUT", "G107", "G108")
 PROBE_OF_CHANNEL = ("SIMU_OFFSET", "TRIGGER")
 KEY_LENGTH_MAX = 29  # P-AXIS-00396
 COMPONENTS = 6  # of a coordinate system
+_SERCOS = re.compile(r"[SsPp]-[0-9]-[0-9]{1,5}")
+_WRITTEN = ("V.P.", "V.S.", "V.L.", "P[")  # what a value that is read may go to
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
 # What the brackets of a #CS command hold, by their number. TF5200 programming manual 208480907
@@ -211,14 +213,36 @@ def _drive(
             value=f"{value.value:g}",
             hint="fractions come from scaling_factor of the function",
         )
+    _check_result(builder, command, places)
+    return command
+
+
+def _check_result(builder: ExpressionBuilder, command: Command, places: Mapping[str, int]) -> None:
     variable = command.option("P")
-    if isinstance(variable, Variable) and not variable.name.startswith(("V.P.", "V.S.", "P[")):
-        raise source.error(
+    if isinstance(variable, Variable) and not variable.name.startswith(_WRITTEN):
+        raise builder.source.error(
             "P takes the variable that gets the value",
             places["P"],
             value=variable.name,
-            allowed="V.P.name",
+            allowed="V.P.name, P1",
         )
+
+
+def _ident(
+    builder: ExpressionBuilder, command: Command, places: Mapping[str, int], _: nodes.RawCommand
+) -> Command:
+    """An ident is spelled as its drives spell it. Source: programming manual 207352971."""
+    ident = command.option("ID")
+    if isinstance(ident, Name):
+        is_object = ident.value[:2].upper() == "0X"
+        if not (is_object or _SERCOS.fullmatch(ident.value)) or (is_object and command.has("SERC")):
+            raise builder.source.error(
+                "ID takes the number of an ident",
+                places["ID"],
+                value=ident.value,
+                allowed="S-0-0092, P-0-0129; 0x6072_00 with CAN",
+            )
+    _check_result(builder, command, places)
     return command
 
 
@@ -243,5 +267,6 @@ _CHECKS: Mapping[str, Check] = {
     "MEAS": _probe,
     "CS": _system,
     "DRIVE": _drive,
+    "IDENT": _ident,
     "KIN ID": _kinematic,
 }
