@@ -193,6 +193,8 @@ class Machine:
         channel.external.values.update(self.settings.external)
         halts = self.settings.channel.flag("independent_axis_error_stop")
         channel.reactions.each_axis_halts = halts
+        may_be_missing = self.settings.channel.flag("meas_fixed_stop_no_error")
+        channel.measurement.stop_may_be_missing = may_be_missing
         channel.pauses.start_after_ns = self.settings.operator.start_after_ns
         channel.pauses.optional_stop = self.settings.operator.optional_stop
         for warning in [*self.settings.warnings, *warnings]:

@@ -1,12 +1,18 @@
-"""The measurement run of the channel: begins it, leads its path, keeps what it brought."""
+"""The measurement run of the channel: begins it, leads its path, keeps what it brought.
+
+A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (standing at a stop is the signal).
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from math import dist
 
 from kernel.channel.path import Path
+from kernel.channel.settling import Rest
 from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
+from kernel.measuring.fixed_stop.run import FixedStopRun, StopMotion, StopPlan, Watched
 from kernel.measuring.rules import highest_speed, misses_signal
 from kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
 from kernel.measuring.simulated import SimulatedProbe, Way
@@ -33,6 +39,7 @@ class Measurement:
     links: by axis. period_ns: of the NC cycle. error_no_signal: P-CHAN-00176. warn: takes alarms
     of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
     named; with the signal of the drive nothing is to be made ready, so that it stays a note.
+    stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on.
     """
 
     def __init__(
@@ -47,13 +54,14 @@ class Measurement:
     ) -> None:
         self._clock, self._path, self._links = clock, path, links
         self._period_ns, self._error_no_signal, self._warn = period_ns, error_no_signal, warn
-        self._run: MeasuringRun | None = None
+        self._run: MeasuringRun | FixedStopRun | None = None
         self._order: _Order | None = None
         self._simulated: tuple[SimulatedProbe, ...] = ()
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
-        self._by_drive: set[str] = set()  # by #MEAS, whatever P-AXIS-00516 says
+        self.stop_may_be_missing = False
+        self._sources: dict[str, str] = {}  # by #MEAS, whatever P-AXIS-00516 says
 
     @property
     def is_active(self) -> bool:
@@ -73,8 +81,8 @@ class Measurement:
     def choose(self, command: canon.ProbeSettings) -> None:
         """Measure with another signal, edge or input; raises Alarm 50637 and 900223."""
         self._check_released(command.axis, 50637)
-        if command.by_drive:
-            self._by_drive.add(command.axis)
+        if command.source is not None:
+            self._sources[command.axis] = command.source
         link, input_ = self._links[command.axis], command.probe_input
         if command.probe is not None:
             input_ = self._path.settings(command.axis).measuring.probe_inputs[command.probe]
@@ -101,7 +109,7 @@ class Measurement:
 
     def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
         """Measure with what the parameter lists say."""
-        self._by_drive.clear()
+        self._sources.clear()
         for link in self._links.values():
             chosen = link.settings.probe_input, link.settings.edge
             if (link.probe_input, link.edge) != chosen:
@@ -112,14 +120,19 @@ class Measurement:
     def begin(self, command: canon.MeasuringRun) -> None:
         """Begin a run on the path.
 
-        Raises Alarm 50059, 900100, 900103, 900224 and those of the run itself.
+        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242 and those of the run itself.
         """
-        for name in dict.fromkeys((*command.programmed_axes, *command.measuring_axes)):
-            self.check(name)
+        type_, measuring = command.measuring_type, command.measuring_axes
+        for name in dict.fromkeys((*command.programmed_axes, *measuring)):
+            self.check(name, type_)
         self._order = self._planned(command)
+        if measuring_types()[type_].runs_to_stop:
+            target_mm = command.target_acs_mm
+            self._run = self.arm_stop(measuring, target_mm, command.block, self._path)
+            return
         self._run = self.arm(
-            command.measuring_type,
-            command.measuring_axes,
+            type_,
+            measuring,
             command.block,
             error_no_signal=command.error_no_signal,
             goes_on=command.goes_on,
@@ -171,6 +184,35 @@ class Measurement:
         self.records.append(run.record)
         return run
 
+    def arm_stop(
+        self,
+        measuring: Sequence[str],
+        target_acs_mm: Mapping[str, float],
+        block: canon.Block,
+        motion: StopMotion,
+    ) -> FixedStopRun:
+        """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
+
+        measuring: the axes that deliver a position. target_acs_mm: of the axes that the block
+        moves, at which the stop is looked for. Raises Alarm 51026.
+        """
+        links, settings = self._links, self._path.settings
+        moved = [name for name in links if name in target_acs_mm]
+        here_mm = [self._path.position_acs_mm(name) for name in moved]
+        axes = [(settings(name), links[name]) for name in moved]
+        plan = StopPlan(
+            measuring=[links[name] for name in measuring],
+            watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
+            moved=[links[name] for name in moved],
+            unmonitored=[links[name] for name in measuring],
+            block_mm=dist(here_mm, [target_acs_mm[name] for name in moved]),
+            is_error=not self.stop_may_be_missing,
+            rest=lambda: Rest(self._clock, self._period_ns, axes).judge,
+        )
+        run = FixedStopRun(plan, motion, str(block), self._clock.now_ns, self._period_ns)
+        self.records.append(run.record)
+        return run
+
     def keep(self, record: RunRecord) -> None:
         """Keep what a run brought."""
         self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
@@ -211,16 +253,15 @@ class Measurement:
         self._warn(warning)
         return highest_mm_s
 
-    def check(self, axis: str, *, is_beside: bool = False) -> None:
-        """Raise Alarm 50059 or 900100 for an axis that cannot take part in a run.
+    def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
+        """Raise Alarm 50059, 900100, 900241 or 900242 for an axis that cannot take part in a run.
 
         is_beside: it moves beside the path.
         """
         self._check_released(axis, 50059)
         measuring = self._path.settings(axis).measuring
-        measuring.check_simulation(axis, is_beside=is_beside)
-        if axis not in self._by_drive and not measuring.simulated[0]:
-            measuring.check_source(axis)
+        source = self._sources.get(axis, measuring.source)
+        measuring.check(axis, measuring_types()[measuring_type], source, is_beside=is_beside)
 
     def _check_released(self, axis: str, alarm_id: int) -> None:
         if not self._path.settings(axis).may_measure:
@@ -249,11 +290,7 @@ class Measurement:
             return
         assert self._order is not None
         ordered = self._order
-        if self._simulated and self._run.state is RunState.MOVING:
-            here_mm = self._here_mm()
-            for probe in self._simulated:
-                probe.look(here_mm)
-        order = self._run.evaluate(self._clock.now_ns, self._path.is_in_position())
+        order = self._evaluate(self._run)
         if order is Order.START:
             self._path.begin(
                 ordered.target_acs_mm,
@@ -263,9 +300,28 @@ class Measurement:
             )
         elif order is Order.BRAKE:
             self._path.brake()
-        if self._run.state is RunState.DONE:
+        elif order is Order.RELAX:
+            assert isinstance(self._run, FixedStopRun)
+            self._relax(self._run.targets_mm, ordered.speed_mm_s)
+        if self._run.is_done:
             self.keep(self._run.record)
             self._run = self._order = None
+
+    def _evaluate(self, run: MeasuringRun | FixedStopRun) -> Order:
+        now_ns = self._clock.now_ns
+        if isinstance(run, FixedStopRun):
+            return run.evaluate(now_ns)
+        if self._simulated and run.state is RunState.MOVING:
+            here_mm = self._here_mm()
+            for probe in self._simulated:
+                probe.look(here_mm)
+        return run.evaluate(now_ns, self._path.is_in_position())
+
+    def _relax(self, targets_mm: Mapping[str, float], speed_mm_s: float) -> None:
+        """Lead the axes straight to where they are to stand, no faster than the run."""
+        dynamics = self._path.dynamics(targets_mm, Motion.MEASURING)
+        if dynamics is not None:
+            self._path.begin(targets_mm, speed_mm_s, dynamics)
 
     def abort(self) -> None:
         """End a run without a result: its probes are switched off."""

@@ -212,6 +212,11 @@ class Path:
         return not self.interpolator.is_standing
 
     @property
+    def travelled_mm(self) -> float:
+        """How far the interpolation has come on the present path."""
+        return self.interpolator.path_travelled_mm
+
+    @property
     def is_settled(self) -> bool:
         """Whether what leaves the buffer stands, but for axes that something else leads."""
         if self._led:

@@ -5,11 +5,12 @@ independent axis and the path ask the same functions.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import dist, inf, sqrt
 
 from kernel.clock import TimeNs
 from kernel.errors import Alarm
+from kernel.measuring.fixed_stop.settings import FixedStopSettings
 from kernel.motion.profile import Slope
 from kernel.nc.measuring_types import MeasuringType
 from kernel.parameters import ParameterSet
@@ -17,6 +18,7 @@ from kernel.parameters import ParameterSet
 SIGNAL = "kenngr.measure.signal"
 SPHERE = 6  # mode of P-AXIS-00112
 LATCHED = ("DRIVE", "DRIVE_TYPE_DEFAULT")  # a CANopen drive latches by itself
+FIXED_STOP = "FIXED_STOP"
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class MeasuringAxis:
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
     comes from, P-AXIS-00516 or the older switches. simulated: mode and parameter of a probe that
-    the CNC simulates, P-AXIS-00112 and 00145; mode 0: a real one.
+    the CNC simulates, P-AXIS-00112 and 00145; mode 0: a real one. fixed_stop: of runs to one.
     """
 
     speed_mm_s: float = 16.666
@@ -38,6 +40,7 @@ class MeasuringAxis:
     probe_inputs: tuple[int, int] = (1, 1)
     source: str = "DRIVE"
     simulated: tuple[int, int] = (0, 0)
+    fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
 
     @classmethod
     def read(cls, axis: ParameterSet) -> "MeasuringAxis":
@@ -57,27 +60,29 @@ class MeasuringAxis:
                 axis.integer("meas_simu.meas_simu_mode"),
                 axis.integer("meas_simu.parameter1"),
             ),
+            fixed_stop=FixedStopSettings.read(axis),
         )
 
-    def check_source(self, axis: str) -> None:
-        """Refuse a run with a source that does not act, else it would measure by the drive.
+    def check(self, axis: str, kind: MeasuringType, source: str, *, is_beside: bool) -> None:
+        """Refuse a run that another signal than the one of its type would end.
 
-        Raises Alarm 900100.
-        """
-        if self.source not in LATCHED:
-            word = f"{SIGNAL} = {self.source} of axis {axis}"
-            raise Alarm(900100, word=word, what="source of the probing signal")
-
-    def check_simulation(self, axis: str, *, is_beside: bool = False) -> None:
-        """Refuse a simulated probe that does not act, else another one would decide.
-
-        is_beside: for an axis beside the path. Raises Alarm 900100.
+        source: in use, by the list or by #MEAS. is_beside: for an axis beside the path.
+        Raises Alarm 900100, 900241 and 900242.
         """
         mode = self.simulated[0]
-        if mode == SPHERE or (mode and is_beside):
+        if mode and (mode == SPHERE or is_beside or kind.runs_to_stop):
             word = f"meas_simu.meas_simu_mode = {mode} of axis {axis}"
-            what = "sphere as probe" if mode == SPHERE else "simulated probe beside the path"
+            where = "in a run to a fixed stop" if kind.runs_to_stop else "beside the path"
+            what = "sphere as probe" if mode == SPHERE else f"simulated probe {where}"
             raise Alarm(900100, word=word, what=what)
+        if kind.runs_to_stop:
+            if source != FIXED_STOP:
+                raise Alarm(900241, axis=axis, source=source, type=kind.number)
+        elif source == FIXED_STOP and not mode:
+            raise Alarm(900242, axis=axis, source=source, type=kind.number)
+        elif source not in LATCHED and not mode:
+            word = f"{SIGNAL} = {source} of axis {axis}"
+            raise Alarm(900100, word=word, what="source of the probing signal")
 
     def overtravel_mm(self, kind: MeasuringType) -> float:
         """Return how far the axis may go behind its target in a run of a type."""

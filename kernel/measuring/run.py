@@ -70,11 +70,12 @@ class RunState(Enum):
 
 
 class Order(Enum):
-    """What the run asks of the motion in this cycle."""
+    """What the run asks of the motion in this cycle; RELAX: go to the places that the run tells."""
 
     NONE = auto()
     START = auto()
     BRAKE = auto()
+    RELAX = auto()
 
 
 @dataclass
@@ -149,6 +150,11 @@ class MeasuringRun:
         for port in self._ports:
             if port.is_actuated:
                 raise Alarm(50052, axis=port.name)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the results are final."""
+        return self.state is RunState.DONE
 
     def evaluate(self, now_ns: TimeNs, is_standing: bool) -> Order:
         """Advance the run with this cycle's values.

@@ -127,7 +127,7 @@ class ProbeSettings:
     """Which signal an axis measures with from its next run on (#MEAS); None = as it was.
 
     edge: POS or NEG. probe_input: of the drive. probe: 0 or 1 for INPUT=PROBE0 or PROBE1, which
-    stand for an input of the parameter list. by_drive: SIGNAL=DRIVE, the drive latches.
+    stand for an input of the parameter list. source: SIGNAL, as P-AXIS-00516.
     """
 
     block: Block
@@ -135,7 +135,7 @@ class ProbeSettings:
     edge: str | None = None
     probe_input: int | None = None
     probe: int | None = None
-    by_drive: bool = False
+    source: str | None = None
 
 
 @dataclass(frozen=True)

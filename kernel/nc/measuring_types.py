@@ -15,7 +15,7 @@ class MeasuringType:
     other axes may not be named. has_own_speed: P-AXIS-00215 instead of F. keeps_stroke: the speed
     is lowered for P-AXIS-00086. overtravel: the parameters that lengthen the path, the first that
     is not 0 counts. no_signal: what decides about an alarm when no signal comes, or `alarm`, or
-    `goes on`. acts: whether it does something yet.
+    `goes on`. runs_to_stop: standing at a fixed stop is the signal. acts: whether it acts.
     """
 
     number: int
@@ -26,6 +26,7 @@ class MeasuringType:
     keeps_stroke: bool
     overtravel: tuple[str, ...]
     no_signal: str
+    runs_to_stop: bool
     acts: bool
     meaning: str
 
@@ -44,6 +45,7 @@ def measuring_types() -> Mapping[int, MeasuringType]:
             row["stroke"] == "yes",
             tuple(row["overtravel"].split()),
             row["no_signal"],
+            row["signal"] == "fixed stop",
             row["acts"] == "yes",
             row["meaning"],
         )

@@ -46,10 +46,10 @@ def test_a_source_that_does_not_act_ends_the_run_and_never_measures_by_the_drive
     assert outcome.machine.channel.records == []
 
 
-@pytest.mark.provokes(900100, 2, word="kenngr.measure.signal = FIXED_STOP of axis Z")
+@pytest.mark.provokes(900242, 2, axis="Z", source="FIXED_STOP", type=1)
 def test_an_older_switch_decides_while_the_source_is_blank(tmp_path: Path, run_nc: RunNc) -> None:
     rig = z_list(tmp_path, 'kenngr.measure.signal ""', "kenngr.meas_signal_fixed_stop 1")
-    assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900100]
+    assert run_nc(MEASURE, rig, base="probe-z.toml").alarms == [900242]
 
 
 @pytest.mark.provokes(900100, 2, word="meas_simu.meas_simu_mode = 6 of axis Z")
@@ -76,9 +76,9 @@ def test_the_source_of_the_drive_type_is_the_drive(tmp_path: Path, run_nc: RunNc
     assert (outcome.alarms, outcome.lines) == ([], ["V.A.MERF.Z=1"])
 
 
-def test_a_measuring_type_of_the_list_that_does_not_act_ends_the_program(
-    tmp_path: Path, run_nc: RunNc
-) -> None:
+@pytest.mark.provokes(900241, 2, axis="Z", source="DRIVE", type=7)
+def test_a_run_to_a_fixed_stop_never_waits_for_a_latch(tmp_path: Path, run_nc: RunNc) -> None:
     (tmp_path / "channel.lst").write_text("messtyp 7\n", encoding="utf-8")
     outcome = run_nc(MEASURE, '[channel]\nlist = "channel.lst"\n', base="probe-z.toml")
-    assert outcome.alarms == [900100]
+    assert outcome.alarms == [900241]
+    assert outcome.machine.channel.records == []

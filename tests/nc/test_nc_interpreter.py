@@ -279,7 +279,6 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
         ('N7 #MSG ["%f", V.A.MEAS.ACS.VALUE.X]', 900101),
         ('N7 #MSG ["%f", V.A.MEAS.PCS.VALUE.X]', 900101),
         ('N7 #MSG ["%f", V.A.MOFFS.X]', 900101),
-        ("#MEAS MODE[V.A.ABS.X+7]\nN7 G100 X1 F100", 900100),
         ("#MEAS MODE[2]\nN7 G100 X1 Y1 F100", 50061),
         ("N7 G100 X0 F100", 900103),
         ("N7 #MEAS MODE[V.A.ABS.X]", 900104),
@@ -300,7 +299,6 @@ def test_g102_drops_the_named_axis_or_all(run, plane_machine):
 @pytest.mark.provokes(20772, 2)
 @pytest.mark.provokes(50061, 4)
 @pytest.mark.provokes(900101, 2)
-@pytest.mark.provokes(900100, 2, word="measuring type 7")
 @pytest.mark.provokes(900103, 2)
 @pytest.mark.provokes(900104, 2, value=0)
 @pytest.mark.provokes(900105, 2)

@@ -1,5 +1,6 @@
 """#MEAS and its relatives: what they hand on, what they refuse, how long they hold."""
 
+import re
 from typing import Any
 
 import pytest
@@ -55,13 +56,15 @@ def test_err_no_signal_goes_with_every_run_behind_it(run) -> None:
         ("AXNR=3 INPUT=2", ("Z", None, 2, None)),
         ("AX=X INPUT=PROBE1 EDGE=POS", ("X", "POS", None, 1)),
         ("AX=X SIGNAL=DRIVE", ("X", None, None, None)),
+        ("AX=X SIGNAL=FIXED_STOP", ("X", None, None, None)),
         ("AX=Z SIGNAL=DRIVE EDGE=NEG INPUT=1+1", ("Z", "NEG", 2, None)),
     ],
 )
 def test_an_axis_gets_its_settings(run, text: str, settings: tuple[Any, ...]) -> None:
     (told,) = _of(run(f"#MEAS[{text}]"), ProbeSettings)
     assert (told.axis, told.edge, told.probe_input, told.probe) == settings
-    assert told.by_drive is ("SIGNAL" in text)
+    source = re.search(r"SIGNAL=(\w+)", text)
+    assert told.source == (source and source[1])
 
 
 def test_default_and_preparation_are_handed_on(run) -> None:
@@ -120,10 +123,7 @@ def test_900227_for_values_that_cannot_be(run, text: str, values: tuple[str, ...
     ("text", "word"),
     [
         ("#MEAS[AX=X SIGNAL=PLC]", "#MEAS [SIGNAL=PLC]"),
-        ("#MEAS[AX=X SIGNAL=FIXED_STOP]", "#MEAS [SIGNAL=FIXED_STOP]"),
         ("#MEAS[AX=X SIGNAL=EXT_PROBE_WITH_DRIVE]", "#MEAS [SIGNAL=EXT_PROBE_WITH_DRIVE]"),
-        ("#MEAS[TYPE=7]", "#MEAS [TYPE=7]"),
-        ("#MEAS MODE[7]", "#MEAS MODE[7]"),
         ("#MEAS[TRIGGER]", "#MEAS [TRIGGER"),
         ("#MEAS[AX=X G108]", "#MEAS [G108"),
         ("G108", "G108"),

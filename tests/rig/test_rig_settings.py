@@ -118,7 +118,7 @@ def test_fault_drop_takes_several_telegrams(rig_file: Write, settings_of: Read) 
         ("set:Z.kenngr.measure.input=3", "3", "1 .. 2"),
         ("set:Z.kenngr.messachse=yes", "yes", "0 .. 1"),
         ("set:channel.messtyp=8", "8", "1 .. 7"),
-        ("set:channel.messtyp=7", None, "1, 2, 3, 4, 5"),
+        ("set:Z.kenngr.measure.signal=PLC", None, "DRIVE, DRIVE_TYPE_DEFAULT, FIXED_STOP"),
         ("set:Z.messtyp=1", "messtyp", "parameter of the channel"),
         ("set:tools.wz[1].length=1", "wz[1].length", "wz[i].laenge"),
         ("set:tools.wz[201].radius=1", "wz[201].radius", "0 .. 200"),

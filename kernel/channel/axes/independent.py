@@ -14,7 +14,7 @@ from kernel.channel.settling import Settling
 from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
-from kernel.measuring.run import MeasuringRun, Order, RunState
+from kernel.measuring.run import MeasuringRun, Order
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.interpolator import Interpolator
 from kernel.motion.profile import plan
@@ -82,8 +82,8 @@ class IndependentAxes:
         if not self._links[axis].can_reach(command.target_acs_mm):
             raise Alarm(900012, axis=axis, target_mm=f"{command.target_acs_mm:.9g}")
         measures = command.measuring_type is not None
-        if measures:
-            self._measurement.check(axis, is_beside=True)
+        if command.measuring_type is not None:
+            self._measurement.check(axis, command.measuring_type, is_beside=True)
         if command.target_acs_mm == here_mm:
             if measures:
                 raise Alarm(900103, axes=axis)
@@ -137,7 +137,7 @@ class IndependentAxes:
             self._start_run(mover)
         elif order is Order.BRAKE:
             mover.interpolator.brake(mover.dynamics.stop_deceleration)
-        if run.state is RunState.DONE:
+        if run.is_done:
             self._measurement.keep(run.record)
             self._end(axis)
 

@@ -37,7 +37,7 @@ def measuring_type(context: Context) -> int:
 
 
 def _measure(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """G100: types 1 to 4. Source: FCT-C4 sections 3 and 4."""
+    """G100: types 1 to 4 and 7. Source: FCT-C4 sections 3 and 4."""
     pauses.require_no_contouring(context, block, words)
     kind = measuring_types()[measuring_type(context)]
     if kind.command != "G100":
@@ -110,9 +110,6 @@ def _check_axes(context: Context, block: Block, kind: MeasuringType, axes: Seque
         raise context.alarm(
             50061, block, programmed=len(axes), maximum=kind.axes_max, type=kind.number
         )
-    if not kind.acts:
-        word = f"measuring type {kind.number}"
-        raise context.alarm(900100, block, word=word, what=kind.meaning)
     others = [axis for axis in axes if axis not in context.coordinates.main_axes]
     if kind.main_axes_only and others:
         raise context.alarm(900220, block, type=kind.number, axis=others[0])

@@ -59,8 +59,9 @@ def _of_axis(context: Context, block: Block, axis: str, command: Command) -> can
     edge = command.option("EDGE")
     probe_input, probe = _input(context, block, command.option("INPUT"))
     name = edge.value.upper() if isinstance(edge, Name) else None
-    by_drive = command.has("SIGNAL")  # any other source is noted as not acting
-    return canon.ProbeSettings(block, axis, name, probe_input, probe, by_drive)
+    signal = command.option("SIGNAL")
+    source = signal.value.upper() if isinstance(signal, Name) else None
+    return canon.ProbeSettings(block, axis, name, probe_input, probe, source)
 
 
 def _input(context: Context, block: Block, value: Option) -> tuple[int | None, int | None]:

@@ -12,7 +12,7 @@ from kernel.nc.syntax import Command, Group, Name, Number, Text, Variable
 from kernel.nc.text import nodes
 from kernel.nc.text.values import ExpressionBuilder
 
-BY_DRIVE = ("DRIVE", "DRIVE_TYPE_DEFAULT")
+SIGNALS = ("DRIVE", "DRIVE_TYPE_DEFAULT", "FIXED_STOP")
 PROBE_OF_AXIS = ("SIGNAL", "EDGE", "INPUT", "G107", "G108")
 PROBE_OF_CHANNEL = ("SIMU_OFFSET", "TRIGGER")
 KEY_LENGTH_MAX = 29  # P-AXIS-00396
@@ -87,17 +87,7 @@ def _measuring_mode(
                 value=f"{chosen.value:g}",
                 allowed=measuring_types(),
             )
-        _note_type(builder, chosen, "#MEAS MODE[{}]", raw.offset)
     return command
-
-
-def _note_type(builder: ExpressionBuilder, chosen: object, shown: str, offset: int) -> None:
-    """Note a constant measuring type that does not act; type 6 refuses its own blocks."""
-    if not isinstance(chosen, Number):
-        return
-    kind = measuring_types()[int(chosen.value)]
-    if kind.command == "G100" and not kind.acts:
-        builder.note(shown.format(kind.number), kind.meaning, offset)
 
 
 def _probe(
@@ -128,10 +118,9 @@ def _probe(
             value=of_axis[0] if of_axis else None,
             allowed="AX=<name> or AXNR=<number>",
         )
-    _note_type(builder, command.option("TYPE"), "#MEAS [TYPE={}]", raw.offset)
     signal = command.option("SIGNAL")
-    if isinstance(signal, Name) and signal.value not in BY_DRIVE:
-        builder.note(f"#MEAS [SIGNAL={signal.value}]", "signal that no drive latches", raw.offset)
+    if isinstance(signal, Name) and signal.value not in SIGNALS:
+        builder.note(f"#MEAS [SIGNAL={signal.value}]", "signal of the PLC or a probe", raw.offset)
     return command
 
 

@@ -205,8 +205,10 @@ def _measuring_type(context: Context, block: Block, axis: str) -> int:
     if type_ not in MEASURING_TYPES:
         raise context.alarm(21588, block, axis=axis, type=type_)
     kind = measuring_types()[type_]
-    if not kind.acts:
-        raise context.not_acting(block, f"measuring type {type_}", kind.meaning)
+    if kind.runs_to_stop:
+        raise context.not_acting(
+            block, f"measuring type {type_}", f"{kind.meaning} beside the path"
+        )
     return type_
 
 

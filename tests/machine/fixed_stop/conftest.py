@@ -1,0 +1,77 @@
+"""Runs to a fixed stop on a real plant: a balanced Z whose torque limit is lowered by #DRIVE."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from kernel.measuring.fixed_stop.record import FixedStopRecord
+from kernel.measuring.run import RunRecord
+from tests.machine.conftest import RIGS, Outcome, run_files
+
+DETECT = "set:Z.kenngr.measure.fixed_stop_detect."
+TO_STOP = """\
+N010 #MEAS MODE[7]
+N020 G0 G90 Z{start}
+N030 #DRIVE WR SYN [AX=Z KEY=TORQUE_LIMIT VAL={torque} WAIT]
+N040 #DRIVE WR SYN [AX=Z KEY=MON_WINDOW VAL=4294967295 WAIT]
+N050 G100 Z{target} F{feed}
+N060 #MSG SYN["MERF=%d", V.A.MERF.Z]
+N070 $IF V.A.MERF.Z
+N080 #MSG SYN["MESS=%.9f", V.A.MESS.Z]
+N090 $ENDIF
+N100 #MSG SYN["ABS=%.9f", V.A.ABS.Z]
+"""
+
+
+@dataclass(frozen=True)
+class StopOutcome:
+    """A run with its records."""
+
+    outcome: Outcome
+
+    @property
+    def record(self) -> RunRecord:
+        (record,) = self.outcome.machine.channel.records
+        return record
+
+    @property
+    def stop(self) -> FixedStopRecord:
+        assert self.record.fixed_stop is not None
+        return self.record.fixed_stop
+
+    @property
+    def alarms(self) -> list[int]:
+        return self.outcome.alarms
+
+
+RunStop = Callable[..., StopOutcome]
+
+
+@pytest.fixture
+def run_stop(tmp_path: Path) -> RunStop:
+    """Return `run(stop position or None, *assignments, target=150, feed=600, torque=40, ...)`."""
+
+    def run(
+        stop_mm: float | None,
+        *assignments: str,
+        start: float = 100,
+        target: float = 150,
+        feed: float = 600,
+        torque: float = 40,
+        end: str = "",
+        watch: Callable[..., None] | None = None,
+        **detect: object,
+    ) -> StopOutcome:
+        program = tmp_path / "stop.nc"
+        text = TO_STOP.format(start=start, target=target, feed=feed, torque=torque)
+        program.write_text(f"%stop\n{text}{end}\nN999 M30\n", encoding="utf-8")
+        place = [] if stop_mm is None else [f"plant:z.stop_position_mm={stop_mm}"]
+        settings = [f"{DETECT}{name}={value}" for name, value in detect.items()]
+        source = "set:Z.kenngr.measure.signal=FIXED_STOP"
+        given = [source, *place, *settings, *assignments]
+        rig = RIGS / "drive-functions.toml"
+        return StopOutcome(run_files(program, rig, given, watch))
+
+    return run
