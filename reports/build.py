@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-from jinja2 import Environment, StrictUndefined
+import pyarrow.parquet as pq
+from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
 from bench.plan.verdict import Verdict
@@ -21,6 +22,7 @@ from bench.results.stored import StoredResults, StoredRun, read_results
 from bench.results.writer import BESIDES
 from kernel.errors import UserError
 from reports.bar import bar
+from reports.fixed_stop import timelines
 from reports.realtime import real_time
 from reports.signals import chart, table
 
@@ -35,9 +37,13 @@ def build_report(results_dir: Path) -> Path:
     """
     results = read_results(results_dir)
     environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+        loader=FunctionLoader(_file),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
-    page = environment.from_string(_file("page.html")).render(
+    page = environment.get_template("page.html").render(
         view=_page(results),
         style=Markup(_file("vendor/uplot/uPlot.min.css") + _file("style.css")),
         library=Markup(_file("vendor/uplot/uPlot.iife.min.js")),
@@ -112,10 +118,16 @@ def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
     case, info = run.case, run.info
+    trace = _trace(run)
     try:
-        description, packed = chart(run.trace, info) if run.trace else ({}, "")
-    except (pa.ArrowInvalid, KeyError) as error:
-        raise UserError(f"the trace is damaged: {error}", file=run.trace) from error
+        stops = timelines(info, trace, run.run)
+    except (KeyError, TypeError) as error:
+        # Written by another version of the bench
+        raise UserError(
+            f"`fixed_stop` of run {run.run} cannot be read: {error!r}",
+            hint="run the case again with this version",
+        ) from error
+    description, packed = ({}, "") if trace is None else chart(trace, info)
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
@@ -136,6 +148,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "error": info.get("error"),
         "messages": info.get("messages", []),
         "log": info.get("log", []),
+        "stops": stops,
         "events": _events(info),
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
@@ -143,6 +156,17 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "chart": description,
         "data": packed,
     }
+
+
+def _trace(run: StoredRun) -> pa.Table | None:
+    """The signals of a run, None when it left none. Raises UserError when they are damaged."""
+    try:
+        trace = pq.read_table(run.trace) if run.trace else None
+    except pa.ArrowInvalid as error:
+        raise UserError(f"the trace is damaged: {error}", file=run.trace) from error
+    if trace is not None and "time_ns" not in trace.column_names:
+        raise UserError("the trace is damaged: no column time_ns", file=run.trace)
+    return trace
 
 
 def _alarms(ids: str, log: list[str]) -> list[dict[str, str]]:

@@ -3,6 +3,7 @@
   const css = (name) =>
     getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
   const NS_PER_MS = 1e6;
+  const START = { ms: 0, label: "time in ms" };
   const LANES = 5, LANE_HEIGHT = 12;
   /* The actual value is a broad band, on which truth shows as a line where the two agree. */
   const WIDTHS = { set: 1.5, actual: 4, truth: 1 };
@@ -85,6 +86,22 @@
     };
   }
 
+  /* Where the closed form expects instants; one that is narrow shows as a line. */
+  function bands(state) {
+    return (u) => {
+      const { ctx, bbox } = u;
+      ctx.save();
+      ctx.fillStyle = css("expected");
+      for (const band of state.chart.bands || []) {
+        if (band.axis != null && band.axis !== state.axis) continue;
+        const [left, right] = [band.start_ns, band.end_ns].map((t) =>
+          Math.min(Math.max(u.valToPos(t / NS_PER_MS, "x", true), bbox.left), bbox.left + bbox.width));
+        if (right > left) ctx.fillRect(left, bbox.top, Math.max(right - left, 1), bbox.height);
+      }
+      ctx.restore();
+    };
+  }
+
   function limitLines(limits) {
     return (u) => {
       const { ctx, bbox } = u, ratio = devicePixelRatio;
@@ -127,6 +144,12 @@
     return (u, value) => (value == null ? "–" : `${+value.toFixed(6)}${unit ? " " + unit : ""}`);
   }
 
+  function roundTimes(low, high, step, zero) {
+    const times = [];
+    for (let n = Math.ceil((low - zero) / step); n * step + zero <= high; n++) times.push(n * step + zero);
+    return times;
+  }
+
   function plotOptions(state, plot, series, place) {
     const { chart, figure } = state;
     const axisOf = (entry) => entry.axis == null || entry.axis === state.axis;
@@ -138,6 +161,8 @@
     const ticks = { stroke: () => css("line"), width: 1, size: 4 };
     const font = "11px system-ui, sans-serif";
     const binary = plot.plot === "probe";
+    const range = binary ? [-0.15, 1.15] : chart.ranges?.[plot.plot]?.[state.axis];
+    const sinceZero = (t) => t - state.zero.ms;
     return {
       width: figure.clientWidth,
       height: plot.height + (place.first ? LANES * LANE_HEIGHT : 0) + (place.last ? 34 : 0),
@@ -145,14 +170,15 @@
       cursor: { sync: { key: figure.id || state.key }, drag: { x: true, y: false }, y: false },
       scales: {
         x: { time: false },
-        y: binary ? { range: [-0.15, 1.15] } : {},
+        y: range ? { range } : {},
       },
       axes: [
         {
           stroke: () => css("soft"), grid, ticks, font,
           size: place.last ? 40 : 0, show: true,
-          values: (u, splits) => (place.last ? splits.map((t) => +t.toFixed(6)) : []),
-          label: place.last ? "time in ms" : undefined, labelFont: font, labelSize: 16,
+          splits: (u, i, low, high, step) => roundTimes(low, high, step, state.zero.ms),
+          values: (u, splits) => (place.last ? splits.map((t) => +sinceZero(t).toFixed(6)) : []),
+          label: place.last ? state.zero.label : undefined, labelFont: font, labelSize: 16,
         },
         {
           stroke: () => css("soft"), grid, ticks, font, size: 62,
@@ -163,11 +189,13 @@
         },
       ],
       series: [
-        { label: "t", value: legendValue("ms") },
+        { label: "t", value: (u, t) => legendValue("ms")(u, t == null ? t : sinceZero(t)) },
         ...series.map((entry) => ({
           label: entry.label,
           stroke: () => css(entry.style) || css("other"),
           width: WIDTHS[entry.style] || 1.25,
+          /* A stop may stand far away: the motion gives the scale. */
+          auto: entry.style !== "stop",
           dash: entry.style === "set" ? [5, 3] : undefined,
           points: { show: false },
           value: legendValue(entry.unit),
@@ -175,6 +203,7 @@
         })),
       ],
       hooks: {
+        drawClear: [bands(state)],
         draw: [limitLines(limits), eventLines(events, place.first)],
         setScale: [(u, key) => key === "x" && follow(state, u)],
         ready: [(u) => place.first && u.root.querySelector(".u-series").classList.add("u-keep")],
@@ -220,6 +249,15 @@
     zoom(state, state.view);
   }
 
+  /* A stretch of a run to a fixed stop counts its time from the contact. */
+  function open(state, stretch) {
+    const moved = stretch.zero.ms !== state.zero.ms;
+    state.zero = stretch.zero;
+    if (!moved) return zoom(state, stretch);
+    state.view = stretch;
+    render(state);
+  }
+
   function button(text, action, pressed) {
     const node = document.createElement("button");
     node.type = "button";
@@ -247,8 +285,8 @@
         button(axis, () => { state.axis = axis; render(state); }, () => state.axis === axis)),
       gap,
       ...state.windows.map((stretch) =>
-        button(stretch.label, () => zoom(state, stretch), at(stretch))),
-      button("whole run", () => zoom(state, state.whole), at(state.whole)),
+        button(stretch.label, () => open(state, stretch), at(stretch))),
+      button("whole run", () => open(state, state.whole), at(state.whole)),
     );
   }
 
@@ -259,11 +297,14 @@
       const signals = await decode(figure, chart);
       const times = signals.time_ms;
       const windows = chart.windows.map((w) =>
-        Object.assign([w.start_ns / NS_PER_MS, w.end_ns / NS_PER_MS], { label: w.label }));
-      const whole = [times[0], times[times.length - 1]];
+        Object.assign([w.start_ns / NS_PER_MS, w.end_ns / NS_PER_MS], {
+          label: w.label,
+          zero: w.zero ? { ms: w.origin_ns / NS_PER_MS, label: `ms from ${w.zero}` } : START,
+        }));
+      const whole = Object.assign([times[0], times[times.length - 1]], { zero: START });
       const state = {
         figure, chart, signals, windows, whole, plots: [], busy: false,
-        axis: chart.axis, view: windows[0] || whole, key: figure.closest(".run").id,
+        axis: chart.axis, view: windows[0] || whole, zero: (windows[0] || whole).zero, key: figure.closest(".run").id,
       };
       buildTools(state);
       render(state);

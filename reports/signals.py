@@ -5,14 +5,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.parquet as pq
 
 from bench.results.writer import WARNING
+from reports import stop_signals
 from reports.encode import encode_signal, pack
 
 SHARED = "*"
@@ -60,14 +59,16 @@ def table(name: str) -> list[dict[str, Any]]:
     return list(csv.DictReader(text.splitlines()))
 
 
-def chart(trace: Path, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
     """Return what the page needs to draw a run: the description, and the packed signals.
 
-    info: the run's JSON file (events, limits). The description is empty when the trace is.
+    content: its trace. info: the run's JSON file (events, limits). The description is empty when
+    the trace is.
     """
-    content = pq.read_table(trace)
     if content.num_rows == 0:
         return {}, ""
+    stops = info.get("fixed_stop") or []
+    content = stop_signals.with_changes(content, stops)
     columns, parts = _encode(content)
     series = _series(content.column_names)
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
@@ -80,9 +81,12 @@ def chart(trace: Path, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
         "axis": _first_axis(content, axes, events),
         "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
         "events": events,
-        "limits": info.get("limits", []),
-        "windows": windows(events, int(time_ns[0]), int(time_ns[-1])),
+        "limits": [*info.get("limits", []), *stop_signals.limits(content, stops)],
+        "windows": _windows(events, stops, int(time_ns[0]), int(time_ns[-1])),
     }
+    if stops:
+        description["bands"] = stop_signals.bands(stops)
+        description["ranges"] = {"change": stop_signals.ranges(stops)}
     return description, pack(parts)
 
 
@@ -156,6 +160,25 @@ def _first_axis(
         if name == f"{axis}.actual_mm"
     }
     return max(travel, key=lambda axis: travel[axis]) if travel else next(iter(axes), None)
+
+
+def _windows(
+    events: Sequence[Mapping[str, Any]],
+    stops: Sequence[stop_signals.Stop],
+    start_ns: int,
+    end_ns: int,
+) -> list[dict[str, Any]]:
+    """The stretches of `windows`; runs to a fixed stop have their own, before an alarm in them."""
+    spans = [(stop["begin_ns"], stop["end_ns"]) for stop in stops]
+
+    def is_outside(event: Mapping[str, Any]) -> bool:
+        return not any(begin <= event["time_ns"] <= end for begin, end in spans)
+
+    own = [
+        {**w, "start_ns": max(start_ns, w["start_ns"]), "end_ns": min(end_ns, w["end_ns"])}
+        for w in stop_signals.windows(stops)
+    ]
+    return [*own, *windows([event for event in events if is_outside(event)], start_ns, end_ns)]
 
 
 def windows(

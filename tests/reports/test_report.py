@@ -169,10 +169,9 @@ def test_a_run_whose_trace_is_empty_is_shown_without_plots(campaign: Path, tmp_p
     assert len(Page(build_report(other).read_text(encoding="utf-8")).find("figure")) == 11
 
 
-def test_a_signal_that_the_table_does_not_know_gets_a_plot(tmp_path: Path) -> None:
+def test_a_signal_that_the_table_does_not_know_gets_a_plot() -> None:
     trace = pa.table({"time_ns": [0, 1], "Z.gap_mm": [0.5, 0.25], "Z.set_mm": [1.0, 2.0]})
-    pq.write_table(trace, tmp_path / "run.parquet")
-    description, _ = chart(tmp_path / "run.parquet", {})
+    description, _ = chart(trace, {})
     assert [plot["plot"] for plot in description["plots"]] == ["position", "gap_mm"]
     assert description["axes"] == ["Z"]
 

@@ -1,0 +1,177 @@
+"""A run to a fixed stop in words: why it was found here, whether that is true, what it pressed."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import pyarrow as pa
+
+from reports.stop_signals import (
+    Shortfall,
+    Stop,
+    contact_ns,
+    largest,
+    mark,
+    shortfall,
+    value_at,
+)
+
+_NS_PER_MS = 1e6
+_SHORT_MM = 0.1
+
+
+def state(stop: Stop, trouble: Sequence[Mapping[str, Any]]) -> str:
+    """Return `found`, `false` (a trigger without a contact), `missed` or `ended` (by trouble).
+
+    trouble: alarms and faults in the run, as marks.
+    """
+    if stop["is_found"]:
+        return "false" if tells_contact(stop) and contact_ns(stop) is None else "found"
+    return "ended" if trouble else "missed"
+
+
+def tells_contact(stop: Stop) -> bool:
+    """Whether a plant tells a contact when there is one."""
+    told = any(row["key"] == "contact" and row["measured_ns"] for row in stop["marks"])
+    return told or any(names.get("stop_force_n") for names in stop["signals"].values())
+
+
+def answers(
+    stop: Stop, trouble: Sequence[Mapping[str, Any]], trace: pa.Table | None
+) -> list[tuple[str, str]]:
+    """Return what a reader asks first, each with its answer.
+
+    trace: with the columns of `with_changes`.
+    """
+    told = [("why here", _why(stop))] if stop["is_found"] else _missing(stop, trouble, trace)
+    if stop["is_found"] or contact_ns(stop) is not None:
+        told.append(("real stop", _real(stop)))
+    told.append(("pressed with", _pressed(stop, trace)))
+    if mark(stop, "relax_end") is not None:
+        told.append(("left after relaxing", _left(stop, trace)))
+    return [(question, answer) for question, answer in told if answer]
+
+
+def _why(stop: Stop) -> str:
+    """The criteria that found the stop, and which of two came last."""
+    decided = stop["decided_by"]
+    if decided is None:
+        return ""
+    axis, limits = decided["axis"], stop["limits"].get(decided["axis"])
+    if limits is None:
+        return f"{axis}: {decided['criterion']}"
+    tau = f"{limits['min_time_ms']:g} ms"
+    lag, window = limits["lag_limit_mm"], limits["window_mm"]
+    told = []
+    if "lag" in decided["criterion"] and lag is not None:
+        told.append(f"lag beyond {length(lag)} for {tau}")
+    if "window" in decided["criterion"] and window is not None:
+        told.append(f"moved no more than {length(window)} in {tau}")
+    text = f"{axis}: " + " and ".join(told)
+    beyond, still = mark(stop, "beyond", axis), mark(stop, "window", axis)
+    if len(told) == 2 and beyond is not None and still is not None:
+        ripe = beyond + round(limits["min_time_ms"] * _NS_PER_MS)
+        text += f"; the {'lag' if ripe > still else 'window'} came last"
+    return text
+
+
+def _missing(
+    stop: Stop, trouble: Sequence[Mapping[str, Any]], trace: pa.Table | None
+) -> list[tuple[str, str]]:
+    """What ended the run, and how far each watched axis came towards its criteria."""
+    told = [("ended by", "; ".join(row["label"] for row in trouble))]
+    if mark(stop, "armed") is None:
+        ways = {limits["arming_mm"] for limits in stop["limits"].values()} - {None}
+        words = " or ".join(length(way) for way in sorted(ways)) or "their part"
+        told.append(("what was missing", f"the criteria are armed after {words} of the path only"))
+        return told
+    texts = [
+        f"{axis}: " + _short_of(stop["limits"][axis], shortfall(trace, stop, axis))
+        for axis in stop["watched"]
+        if axis in stop["limits"]
+    ]
+    return [*told, ("what was missing", "; ".join(texts))]
+
+
+def _short_of(limits: Mapping[str, Any], seen: Shortfall) -> str:
+    """How far one axis came; both criteria off is told as such."""
+    lag, window, tau = limits["lag_limit_mm"], limits["window_mm"], limits["min_time_ms"]
+    told = []
+    if lag is not None:
+        text = f"lag limit {length(lag)}"
+        if seen.largest_lag_mm is not None:
+            text = f"largest lag {length(seen.largest_lag_mm)} of {length(lag)}"
+        if seen.beyond_ms:
+            text += f", beyond it for {seen.beyond_ms:g} of {tau:g} ms"
+        told.append(text)
+    if window is not None:
+        text = f"window {length(window)}"
+        if seen.change_um is not None:
+            moved = length(seen.change_um / 1000.0)
+            text = f"moved {moved} or more in {tau:g} ms, window {length(window)}"
+        told.append(text)
+    return ", ".join(told) or "both criteria are off"
+
+
+def _real(stop: Stop) -> str:
+    """Whether a stop was there, by the truth of the plant."""
+    detected, contact = mark(stop, "detected"), contact_ns(stop)
+    if contact is not None:
+        if detected is None:
+            return "yes: it was in contact"
+        return f"yes: in contact for {(detected - contact) / _NS_PER_MS:.1f} ms when detected"
+    if not tells_contact(stop):
+        return "not known: no plant tells a contact"
+    later = mark(stop, "contact")
+    if later is None or detected is None:
+        return "no: nothing was touched"
+    return f"no: contact came {(later - detected) / _NS_PER_MS:.1f} ms after the detection"
+
+
+def _pressed(stop: Stop, trace: pa.Table | None) -> str:
+    """Largest and last force of each axis at its stop; where the bench gives none, of the trace."""
+    texts = []
+    for axis in stop["watched"]:
+        name = stop["signals"].get(axis, {}).get("stop_force_n")
+        most = _value(stop, "stop_force_max", axis)
+        last = _value(stop, "stop_force_end", axis)
+        most = largest(trace, name, stop) if most is None else most
+        last = value_at(trace, name, stop["end_ns"]) if last is None else last
+        if most == 0.0:
+            texts.append(f"{axis}: nothing")
+        elif most is not None or last is not None:
+            parts = [
+                *([f"at most {most:.4g} N"] if most is not None else []),
+                *([f"{last:.4g} N at the end"] if last is not None else []),
+            ]
+            texts.append((f"{axis}: " if len(stop["watched"]) > 1 else "") + ", ".join(parts))
+    if texts and all(text.endswith("nothing") for text in texts):
+        return "nothing: no force at the stop"
+    return "; ".join(texts) or "not known: no plant tells the force"
+
+
+def _left(stop: Stop, trace: pa.Table | None) -> str:
+    """Lag and force of the main axis when its relaxing motion is over."""
+    axis = stop["main_axis"]
+    names = stop["signals"].get(axis, {})
+    end = mark(stop, "end") or stop["end_ns"]
+    lag, force = (value_at(trace, names.get(name), end) for name in ("lag_mm", "stop_force_n"))
+    told = []
+    if lag is not None:
+        told.append(f"lag {length(lag)}")
+    if force is not None:
+        told.append(f"{force:.4g} N")
+    return ", ".join(told)
+
+
+def _value(stop: Stop, key: str, axis: str) -> float | None:
+    for row in stop["values"]:
+        if row["key"] == key and row["axis"] == axis and row["measured"] is not None:
+            return float(row["measured"])
+    return None
+
+
+def length(value_mm: float) -> str:
+    """Write a length in the unit that needs no long row of zeros."""
+    if abs(value_mm) < _SHORT_MM:
+        return f"{1000.0 * value_mm:.3g} µm" if value_mm else "0 µm"
+    return f"{value_mm:.4g} mm"
