@@ -3,7 +3,8 @@
     results.csv            one row per check
     cases.csv              one row per run, with every input column of the plan
     traces/<run>.parquet   signals over time
-    runs/<run>.json        events, limits to draw, notes, messages, log, figures of the buses, error
+    runs/<run>.json        events, limits to draw, notes, messages, log, figures of the buses, runs to
+                           a fixed stop, error
     bus/<run>.blf          every frame; or .log, .asc, .pcap
     junit.xml, manifest.json, report.html
 
@@ -70,6 +71,7 @@ class CaseResult:
     messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
     error: why the run ended in `error` or `aborted`.
     real_time: how well real time was kept (`bench.bus.deadlines`), None in simulated time.
+    fixed_stop: the runs to a fixed stop beside their oracle (`bench.run.stop_marks`).
     """
 
     case: Case
@@ -86,6 +88,7 @@ class CaseResult:
     bus: list[dict[str, Any]] = field(default_factory=list)
     error: str | None = None
     real_time: dict[str, Any] | None = None
+    fixed_stop: list[dict[str, Any]] = field(default_factory=list)
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
@@ -327,6 +330,7 @@ def _run_info(result: CaseResult, checks: Sequence[CheckResult]) -> dict[str, An
         "messages": result.messages,
         "log": result.log,
         "bus": result.bus,
+        "fixed_stop": result.fixed_stop,
     }
 
 

@@ -17,6 +17,7 @@ from bench.bus.paced import PacedScheduler
 from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
 from bench.rig.injection import inject
+from bench.rig.limit_log import LimitLog
 from bench.rig.master import build_accesses, build_link, build_monitor, build_start_up
 from bench.rig.moments import World
 from bench.rig.outside import is_paced, outside_axes
@@ -114,6 +115,8 @@ class Machine:
             self._inject_faults(seed)
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
+            self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
+            self.channel.observers.append(self.torque_limits)
             self._interpreter = self._build_interpreter(program)
             self.channel.load(self._interpreter.commands())
             guard.pop_all()

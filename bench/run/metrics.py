@@ -5,12 +5,13 @@ positions the axis FMU's); no kernel formula is used. Each tells what its uncert
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
-from bench.plan.checks import Check, Value
+from bench.plan.checks import Check
+from bench.run.observation import Observation
 from bench.run.observe import Observed, Touch
+from bench.run.stop_metrics import STOP_METRICS
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact
 
@@ -22,21 +23,8 @@ HERMITE, ACCELERATION_JUMP_MM_S2 = 0.0162, 1000.0
 REST = "lag and v/Kv that are left at the end of the run"
 
 
-@dataclass(frozen=True)
-class Observation:
-    """A metric's value; uncertainty in its unit; note: why there is none, or what it is made of.
-
-    is_hidden: the value stands outside, where the bench does not see it.
-    """
-
-    value: Value
-    uncertainty: float = 0.0
-    note: str = ""
-    is_hidden: bool = False
-
-
 MetricFunction = Callable[[Observed, str | None], Observation]
-_METRICS: dict[str, MetricFunction] = {}
+_METRICS: dict[str, MetricFunction] = dict(STOP_METRICS)
 
 
 def observe(observed: Observed, check: Check) -> Observation:
@@ -93,7 +81,7 @@ def _of_contact(
 
     def metric(observed: Observed, touch: Touch, axis: str) -> Observation:
         if touch.contact is None:
-            note = "the probe met nothing during the measurement run"
+            note = f"the {touch.what} met nothing during the measurement run"
             if not touch.tells_contacts:
                 note = "the FMU of the probe tells no contact (contact_count in docs/rigs.md)"
             return Observation(None, note=note)
@@ -230,11 +218,11 @@ def _stand(observed: Observed, touch: Touch, axis: str) -> tuple[float, float]:
 
 
 @_of_contact
-def contact_mm(observed: Observed, _touch: Touch, contact: Contact, axis: str) -> Observation:
+def contact_mm(observed: Observed, touch: Touch, contact: Contact, axis: str) -> Observation:
     """True position at contact."""
     plant = observed.machine.settings.rig.axis[axis].plant
     if plant not in contact.position_mm:
-        return Observation(None, note=f"the probe does not read axis {axis}")
+        return Observation(None, note=f"the {touch.what} does not belong to axis {axis}")
     return Observation(contact.position_mm[plant])
 
 
@@ -254,7 +242,10 @@ def _speed_mm_s(observed: Observed, time_ns: TimeNs, axis: str) -> float:
 
 @_of_contact
 def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str) -> Observation:
-    """Published minus true position at contact."""
+    """Published minus true position at contact; a stop yields, so there it would mislead."""
+    if touch.record.fixed_stop is not None:
+        note = "a stop yields under the force of the axis: see latch_force_error_um"
+        return Observation(None, note=note)
     latch = latch_mm(observed, touch, axis)
     truth = contact_mm(observed, touch, contact, axis)
     if not isinstance(latch.value, float):

@@ -11,6 +11,7 @@ from bench.bus.confinement import ErrorState
 from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
+from bench.run.fixed_stop import StopRun, stop_runs
 from bench.run.plc import plc_side
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact, PlantProbe
@@ -26,7 +27,7 @@ class Touch:
     """One measurement run with what the plant saw of it.
 
     edge_uncertainty_ns: how well the plant knows the instants of its contacts and edges.
-    tells_contacts: whether the FMU of a probe tells them at all.
+    tells_contacts: whether the FMU of a probe tells them at all. what: meets the workpiece.
     """
 
     record: RunRecord
@@ -35,6 +36,7 @@ class Touch:
     end_ns: TimeNs
     edge_uncertainty_ns: float
     tells_contacts: bool
+    what: str = "probe"
 
 
 class Observed:
@@ -70,6 +72,8 @@ class Observed:
             return None
         record = records[-1]
         end_ns = record.end_ns or self.machine.end_ns
+        if record.fixed_stop is not None:
+            return self._touch_of_stop(record, end_ns)
         probes = self.probes_of(record)
         contacts = [
             contact
@@ -87,6 +91,27 @@ class Observed:
         known_ns = max((probe.edge_uncertainty_ns for probe in probes), default=0.0)
         tells = any(probe.roles.has_group("contact") for probe in probes)
         return Touch(record, contact, min(edges, default=None), end_ns, known_ns, tells)
+
+    def _touch_of_stop(self, record: RunRecord, end_ns: TimeNs) -> Touch:
+        """Return a run to a fixed stop: the contact is that of the first axis with its stop."""
+        earliest = self.stop_runs[-1].earliest_contact
+        if earliest is None:
+            return Touch(record, None, None, end_ns, 0.0, True, "axis")
+        axis, at = earliest
+        places_mm = {
+            self.machine.settings.rig.axis[name].plant: float(
+                np.interp(at.time_ns, truth.times_ns, truth.position_mm)
+            )
+            for name, truth in self.stop_runs[-1].truths.items()
+        }
+        places_mm[self.machine.settings.rig.axis[axis].plant] = at.position_mm
+        contact = Contact(round(at.time_ns), places_mm)
+        return Touch(record, contact, None, end_ns, at.uncertainty_ns, True, "stop")
+
+    @cached_property
+    def stop_runs(self) -> list[StopRun]:
+        """The runs to a fixed stop, in order, beside what they had to show."""
+        return stop_runs(self.machine, self.trace, self.zero_mm)
 
     def probes_of(self, record: RunRecord) -> list[PlantProbe]:
         """Return the probes that are wired to the input in use of the measuring axes."""
@@ -187,13 +212,14 @@ class Observed:
             for time_ns, number in self.latches_ns(axis):
                 marks.append(Event(time_ns, "latch", f"{axis}: latch of probe {number}", axis))
         for record in channel.records:
-            if record.signal_ns is not None:
+            if record.signal_ns is not None and record.fixed_stop is None:
                 sync_ns = record.signal_ns - self.machine.timing.offset_ns
                 marks.append(Event(sync_ns, "pdo", "SYNC that sampled the latch status", None))
                 label = "cycle that sees the signal" if record.goes_on else "cycle that brakes"
                 marks.append(Event(record.signal_ns, "brake", label, None))
             if record.end_ns is not None:
                 marks.append(Event(record.end_ns, "standstill", "measurement run ended", None))
+        marks += stop_events(self.stop_runs)
         for name, segment in self.machine.segments.items():
             for time_ns, port, state in segment.state_changes:
                 kind = "mark" if state is ErrorState.ACTIVE else "fault"

@@ -25,6 +25,7 @@ from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from bench.run.metrics import observe
 from bench.run.observe import Observed
+from bench.run.stop_marks import as_data
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.syntax import Command, Program
@@ -179,6 +180,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         bus=[figures.as_data() for figures in buses],
         error="stopped by the operator" if machine.is_stopped else None,
         real_time=machine.real_time(),
+        fixed_stop=[as_data(run) for run in observed.stop_runs],
     )
 
 

@@ -1,0 +1,1 @@
+"""What a run must show, computed beside the kernel: closed forms on the plant's truth."""

@@ -1,0 +1,173 @@
+"""The timeline of a measurement run to a fixed stop: for the marks of the report and its block.
+
+Each mark has the instant that was measured beside the one that the closed form says.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from bench.oracles.fixed_stop.timing import Instant
+from bench.results.writer import Event
+from bench.run.fixed_stop import StopRun
+
+PLANT, KERNEL = "plant", "kernel"
+
+
+@dataclass(frozen=True)
+class Mark:
+    """One row of the timeline; docs/results.md has the keys."""
+
+    key: str
+    label: str
+    axis: str | None
+    measured_ns: int | None
+    source: str
+    oracle_ns: int | None = None
+    low_ns: int | None = None
+    high_ns: int | None = None
+    is_inside: bool | None = None
+    note: str = ""
+
+    @property
+    def says_nothing(self) -> bool:
+        """Whether it has neither an instant nor a word."""
+        return self.measured_ns is None and self.oracle_ns is None and not self.note
+
+
+_LABELS = {
+    "monitoring_off": "lag monitoring off",
+    "begin": "path begins",
+    "armed": "stop is looked for",
+    "contact": "contact at the stop",
+    "beyond": "lag beyond its limit",
+    "window": "position stays in its window",
+    "detected": "stop detected",
+    "stands": "set values stand",
+    "relax_begin": "relaxing motion begins",
+    "relax_end": "relaxing motion ends",
+    "monitoring_on": "lag monitoring on",
+    "end": "run over",
+}
+# What Observed marks itself, for runs of every type
+_MARKED_ELSEWHERE = frozenset({"end"})
+_KINDS = {"contact": "contact", "detected": "brake"}
+
+
+def _mark(
+    key: str,
+    measured_ns: int | None,
+    axis: str | None = None,
+    oracle: Instant | None = None,
+    source: str = KERNEL,
+    note: str = "",
+) -> Mark:
+    if oracle is None or oracle.time_ns is None or oracle.low_ns is None or oracle.high_ns is None:
+        note = note or (oracle.note if oracle is not None else "")
+        return Mark(key, _LABELS[key], axis, measured_ns, source, note=note)
+    return Mark(
+        key,
+        _LABELS[key],
+        axis,
+        measured_ns,
+        source,
+        round(oracle.time_ns),
+        round(oracle.low_ns),
+        round(oracle.high_ns),
+        None if measured_ns is None else oracle.holds(measured_ns),
+        oracle.note,
+    )
+
+
+def marks(run: StopRun) -> list[Mark]:
+    """Return the timeline of a run in the order of its process, without empty marks."""
+    record, stop = run.record, run.stop
+    found = [
+        _mark("monitoring_off", stop.watch_off_ns),
+        _mark("begin", record.start_ns),
+        _mark("armed", stop.armed_ns),
+        *_contacts(run),
+        *_criteria(run),
+    ]
+    axis, detection = run.detection
+    found += [
+        _mark("detected", stop.detected_ns, stop.detected_by or axis, detection),
+        _mark("stands", stop.brake_end_ns),
+        _mark("relax_begin", stop.relax_begin_ns),
+        _mark("relax_end", stop.relax_end_ns),
+        _mark("monitoring_on", stop.watch_on_ns),
+        _mark("end", record.end_ns),
+    ]
+    return [mark for mark in found if not mark.says_nothing]
+
+
+def _contacts(run: StopRun) -> list[Mark]:
+    found = [(axis, run.contact(axis)) for axis in run.truths]
+    return [
+        _mark(
+            "contact",
+            round(contact.time_ns),
+            axis,
+            source=PLANT,
+            note=f"known to {contact.uncertainty_ns / 1e3:.3g} us",
+        )
+        for axis, contact in found
+        if contact is not None
+    ]
+
+
+def _criteria(run: StopRun) -> list[Mark]:
+    rows: list[Mark] = []
+    for axis in run.watched:
+        limits, stop = run.limits[axis], run.stop
+        if limits.lag_limit_mm is not None:
+            rows.append(_mark("beyond", stop.beyond_ns.get(axis), axis, run.beyond(axis)))
+        if limits.window_mm is not None:
+            rows.append(_mark("window", stop.window_ns.get(axis), axis, run.window(axis)))
+    return rows
+
+
+def stop_events(runs: Sequence[StopRun]) -> list[Event]:
+    """Return the marks of all runs for the plots, without what is marked for runs of every type."""
+    return [
+        Event(mark.measured_ns, _KINDS.get(mark.key, "mark"), _label(mark), mark.axis)
+        for run in runs
+        for mark in marks(run)
+        if mark.measured_ns is not None and mark.key not in _MARKED_ELSEWHERE
+    ]
+
+
+def _label(mark: Mark) -> str:
+    return mark.label if mark.axis is None else f"{mark.axis}: {mark.label}"
+
+
+def as_data(run: StopRun) -> dict[str, Any]:
+    """Return a run as the block `fixed_stop` of its JSON file tells it."""
+    return {
+        "number": run.number,
+        "block": run.record.block,
+        "axes": list(run.record.axes),
+        "watched": list(run.stop.criteria),
+        "main_axis": run.main_axis(),
+        "is_found": run.is_found,
+        "decided_by": _decided(run),
+        "limits": {
+            axis: {
+                "lag_limit_mm": limits.lag_limit_mm,
+                "window_mm": limits.window_mm,
+                "min_time_ms": limits.min_time_ns / 1e6,
+                "arming_mm": run.arming_mm,
+            }
+            for axis, limits in run.limits.items()
+        },
+        "begin_ns": run.record.begin_ns,
+        "end_ns": run.end_ns,
+        "marks": [asdict(mark) for mark in marks(run)],
+    }
+
+
+def _decided(run: StopRun) -> dict[str, str] | None:
+    criterion = run.deciding_criterion()
+    if criterion is None or run.stop.detected_by is None:
+        return None
+    return {"axis": run.stop.detected_by, "criterion": criterion}
