@@ -3,8 +3,8 @@
     results.csv            one row per check
     cases.csv              one row per run, with every input column of the plan
     traces/<run>.parquet   signals over time
-    runs/<run>.json        events, limits to draw, notes, messages, log, figures of the buses, runs to
-                           a fixed stop, error
+    runs/<run>.json        events, limits to draw, notes, messages, log, figures of buses, error,
+                           runs to a fixed stop
     bus/<run>.blf          every frame; or .log, .asc, .pcap
     junit.xml, manifest.json, report.html
 
