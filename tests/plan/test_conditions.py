@@ -243,5 +243,5 @@ def test_the_metrics_table_is_sound() -> None:
         assert metric.plot in {"", "position", "velocity", "lag"}
         assert metric.meaning
         assert metric.source
-        spelled = metric.unit.replace("/", "_")
+        spelled = metric.unit.replace("/", "_").lower()
         assert not spelled or f"_{spelled}" in name, "the name ends in the unit"
