@@ -248,7 +248,8 @@ class FixedStopRun:
         begin = f"{axis.port.name} {_told(detector.criteria, axis.settings)}"
         if self.stop.armed_ns is None:
             start_mm, path_mm = self.stop.start_distance_mm, self._motion.travelled_mm
-            return f"{begin}, never looked at: from {start_mm:g} mm of a path of {path_mm:g} mm on"
+            path = f"only from {start_mm:g} mm on and the path was {path_mm:g} mm"
+            return f"{begin}, never judged: {path}"
         return f"{begin}, largest lag {detector.largest_lag_mm:.4f} mm"
 
     def _braking(self, now_ns: TimeNs) -> Order:
@@ -307,9 +308,10 @@ def _told(criteria: Criteria, settings: FixedStopSettings) -> str:
     """What was looked for, with the reason when it is nothing."""
     lag_mm, window_mm = criteria.lag_limit_mm, criteria.window_mm
     if lag_mm is None and window_mm is None:
-        why = "" if settings.window_mm is None else f" for its window of {settings.window_mm:g} mm"
-        time = " and min_time 0" + why if why else ""
-        return f"no criterion active (no lag limit{time or ' and no window'})"
+        if settings.window_mm is None:
+            return "no criterion active (no lag limit and no window)"
+        window = f"min_time 0 for its window of {settings.window_mm:g} mm"
+        return f"no criterion active (no lag limit, and {window})"
     words = ["no lag limit" if lag_mm is None else f"lag > {lag_mm:g} mm"]
     words.append("no window" if window_mm is None else f"window {window_mm:g} mm")
     return ", ".join((*words, f"min_time {criteria.min_time_ns * MS_PER_NS:g} ms"))
