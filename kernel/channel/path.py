@@ -31,7 +31,9 @@ class Path:
         self._index = {axis.name: index for index, axis in enumerate(axes)}
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
-        self._stop_dynamics: Dynamics | None = None
+        self._dynamics: Dynamics | None = None  # of the present move
+        self._feed_mm_s = 0.0
+        self._held_cycles = 0  # until what a feedhold has stopped leaves the buffer
         self._settling = Settling(clock, timing.period_ns)
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
@@ -57,6 +59,10 @@ class Path:
 
         follow: called in between, for axes whose set positions come from those of others.
         """
+        if self.interpolator.is_held:
+            self._held_cycles = self._timing.buffer_cycles + 1
+        elif self._held_cycles:
+            self._held_cycles -= 1
         positions_mm = self.interpolator.advance()
         if self.follow is not None:
             self.follow()
@@ -173,20 +179,39 @@ class Path:
                 raise Alarm(900012, axis=link.name, target_mm=f"{position_mm:.9g}")
 
     def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
-        profile = plan(
-            curve.length_mm,
-            min(feed_mm_s, dynamics.speed_max_mm_s),
-            dynamics.acceleration,
-            dynamics.deceleration,
-        )
-        self._stop_dynamics = dynamics
+        feed_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
+        profile = plan(curve.length_mm, feed_mm_s, dynamics.acceleration, dynamics.deceleration)
+        self._dynamics, self._feed_mm_s = dynamics, feed_mm_s
         self._settling.restart()
         self.interpolator.follow(curve, profile)
 
     def brake(self) -> None:
         """Delete the distance to go: stop on the path with what the kind of motion allows."""
-        if not self.interpolator.is_standing and self._stop_dynamics is not None:
-            self.interpolator.brake(self._stop_dynamics.stop_deceleration)
+        if not self.interpolator.is_standing and self._dynamics is not None:
+            self.interpolator.brake(self._dynamics.stop_deceleration)
+
+    def feedhold(self, *, is_on: bool) -> None:
+        """Stop on the path, or go on along it; a move that begins in between waits at its start.
+
+        Brakes with what P-CHAN-00097 says, never past the end of the path. Axes that something
+        else leads go on.
+        """
+        interpolator, dynamics = self.interpolator, self._dynamics
+        if is_on == interpolator.is_held:
+            return
+        interpolator.is_held = is_on
+        if dynamics is None:
+            return
+        if is_on:
+            feedhold = dynamics.feedhold or dynamics.deceleration
+            interpolator.feedhold(feedhold, dynamics.deceleration)
+        else:
+            interpolator.go_on(self._feed_mm_s, dynamics.acceleration, dynamics.deceleration)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the set value that leaves the buffer brakes for a feedhold or stands in it."""
+        return self.interpolator.is_held or self._held_cycles > 0
 
     def own_ramp(self, axis: str, *, at_once: bool) -> Ramp:
         """Return the ramp that stops one axis by itself; `at_once` has none.

@@ -32,13 +32,15 @@ class Motion(StrEnum):
 class Dynamics:
     """What an axis, or a path over several axes, may do in one kind of motion.
 
-    stop_deceleration: on the measuring signal of a measurement run, at feedhold otherwise.
+    stop_deceleration: on the measuring signal of a measurement run, and where an alarm stops.
+    feedhold: of the PLC side, None = the deceleration of the motion. Source: P-CHAN-00097.
     """
 
     acceleration: Slope
     deceleration: Slope
     stop_deceleration: Slope
     speed_max_mm_s: float
+    feedhold: Slope | None = None
 
     def weighted(self, share: float) -> "Dynamics":
         """Return the same with both ramps scaled; what a signal or feedhold brakes with stays."""
@@ -94,6 +96,7 @@ def axis_slopes(axis: ParameterSet, channel: ParameterSet, motion: Motion) -> Dy
         axis_slope(axis, row["deceleration"]),
         axis_slope(axis, row["stop_deceleration"]),
         speed_mm_s,
+        axis_slope(axis, "feedhold") if channel.flag("use_drive_curr_limit") else None,
     )
 
 
@@ -115,6 +118,9 @@ def path_dynamics(axes: Sequence[Dynamics], deltas_mm: Sequence[float]) -> Dynam
         _path_slope((axis.deceleration, share) for axis, share in moving),
         _path_slope((axis.stop_deceleration, share) for axis, share in moving),
         min(axis.speed_max_mm_s / share for axis, share in moving),
+        _path_slope((axis.feedhold or axis.deceleration, share) for axis, share in moving)
+        if any(axis.feedhold for axis, _ in moving)
+        else None,
     )
 
 
@@ -160,6 +166,7 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
         along(lambda axis: axis.deceleration),
         along(lambda axis: axis.stop_deceleration),
         speed_mm_s,
+        along(lambda axis: axis.feedhold or axis.deceleration),
     )
 
 
@@ -174,7 +181,8 @@ def _least(slope: Slope) -> float:
 
 
 def _weakest(axis: Dynamics) -> float:
-    return min(map(_least, (axis.acceleration, axis.deceleration, axis.stop_deceleration)))
+    slopes = (axis.acceleration, axis.deceleration, axis.stop_deceleration, axis.feedhold)
+    return min(_least(slope) for slope in slopes if slope is not None)
 
 
 def _tangential(limit: float, share: float, centripetal: float, climb: float) -> float:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from kernel.clock import S, TimeNs
 from kernel.motion.curves import Curve, Line, Positions, put
-from kernel.motion.profile import Profile, Slope
+from kernel.motion.profile import Profile, Slope, plan_rest
 
 __all__ = ["Interpolator", "Positions", "SetpointBuffer"]
 
@@ -15,6 +15,7 @@ class Interpolator:
 
     axes: names; every tuple of positions (mm) is in their order. cycle_ns: time between two calls
     of `advance`. Positions are taken from the profile at k times the cycle, never accumulated.
+    is_held: a path that begins stands at its start until `go_on`.
     """
 
     def __init__(self, axes: Sequence[str], cycle_ns: TimeNs) -> None:
@@ -25,13 +26,19 @@ class Interpolator:
         self._cycle_ns = cycle_ns
         self._path: Curve = Line(self.positions_mm, self.positions_mm)
         self._profile = Profile(0.0, 0.0, ())
+        self._end_mm = 0.0  # of the path, where the move will have ended
         self._cycle = 0
         self._braking = False
+        self.is_held = False
+
+    @property
+    def _is_over(self) -> bool:
+        return self._cycle * self._cycle_ns / S >= self._profile.duration_s
 
     @property
     def is_standing(self) -> bool:
         """Whether the move has ended: further calls of `advance` give the same positions."""
-        return self._cycle * self._cycle_ns / S >= self._profile.duration_s
+        return self._is_over and self._profile.end_mm == self._end_mm
 
     def hold(self, positions_mm: Positions) -> None:
         """Take over where the axes stand; raises ValueError while a move has not ended."""
@@ -69,12 +76,14 @@ class Interpolator:
             raise ValueError("a move has not ended")
         if abs(profile.end_mm - path.length_mm) > 1e-9 + 1e-12 * path.length_mm:
             raise ValueError(f"profile of {profile.end_mm} mm for a path of {path.length_mm} mm")
-        self._path, self._profile, self._cycle, self._braking = path, profile, 0, False
+        self._path, self._end_mm = path, profile.end_mm
+        self._profile = Profile(0.0, 0.0, ()) if self.is_held else profile
+        self._cycle, self._braking = 0, False
         self.positions_mm, self.path_travelled_mm, self.speed_mm_s = path.start_mm, 0.0, 0.0
 
     def advance(self) -> Positions:
         """Move on by one cycle and return the set positions; standing, return them unchanged."""
-        if self.is_standing:
+        if self._is_over:
             return self.positions_mm
         self._cycle += 1
         profile = self._profile
@@ -91,7 +100,28 @@ class Interpolator:
         if self.is_standing:
             return
         self._profile = self._profile.brake(self._cycle * self._cycle_ns / S, deceleration)
+        self._end_mm = self._profile.end_mm
         self._cycle, self._braking = 0, True
+
+    def feedhold(self, feedhold: Slope, deceleration: Slope) -> None:
+        """Stop on the path from the last set positions on, no further than its end.
+
+        feedhold, deceleration: as `Profile.held` has them. The distance to go is kept; where it is
+        deleted already nothing changes.
+        """
+        if not self.is_standing and not self._braking:
+            time_s = self._cycle * self._cycle_ns / S
+            self._profile = self._profile.held(time_s, feedhold, deceleration)
+            self._cycle = 0
+
+    def go_on(self, feed_mm_s: float, acceleration: Slope, deceleration: Slope) -> None:
+        """Move on to the end of the path, from standstill or from the speed that is left."""
+        if not self.is_standing and not self._braking:
+            path_mm, speed_mm_s = self._profile.at(self._cycle * self._cycle_ns / S)
+            self._profile = plan_rest(
+                path_mm, self._end_mm, feed_mm_s, acceleration, deceleration, speed_mm_s
+            )
+            self._cycle = 0
 
 
 class SetpointBuffer:

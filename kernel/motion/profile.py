@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+_SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
+
 
 @dataclass(frozen=True)
 class Slope:
@@ -119,6 +121,21 @@ class Profile:
         end_mm = path_mm + deceleration.distance_mm(speed_mm_s)
         return _joined(path_mm, end_mm, [], 0.0, deceleration.steps(speed_mm_s))
 
+    def held(self, t_s: float, feedhold: Slope, deceleration: Slope) -> "Profile":
+        """Return the profile that stops from the state at `t_s` no further than the end.
+
+        It brakes with `feedhold`; where that would go past the end, with the deceleration that the
+        path was planned with, which never does.
+        """
+        path_mm, speed_mm_s = self.at(t_s)
+        for slope in (feedhold, deceleration):
+            end_mm = path_mm + slope.distance_mm(speed_mm_s)
+            if end_mm <= self.end_mm:
+                break
+        if end_mm > self.end_mm - _SAME_MM:
+            end_mm = self.end_mm
+        return _joined(path_mm, end_mm, [], 0.0, slope.steps(speed_mm_s))
+
 
 def plan(
     distance_mm: float,
@@ -137,8 +154,38 @@ def plan(
         raise ValueError(f"no path: {distance_mm} mm at {start_speed_mm_s} to {feed_mm_s} mm/s")
     if deceleration.distance_mm(start_speed_mm_s) > distance_mm * (1.0 + 1e-12):
         raise ValueError(f"{start_speed_mm_s} mm/s cannot stop on {distance_mm} mm")
+    return _planned(0.0, distance_mm, feed_mm_s, acceleration, deceleration, start_speed_mm_s)
+
+
+def plan_rest(
+    path_mm: float,
+    end_mm: float,
+    feed_mm_s: float,
+    acceleration: Slope,
+    deceleration: Slope,
+    speed_mm_s: float,
+) -> Profile:
+    """Plan the rest of a path, from `path_mm` at `speed_mm_s` on, that ends standing at `end_mm`.
+
+    A speed that just stops there, or by rounding a little late, brakes at once and ends there.
+    """
+    if deceleration.distance_mm(speed_mm_s) >= end_mm - path_mm:
+        return _joined(path_mm, end_mm, [], 0.0, deceleration.steps(speed_mm_s))
+    speed_mm_s = min(speed_mm_s, feed_mm_s)
+    return _planned(path_mm, end_mm, feed_mm_s, acceleration, deceleration, speed_mm_s)
+
+
+def _planned(
+    start_mm: float,
+    end_mm: float,
+    feed_mm_s: float,
+    acceleration: Slope,
+    deceleration: Slope,
+    start_speed_mm_s: float,
+) -> Profile:
+    distance_mm = end_mm - start_mm
     if distance_mm == 0.0:
-        return Profile(0.0, 0.0, ())
+        return Profile(end_mm, end_mm, ())
     gained_mm = acceleration.distance_mm(start_speed_mm_s)
     ramps_mm = acceleration.distance_mm(feed_mm_s) - gained_mm + deceleration.distance_mm(feed_mm_s)
     if ramps_mm <= distance_mm:
@@ -147,7 +194,7 @@ def plan(
         highest_mm_s = _peak_mm_s(distance_mm + gained_mm, acceleration, deceleration)
         peak_mm_s, cruise_mm = min(highest_mm_s, feed_mm_s), 0.0  # rounding exceeds it
     up = acceleration.steps(peak_mm_s, start_speed_mm_s)
-    return _joined(0.0, distance_mm, up, cruise_mm / peak_mm_s, deceleration.steps(peak_mm_s))
+    return _joined(start_mm, end_mm, up, cruise_mm / peak_mm_s, deceleration.steps(peak_mm_s))
 
 
 def _peak_mm_s(distance_mm: float, acceleration: Slope, deceleration: Slope) -> float:

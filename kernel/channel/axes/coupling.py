@@ -106,4 +106,5 @@ def _weaker(one: Dynamics, other: Dynamics) -> Dynamics:
         one.deceleration.weaker(other.deceleration),
         one.stop_deceleration.weaker(other.stop_deceleration),
         min(one.speed_max_mm_s, other.speed_max_mm_s),
+        one.feedhold and one.feedhold.weaker(other.feedhold or other.deceleration),
     )

@@ -1,0 +1,213 @@
+"""Feedhold of a path: it stops on the path and goes on along it to the same end, by closed forms."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from kernel.clock import MS
+from kernel.motion.curves import Arc, Line
+from kernel.motion.interpolator import Interpolator
+from kernel.motion.profile import Slope, plan
+
+OWN, WEAK = Slope(1000.0, 1000.0, 1000.0), Slope(500.0, 500.0, 1000.0)
+LENGTH_MM, FEED_MM_S = 100.0, 50.0
+
+
+class Held:
+    """A straight path of 100 mm at 50 mm/s and 1000 mm/s²; one cycle per `run`, held or not."""
+
+    def __init__(self, slope: Slope = WEAK, length_mm: float = LENGTH_MM) -> None:
+        self.path, self.slope = Interpolator("Z", MS), slope
+        profile = plan(length_mm, FEED_MM_S, OWN, OWN)
+        self.path.follow(Line((0.0,), (length_mm,)), profile)
+        self.travelled_mm = [0.0]
+
+    def run(self, cycles: int) -> float:
+        for _ in range(cycles):
+            self.path.advance()
+            self.travelled_mm.append(self.path.path_travelled_mm)
+        return self.travelled_mm[-1]
+
+    def hold(self) -> None:
+        self.path.is_held = True
+        self.path.feedhold(self.slope, OWN)
+
+    def release(self) -> None:
+        self.path.is_held = False
+        self.path.go_on(FEED_MM_S, OWN, OWN)
+
+    def run_out(self) -> int:
+        cycles = 0
+        while not self.path.is_standing:
+            self.run(1)
+            cycles += 1
+        return cycles
+
+
+def test_at_constant_speed_it_stops_by_the_feedhold_ramp_and_goes_on_to_the_end() -> None:
+    """After 0.2 s 8.75 mm at 50 mm/s; v²/2a = 2.5 mm and v/a = 0.1 s; then 88.75 mm from rest."""
+    held = Held()
+    assert held.run(200) == pytest.approx(8.75, abs=1e-12)
+    held.hold()
+    assert held.run(50) == pytest.approx(8.75 + 50 * 0.05 - 250 * 0.05**2, abs=1e-12)
+    assert held.run(50) == pytest.approx(11.25, abs=1e-12)
+    assert held.run(500) == held.travelled_mm[300]
+    assert held.path.speed_mm_s == 0.0
+    assert not held.path.is_standing  # the move has not ended
+    held.release()
+    assert held.run_out() == pytest.approx((88.75 / 50 + 0.05) / 1e-3, abs=1)
+    assert held.path.positions_mm == (LENGTH_MM,)
+
+
+def test_while_the_path_still_gains_speed() -> None:
+    """After 0.03 s 0.45 mm at 30 mm/s; 500 mm/s²: 0.9 mm more in 0.06 s."""
+    held = Held()
+    held.run(30)
+    held.hold()
+    assert held.run(59) < held.run(1)
+    assert held.run(1) == pytest.approx(0.45 + 0.9, abs=1e-12)
+
+
+def test_while_the_path_brakes_into_its_end_a_weaker_feedhold_changes_nothing() -> None:
+    """It stands at the end at the instant of the profile, 2.05 s; no position differs."""
+    free, held = Held(), Held()
+    free.run(2100)
+    held.run(2020)
+    held.hold()
+    held.run(80)
+    assert held.travelled_mm == pytest.approx(free.travelled_mm, abs=1e-9)
+    assert held.travelled_mm.index(LENGTH_MM) == free.travelled_mm.index(LENGTH_MM)
+    assert held.path.is_standing
+
+
+def test_while_the_path_brakes_into_its_end_a_stronger_feedhold_stops_before_it() -> None:
+    """20 ms before its end the path has 20 mm/s and 0.2 mm left; 4000 mm/s² need 0.05 mm."""
+    held = Held(Slope(4000.0, 4000.0, 1000.0))
+    held.run(2030)
+    held.hold()
+    assert held.run(10) == pytest.approx(LENGTH_MM - 0.15, abs=1e-9)
+    held.release()
+    # a triangle of 0.15 mm: 2 sqrt(s / a)
+    assert held.run_out() == pytest.approx(2 * math.sqrt(0.15 / 1000) / 1e-3, abs=1)
+    assert held.path.positions_mm == (LENGTH_MM,)
+
+
+def test_a_feedhold_that_would_go_past_the_end_brakes_as_the_path_would() -> None:
+    """2 mm before the end at 50 mm/s: 500 mm/s² need 2.5 mm, the path's own 1000 need 1.25 mm."""
+    held = Held()
+    held.run(1985)
+    before_mm = held.travelled_mm[-1]
+    assert LENGTH_MM - before_mm == pytest.approx(2.0, abs=1e-9)
+    held.hold()
+    assert held.run(50) == pytest.approx(before_mm + 1.25, abs=1e-9)
+    held.release()
+    held.run_out()
+    assert held.path.positions_mm == (LENGTH_MM,)
+
+
+def test_released_before_it_stands_it_goes_on_from_the_speed_that_is_left() -> None:
+    """50 ms of 500 mm/s² leave 25 mm/s; with 1000 mm/s² 0.025 s later it is as fast as before."""
+    held = Held()
+    held.run(200)
+    held.hold()
+    begin_mm = held.run(50)
+    held.release()
+    assert held.path.speed_mm_s == pytest.approx(25.0, abs=1e-9)
+    assert held.run(25) == pytest.approx(begin_mm + (50**2 - 25**2) / 2000, abs=1e-9)
+    assert held.path.speed_mm_s == pytest.approx(50.0, abs=1e-9)
+    held.run_out()
+    assert held.path.positions_mm == (LENGTH_MM,)
+
+
+def test_a_path_that_begins_while_held_waits_at_its_start() -> None:
+    held = Held()
+    waiting = Interpolator("Z", MS)
+    waiting.is_held = True
+    waiting.feedhold(WEAK, OWN)  # nothing moves
+    waiting.follow(Line((0.0,), (LENGTH_MM,)), plan(LENGTH_MM, FEED_MM_S, OWN, OWN))
+    assert [waiting.advance() for _ in range(5)] == [(0.0,)] * 5
+    assert not waiting.is_standing
+    waiting.is_held = False
+    waiting.go_on(FEED_MM_S, OWN, OWN)
+    while not waiting.is_standing:
+        waiting.advance()
+        held.run(1)
+        assert waiting.path_travelled_mm == held.travelled_mm[-1]
+    assert held.path.is_standing
+
+
+@pytest.mark.parametrize("later", [10, 200])  # on the ramp of the feedhold, in standstill
+def test_the_distance_to_go_may_be_deleted_in_feedhold(later: int) -> None:
+    """The signal of a measurement run brakes by its own ramp; nothing is left to go on with."""
+    held = Held()
+    held.run(200)
+    held.hold()
+    held.run(later)
+    speed, place_mm = held.path.speed_mm_s, held.travelled_mm[-1]
+    held.path.brake(OWN)
+    held.run_out()
+    assert held.travelled_mm[-1] == pytest.approx(place_mm + speed**2 / 2000, abs=1e-9)
+    held.release()
+    assert held.run(100) == held.travelled_mm[-1]
+    assert held.path.is_standing
+
+
+def test_a_feedhold_changes_nothing_about_a_path_that_is_braked_for_good() -> None:
+    held = Held()
+    held.run(200)
+    held.path.brake(OWN)
+    held.run(10)
+    held.hold()
+    assert held.run_out() == 40
+    assert held.travelled_mm[-1] == pytest.approx(8.75 + 1.25, abs=1e-9)
+
+
+def test_an_arc_stops_and_goes_on_on_its_circle() -> None:
+    """Three quarters of a circle of 20 mm: every point 20 mm from the centre, and the same end."""
+    arc = Arc((20.0, 0.0), (0.0, -20.0), (0.0, 0.0), (0.0, 1.0), 1.5 * math.pi)
+    path = Interpolator("XY", MS)
+    path.follow(arc, plan(arc.length_mm, FEED_MM_S, OWN, OWN))
+    for cycle in range(10_000):
+        if cycle == 500:
+            path.is_held = True
+            path.feedhold(WEAK, OWN)
+        if cycle == 1000:
+            # 0.5 s: 1.25 mm of ramp and 22.5 mm; 2.5 mm of feedhold
+            angle = (1.25 + 22.5 + 2.5) / 20.0
+            assert path.positions_mm == pytest.approx((20 * math.cos(angle), 20 * math.sin(angle)))
+            path.is_held = False
+            path.go_on(FEED_MM_S, OWN, OWN)
+        assert math.hypot(*path.advance()) == pytest.approx(20.0, abs=1e-9)
+        if path.is_standing:
+            break
+    assert path.positions_mm == arc.end_mm
+
+
+@given(
+    st.lists(st.integers(0, 400), min_size=1, max_size=8),
+    st.sampled_from([WEAK, OWN, Slope(4000.0, 4000.0, 9.0), Slope(300.0, 2000.0, 20.0)]),
+    st.floats(0.001, 30.0),
+)
+def test_however_often_it_never_goes_back_or_past_and_ends_exactly(
+    waits: Sequence[int], slope: Slope, length_mm: float
+) -> None:
+    held = Held(slope, length_mm)
+    for at, cycles in enumerate(waits):
+        held.run(cycles)
+        if at % 2:
+            held.release()
+        else:
+            held.hold()
+    held.release()
+    held.run_out()
+    assert held.travelled_mm[-1] == length_mm
+    assert held.path.positions_mm == (length_mm,)
+    steps = [b - a for a, b in pairwise(held.travelled_mm)]
+    assert all(step >= 0.0 for step in steps)
+    assert all(step <= FEED_MM_S * 1e-3 + 1e-9 for step in steps)
+    strongest = max(1000.0, slope.a_low_mm_s2, slope.a_high_mm_s2)
+    assert all(abs(b - a) <= strongest * 1e-6 + 1e-9 for a, b in pairwise(steps))
