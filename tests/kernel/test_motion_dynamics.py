@@ -79,6 +79,16 @@ def test_rapid_and_feed_motion(curr_limit: int) -> None:
     assert feed.stop_deceleration == (HOLD if curr_limit else FEED_D)
 
 
+@pytest.mark.parametrize(("std_dynamic", "mode"), itertools.product((0, 1), (0, 1)))
+@pytest.mark.parametrize("motion", Motion)
+def test_the_feedhold_of_the_plc_side_is_by_p_chan_00097_alone(
+    motion: Motion, std_dynamic: int, mode: int
+) -> None:
+    """0: the deceleration of the motion; 1: P-AXIS-00024, also where the signal has another."""
+    assert axis_slopes(axis(), channel(std_dynamic, mode, 0), motion).feedhold is None
+    assert axis_slopes(axis(), channel(std_dynamic, mode, 1), motion).feedhold == HOLD
+
+
 def test_feedhold_of_0_is_the_smaller_rapid_step() -> None:
     found = axis_slopes(axis(a_feedh=0), channel(1, 0, 0), Motion.MEASURING)
     assert found.stop_deceleration == Slope(5.0, 5.0, 211.0)
