@@ -77,16 +77,20 @@ class Assignment:
 
     def si(self) -> float:
         """Give the value as a number in SI units. Raises UserError when it is no number."""
-        # Decimal, so that 5 um are the 5e-06 m that the reader expects, not 4.9999999999999996e-06.
-        try:
-            plain = self.value.isascii() and "_" not in self.value
-            number = Decimal(self.value if plain else "nan")
-            value = float(number * _units()[self.unit].factor if self.unit else number)
-        except (InvalidOperation, Overflow, ValueError):
-            value = math.nan
-        if not math.isfinite(value):
-            raise UserError(f"{self.column}: not a number", value=self.value)
-        return value
+        return number(self.column, self.value, self.unit)
+
+
+def number(column: str, text: str, unit: str = "") -> float:
+    """Read a number with the unit of its column, SI without. Raises UserError when it is none."""
+    # Decimal, so that 5 um are the 5e-06 m that the reader expects, not 4.9999999999999996e-06.
+    try:
+        plain = Decimal(text if text.isascii() and "_" not in text else "nan")
+        value = float(plain * _units()[unit].factor if unit else plain)
+    except (InvalidOperation, Overflow, ValueError):
+        value = math.nan
+    if not math.isfinite(value):
+        raise UserError(f"{column}: not a number", value=text)
+    return value
 
 
 @cache

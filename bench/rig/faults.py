@@ -206,7 +206,7 @@ def _read_values(kind: FaultKind, words: list[str]) -> dict[str, Any]:
 def _read_value(key: FaultKey, text: str) -> Any:
     try:
         readers: dict[str, Callable[[str], Any]] = {
-            "time": _read_time,
+            "time": read_time,
             "number": _integer,
             "share": lambda word: float(_plain(word)),
             "moment": _read_moment,
@@ -249,7 +249,7 @@ def _is_allowed(key: FaultKey, value: Any) -> bool:
         return str(value) in key.allowed.split()
     if not is_range or key.type == "data":
         return True
-    numbers: dict[str, Callable[[str], float]] = {"time": _read_time, "share": float}
+    numbers: dict[str, Callable[[str], float]] = {"time": read_time, "share": float}
     number = numbers.get(key.type, _integer)
     return bool(number(low) <= value <= number(high))
 
@@ -258,7 +258,8 @@ def _integer(text: str) -> int:
     return int(_plain(text), 0)
 
 
-def _read_time(text: str) -> TimeNs:
+def read_time(text: str) -> TimeNs:
+    """Read a time with its unit, `300ms`; raises ValueError for anything else."""
     match = _TIME.fullmatch(_plain(text))
     if match is None:
         raise ValueError(text)
@@ -271,10 +272,10 @@ def _read_time(text: str) -> TimeNs:
 def _read_moment(text: str) -> Moment:
     name, plus, offset = text.partition("+")
     if not plus and name not in fault_moments():
-        return Moment("start", _read_time(text))
+        return Moment("start", read_time(text))
     if name not in fault_moments():
         raise ValueError(text)
-    return Moment(name, _read_time(offset) if plus else 0)
+    return Moment(name, read_time(offset) if plus else 0)
 
 
 def _read_data(text: str) -> str | bytes:

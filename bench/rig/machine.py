@@ -24,6 +24,7 @@ from bench.rig.outside import is_paced, outside_axes
 from bench.rig.pacing import Hardware, master_scheduler, power_down
 from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.plc_side import PlcSide
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
 from bench.rig.settings import Settings
@@ -122,15 +123,15 @@ class Machine:
             guard.pop_all()
 
     def _build_interpreter(self, program: Program) -> Interpreter:
-        self.channel.external.values.update(self.settings.external)
+        self.channel.plc.values.update(self.settings.external)
         return Interpreter(
             program,
             tuple(self.settings.rig.axis),
             self.channel,
-            external=self.channel.external.values,
+            external=self.channel.plc.values,
             default_measuring_type=self.settings.channel.integer("messtyp"),
             tables=self.settings.offset_tables,
-            plc_is_constant=True,
+            plc_is_constant=not self.plc_side.writes_variables,
         )
 
     def _expect_answers(self) -> None:
@@ -193,7 +194,7 @@ class Machine:
         if self._hardware is None:
             channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
-        channel.external.values.update(self.settings.external)
+        channel.plc.values.update(self.settings.external)
         halts = self.settings.channel.flag("independent_axis_error_stop")
         channel.reactions.each_axis_halts = halts
         may_be_missing = self.settings.channel.flag("meas_fixed_stop_no_error")
@@ -202,6 +203,9 @@ class Machine:
         channel.pauses.optional_stop = self.settings.operator.optional_stop
         for warning in [*self.settings.warnings, *warnings]:
             channel.warn(warning)
+        self.plc_side = PlcSide(
+            channel, self._accesses, self.settings.plc, self.scheduler, self.timing.period_ns
+        )
         return channel
 
     def _message(self, message: Message) -> None:

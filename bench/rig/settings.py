@@ -22,6 +22,7 @@ from bench.rig.lists import (
     read_offsets,
     take_over,
 )
+from bench.rig.plc import VARIABLE, Rule, needs_variables, read_rules
 from kernel.clock import MS, S, TimeNs
 from kernel.errors import Alarm, UserError, nearest
 from kernel.nc.coordinates import OffsetTables
@@ -72,7 +73,8 @@ class Settings:
     """A rig with the assignments of one run applied.
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
-    external: V.E variables by the name behind the prefix. operator: how stops go on.
+    external: V.E variables by the name behind the prefix. operator: how stops go on. plc: what
+    else the PLC side does.
     faults: what goes wrong.
     has_kernel: false where only the drives of the rig run, for the master of somebody else.
     written: the rig as its files have it. assigned: what was applied to it, in its order.
@@ -89,6 +91,7 @@ class Settings:
     start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
     external: dict[str, float] = field(default_factory=dict)
     operator: Operator = Operator()
+    plc: list[Rule] = field(default_factory=list)
     faults: list[Fault] = field(default_factory=list)
     has_kernel: bool = True
     assigned: Sequence[Assigned] = ()
@@ -201,15 +204,11 @@ class Settings:
                 raise UserError("optional_stop is on or off", value=item.value, allowed="0, 1")
             self.operator = replace(self.operator, optional_stop=item.value == "1")
             return
-        if not item.name.startswith("V.E."):
-            raise UserError(
-                "the PLC side has no such key",
-                value=item.name,
-                allowed="V.E.<NAME>, start_ms, optional_stop, limit_s",
-            )
-        if item.name == "V.E.":
-            raise UserError("the external variable has no name", value=item.name)
-        self.external[item.name.removeprefix("V.E.")] = item.si()
+        first, rules = read_rules(item, list(self.rig.axis))
+        if first is not None:
+            self.external[item.name.removeprefix(VARIABLE)] = first
+        # The last one counts: --set acts on top of a table
+        self.plc = [rule for rule in self.plc if rule.column != item.column] + rules
 
     def _fault(self, item: Assignment, _located: Located) -> None:
         self.faults += read_faults(item.name, item.value, self.rig)
@@ -239,11 +238,13 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
             if assignment.column == error.file:
                 raise located(error, assignment) from error
         raise
-    for assignment, located in assignments:  # when every key of the drives is known
-        if assignment.kind == "fault":
-            try:
+    for assignment, located in assignments:  # when drives and variables are known
+        try:
+            if assignment.kind == "fault":
                 faults = read_faults(assignment.name, assignment.value, settings.rig)
                 needs_heartbeats(faults, settings.rig)
-            except UserError as error:
-                raise located(error, assignment) from error
+            if assignment.kind == "plc":
+                needs_variables(settings.plc, assignment.column, settings.external)
+        except UserError as error:
+            raise located(error, assignment) from error
     return settings

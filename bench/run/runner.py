@@ -175,6 +175,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
             *(fault.in_words() for fault in machine.faults),
+            *machine.plc_side.not_come(),
             *in_words(machine.real_time()),
         ],
         bus=[figures.as_data() for figures in buses],

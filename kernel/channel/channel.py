@@ -12,11 +12,11 @@ from typing import Any
 from kernel.channel.axes import SingleAxes
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.channel.execution import Execution
-from kernel.channel.external import ExternalVariables, PlcEvent
 from kernel.channel.measurement import Measurement
 from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.path import Path
 from kernel.channel.pauses import Pauses
+from kernel.channel.plc import PlcInterface
 from kernel.channel.reactions import Reactions
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.clock import Clock, Phase, TimeNs
@@ -81,13 +81,12 @@ class Channel:
             warn=self.warn,
         )
         self.execution = Execution(put_out)
-        self.plc_events: list[PlcEvent] = []
+        self.plc = PlcInterface(clock, self.path)
         in_position = self.path.is_in_position
-        self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc_events)
+        self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc.events)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.reactions.stops.append(self.single.stop)
-        self.external = ExternalVariables(clock, self.plc_events)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
@@ -117,7 +116,9 @@ class Channel:
         known.register(canon.DriveRead, self._ask_drive)
         known.register(canon.DriveWait, self._ask_drive)
         self.single.assign(known)
-        known.register(canon.ExternalWrite, self.external.write)
+        known.while_busy(self.plc.is_waiting)
+        known.register(canon.TechnologyFunction, self.plc.tell)
+        known.register(canon.ExternalWrite, self.plc.write)
         known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
         known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
 
@@ -197,6 +198,8 @@ class Channel:
         was_stopping = self.state is ChannelState.STOPPING
         try:
             self._monitor.take()  # 1 what the bus delivered
+            if self.start_ns is not None:
+                self.plc.step()  # 1b what the PLC side commands
             if self.state is ChannelState.RUNNING:
                 self.measurement.step()  # 2 signals, with the positions of this cycle
                 if self.single.is_active:
@@ -230,6 +233,7 @@ class Channel:
         if self._power_up.step():
             self.state = ChannelState.RUNNING
             self.start_ns = self._clock.now_ns
+            self.plc.step()
 
     # What observers and the command line read
 

@@ -1,21 +1,20 @@
-"""Where a program waits without moving: dwell time, programmed stop; and what the PLC is told."""
+"""Where a program waits without moving: dwell time, programmed stop."""
 
 from collections.abc import Callable
 
 from kernel.channel.execution import Execution
-from kernel.channel.external import PlcEvent
+from kernel.channel.plc import PlcEvent
 from kernel.clock import Clock, TimeNs
 from kernel.errors import Alarm
 from kernel.nc import canon
 
 
 class Pauses:
-    """Carries out dwell times, stops and technology functions.
+    """Carries out dwell times and stops.
 
     start_after_ns: how long after a programmed stop the operator starts again; None when nobody
     does. optional_stop: whether M1 stops. is_in_position: exact stop of all axes.
-    events: takes every stop with its new start, and every function that the PLC side was told; it
-    acknowledges at once.
+    events: takes every stop with its new start.
     """
 
     def __init__(
@@ -37,7 +36,6 @@ class Pauses:
         execution.register(canon.Dwell, self._dwell)
         execution.register(canon.ExactStop, _go_on, ready=self._is_in_position)
         execution.register(canon.ProgramStop, self._stop, ready=self._is_in_position)
-        execution.register(canon.TechnologyFunction, self._tell)
 
     def _dwell(self, command: canon.Dwell) -> None:
         """Wait whole cycles, no less than the time: n = ceil(duration / cycle).
@@ -60,9 +58,6 @@ class Pauses:
         cycles = max(1, -(-self.start_after_ns // self._period_ns))
         self._until_ns = now_ns + cycles * self._period_ns
         self._events += (PlcEvent(now_ns, command), PlcEvent(self._until_ns, command, True))
-
-    def _tell(self, command: canon.TechnologyFunction) -> None:
-        self._events.append(PlcEvent(self._clock.now_ns, command))
 
 
 def _go_on(_command: canon.ExactStop) -> None:

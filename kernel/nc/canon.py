@@ -97,6 +97,11 @@ class TechnologyFunction:
     letter: str
     number: int
 
+    @property
+    def word(self) -> str:
+        """Letter and number, as M50."""
+        return f"{self.letter}{self.number}"
+
 
 @dataclass(frozen=True)
 class MeasuringRun:

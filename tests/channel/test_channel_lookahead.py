@@ -22,7 +22,7 @@ class Decoding:
         self.decoded: list[tuple[int, canon.Command]] = []
         self.changes: dict[float, dict[str, float]] = {}
         program = parse_program(text, axes=tuple(bench.axes))
-        self._values = bench.channel.external.values
+        self._values = bench.channel.plc.values
         self._values.update(external)
         interpreter = Interpreter(program, tuple(bench.axes), bench.channel, external=self._values)
         self._commands = interpreter.commands()
@@ -100,10 +100,10 @@ def test_a_value_for_the_plc_side_is_given_out_between_the_moves(
 ) -> None:
     bench = channel_bench(words.axis("Z"))
     done = Decoding(bench, "G1 F600 Z2\nV.E.DONE=1\nZ3", DONE=0.0).run()
-    ((time_ns, write, _),) = bench.channel.plc_events
+    ((time_ns, write, _),) = bench.channel.plc.events
     assert (write.name, write.value) == ("DONE", 1.0)
     assert time_ns >= done.reaches_ns(2.0) > done.at_ns(2)
-    assert bench.channel.external.values["DONE"] == 1.0
+    assert bench.channel.plc.values["DONE"] == 1.0
     without = channel_bench(words.axis("Z"))
     Decoding(without, "G1 F600 Z2\nZ3").run()
     assert bench.set_mm("Z") == without.set_mm("Z")  # giving out a value stops nothing
@@ -130,7 +130,7 @@ def test_a_loop_that_asks_the_plc_side_goes_on_when_the_value_comes(
         nonlocal cycles
         cycles += channel.position_acs_mm("Z") == 1.0
         if cycles == 30:
-            channel.external.values["GO"] = 1.0
+            channel.plc.values["GO"] = 1.0
 
     bench.channel.observers.append(answer)
     decoding.run()

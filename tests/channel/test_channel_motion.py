@@ -139,7 +139,7 @@ def test_programmed_stop_lasts_until_the_operator_starts(channel_bench: Any, wor
             words.end(),
         ]
     )
-    (stop_ns, command, _), (start_ns, _, is_start) = bench.channel.plc_events
+    (stop_ns, command, _), (start_ns, _, is_start) = bench.channel.plc.events
     assert is_start
     assert command.block.number == 20
     assert start_ns - stop_ns == 250 * MS
@@ -152,7 +152,7 @@ def test_a_stop_lasts_a_cycle_at_least(channel_bench: Any, words: Any) -> None:
     bench.channel.pauses.start_after_ns = 0
     stops = [canon.ProgramStop(block(n), optional=False) for n in (1, 2, 3)]
     bench.run([*stops, words.end()])
-    events = bench.channel.plc_events
+    events = bench.channel.plc.events
     pairs = zip(events[::2], events[1::2], strict=True)
     assert [start.time_ns - stop.time_ns for stop, start in pairs] == [MS] * 3
 
@@ -186,8 +186,8 @@ def test_technology_functions_are_told_in_order_and_cost_no_time(
 ) -> None:
     functions = [canon.TechnologyFunction(block(n), letter, n) for n, letter in enumerate("MHT")]
     bench = channel_bench(words.axis("X")).run([*functions, words.end()])
-    assert [event.command for event in bench.channel.plc_events] == functions
-    assert len({event.time_ns for event in bench.channel.plc_events}) == 1
+    assert [event.command for event in bench.channel.plc.events] == functions
+    assert len({event.time_ns for event in bench.channel.plc.events}) == 1
 
 
 @pytest.mark.parametrize("target_mm", [10_000.0001, 10_000.0002, 9_999.9999, -0.0001])

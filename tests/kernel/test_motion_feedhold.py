@@ -1,4 +1,4 @@
-"""Feedhold of a path: it stops on the path and goes on along it to the same end, by closed forms."""
+"""Feedhold of a path: it stops on it and goes on along it to the same end, by closed forms."""
 
 import math
 from collections.abc import Sequence

@@ -1,0 +1,203 @@
+"""The PLC side while a program runs: notices the moments of its rules and acts on them.
+
+It has a turn in every NC cycle. A time comes in the first cycle at or after it; what the program
+did in a cycle is noticed in the next one, and a time behind it counts from that cycle. Values for
+drives go over SDO beside the cycle, in turn with those of #DRIVE.
+"""
+
+import heapq
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from typing import NamedTuple
+
+from bench.rig.plc import VARIABLE, Feedhold, ObjectWrite, Rule, VariableWrite
+from kernel.channel import Channel
+from kernel.channel.drive_functions import DriveAccess
+from kernel.clock import Clock, TimeNs
+from kernel.drives.functions import type_range
+from kernel.drives.sdo import SdoError, object_name
+from kernel.errors import Alarm, UserError
+from kernel.nc import canon
+
+
+class _Happening(NamedTuple):
+    """A moment that has come; function: the PLC side may have to acknowledge it."""
+
+    time_ns: TimeNs
+    word: str
+    value: float | None = None
+    is_function: bool = False
+
+
+class PlcSide:
+    """Carries out the rules of a run on one channel; accesses: the ways to its drives.
+
+    A function that a rule waits for is acknowledged when everything that it brings about is done,
+    a value for a drive when the drive has taken it.
+    Raises UserError for an object that an RPDO carries: the next telegram would overwrite it.
+    """
+
+    def __init__(
+        self,
+        channel: Channel,
+        accesses: Mapping[str, DriveAccess],
+        rules: Sequence[Rule],
+        clock: Clock,
+        period_ns: TimeNs,
+    ) -> None:
+        self._channel, self._plc, self._clock = channel, channel.plc, clock
+        self._accesses, self._rules, self._period_ns = accesses, tuple(rules), period_ns
+        self._due: list[tuple[TimeNs, int, Callable[[], None]]] = []
+        self._order = 0  # of what is due at one instant
+        self._come: Counter[int] = Counter()  # moments of each rule
+        self._has_acted: set[int] = set()
+        self._seen_events = self._runs_begun = 0
+        self._runs_ended: set[int] = set()
+        self._is_started = self._was_moving = False
+        self._holds = 0
+        self._unacknowledged = 0  # actions that the function told last waits for
+        for rule in rules:
+            self._refuse_cyclic(rule)
+        if rules:
+            self._plc.take_turn = self.take_turn
+            words = {rule.moment.word for rule in rules}
+            self._plc.acknowledged_later = frozenset(w for w in words if w[1:].isdecimal())
+
+    def _refuse_cyclic(self, rule: Rule) -> None:
+        write = rule.action
+        if not isinstance(write, ObjectWrite):
+            return
+        try:
+            self._accesses[write.axis].link.get_object(write.object.index, 0)
+        except KeyError:
+            return
+        raise UserError(
+            f"{rule.column}: an RPDO of axis {write.axis} carries {write.object.name},"
+            " which would overwrite it with the next cycle",
+            value=rule.text,
+            hint="write it with #DRIVE, or take it out of the pdo_map of the drive",
+        )
+
+    def not_come(self) -> list[str]:
+        """Say which rules have not acted, as their moment has not come."""
+        return [
+            f"{rule.column}: {rule.text} has not come"
+            for number, rule in enumerate(self._rules)
+            if number not in self._has_acted
+        ]
+
+    @property
+    def writes_variables(self) -> bool:
+        """Whether a V.E. variable changes by itself, so that a program may wait for it."""
+        return any(isinstance(rule.action, VariableWrite) for rule in self._rules)
+
+    def take_turn(self) -> None:
+        """Do the work of one cycle."""
+        for happening in self._happenings():
+            for number, rule in enumerate(self._rules):
+                if rule.moment.fits(happening.word, happening.value):
+                    self._come[number] += 1
+                    if rule.nth in (None, self._come[number]):
+                        self._unacknowledged += happening.is_function
+                        action = partial(self._act, number, rule, happening.is_function)
+                        self._at(happening.time_ns + rule.moment.offset_ns, action)
+            if happening.is_function and not self._unacknowledged:
+                self._plc.acknowledge()
+        while self._due and self._due[0][0] <= self._clock.now_ns:
+            heapq.heappop(self._due)[2]()
+        self._plc.feedhold = self._holds > 0
+
+    def _at(self, time_ns: TimeNs, action: Callable[[], None]) -> None:
+        self._order += 1
+        heapq.heappush(self._due, (time_ns, self._order, action))
+
+    # Moments
+
+    def _happenings(self) -> Iterator[_Happening]:
+        now_ns, before_ns = self._clock.now_ns, self._clock.now_ns - self._period_ns
+        if not self._is_started:
+            self._is_started = True
+            yield _Happening(now_ns, "start")
+        events = self._plc.events
+        for event in events[self._seen_events :]:
+            command = event.command
+            if isinstance(command, canon.TechnologyFunction):
+                is_mine = command.word in self._plc.acknowledged_later
+                yield _Happening(event.time_ns, command.word, is_function=is_mine)
+            elif isinstance(command, canon.ExternalWrite):
+                word = f"{VARIABLE}{command.name}".upper()
+                yield _Happening(event.time_ns, word, command.value)
+        self._seen_events = len(events)
+        yield from self._runs()
+        is_moving = self._channel.path.is_moving
+        if is_moving is not self._was_moving:
+            self._was_moving = is_moving
+            yield _Happening(before_ns, "motion" if is_moving else "standing")
+
+    def _runs(self) -> Iterator[_Happening]:
+        records = self._channel.records
+        for number, record in enumerate(records):
+            if number >= self._runs_begun:
+                self._runs_begun += 1
+                yield _Happening(record.begin_ns, "run")
+            if record.end_ns is not None and number not in self._runs_ended:
+                self._runs_ended.add(number)
+                yield _Happening(record.end_ns, "run_end")
+
+    # Actions
+
+    def _act(self, number: int, rule: Rule, is_awaited: bool) -> None:
+        self._has_acted.add(number)
+        match rule.action:
+            case ObjectWrite() as write:
+                self._write(write, rule, is_awaited)
+                return
+            case VariableWrite(name=name, value=value):
+                self._plc.values[name] = value
+                self._plc.note(f"V.E.{name} = {value:.15g} from the PLC", rule.column)
+            case Feedhold(for_ns=for_ns):
+                self._hold(rule, for_ns)
+        self._done(is_awaited)
+
+    def _hold(self, rule: Rule, for_ns: TimeNs) -> None:
+        """Hold the path; where two overlap it is held until both are over."""
+        self._holds += 1
+        if self._holds == 1:
+            self._plc.note("feedhold on", rule.column)
+
+        def release() -> None:
+            self._holds -= 1
+            if not self._holds:
+                self._plc.note("feedhold off", rule.column)
+
+        self._at(self._clock.now_ns + for_ns, release)
+
+    def _write(self, write: ObjectWrite, rule: Rule, is_awaited: bool) -> None:
+        target, words = write.object, f"{write.axis}.{write.object.name} = {write.value}"
+        _, high = type_range(target.type)
+        self._plc.note(f"{words} from the PLC", rule.column)
+
+        def answered(answer: bytes | SdoError) -> None:
+            if isinstance(answer, SdoError):
+                alarm = Alarm(
+                    900270,
+                    axis=write.axis,
+                    column=rule.column,
+                    object=object_name(target.index, 0),
+                    value=write.value,
+                    answer=str(answer),
+                )
+                self._plc.report(alarm)
+            else:
+                self._plc.note(f"{words}: the drive has taken it", rule.column)
+            self._done(is_awaited)
+
+        data = write.value.to_bytes(high.bit_length() // 8, "little")
+        self._accesses[write.axis].sdo.write(target.index, 0, data, answered)
+
+    def _done(self, is_awaited: bool) -> None:
+        if is_awaited:
+            self._unacknowledged -= 1
+            if not self._unacknowledged:
+                self._plc.acknowledge()

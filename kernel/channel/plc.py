@@ -1,0 +1,93 @@
+"""The interface to the PLC side: what the channel tells it, and what it commands.
+
+Once per cycle, in front of everything that moves, the PLC side has its turn; its commands act in
+that cycle, and what the program tells it in a cycle it sees in the next one. Sources: TF5200
+external variables 1091998347; HLI, MC_Control units of a channel (path feedhold); MVS_SVS of
+P-CHAN-00041 (functions that the PLC acknowledges).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from kernel.channel.path import Path
+from kernel.clock import Clock, TimeNs
+from kernel.errors import Alarm
+from kernel.nc import canon
+
+
+@dataclass(frozen=True)
+class PlcAction:
+    """Something that the PLC side has done, in words; place: where it is written."""
+
+    words: str
+    place: str
+
+
+class PlcEvent(NamedTuple):
+    """Something that passed between the program and the PLC side.
+
+    starts_again: the operator's start after a programmed stop, not the stop itself.
+    """
+
+    time_ns: TimeNs
+    command: canon.ProgramStop | canon.TechnologyFunction | canon.ExternalWrite | PlcAction
+    starts_again: bool = False
+
+
+class PlcInterface:
+    """One channel as the PLC side sees it.
+
+    values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
+    one, when everything before it is executed. events: everything that passed, in order.
+    take_turn: the PLC side's own work of a cycle. feedhold: control unit of the path, True stops
+    it. acknowledged_later: functions (M50) that the PLC side acknowledges by `acknowledge`; every
+    other one counts as acknowledged at once.
+    """
+
+    def __init__(self, clock: Clock, path: Path) -> None:
+        self._clock, self._path = clock, path
+        self.values: dict[str, float] = {}
+        self.events: list[PlcEvent] = []
+        self.take_turn: Callable[[], None] = lambda: None
+        self.feedhold = False
+        self.acknowledged_later: frozenset[str] = frozenset()
+        self._awaits_acknowledgement = False
+        self._reported: list[Alarm] = []
+
+    # What the channel does
+
+    def step(self) -> None:
+        """Give the PLC side its turn; raises the alarm that it has reported."""
+        self.take_turn()
+        self._path.feedhold(is_on=self.feedhold)
+        if self._reported:
+            raise self._reported.pop(0)
+
+    def is_waiting(self) -> bool:
+        """Tell whether a function is still to be acknowledged: nothing begins before."""
+        return self._awaits_acknowledgement
+
+    def tell(self, command: canon.TechnologyFunction) -> None:
+        """Tell the PLC side a function."""
+        self.events.append(PlcEvent(self._clock.now_ns, command))
+        self._awaits_acknowledgement = command.word in self.acknowledged_later
+
+    def write(self, command: canon.ExternalWrite) -> None:
+        """Give out a value: the PLC side has it from now on."""
+        self.values[command.name] = command.value
+        self.events.append(PlcEvent(self._clock.now_ns, command))
+
+    # What the PLC side does in its turn, or when a drive has answered it
+
+    def acknowledge(self) -> None:
+        """Acknowledge the function that was told last."""
+        self._awaits_acknowledgement = False
+
+    def note(self, words: str, place: str) -> None:
+        """Keep what the PLC side has done, for log and marks."""
+        self.events.append(PlcEvent(self._clock.now_ns, PlcAction(words, place)))
+
+    def report(self, alarm: Alarm) -> None:
+        """Let the channel raise an alarm in its next cycle."""
+        self._reported.append(alarm)

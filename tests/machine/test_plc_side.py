@@ -1,0 +1,133 @@
+"""The PLC side on the machine: values for drives and variables, at their moments."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from bench.run.observe import Observed
+from bench.run.plc import plc_log, plc_side
+from kernel.clock import MS
+from kernel.drives import mapping
+from kernel.errors import UserError
+
+RunNc = Callable[..., Any]
+BASE = "drive-functions.toml"
+READ = '#DRIVE RD [AX=Z KEY=TORQUE_LIMIT P=V.P.T]\n#MSG SYN["limit=%d", V.P.T]\n'
+"""The drive itself tells its 6072, in per cent: the function of the list divides by 10."""
+
+
+def at_ns(out: Any, words: str) -> list[int]:
+    """Instants of what passed between program and PLC side, by its words."""
+    return [time_ns for time_ns, said, _ in plc_side(out.machine) if said == words]
+
+
+def test_a_function_brings_a_value_to_the_drive_and_waits_until_it_is_there(run_nc: RunNc) -> None:
+    out = run_nc(
+        f"{READ}N10 M50\n{READ}N20 G1 Z129 F600\nN30 M51\n{READ}",
+        "",
+        "plc:Z.torque_limit=300 at=M50; 5000 at=M51",
+        base=BASE,
+    )
+    assert out.printed("limit") == [5000, 30, 500]
+    period_ns = out.machine.timing.period_ns
+    ((told,), (sent,)) = (
+        at_ns(out, "M50 to the PLC"),
+        at_ns(out, "Z.torque_limit = 300 from the PLC"),
+    )
+    assert sent == told + period_ns
+    (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
+    assert sent < taken < sent + 3 * MS
+    labels = [event.label for event in Observed(out.machine).events()]
+    assert "Z.torque_limit = 300: the drive has taken it" in labels
+
+
+def test_a_motion_behind_the_function_begins_when_the_drive_has_its_value(run_nc: RunNc) -> None:
+    """The answer comes 20 ms late; without it the path would move in the cycle of M50."""
+    out = run_nc(
+        "N10 G4 0.1\nN20 M50\nN30 G1 Z129 F600",
+        "",
+        "plc:Z.6072=300 at=M50",
+        "fault:slow_sdo=Z by=20ms at=start",
+        base=BASE,
+    )
+    (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
+    (told,) = at_ns(out, "M50 to the PLC")
+    assert taken - told > 20 * MS
+    times, set_mm = out.column("time_ns"), out.column("Z.set_mm")
+    begin_ns = int(times[(set_mm != set_mm[0]).argmax()])
+    assert taken < begin_ns < taken + 3 * out.machine.timing.period_ns
+
+
+def test_times_and_the_second_of_a_moment(run_nc: RunNc) -> None:
+    out = run_nc(
+        "N10 M50\nN20 M50\nN30 M50\nN40 G4 0.1",
+        "",
+        "plc:Z.torque_limit=300 at=M50+20ms nth=2; 400 at=30ms",
+        base=BASE,
+    )
+    start_ns, told = out.machine.channel.start_ns, at_ns(out, "M50 to the PLC")
+    assert at_ns(out, "Z.torque_limit = 300 from the PLC") == [told[1] + 20 * MS]
+    assert at_ns(out, "Z.torque_limit = 400 from the PLC") == [start_ns + 30 * MS]
+    (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
+    assert told[2] > taken  # M50 is acknowledged when the drive has its value
+
+
+def test_a_limit_holds_for_a_measurement_run_and_is_restored_behind_it(run_nc: RunNc) -> None:
+    out = run_nc(
+        f"N10 G100 Z90 F600\n{READ}N20 G1 Z110 F6000\n{READ}",
+        "",
+        "plc:Z.torque_limit=400 at=run; 5000 at=run_end+50ms",
+        base=BASE,
+    )
+    (record,) = out.machine.channel.records
+    (limited,) = at_ns(out, "Z.torque_limit = 400 from the PLC")
+    assert limited == record.begin_ns + out.machine.timing.period_ns
+    assert at_ns(out, "Z.torque_limit = 5000 from the PLC") == [record.end_ns + 50 * MS]
+    assert out.printed("limit") == [40, 500]
+
+
+def test_a_handshake_by_variables(run_nc: RunNc) -> None:
+    out = run_nc(
+        f"V.E.LIMIT = 1\n#WAIT FOR V.E.READY == 1\n{READ}V.E.LIMIT = 0\nG4 0.1\n{READ}",
+        "",
+        "plc:V.E.LIMIT=0",
+        "plc:V.E.READY=0; 1 at=V.E.LIMIT=1+10ms",
+        "plc:Z.torque_limit=300 at=V.E.Limit=1; 5000 at=V.E.LIMIT=0",
+        base=BASE,
+    )
+    assert out.alarms == []
+    assert out.printed("limit") == [30, 500]
+    (asked,) = at_ns(out, "V.E.LIMIT = 1 to the PLC")
+    assert at_ns(out, "V.E.READY = 1 from the PLC") == [asked + 10 * MS]
+
+
+@pytest.mark.provokes(900270, 4, axis="Z", value="300", object="0x6072:0")
+def test_900270_when_the_drive_does_not_take_the_value(run_nc: RunNc) -> None:
+    """Two attempts of 300 ms get no answer."""
+    out = run_nc(
+        "N10 G1 Z129 F60\nN20 G4 2",
+        "",
+        "plc:Z.torque_limit=300 at=motion+1ms",
+        "fault:drop=Z.SDO at=motion",
+        base=BASE,
+    )
+    assert out.alarms == [900270]
+    (alarm,) = out.machine.channel.alarms
+    assert "plc:Z.torque_limit" in str(alarm)
+
+
+def test_an_object_that_an_rpdo_carries_is_refused(run_nc: RunNc, tmp_path: Path) -> None:
+    own = tmp_path / "map.csv"
+    table = Path(mapping.__file__).with_name("pdo_map.csv").read_text(encoding="utf-8")
+    own.write_text(f"{table}RPDO2,1,0,0x6072,0,16,no,,torque limit\n", encoding="utf-8")
+    with pytest.raises(UserError, match="RPDO of axis Z carries torque_limit"):
+        run_nc("", f'[drive.servo]\npdo_map = "{own}"', "plc:Z.torque_limit=300", base=BASE)
+
+
+def test_what_has_not_come_is_told(run_nc: RunNc) -> None:
+    out = run_nc("N10 M50", "", "plc:Z.torque_limit=300 at=M50; 400 at=M77", base=BASE)
+    assert plc_log(out.machine)[-1] == "plc:Z.torque_limit: 400 at=M77 has not come"
+    assert not [line for line in plc_log(out.machine) if re.search("300.*not come", line)]
