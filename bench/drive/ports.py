@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from kernel.clock import TimeNs
-from kernel.cosim.axis import ControlKind
+from kernel.cosim.demand import ControlKind
 
 __all__ = ["AxisPort", "ControlKind", "SignalPort"]
 

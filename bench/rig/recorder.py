@@ -5,19 +5,21 @@ and what the kernel made of it in the cycle after (set position, its own lag).
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 
 from bench.drive.application.servo import Servo
 from bench.rig.lag import largest_lag
 from kernel.channel import Channel
 from kernel.clock import TimeNs
-from kernel.cosim.axis import PlantAxis
+from kernel.cosim.axis import AXIS_OUTPUTS, PlantAxis
 from kernel.cosim.distance import PlantDistance
 from kernel.cosim.plant import Plant
 from kernel.cosim.probe import PlantProbe
+from kernel.cosim.roles import Roles
 
 # What a drive outside tells; the others are the plant's
 KERNEL_COLUMNS = ("set_mm", "actual_mm", "cnc_lag_mm")
@@ -30,8 +32,15 @@ AXIS_COLUMNS = (
     "drive_lag_mm",
     "drive_lag_peak_mm",
 )
-# Of the axis at the SYNC, kept to reckon the last column: demand, motor position, its velocity (m)
-KEPT = 3
+# Column -> role that the FMU of an axis must fill for it
+FORCE_COLUMNS = {"force_n": "force"}
+STOP_COLUMNS = {
+    "stop_force_n": "stop_force",
+    "stop_force_peak_n": "stop_force",
+    "stop_mm": "stop_face",
+}
+NO_STOP_M = 100.0
+"""A stop as far away as this stands for none: no machine has such an axis."""
 # Column -> role that the FMU of a distance sensor must fill for it
 DISTANCE_COLUMNS = {
     "distance_mm": "distance",
@@ -41,15 +50,31 @@ DISTANCE_COLUMNS = {
 }
 
 
+Floats = npt.NDArray[np.float64]
+# What a row keeps of an axis with a plant: its motion and the peak of the stop force
+TOLD = len(AXIS_OUTPUTS) + 1
+
+
+def _columns(roles: Roles, told: Mapping[str, Floats]) -> list[str]:
+    """Return the columns of an axis with a plant, in their order."""
+    names = [*AXIS_COLUMNS, *(name for name, role in FORCE_COLUMNS.items() if roles.has(role))]
+    has_stop = not roles.has("stop_face") or bool(np.any(np.abs(told["stop_mm"]) < NO_STOP_M * 1e3))
+    if has_stop:
+        names += [name for name, role in STOP_COLUMNS.items() if roles.has(role)]
+    return names
+
+
 class Recorder:
     """Collects the trace of one run.
 
     axes: (axis name, its plant, the drive in front of it; None for a drive outside); probes:
     instance name -> plant. drive_lag_peak_mm is the largest magnitude of the lag at the ticks of
-    the drive since the row before.
+    the drive since the row before, stop_force_peak_n the largest force of the stop since then
+    (`PlantAxis.stop_force_peak_n`).
     `table()` gives one column `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64;
-    KERNEL_COLUMNS without a plant), per probe its signal and per distance sensor those of
-    DISTANCE_COLUMNS that it tells.
+    KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU tells (no stop farther
+    away than NO_STOP_M), per probe its signal and per distance sensor those of DISTANCE_COLUMNS
+    that it tells.
     """
 
     def __init__(
@@ -84,22 +109,13 @@ class Recorder:
             if axis is None or servo is None:
                 row += (link.set_mm, link.actual_mm, link.lag_mm)
                 continue
-            motion = axis.motion
+            motion, at_ns = axis.motion, plant_ns
             if servo.sync_ns != plant_ns and servo.sync_ns >= channel.sync_ns:
                 # a tick or an SDO has moved the plant on
-                time_ns, motion = servo.sync_ns, axis.motion_at(servo.sync_ns)
-            position, velocity, motor, motor_velocity, demand = motion
-            row += (
-                link.set_mm,
-                link.actual_mm,
-                position * 1e3,
-                velocity * 1e3,
-                link.lag_mm,
-                (demand - motor) * 1e3,
-                demand,
-                motor,
-                motor_velocity,
-            )
+                time_ns = at_ns = servo.sync_ns
+                motion = axis.motion_at(at_ns)
+            peak_n = axis.stop_force_peak_n(self._times[-1] if self._times else at_ns, at_ns)
+            row += (link.set_mm, link.actual_mm, link.lag_mm, *motion, peak_n)
         self._times.append(time_ns)
         self._rows.append(tuple(row))
         self._levels.append(tuple([signal.level for signal in self._signals]))
@@ -116,28 +132,39 @@ class Recorder:
     def table(self) -> pa.Table:
         """Return the trace; columns in the order of the axes."""
         columns: dict[str, pa.Array] = {"time_ns": pa.array(self._times, pa.int64())}
-        widths = [
-            len(KERNEL_COLUMNS) if axis is None else len(AXIS_COLUMNS) - 1 + KEPT
-            for axis in self._axes
-        ]
+        widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
         values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), sum(widths))
         places = np.split(values, np.cumsum(widths)[:-1], axis=1)
-        for name, servo, place in zip(self._names, self._servos, places, strict=True):
-            told = list(place.T)
-            if servo is not None:
-                demand, motor, velocity = told[-KEPT:]
-                del told[-KEPT:]
-                times = np.array(self._times, dtype=np.int64)
-                told.append(largest_lag(times, (demand, motor, velocity), servo.tick_ns) * 1e3)
-            known = KERNEL_COLUMNS if servo is None else AXIS_COLUMNS
-            for column, told_column in zip(known, told, strict=True):
-                columns[f"{name}.{column}"] = pa.array(told_column)
+        for name, axis, servo, place in zip(
+            self._names, self._axes, self._servos, places, strict=True
+        ):
+            told = dict(zip(KERNEL_COLUMNS, place.T, strict=False))
+            if axis is not None and servo is not None:
+                told |= self._of_plant(place.T[len(KERNEL_COLUMNS) :], servo)
+                told = {column: told[column] for column in _columns(axis.roles, told)}
+            columns |= {f"{name}.{column}": pa.array(value) for column, value in told.items()}
         levels = np.array(self._levels, dtype=np.int8).reshape(
             len(self._levels), len(self._probe_names)
         )
         for index, name in enumerate(self._probe_names):
             columns[f"{name}.signal"] = pa.array(levels[:, index])
         return pa.table(columns | self._distance_columns())
+
+    def _of_plant(self, told: Floats, servo: Servo) -> dict[str, Floats]:
+        """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows."""
+        position, velocity, motor, motor_velocity, demand, force, stop_force, face, peak = told
+        times = np.array(self._times, dtype=np.int64)
+        return {
+            "truth_mm": position * 1e3,
+            "velocity_mm_s": velocity * 1e3,
+            "drive_lag_mm": (demand - motor) * 1e3,
+            "drive_lag_peak_mm": 1e3
+            * largest_lag(times, (demand, motor, motor_velocity), servo.tick_ns),
+            "force_n": force,
+            "stop_force_n": stop_force,
+            "stop_force_peak_n": peak,
+            "stop_mm": face * 1e3,
+        }
 
     def _distance_columns(self) -> dict[str, pa.Array]:
         columns: dict[str, pa.Array] = {}

@@ -4,15 +4,15 @@ from collections import deque
 from collections.abc import Callable
 
 from kernel.clock import TimeNs
-from kernel.cosim.axis import PlantAxis, hermite
+from kernel.cosim.axis import FORCE, PlantAxis, hermite
 from kernel.cosim.roles import Roles
 
 
 class GridAxis(PlantAxis):
     """An axis on the grid of its FMU, which goes ahead to the next point of it.
 
-    Between two points the motion is a cubic Hermite polynomial through them. A new demand acts from
-    the next point on, as in a drive that works in such steps.
+    Between two points the motion is a cubic Hermite polynomial through them, a force a straight
+    line. A new demand acts from the next point on, as in a drive that works in such steps.
     """
 
     def __init__(self, roles: Roles, advance_to: Callable[[TimeNs], None]) -> None:
@@ -40,7 +40,7 @@ class GridAxis(PlantAxis):
     def _between(self, time_ns: TimeNs) -> list[float]:
         (begin_ns, begin), (end_ns, end) = list(self._points)[-2:]
         if time_ns == end_ns:
-            return [*end[:4], self._demand_of(end, time_ns)]
+            return [*end[:4], self._demand_of(end, time_ns), *end[FORCE:]]
         time_s, step_s = (time_ns - begin_ns) * 1e-9, (end_ns - begin_ns) * 1e-9
         motion: list[float] = []
         for place in (0, 2):
@@ -48,7 +48,7 @@ class GridAxis(PlantAxis):
             motion += (hermite(time_s, step_s, ends), _rate(time_s, step_s, ends))
         share = time_s / step_s
         told = [(1 - share) * first + share * last for first, last in zip(begin, end, strict=True)]
-        return [*motion, self._demand_of(told, time_ns)]
+        return [*motion, self._demand_of(told, time_ns), *told[FORCE:]]
 
     def _demand_of(self, motion: list[float], time_ns: TimeNs) -> float:
         return motion[4] if self.roles.has("demand_position") else self._demand_at(time_ns)

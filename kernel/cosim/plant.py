@@ -114,6 +114,8 @@ class Plant:
         if self.distances:
             self.exchange_ns = min(self.exchange_ns, FOLLOW_NS)
         self.fine_ns = self._whole_steps_ns(self.fine_ns)
+        for axis in self._axes:
+            axis.fine_ns = self.fine_ns
         self._can_repeat = all(axis.slave.can.can_save_state for axis in self.axes.values())
         self._derives_velocity = not all(axis.tells_velocity for axis in self.axes.values())
         if self._derives_velocity:

@@ -30,7 +30,7 @@ _MAY_BE = {
 }
 
 # Groups whose names an FMU may use for something else; it need not take part in them
-_MAY_BE_ANOTHER = ("control", "force_limits", "force_limit", "force")
+_MAY_BE_ANOTHER = ("control", "force_limits", "force_limit", "force", "stop_force", "stop_face")
 
 
 class Values(Protocol):

@@ -8,7 +8,8 @@ import pytest
 
 from fmus import ensure_built
 from kernel.clock import MS
-from kernel.cosim.axis import ControlKind, PlantAxis
+from kernel.cosim.axis import PlantAxis
+from kernel.cosim.demand import ControlKind
 from kernel.cosim.fmu import load_fmu
 from kernel.cosim.plant import Plant
 from kernel.cosim.roles import Source, map_roles

@@ -18,7 +18,7 @@ from bench.drive.application.servo import Servo
 from bench.drive.objects import variables
 from bench.drive.profile import DriveProfile
 from kernel.clock import MS, US
-from kernel.cosim.axis import ControlKind
+from kernel.cosim.demand import ControlKind
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State, state_of
 

@@ -11,7 +11,7 @@ import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
 from kernel.clock import MS, US, S
-from kernel.cosim.axis import ControlKind
+from kernel.cosim.demand import ControlKind
 from kernel.drives.ds402 import State
 
 Make = Callable[..., Any]

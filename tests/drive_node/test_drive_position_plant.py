@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from kernel.clock import MS
-from kernel.cosim.axis import ControlKind
+from kernel.cosim.demand import ControlKind
 from kernel.drives.ds402 import State
 
 Make = Callable[..., Any]

@@ -56,8 +56,21 @@ model GantryPair "Two drives that move one beam on two guideways"
     "Centre of mass from the middle, towards the first guideway";
   parameter Units.Stiffness coupling_stiffness = 150e6 "Between each carriage and the beam";
   parameter Units.Damping coupling_damping = 20e3 "Between each carriage and the beam";
-  parameter Units.Position stop_position_1 = 1e3 "Fixed stop of the first side, positive direction";
+  parameter Units.Position stop_position_1 = 1e3
+    "Fixed stop of the first side; the default lies out of reach";
+  parameter Integer stop_direction_1(min = -1, max = 1) = 1
+    "1: this stop is met in positive direction, -1: in negative direction";
+  parameter Units.Velocity stop_speed_1(min = -1, max = 1) = 0
+    "Of the stop of the first side from stop_begin_1 to stop_end_1; 0: it stands";
+  parameter Units.Time stop_begin_1 = 0 "When this stop begins to move";
+  parameter Units.Time stop_end_1 = 0 "When it stands again";
   parameter Units.Position stop_position_2 = 1e3 "Fixed stop of the second side";
+  parameter Integer stop_direction_2(min = -1, max = 1) = 1
+    "1: this stop is met in positive direction, -1: in negative direction";
+  parameter Units.Velocity stop_speed_2(min = -1, max = 1) = 0
+    "Of the stop of the second side from stop_begin_2 to stop_end_2; 0: it stands";
+  parameter Units.Time stop_begin_2 = 0 "When this stop begins to move";
+  parameter Units.Time stop_end_2 = 0 "When it stands again";
   parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of each stop";
   parameter Units.ContactDamping stop_damping = 20
     "Share of the stop's spring force per velocity";
@@ -73,6 +86,7 @@ model GantryPair "Two drives that move one beam on two guideways"
   output Units.Position demand_position_1 "Position demand of the first side";
   output Units.Force force_1 "Motor force of the first side";
   output Units.Force stop_force_1 "Force between beam and stop, first side";
+  output Units.Position stop_face_1 "Where the stop of the first side is touched now";
   output Units.Position position_2 "Second end of the beam (truth)";
   output Units.Velocity velocity_2 "Velocity of the second end";
   output Units.Position motor_position_2 "Motor encoder of the second side";
@@ -80,6 +94,7 @@ model GantryPair "Two drives that move one beam on two guideways"
   output Units.Position demand_position_2 "Position demand of the second side";
   output Units.Force force_2 "Motor force of the second side";
   output Units.Force stop_force_2 "Force between beam and stop, second side";
+  output Units.Position stop_face_2 "Where the stop of the second side is touched now";
   output Units.Position skew "How far the first end of the beam is ahead";
 protected
   constant Real pi = 3.141592653589793;
@@ -113,10 +128,18 @@ protected
     position_start = position_start);
   Mechanics.FixedStop stop_1(
     stop_position = stop_position_1,
+    stop_direction = stop_direction_1,
+    stop_speed = stop_speed_1,
+    stop_begin = stop_begin_1,
+    stop_end = stop_end_1,
     stiffness = stop_stiffness,
     damping = stop_damping);
   Mechanics.FixedStop stop_2(
     stop_position = stop_position_2,
+    stop_direction = stop_direction_2,
+    stop_speed = stop_speed_2,
+    stop_begin = stop_begin_2,
+    stop_end = stop_end_2,
     stiffness = stop_stiffness,
     damping = stop_damping);
 equation
@@ -159,6 +182,7 @@ equation
   demand_position_1 = drive_1.demand_position;
   force_1 = drive_1.force;
   stop_force_1 = stop_1.force;
+  stop_face_1 = stop_1.face;
   position_2 = beam.flange_2.s;
   velocity_2 = der(beam.flange_2.s);
   motor_position_2 = carriage_2.position;
@@ -166,6 +190,7 @@ equation
   demand_position_2 = drive_2.demand_position;
   force_2 = drive_2.force;
   stop_force_2 = stop_2.force;
+  stop_face_2 = stop_2.face;
   skew = position_1 - position_2;
   annotation(
     Documentation(info="<html>

@@ -35,6 +35,10 @@ partial model PartialAxis "Inputs, outputs, drive and fixed stop of a linear axi
   parameter Units.Position stop_position = 1e3 "Fixed stop; the default lies out of reach";
   parameter Integer stop_direction(min = -1, max = 1) = 1
     "1: the stop is met in positive direction, -1: in negative direction";
+  parameter Units.Velocity stop_speed(min = -1, max = 1) = 0
+    "Of the stop from stop_begin to stop_end; 0: it stands";
+  parameter Units.Time stop_begin = 0 "When the stop begins to move";
+  parameter Units.Time stop_end = 0 "When it stands again";
   parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of the stop";
   parameter Units.Exponent stop_exponent = 1 "Power of its penetration; 1: straight";
   parameter Units.ContactDamping stop_damping = 20
@@ -53,6 +57,7 @@ partial model PartialAxis "Inputs, outputs, drive and fixed stop of a linear axi
   output Units.Position demand_position "Position demand";
   output Units.Force force "Motor force on the slide";
   output Units.Force stop_force "Force between slide and stop";
+  output Units.Position stop_face "Where the stop is touched now (truth)";
 protected
   constant Real pi = 3.141592653589793;
   replaceable DriveCascade drive(
@@ -74,6 +79,9 @@ protected
   Mechanics.FixedStop stop(
     stop_position = stop_position,
     stop_direction = stop_direction,
+    stop_speed = stop_speed,
+    stop_begin = stop_begin,
+    stop_end = stop_end,
     stiffness = stop_stiffness,
     exponent = stop_exponent,
     damping = stop_damping);
@@ -94,6 +102,7 @@ equation
   demand_position = drive.demand_position;
   force = drive.force;
   stop_force = stop.force;
+  stop_face = stop.face;
   annotation(
     Documentation(info="<html>
 <p>Equation: m_eff = m + J (2 pi/h)^2 with the screw lead h; gain of the velocity loop

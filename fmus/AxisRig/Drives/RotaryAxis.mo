@@ -42,6 +42,10 @@ model RotaryAxis "Rotary table with drive cascade, friction, imbalance and a fix
   parameter Units.Angle stop_position = 1e3 "Fixed stop; the default lies out of reach";
   parameter Integer stop_direction(min = -1, max = 1) = 1
     "1: the stop is met in positive direction, -1: in negative direction";
+  parameter Units.AngularVelocity stop_speed(min = -1, max = 1) = 0
+    "Of the stop from stop_begin to stop_end; 0: it stands";
+  parameter Units.Time stop_begin = 0 "When the stop begins to move";
+  parameter Units.Time stop_end = 0 "When it stands again";
   parameter Units.TorsionalStiffness stop_stiffness = 1e6 "Stiffness of the stop";
   parameter Units.TorsionalContactDamping stop_damping = 1
     "Share of the stop's spring torque per angular velocity";
@@ -57,6 +61,7 @@ model RotaryAxis "Rotary table with drive cascade, friction, imbalance and a fix
   output Units.Angle demand_position "Demand";
   output Units.Torque force "Motor torque at the table";
   output Units.Torque stop_force "Torque between table and stop";
+  output Units.Angle stop_face "Where the stop is touched now (truth)";
 protected
   constant Real pi = 3.141592653589793;
   constant Units.Length arm = 1 "Radius at which the linear parts act";
@@ -79,6 +84,9 @@ protected
   Mechanics.FixedStop stop(
     stop_position = stop_position*arm,
     stop_direction = stop_direction,
+    stop_speed = stop_speed*arm,
+    stop_begin = stop_begin,
+    stop_end = stop_end,
     stiffness = stop_stiffness/arm^2,
     damping = stop_damping/arm);
   Mechanics.Load load "Of the imbalance";
@@ -106,6 +114,7 @@ equation
   demand_position = drive.demand_position/arm;
   force = drive.force*arm;
   stop_force = stop.force*arm;
+  stop_face = stop.face/arm;
   annotation(
     Documentation(info="<html>
 <p>Equation: (I + J i^2) dw/dt = M_motor - M_friction - M_stop - M_u sin(phi). The parts are those

@@ -1,5 +1,5 @@
 within AxisRig.Mechanics;
-model FixedStop "Obstacle at rest that can only push, contact by Hunt and Crossley"
+model FixedStop "Obstacle that can only push, contact by Hunt and Crossley"
   extends PartialStop;
   parameter Units.Stiffness stiffness = 20e6 "Force over penetration at the reference penetration";
   parameter Units.Exponent exponent = 1 "Power of the penetration; 1: straight, 1.5: Hertz";
@@ -21,7 +21,7 @@ F = k p (1 + a dp/dt); a = 0 then gives a plain spring.</p>
 leaves; the velocity is never set, so energy is only lost. Coefficient of restitution e at the
 speed v of impact from a v (1 + e) = ln((1 + a v)/(1 - a e v)). The largest force exceeds the
 v sqrt(k m) of an undamped stop: by 9 % at a v = 2 and n = 1.</p>
-<p>Assumption: the stop does not move. Limit: one point of contact; stops of machines have 20 to
+<p>Assumption: no mass moves with the stop. Limit: one point of contact; stops of machines have 20 to
 500 N/um. Source: K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping
 in vibroimpact, J. Applied Mechanics 42 (1975).</p>
 </html>"));

@@ -1,5 +1,5 @@
 within AxisRig.Mechanics;
-model LinearStop "Obstacle at rest that can only push, spring with damper"
+model LinearStop "Obstacle that can only push, spring with damper"
   extends PartialStop;
   parameter Units.Stiffness stiffness = 20e6 "Stiffness of the contact";
   parameter Units.Damping damping = 4e3 "Damping of the contact";
