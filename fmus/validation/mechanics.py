@@ -94,6 +94,53 @@ def fixed_stop_torn_off(time_s: Vector) -> Mapping[str, Vector]:
     return {"position": stop - rows[:, 0], "velocity": -rows[:, 1], "force": np.array(forces)}
 
 
+def moving_stop(time_s: Vector) -> Mapping[str, Vector]:
+    """A stop with exponent 1 moves against a mass under a constant load from 8 ms to 52 ms.
+
+    m dv/dt = L - k p (1 + a (v - v_s)) with p = x - x_s(t) while p > 0 and the stop pushes.
+    Source: Hunt, Crossley (1975).
+    """
+    mass, load, k, a = 100.0, 600.0, 50e6, 8.0
+    stop, speed, begin, end = 3e-3, -0.05, 0.008, 0.052
+
+    def face(t: float, mode: Mode) -> tuple[float, float]:
+        if mode[3]:
+            return stop + speed * (end - begin), 0.0
+        return (stop + speed * (t - begin), speed) if mode[2] else (stop, 0.0)
+
+    def force(t: float, x: list[float], mode: Mode) -> float:
+        at, rate = face(t, mode)
+        return k * (x[0] - at) * (1.0 + a * (x[1] - rate)) if mode[0] and mode[1] else 0.0
+
+    guards: list[Guard] = [
+        lambda t, x, m: x[0] - face(t, m)[0],
+        lambda t, x, m: 1.0 + a * (x[1] - face(t, m)[1]),
+        lambda t, x, m: t - begin,
+        lambda t, x, m: t - end,
+    ]
+    rows = integrate(
+        lambda t, x, mode: (x[1], (load - force(t, x, mode)) / mass),
+        [0.0, 0.02],
+        time_s,
+        guards,
+        rtol=1e-12,
+        atol=1e-16,
+        max_step_s=2e-5,
+    )
+    timed = [(t, (False, False, t >= begin, t >= end)) for t in time_s]
+    faces = [face(t, mode)[0] for t, mode in timed]
+    forces = [
+        force(t, x, (x[0] > face(t, mode)[0], True, *mode[2:]))
+        for (t, mode), x in zip(timed, rows.tolist(), strict=True)
+    ]
+    return {
+        "position": rows[:, 0],
+        "velocity": rows[:, 1],
+        "force": np.maximum(forces, 0.0),
+        "face": np.array(faces),
+    }
+
+
 def linear_stop(time_s: Vector) -> Mapping[str, Vector]:
     """Free motion, part of a damped oscillation until k p + d v = 0, free motion: closed form.
 

@@ -146,7 +146,7 @@ def changed(variable, value: float) -> float | int | bool:
     if variable.type == "Boolean":
         return not value
     number = int(value)
-    if variable.name.endswith("direction"):
+    if "direction" in variable.name:
         return -number
     step = max(1, abs(number) // 100)
     return number + step if number + step <= int(variable.max or sys.maxsize) else number - step

@@ -1,0 +1,27 @@
+within AxisRig.Validation;
+model MovingStop "A stop comes towards a mass, throws it back, stands, and is met again"
+  Mechanics.Slide slide(mass = 100, velocity_start = 0.02, weight = -600);
+  Mechanics.FixedStop stop(
+    stop_position = 3e-3,
+    stop_speed = -0.05,
+    stop_begin = 0.008,
+    stop_end = 0.052,
+    stiffness = 50e6,
+    damping = 8);
+  output Units.Position position "Position of the mass";
+  output Units.Velocity velocity "Velocity of the mass";
+  output Units.Force force "Force of the contact";
+  output Units.Position face "Where the stop is touched";
+equation
+  connect(slide.flange, stop.flange);
+  position = slide.position;
+  velocity = slide.velocity;
+  force = stop.force;
+  face = stop.face;
+  annotation(
+    experiment(StopTime=0.08, Interval=5e-4),
+    Documentation(info="<html>
+<p>100 kg under 600 N towards a stop that moves against them from 8 ms to 52 ms and is met again
+and again. Compared: position, velocity, force, place of the stop.</p>
+</html>"));
+end MovingStop;
