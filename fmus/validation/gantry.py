@@ -90,7 +90,8 @@ def _signals(course: Course, time_s: Vector) -> dict[str, Vector]:
 
     def asked(t: float, s: list[float], side: int, mode: Mode) -> float:
         x, v, _, _, integral = s[4 + 5 * side : 9 + 5 * side]
-        return DRIVE.gain * DRIVE.error(course.demand(t, side, mode), x, v) + integral
+        error: float = DRIVE.error(course.demand(t, side, mode), x, v)
+        return float(DRIVE.gain) * error + integral
 
     def depth(t: float, s: list[float], side: int, mode: Mode) -> tuple[float, float]:
         at = first + 6 * side + 4
