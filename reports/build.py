@@ -27,6 +27,7 @@ from reports.realtime import real_time
 from reports.signals import chart, table
 
 _ALARM = re.compile(r"ID (?P<id>\d+) class \d+[^:]*: (?P<text>.*)", re.DOTALL)
+_WHOLE = 1e15
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 
 
@@ -201,7 +202,8 @@ def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
     """The drawing of value and limits, or nothing where there is no number to draw."""
     lower, upper = _number(row["lower"]), _number(row["upper"])
     value = _number(row["value"])
-    limited = lower is not None or upper is not None
+    # Between equal limits there is nothing to draw
+    limited = lower != upper
     if value is None or not limited or not math.isfinite(uncertainty):
         return Markup("")
     label = (
@@ -226,6 +228,8 @@ def _number(text: str) -> float | None:
 def _short(text: str) -> str:
     """A number with the digits that a reader compares; any other or short text as it is."""
     number = _number(text)
+    if number is not None and number.is_integer() and abs(number) < _WHOLE:
+        return f"{number:.0f}"
     return text if number is None or len(text) <= 9 else _plain(number, 7)
 
 

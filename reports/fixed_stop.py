@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from bench.results.writer import WARNING
 from reports.bar import bar
-from reports.stop_signals import Stop, contact_ns, mark, origin_ns, span, with_changes
+from reports.stop_signals import Stop, contact_ns, mark, origin_ns, span, stops_of, with_changes
 from reports.stop_words import answers, state
 from reports.timeline import Row, Span, axis, lane
 
@@ -42,7 +42,7 @@ def timelines(info: Mapping[str, Any], trace: pa.Table | None, run: str) -> list
 
     info: the run's JSON file. trace: its signals, if it left any. run: makes names on the page.
     """
-    stops: Sequence[Stop] = info.get("fixed_stop") or []
+    stops = stops_of(info, () if trace is None else trace.column_names)
     if trace is not None and stops:
         trace = with_changes(trace, stops)
     return [

@@ -67,7 +67,7 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
     """
     if content.num_rows == 0:
         return {}, ""
-    stops = info.get("fixed_stop") or []
+    stops = stop_signals.stops_of(info, content.column_names)
     content = stop_signals.with_changes(content, stops)
     columns, parts = _encode(content)
     series = _series(content.column_names)

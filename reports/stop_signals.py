@@ -17,6 +17,7 @@ _NS_PER_MS = 1e6
 _CHANGE_SHOWN = 5.0
 _AFTER = 0.1
 _LEAST_NS = 10_000_000
+_SIGNALS = ("cnc_lag_mm", "truth_mm", "stop_mm", "stop_force_n")
 _MEASURED = frozenset({"beyond", "window", "detected", "stands", "relax_end", "end"})
 
 Signal = npt.NDArray[np.float64]
@@ -35,6 +36,26 @@ class Shortfall:
     largest_lag_mm: float | None
     beyond_ms: float | None
     change_um: float | None
+
+
+def stops_of(info: Mapping[str, Any], columns: Sequence[str]) -> list[Stop]:
+    """Return the runs to a fixed stop of a case, with the names of the signals of each axis.
+
+    info: the run's JSON file. columns: of its trace. `signals` names, per axis, the columns for
+    `cnc_lag_mm` and the like; one that the trace lacks is missing there.
+    """
+    return [
+        {
+            **dict.fromkeys(("values", "notes"), ()),
+            "prediction": "",
+            **stop,
+            "signals": {
+                axis: {name: f"{axis}.{name}" for name in _SIGNALS if f"{axis}.{name}" in columns}
+                for axis in dict.fromkeys((*stop["axes"], *stop["watched"]))
+            },
+        }
+        for stop in info.get("fixed_stop") or ()
+    ]
 
 
 def mark(stop: Stop, key: str, axis: str | None = None) -> int | None:
@@ -125,7 +146,7 @@ def shortfall(trace: pa.Table | None, stop: Stop, axis: str) -> Shortfall:
     begin = mark(stop, "armed") or stop["begin_ns"]
     inside = (times >= begin) & (times <= stop["end_ns"])
     limits = stop["limits"][axis]
-    lag = _column(trace, names.get("lag_mm"))
+    lag = _column(trace, names.get("cnc_lag_mm"))
     largest = beyond = change = None
     if lag is not None and inside.any():
         largest = float(np.nanmax(np.abs(lag[inside])))
@@ -191,7 +212,7 @@ def limits(trace: pa.Table, stops: Sequence[Stop]) -> list[dict[str, Any]]:
                 found.append(_limit("lag", axis, _sign(trace, stop, axis) * lag, "L"))
             if way is not None:
                 found.append(_limit("change", axis, 1000.0 * way, "W"))
-            contact = value_at(trace, names.get("position_mm"), mark(stop, "contact", axis))
+            contact = value_at(trace, names.get("truth_mm"), mark(stop, "contact", axis))
             if contact is not None and not names.get("stop_mm"):
                 found.append(_limit("position", axis, round(contact, 4), "contact at"))
             force = told.get("force_limit_n")
@@ -206,7 +227,7 @@ def _limit(plot: str, axis: str, value: float, label: str) -> dict[str, Any]:
 
 def _sign(trace: pa.Table, stop: Stop, axis: str) -> float:
     """The sign of the lag where it is largest within a run."""
-    lag = _column(trace, stop["signals"].get(axis, {}).get("lag_mm"))
+    lag = _column(trace, stop["signals"].get(axis, {}).get("cnc_lag_mm"))
     times = trace.column("time_ns").to_numpy()
     inside = (times >= stop["begin_ns"]) & (times <= stop["end_ns"])
     if lag is None or not inside.any():

@@ -32,7 +32,7 @@ def state(stop: Stop, trouble: Sequence[Mapping[str, Any]]) -> str:
 def tells_contact(stop: Stop) -> bool:
     """Whether a plant tells a contact when there is one."""
     told = any(row["key"] == "contact" and row["measured_ns"] for row in stop["marks"])
-    return told or any(names.get("stop_force_n") for names in stop["signals"].values())
+    return told or any("stop_force_n" in names for names in stop["signals"].values())
 
 
 def answers(
@@ -154,7 +154,7 @@ def _left(stop: Stop, trace: pa.Table | None) -> str:
     axis = stop["main_axis"]
     names = stop["signals"].get(axis, {})
     end = mark(stop, "end") or stop["end_ns"]
-    lag, force = (value_at(trace, names.get(name), end) for name in ("lag_mm", "stop_force_n"))
+    lag, force = (value_at(trace, names.get(name), end) for name in ("cnc_lag_mm", "stop_force_n"))
     told = []
     if lag is not None:
         told.append(f"lag {length(lag)}")

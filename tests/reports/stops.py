@@ -142,17 +142,6 @@ def _stop(sample: Sample, number: int) -> dict[str, Any]:
         "values": _values(sample) if sample.has_plant and sample.is_found else [],
         "prediction": "contact at the stop, found by the lag" if sample.has_oracle else "",
         "notes": list(sample.notes),
-        "signals": {
-            axis: {
-                "lag_mm": f"{axis}.cnc_lag_mm",
-                "position_mm": f"{axis}.truth_mm" if sample.has_plant else None,
-                "actual_mm": f"{axis}.actual_mm",
-                "stop_force_n": f"{axis}.stop_force_n" if sample.has_plant else None,
-                "force_n": f"{axis}.force_n" if sample.has_plant else None,
-                "stop_mm": f"{axis}.stop_mm" if sample.moving_mm_s else None,
-            }
-            for axis in axes
-        },
     }
 
 

@@ -20,7 +20,7 @@ from kernel.errors import UserError
 from reports.build import build_report
 from reports.fixed_stop import timelines
 from reports.signals import chart
-from reports.stop_signals import with_changes
+from reports.stop_signals import stops_of, with_changes
 from reports.timeline import HEIGHT, Row, Span, axis, lane, span_of
 from tests.reports.stops import (
     BEGIN,
@@ -190,7 +190,7 @@ def test_a_stretch_of_no_length_still_has_a_scale() -> None:
 def test_the_way_within_the_minimum_time_is_that_of_the_window_criterion() -> None:
     """10 mm/s for 100 ms are 1000 um; before the run and behind it nothing is compared."""
     sample = SAMPLES["found-by-window"]
-    table = with_changes(trace(sample), info(sample)["fixed_stop"])
+    table = with_changes(trace(sample), stops_of(info(sample), ["Z.actual_mm"]))
     change = table.column("Z.change_um").to_numpy()
     times = table.column("time_ns").to_numpy()
     assert np.isnan(change[times < BEGIN]).all()
