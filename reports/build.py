@@ -120,8 +120,11 @@ def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
 def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
     case, info = run.case, run.info
     trace = _trace(run)
+    alarms = _alarms(case["alarms"], info.get("log", []))
     try:
-        stops = timelines(info, trace, run.run)
+        stops = timelines(
+            info, trace, run.run, {f"ID {alarm['id']}": alarm["text"] for alarm in alarms}
+        )
     except (KeyError, TypeError) as error:
         # Written by another version of the bench
         raise UserError(
@@ -141,7 +144,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "seed": case["seed"],
         "clock": "ran" if info.get("real_time") else "simulated",
         "sim_s": f"{float(case['sim_s']):.3f}",
-        "alarms": _alarms(case["alarms"], info.get("log", [])),
+        "alarms": alarms,
         "hash": case["frame_log_sha256"],
         "checks": checks,
         # A run that ended before it could be judged needs one line, not one for each check.

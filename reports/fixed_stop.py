@@ -3,6 +3,7 @@
 Nothing is judged here: measured instants stand beside those of the closed form, with its band.
 """
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -16,6 +17,7 @@ from reports.stop_words import answers, state
 from reports.timeline import Row, Span, axis, lane
 
 _NS_PER_MS = 1e6
+_PLACE = re.compile(r" \([^()]*line \d+[^()]*\)")
 _AFTER_END_NS = 20_000_000
 _KINDS = {
     "contact": "contact",
@@ -37,10 +39,13 @@ _STATES = {
 }
 
 
-def timelines(info: Mapping[str, Any], trace: pa.Table | None, run: str) -> list[dict[str, Any]]:
+def timelines(
+    info: Mapping[str, Any], trace: pa.Table | None, run: str, alarms: Mapping[str, str]
+) -> list[dict[str, Any]]:
     """Make what the page prints of each run to a fixed stop of a case, in their order.
 
     info: the run's JSON file. trace: its signals, if it left any. run: makes names on the page.
+    alarms: what each alarm says, by the words of its event (`ID 900036`).
     """
     stops = stops_of(info, () if trace is None else trace.column_names)
     if trace is not None and stops:
@@ -48,21 +53,25 @@ def timelines(info: Mapping[str, Any], trace: pa.Table | None, run: str) -> list
     return [
         {
             "number": stop["number"] if len(stops) > 1 else "",
-            **_timeline(stop, info.get("events", []), trace, f"{run}-{stop['number']}"),
+            **_timeline(
+                stop,
+                _trouble(stop, info.get("events", []), alarms),
+                trace,
+                f"{run}-{stop['number']}",
+            ),
         }
         for stop in stops
     ]
 
 
 def _timeline(
-    stop: Stop, events: Sequence[Mapping[str, Any]], trace: pa.Table | None, name: str
+    stop: Stop, trouble: Sequence[Mapping[str, Any]], trace: pa.Table | None, name: str
 ) -> dict[str, Any]:
     shown, origin = span(stop), origin_ns(stop)
-    trouble = _trouble(stop, events)
     now = state(stop, trouble)
     glyph, word = _STATES[now]
-    if now == "ended":
-        word = f"{word} {trouble[0]['label']}"
+    if trouble:
+        word = f"{word}{' ' if now == 'ended' else ', then '}{trouble[0]['label']}"
     last = [row["key"] in ("monitoring_on", "end") for row in stop["marks"]]
     end = last.index(True) if any(last) else len(last)
     rows = [*stop["marks"][:end], *trouble, *stop["marks"][end:]]
@@ -81,7 +90,9 @@ def _timeline(
     }
 
 
-def _trouble(stop: Stop, events: Sequence[Mapping[str, Any]]) -> list[dict[str, Any]]:
+def _trouble(
+    stop: Stop, events: Sequence[Mapping[str, Any]], alarms: Mapping[str, str]
+) -> list[dict[str, Any]]:
     """Alarms that end programs, and faults, within a run: as marks."""
     return [
         {
@@ -90,7 +101,7 @@ def _trouble(stop: Stop, events: Sequence[Mapping[str, Any]]) -> list[dict[str, 
             "axis": None,
             "measured_ns": event["time_ns"],
             **dict.fromkeys(("oracle_ns", "low_ns", "high_ns", "is_inside")),
-            "note": "",
+            "note": _cause(alarms.get(event["label"], "")),
         }
         for event in events
         if event["kind"] in ("alarm", "fault")
@@ -100,6 +111,11 @@ def _trouble(stop: Stop, events: Sequence[Mapping[str, Any]]) -> list[dict[str, 
 
 
 # Rows
+
+
+def _cause(text: str) -> str:
+    """The first sentence of an alarm without the place in the program, which stands above."""
+    return _PLACE.sub("", text).partition(". ")[0]
 
 
 def _row(row: Mapping[str, Any], stop: Stop, origin: int, shown: Span, grid: str) -> dict[str, Any]:

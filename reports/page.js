@@ -102,6 +102,15 @@
     };
   }
 
+  /* "lag_mm_max 0.5", for two of one name "latch_mm 9 … 10", different names one after the other. */
+  function named(limits) {
+    const values = new Map();
+    for (const limit of limits) {
+      values.set(limit.label, [...(values.get(limit.label) || []), limit.value]);
+    }
+    return [...values].map(([label, list]) => `${label} ${list.join(" … ")}`).join(", ");
+  }
+
   function limitLines(limits) {
     return (u) => {
       const { ctx, bbox } = u, ratio = devicePixelRatio;
@@ -110,13 +119,15 @@
       ctx.strokeStyle = ctx.fillStyle = css("limit");
       ctx.textAlign = "right";
       ctx.lineWidth = ratio;
-      /* Limits outside the picture are named at its edge, one below the other. */
+      /* Limits outside the picture are named at its edge, one below the other; those that lie
+         close together get one name. */
+      let group = [];
       let outside = { above: 0, below: 0 };
       for (const [i, limit] of limits.entries()) {
         const y = Math.round(u.valToPos(limit.value, "y", true));
         const above = y < bbox.top, below = y > bbox.top + bbox.height;
         const right = bbox.left + bbox.width - 4 * ratio;
-        const text = `${limit.label} ${limit.value}`;
+        const text = named([limit]);
         if (above || below) {
           ctx.textBaseline = above ? "top" : "bottom";
           const row = 12 * ratio * outside[above ? "above" : "below"]++ + 2 * ratio;
@@ -129,10 +140,14 @@
         ctx.moveTo(bbox.left, y + 0.5);
         ctx.lineTo(bbox.left + bbox.width, y + 0.5);
         ctx.stroke();
+        group.push(limit);
+        const next = limits[i + 1] && u.valToPos(limits[i + 1].value, "y", true);
+        if (next != null && next >= bbox.top && y - next < 14 * ratio) continue;
         /* The lowest of several limits is named below its line, the others above theirs. */
         const under = i === 0 && limits.length > 1;
         ctx.textBaseline = under ? "top" : "bottom";
-        ctx.fillText(text, right, y + (under ? 3 : -2) * ratio);
+        ctx.fillText(named(group), right, y + (under ? 3 : -2) * ratio);
+        group = [];
       }
       ctx.restore();
     };

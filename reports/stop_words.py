@@ -42,7 +42,9 @@ def answers(
 
     trace: with the columns of `with_changes`.
     """
-    told = [("why here", _why(stop))] if stop["is_found"] else _missing(stop, trouble, trace)
+    ended = "; ".join(row["label"] + (f": {row['note']}" if row["note"] else "") for row in trouble)
+    told = [("ended by", ended)]
+    told += [("why here", _why(stop))] if stop["is_found"] else _missing(stop, trace)
     if stop["is_found"] or contact_ns(stop) is not None:
         told.append(("real stop", _real(stop)))
     told.append(("pressed with", _pressed(stop, trace)))
@@ -62,9 +64,9 @@ def _why(stop: Stop) -> str:
     tau = f"{limits['min_time_ms']:g} ms"
     lag, window = limits["lag_limit_mm"], limits["window_mm"]
     told = []
-    if "lag" in decided["criterion"] and lag is not None:
+    if lag is not None:
         told.append(f"lag beyond {length(lag)} for {tau}")
-    if "window" in decided["criterion"] and window is not None:
+    if window is not None:
         told.append(f"moved no more than {length(window)} in {tau}")
     text = f"{axis}: " + " and ".join(told)
     beyond, still = mark(stop, "beyond", axis), mark(stop, "window", axis)
@@ -74,22 +76,18 @@ def _why(stop: Stop) -> str:
     return text
 
 
-def _missing(
-    stop: Stop, trouble: Sequence[Mapping[str, Any]], trace: pa.Table | None
-) -> list[tuple[str, str]]:
-    """What ended the run, and how far each watched axis came towards its criteria."""
-    told = [("ended by", "; ".join(row["label"] for row in trouble))]
+def _missing(stop: Stop, trace: pa.Table | None) -> list[tuple[str, str]]:
+    """How far each watched axis came towards its criteria."""
     if mark(stop, "armed") is None:
         ways = {limits["arming_mm"] for limits in stop["limits"].values()} - {None}
         words = " or ".join(length(way) for way in sorted(ways)) or "their part"
-        told.append(("what was missing", f"the criteria are armed after {words} of the path only"))
-        return told
+        return [("what was missing", f"the criteria are armed after {words} of the path only")]
     texts = [
         f"{axis}: " + _short_of(stop["limits"][axis], shortfall(trace, stop, axis))
         for axis in stop["watched"]
         if axis in stop["limits"]
     ]
-    return [*told, ("what was missing", "; ".join(texts))]
+    return [("what was missing", "; ".join(texts))]
 
 
 def _short_of(limits: Mapping[str, Any], seen: Shortfall) -> str:

@@ -36,13 +36,14 @@ from tests.reports.stops import (
 )
 from tests.reports.test_report import Page
 
+ALARMS = {"ID 900034": "Drive of axis Z is in fault (stop.nc line 5, block N50). Look up the code."}
 SAMPLES = {sample.name: sample for sample in samples()}
 
 
 def shown(name: str) -> dict[str, Any]:
     """The last timeline of a case."""
     sample = SAMPLES[name]
-    return timelines(info(sample), trace(sample), name)[-1]
+    return timelines(info(sample), trace(sample), name, ALARMS)[-1]
 
 
 def answers(name: str) -> Mapping[str, str]:
@@ -79,6 +80,13 @@ def test_why_here_names_axis_criteria_and_the_later_one() -> None:
     assert answers("found-by-a-gantry-slave")["why here"].startswith("Z2: ")
 
 
+def test_an_alarm_after_the_detection_is_told_beside_it() -> None:
+    sample = Sample("late", trouble=(("alarm", "ID 900034"),))
+    (found,) = timelines(info(sample), trace(sample), "late", ALARMS)
+    assert found["word"] == "stop found, then ID 900034"
+    assert dict(found["answers"])["ended by"] == "ID 900034: Drive of axis Z is in fault"
+
+
 def test_a_real_stop_is_told_from_a_false_trigger_by_the_plant_alone() -> None:
     """Contact at 1500 ms; the lag needs (1 - 0.25 + 0.025)/10 s + 100 ms = 177.5 ms more."""
     assert answers("found-by-lag")["real stop"] == "yes: in contact for 177.6 ms when detected"
@@ -96,7 +104,9 @@ def test_what_was_missing_shows_lag_and_way_beside_their_limits() -> None:
     short = answers("stop-too-far-for-the-time")["what was missing"]
     assert re.search(r"beyond it for 7\d of 200 ms", short)
     assert "armed after 5 mm" in answers("never-armed")["what was missing"]
-    assert answers("drive-fault")["ended by"] == "Z: fault reaction active; ID 900034"
+    assert answers("drive-fault")["ended by"] == (
+        "Z: fault reaction active; ID 900034: Drive of axis Z is in fault"
+    )
 
 
 def test_how_hard_it_pressed_and_what_was_left() -> None:
@@ -134,7 +144,7 @@ def test_without_a_closed_form_the_measured_instants_stand_alone() -> None:
 
 def test_an_instant_outside_its_band_is_marked() -> None:
     late = Sample("late", extra={"late": 20 * MS})
-    (found,) = timelines(info(late), trace(late), "late")
+    (found,) = timelines(info(late), trace(late), "late", {})
     detected = next(row for row in found["rows"] if row["key"] == "detected")
     assert detected["is_inside"] is False
     assert detected["apart"] == "+20.10"
@@ -145,7 +155,7 @@ def test_values_outside_their_bounds_are_marked() -> None:
     sample = SAMPLES["found-by-lag"]
     told = info(sample)
     told["fixed_stop"][0]["values"][1] |= {"measured": 40.03}
-    (found,) = timelines(told, trace(sample), "x")
+    (found,) = timelines(told, trace(sample), "x", {})
     assert [value["is_inside"] for value in found["values"]].count(False) == 1
 
 
@@ -226,11 +236,11 @@ def test_several_runs_have_a_button_each_and_the_last_timeline_open() -> None:
     description, _ = chart(trace(sample), info(sample))
     labels = [window["label"] for window in description["windows"]]
     assert labels == [f"{what} {n}" for n in (1, 2, 3) for what in ("fixed stop", "detection")]
-    assert [stop["number"] for stop in timelines(info(sample), trace(sample), "x")] == [1, 2, 3]
+    assert [stop["number"] for stop in timelines(info(sample), trace(sample), "x", {})] == [1, 2, 3]
 
 
 def test_a_run_without_signals_still_has_its_timeline() -> None:
-    (found,) = timelines(info(SAMPLES["not-found"]), None, "x")
+    (found,) = timelines(info(SAMPLES["not-found"]), None, "x", {})
     assert dict(found["answers"])["what was missing"] == "Z: lag limit 1 mm, window 1 µm"
 
 
