@@ -29,6 +29,7 @@ from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
 from kernel.drives.watch import WatchSettings
+from kernel.measuring.fixed_stop.settings import FixedStopSettings
 from kernel.measuring.rules import MeasuringAxis
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.profile import Slope
@@ -67,13 +68,22 @@ class Piece:
 
 
 class FirstOrderAxis:
-    """The axis. droop_m: how far it stays away from where it should be."""
+    """The axis. droop_m: how far it stays away from where it should be. stop_m: it gets no further
+    up; the loop behind it goes on as if it did, as far as nothing else is asked of it.
+    """
 
     kinds = frozenset({ControlKind.POSITION})
     limits_force = False
 
-    def __init__(self, world: "World", start_m: float, kv: float, droop_m: float = 0.0) -> None:
-        self._world, self.kv, self.droop_m = world, kv, droop_m
+    def __init__(
+        self,
+        world: "World",
+        start_m: float,
+        kv: float,
+        droop_m: float = 0.0,
+        stop_m: float = math.inf,
+    ) -> None:
+        self._world, self.kv, self.droop_m, self.stop_m = world, kv, droop_m, stop_m
         self.pieces = [Piece(0, start_m, start_m, 0.0, 0, False)]
 
     def _piece(self, time_ns: int) -> Piece:
@@ -114,7 +124,7 @@ class FirstOrderAxis:
 
     def motor_position_m_at(self, time_ns: int) -> float:
         assert time_ns <= self._world.now_ns
-        return self.position_at(time_ns) - self.droop_m
+        return min(self.position_at(time_ns) - self.droop_m, self.stop_m)
 
 
 @dataclass
@@ -161,7 +171,7 @@ class AxisSpec:
     """One axis of a bench.
 
     a_mm_s2: of every ramp. stop_mm_s2: of a stop, None = as the others. probed: whether the probe
-    leads to its drive.
+    leads to its drive. stop_mm: a fixed stop, beyond which the axis does not get.
     """
 
     name: str
@@ -182,6 +192,8 @@ class AxisSpec:
     window_mm: float = 0.001
     settling_ns: int = 2 * S
     probed: bool = True
+    stop_mm: float = math.inf
+    fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
 
     def measuring(self) -> MeasuringAxis:
         return MeasuringAxis(
@@ -192,6 +204,7 @@ class AxisSpec:
             self.delay_ns,
             simulated=self.simulated,
             source=self.source,
+            fixed_stop=self.fixed_stop,
         )
 
     def settings(self) -> AxisSettings:
@@ -246,7 +259,9 @@ class ChannelBench:
         self.frames: list[tuple[int, int, bytes]] = []
         self.segment.observe(lambda t, _name, frame, _e: self.frames.append((t, *frame[:2])))
         self.axes = {
-            s.name: FirstOrderAxis(self.world, s.start_mm / 1e3, s.kv, s.droop_mm / 1e3)
+            s.name: FirstOrderAxis(
+                self.world, s.start_mm / 1e3, s.kv, s.droop_mm / 1e3, s.stop_mm / 1e3
+            )
             for s in specs
         }
         if plane_mm is not None:
