@@ -5,23 +5,20 @@ from the rig; of the kernel's record only which axes took part and from when to 
 Whether the feed went on long enough is looked up in the demand that the plant followed.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
 import pyarrow as pa
 
 from bench.oracles.fixed_stop import timing
-from bench.oracles.fixed_stop.contact import StopContact, first_contact, penetrations
+from bench.oracles.fixed_stop.contact import StopContact, penetrations
 from bench.oracles.fixed_stop.following import Flags, Followed, Signal, follow, shifted
-from bench.oracles.fixed_stop.lists import arming_mm, delay_cycles, limits_as_written
-from bench.oracles.fixed_stop.pressing import Pressing
 from bench.oracles.fixed_stop.timing import Approach, Cycles, Instant, NoClosedFormError
 from bench.rig.machine import Machine
+from bench.run.stop_rows import StopRows
 from bench.run.stop_truth import AxisTruth, Times, axis_truth
 from kernel.clock import S
-from kernel.measuring.fixed_stop.record import FixedStopRecord
 from kernel.measuring.run import RunRecord
 
 STEADY_ROWS = 10
@@ -32,133 +29,8 @@ DOUBT_CYCLES_MAX = 2.0
 """A closed form that is in doubt by more cycles says nothing any more."""
 
 
-class StopRun:
-    """One run of type 7. number: of those of the program, from 1. truths: its axes with a plant."""
-
-    def __init__(
-        self,
-        number: int,
-        record: RunRecord,
-        machine: Machine,
-        cycles: Cycles,
-        truths: Mapping[str, AxisTruth],
-    ) -> None:
-        assert record.fixed_stop is not None
-        self.number, self.record, self.cycles, self.truths = number, record, cycles, truths
-        self.stop: FixedStopRecord = record.fixed_stop
-        self.machine = machine
-        self.end_ns = record.end_ns or machine.end_ns
-        self.watched = [axis for axis in self.stop.criteria if axis in truths]
-        self.limits = {
-            axis: limits_as_written(truths[axis].written, cycles.period_ns) for axis in self.watched
-        }
-        self._contacts: dict[str, StopContact | None] = {}
-
-    def cycles_of(self, axis: str) -> Cycles:
-        """Return the time base with the delay that the list of an axis compensates."""
-        return replace(self.cycles, delay_cycles=delay_cycles(self.truths[axis].written))
-
-    # Rows of the trace
-
-    @cached_property
-    def times_ns(self) -> Times:
-        """SYNC instants of the rows."""
-        return next(iter(self.truths.values())).times_ns
-
-    @cached_property
-    def rows(self) -> slice:
-        """Rows of the run."""
-        times = self.times_ns
-        begin = int(np.searchsorted(times, self.record.begin_ns))
-        return slice(begin, max(int(np.searchsorted(times, self.end_ns, side="right")), begin))
-
-    def row_at(self, time_ns: float) -> int:
-        """Return the last row at or before an instant."""
-        return max(int(np.searchsorted(self.times_ns, time_ns, side="right")) - 1, 0)
-
-    @cached_property
-    def path_mm(self) -> Signal:
-        """How far the demand has gone on its path since the run began, of all measuring axes."""
-        total = np.zeros(len(self.times_ns))
-        for axis in self.record.axes:
-            if axis in self.truths:
-                demand = self.truths[axis].course.demand_mm
-                total += (demand - demand[self.rows.start]) ** 2
-        way: Signal = np.sqrt(total)
-        return way
-
-    @property
-    def arming_mm(self) -> float | None:
-        """Path after which the criteria count; None: it depends on the length of the block."""
-        return arming_mm(list(self.limits.values()), None)
-
-    @cached_property
-    def armed_ns(self) -> float | None:
-        """When the interpolation has gone the arming path, None when it never did."""
-        way_mm, path_mm = self.arming_mm, self.path_mm[self.rows]
-        if way_mm is None:
-            return None
-        reached = np.flatnonzero(path_mm >= way_mm)
-        if not len(reached):
-            return None
-        times = self.times_ns[self.rows]
-        row = int(reached[0])
-        at_ns = float(times[row])
-        if row and path_mm[row] > path_mm[row - 1]:
-            share = (path_mm[row] - way_mm) / (path_mm[row] - path_mm[row - 1])
-            at_ns -= float(share) * float(times[row] - times[row - 1])
-        return at_ns - self._lead_cycles * self.cycles.period_ns
-
-    @property
-    def _lead_cycles(self) -> int:
-        """Cycles by which the interpolation is ahead of the demand of the drives."""
-        return self.cycles.way_cycles + self.cycles.buffer_cycles
-
-    # The contact
-
-    def contact(self, axis: str) -> StopContact | None:
-        """Return the first contact of an axis with its stop in this run."""
-        if axis not in self._contacts:
-            self._contacts[axis] = self._find_contact(axis)
-        return self._contacts[axis]
-
-    def _find_contact(self, axis: str) -> StopContact | None:
-        truth = self.truths.get(axis)
-        if truth is None or truth.stop_path is None or self.rows.stop - self.rows.start < 2:
-            return None
-        rows = self.rows
-        path = truth.stop_path
-        inside = type(path)(path.position_mm[rows], path.velocity_mm_s[rows], path.direction)
-        stiffness = truth.stop.stiffness_n_m if truth.stop is not None else None
-        mass = truth.axis.mass_kg if truth.axis is not None else None
-        found = first_contact(
-            truth.times_ns[rows],
-            truth.position_mm[rows],
-            truth.velocity_mm_s[rows],
-            inside,
-            stiffness / mass if stiffness and mass else None,
-        )
-        if found is None:
-            return None
-        return StopContact(
-            found.time_ns,
-            found.row + rows.start,
-            found.position_mm,
-            found.speed_mm_s,
-            found.uncertainty_ns,
-        )
-
-    @cached_property
-    def earliest_contact(self) -> tuple[str, StopContact] | None:
-        """Axis and contact that came first."""
-        found = [(axis, self.contact(axis)) for axis in self.truths]
-        known = [(axis, contact) for axis, contact in found if contact is not None]
-        return min(known, key=lambda item: item[1].time_ns) if known else None
-
-    def pressing(self, axis: str) -> Pressing | None:
-        """Return how an axis presses with the force limit of the detection (or the end)."""
-        at_ns = self.stop.detected_ns or self.end_ns
-        return self.truths[axis].pressing(at_ns) if axis in self.truths else None
+class StopRun(StopRows):
+    """One run of type 7 beside what it had to show."""
 
     # The closed form
 
@@ -194,6 +66,14 @@ class StopRun:
             pressing.penetration_mm,
             self.armed_ns,
         )
+
+    def running_lag_mm(self, axis: str, speed_mm_s: float) -> float | None:
+        """Return e0 at a feed, None where the plant tells no gain."""
+        truth = self.truths[axis]
+        if truth.kv_per_s is None:
+            return None
+        share = truth.values.number("feed_forward")
+        return timing.running_lag_mm(speed_mm_s, truth.kv_per_s, share, self.cycles_of(axis))
 
     def _feed_mm_s(self, truth: AxisTruth, contact: StopContact) -> float:
         """Return the speed of the demand into the stop; raises NoClosedFormError."""
@@ -265,9 +145,8 @@ class StopRun:
             raise NoClosedFormError("the arming path was not reached")
         truth, period_ns = self.truths[axis], self.cycles.period_ns
         if approach.armed_ns > at_ns:
-            # the cycle after the interpolation has gone the path judges first
-            late = "arming path reached after the criterion"
-            return timing.seen(approach.armed_ns, float(period_ns), self.cycles, late)
+            late = "arming path gone after the criterion came true"
+            return timing.seen(approach.armed_ns, 0.0, self.cycles, late)
         pressed_mm = self._pressed_mm(truth, at_ns)
         off_mm = abs(pressed_mm - approach.penetration_mm)
         doubt_ns = approach.doubt_ns + off_mm / approach.speed_mm_s * S

@@ -3,13 +3,14 @@
 Each mark has the instant that was measured beside the one that the closed form says.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from bench.oracles.fixed_stop.timing import Instant
+from bench.oracles.fixed_stop.timing import Instant, seen
 from bench.results.writer import Event
 from bench.run.fixed_stop import StopRun
+from bench.run.stop_values import prediction, values
 
 PLANT, KERNEL = "plant", "kernel"
 
@@ -85,7 +86,7 @@ def marks(run: StopRun) -> list[Mark]:
     found = [
         _mark("monitoring_off", stop.watch_off_ns),
         _mark("begin", record.start_ns),
-        _mark("armed", stop.armed_ns),
+        _mark("armed", stop.armed_ns, oracle=_armed(run)),
         *_contacts(run),
         *_criteria(run),
     ]
@@ -99,6 +100,13 @@ def marks(run: StopRun) -> list[Mark]:
         _mark("end", record.end_ns),
     ]
     return [mark for mark in found if not mark.says_nothing]
+
+
+def _armed(run: StopRun) -> Instant | None:
+    """Return when the criteria begin to count; a path of 0 needs no oracle."""
+    if not run.truths or not run.arming_mm or run.armed_ns is None:
+        return None
+    return seen(run.armed_ns, 0.0, run.cycles, f"arming path {run.arming_mm:g} mm gone")
 
 
 def _contacts(run: StopRun) -> list[Mark]:
@@ -163,7 +171,19 @@ def as_data(run: StopRun) -> dict[str, Any]:
         "begin_ns": run.record.begin_ns,
         "end_ns": run.end_ns,
         "marks": [asdict(mark) for mark in marks(run)],
+        "values": [asdict(value) for value in values(run)],
+        "prediction": prediction(run),
+        "notes": list(dict.fromkeys(_notes(run))),
+        "signals": {axis: truth.signals() for axis, truth in run.truths.items()},
     }
+
+
+def _notes(run: StopRun) -> Iterator[str]:
+    """Say why there is no closed form for what was to be judged."""
+    for axis in run.watched:
+        for instant in (run.beyond(axis), run.window(axis)):
+            if instant.time_ns is None and not instant.note.endswith("no criterion"):
+                yield f"{axis}: {instant.note}"
 
 
 def _decided(run: StopRun) -> dict[str, str] | None:
