@@ -4,7 +4,7 @@
 (messages, alarms, records, trace, frame hash) is read from it afterwards.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
@@ -35,7 +35,7 @@ from kernel.clock import US, S, TimeNs
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State
 from kernel.errors import Alarm, UserError
-from kernel.nc.canon import Message
+from kernel.nc.canon import Command, MeasuringRun, Message
 from kernel.nc.decoder import Interpreter
 from kernel.nc.syntax import Program
 
@@ -77,6 +77,7 @@ class Machine:
         self._hardware = hardware if is_paced(settings) else None
         self.settings = settings
         self.messages: list[Message] = []
+        self.measuring_targets: dict[str, Mapping[str, float]] = {}
         self.drive_states: list[tuple[TimeNs, str, State]] = []
         self._put_out = put_out
         self._limit_ns = limit_ns or settings.operator.limit_ns
@@ -119,7 +120,7 @@ class Machine:
             self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
             self.channel.observers.append(self.torque_limits)
             self._interpreter = self._build_interpreter(program)
-            self.channel.load(self._interpreter.commands())
+            self.channel.load(self._noted(self._interpreter.commands()))
             guard.pop_all()
 
     def _build_interpreter(self, program: Program) -> Interpreter:
@@ -133,6 +134,15 @@ class Machine:
             tables=self.settings.offset_tables,
             plc_is_constant=not self.plc_side.writes_variables,
         )
+
+    def _noted(self, commands: Iterator[Command]) -> Iterator[Command]:
+        """Note where the measuring blocks lead, for who judges the runs; a block that comes again
+        counts with its last target.
+        """
+        for command in commands:
+            if isinstance(command, MeasuringRun):
+                self.measuring_targets[str(command.block)] = command.target_acs_mm
+            yield command
 
     def _expect_answers(self) -> None:
         """Tell real segments which telegrams their drives answer a SYNC with."""

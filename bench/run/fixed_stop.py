@@ -14,7 +14,13 @@ import pyarrow as pa
 from bench.oracles.fixed_stop import timing
 from bench.oracles.fixed_stop.contact import StopContact, penetrations
 from bench.oracles.fixed_stop.following import Flags, Followed, Signal, follow, shifted
-from bench.oracles.fixed_stop.timing import Approach, Cycles, Instant, NoClosedFormError
+from bench.oracles.fixed_stop.timing import (
+    Approach,
+    Cycles,
+    FreeMotionError,
+    Instant,
+    NoClosedFormError,
+)
 from bench.rig.machine import Machine
 from bench.run.stop_rows import StopRows
 from bench.run.stop_truth import AxisTruth, Times, axis_truth
@@ -23,8 +29,12 @@ from kernel.measuring.run import RunRecord
 
 STEADY_ROWS = 10
 """Rows before the contact in which the feed must be steady."""
+LONG_ROWS = 100
+"""Rows over which its speed is taken, if it was steady for so long."""
 STEADY_SHARE = 0.01
 """By how much it may change in them: the demand is known to an increment of the encoder only."""
+SLOWS_SHARE = 0.98
+"""Below this share of its highest speed the interpolation counts as slowing down."""
 DOUBT_CYCLES_MAX = 2.0
 """A closed form that is in doubt by more cycles says nothing any more."""
 
@@ -90,7 +100,8 @@ class StopRun(StopRows):
         early, late, whole = between(first, middle), between(middle, last), between(first, last)
         if whole <= 0.0 or abs(late - early) > STEADY_SHARE * whole:
             raise NoClosedFormError("the feed was not steady before the contact")
-        return whole
+        long = between(max(last - LONG_ROWS, self.rows.start), last)
+        return long if abs(long - whole) <= STEADY_SHARE * whole else whole
 
     def beyond(self, axis: str) -> Instant:
         """Return when the lag exceeds its limit."""
@@ -112,7 +123,7 @@ class StopRun(StopRows):
             raise NoClosedFormError("the lag is no criterion")
         approach = self.approach(axis)
         if limit_mm <= abs(approach.running_lag_mm):
-            raise NoClosedFormError(
+            raise FreeMotionError(
                 f"the lag limit {limit_mm:g} mm is not above the running lag"
                 f" {abs(approach.running_lag_mm):.4g} mm: found in free motion"
             )
@@ -126,7 +137,7 @@ class StopRun(StopRows):
             raise NoClosedFormError("the change of position is no criterion")
         approach = self.approach(axis)
         if window_mm * S / tau_ns >= approach.speed_mm_s:
-            raise NoClosedFormError(
+            raise FreeMotionError(
                 f"W/tau is not below the feed {approach.speed_mm_s:.4g} mm/s: found in free motion"
             )
         if window_mm < approach.penetration_mm:
@@ -134,7 +145,8 @@ class StopRun(StopRows):
                 f"the window {window_mm:g} mm is smaller than the penetration"
                 f" {approach.penetration_mm:.4g} mm"
             )
-        at_ns = approach.window_true_ns(window_mm, tau_ns)
+        lasting_ns = self.cycles.up(tau_ns) * self.cycles.period_ns
+        at_ns = approach.window_true_ns(window_mm, lasting_ns)
         return self._judged(axis, approach, at_ns, "t_c + tau - (W - delta)/v")
 
     def _judged(self, axis: str, approach: Approach, at_ns: float, what: str) -> Instant:
@@ -150,7 +162,8 @@ class StopRun(StopRows):
         pressed_mm = self._pressed_mm(truth, at_ns)
         off_mm = abs(pressed_mm - approach.penetration_mm)
         doubt_ns = approach.doubt_ns + off_mm / approach.speed_mm_s * S
-        if doubt_ns > DOUBT_CYCLES_MAX * period_ns:
+        held_mm = self._friction_mm(axis)
+        if doubt_ns > DOUBT_CYCLES_MAX * period_ns + held_mm / approach.speed_mm_s * S:
             raise NoClosedFormError(
                 f"the axis has not come to rest by then: {pressed_mm * 1e3:.3g} um deep, at rest"
                 f" {approach.penetration_mm * 1e3:.3g} um"
@@ -159,6 +172,13 @@ class StopRun(StopRows):
         if not self._goes_on(truth, approach, until_ns):
             raise NoClosedFormError("the set value did not go on with the feed until then")
         return timing.seen(at_ns, doubt_ns, self.cycles, what)
+
+    def _friction_mm(self, axis: str) -> float:
+        """Return F_c/k, half of the band in which friction may hold the axis at rest."""
+        pressing = self.pressing(axis)
+        assert pressing is not None
+        low, high = pressing.latched_mm(0.0)
+        return (high - low) / 2.0
 
     def _pressed_mm(self, truth: AxisTruth, at_ns: float) -> float:
         assert truth.stop_path is not None
@@ -180,13 +200,21 @@ class StopRun(StopRows):
         limits = self.limits[axis]
         if not limits.detects:
             return timing.none("no criterion is on: nothing can detect")
-        by_window = self.window(axis)
         if limits.lag_limit_mm is None:
-            return by_window
-        by_lag = timing.after(
-            self.beyond(axis), limits.min_time_ns, self.cycles, "then for the minimum time"
-        )
-        return by_lag if limits.window_mm is None else timing.later(by_lag, by_window)
+            return self.window(axis)
+        lasting = "then for the minimum time"
+        by_lag = timing.after(self.beyond(axis), limits.min_time_ns, self.cycles, lasting)
+        if limits.window_mm is None:
+            return by_lag
+        by_window = self.window(axis)
+        for check, other in ((self._beyond, by_window), (self._window, by_lag)):
+            try:
+                check(axis)
+            except FreeMotionError:
+                return other  # what holds in free motion already leaves it to the other one
+            except NoClosedFormError:
+                pass
+        return timing.later(by_lag, by_window)
 
     @cached_property
     def detection(self) -> tuple[str | None, Instant]:
@@ -204,24 +232,32 @@ class StopRun(StopRows):
     @cached_property
     def followed(self) -> dict[str, Followed]:
         """The criteria of each axis walked along its motion; rows of the trace."""
-        armed = self._armed_rows()
+        judged, moving = self._armed_rows()
         found = {}
         for axis, limits in self.limits.items():
             course = self.truths[axis].course
+            armed = judged & moving if limits.lag_limit_mm is None else judged
             found[axis] = follow(course, limits, self.cycles_of(axis), armed)
         return found
 
-    def _armed_rows(self) -> Flags:
-        """Return the rows whose cycle judges: the path was gone one cycle before."""
+    def _armed_rows(self) -> tuple[Flags, Flags]:
+        """Return the rows whose cycle judges, and those in which the interpolation does not slow.
+
+        The arming path was gone one cycle before. While the set value brakes or stands the window
+        does not decide by itself.
+        """
         count = len(self.path_mm)
         armed = np.zeros(count, dtype=bool)
         way_mm, rows = self.arming_mm, self.rows
         if way_mm is None:
-            return armed
+            return armed, armed
         begin = self.row_at(self.record.start_ns or self.record.begin_ns) + 1
         ahead = shifted(self.path_mm, self._lead_cycles - 1, fill=float(self.path_mm[-1]))
-        armed[begin : rows.stop] = ahead[begin : rows.stop] >= way_mm
-        return armed
+        armed[begin : rows.stop] = ahead[begin : rows.stop] >= way_mm - self.resolution_mm
+        step_mm = np.diff(ahead, prepend=ahead[:1])
+        fastest_mm = np.maximum.accumulate(np.where(armed, step_mm, 0.0))
+        moving: Flags = step_mm >= SLOWS_SHARE * fastest_mm - self.resolution_mm
+        return armed, moving & armed
 
     @property
     def followed_ns(self) -> float | None:

@@ -1,5 +1,6 @@
 """The part of a finished run that belongs to one measurement run to a fixed stop."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cached_property
@@ -74,8 +75,27 @@ class StopRows:
 
     @property
     def arming_mm(self) -> float | None:
-        """Path after which the criteria count; None: it depends on the length of the block."""
-        return arming_mm(list(self.limits.values()), None)
+        """Path after which the criteria count; None: the length of the block is not known."""
+        return arming_mm(list(self.limits.values()), self.block_mm)
+
+    @cached_property
+    def block_mm(self) -> float | None:
+        """Length of the block: from where the demand stood to the target in the program."""
+        target_mm = self.machine.measuring_targets.get(self.record.block)
+        if target_mm is None or any(axis not in self.truths for axis in target_mm):
+            return None
+        row = min(self.rows.start, len(self.times_ns) - 1)
+        ways_mm = [
+            place_mm + self.truths[axis].zero_mm - float(self.truths[axis].course.demand_mm[row])
+            for axis, place_mm in target_mm.items()
+        ]
+        return math.hypot(*ways_mm)
+
+    @property
+    def resolution_mm(self) -> float:
+        """To how much the path of the demand is known: an increment of the encoders."""
+        links = [self.machine.links[axis] for axis in self.record.axes]
+        return sum(1.0 / link.settings.increments_per_mm for link in links)
 
     @cached_property
     def armed_ns(self) -> float | None:
@@ -86,7 +106,7 @@ class StopRows:
         way_mm, path_mm = self.arming_mm, self.path_mm[self.rows]
         if way_mm is None:
             return None
-        reached = np.flatnonzero(path_mm >= way_mm)
+        reached = np.flatnonzero(path_mm >= way_mm - self.resolution_mm)
         if not len(reached):
             return None
         times = self.times_ns[self.rows]

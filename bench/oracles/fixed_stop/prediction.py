@@ -40,19 +40,18 @@ def window_reasons(limits: Limits, motion: Motion) -> list[str]:
     if limits.window_mm is None:
         return []
     tau_s = limits.min_time_ns / S
-    reasons = []
-    if limits.window_mm >= motion.speed_mm_s * tau_s:
-        reasons.append(
-            f"window {limits.window_mm:g} mm in {tau_s * 1e3:g} ms is not below the feed"
-            f" {motion.speed_mm_s:.4g} mm/s"
-        )
     least_mm = least_path_mm(limits.window_mm, limits.min_time_ns, motion.acceleration_mm_s2)
     if motion.arming_mm is not None and motion.arming_mm < least_mm:
-        reasons.append(
+        return [
             f"the window counts from {motion.arming_mm:g} mm on, but in the ramp it holds up to"
             f" {least_mm:.4g} mm"
-        )
-    return reasons
+        ]
+    if limits.window_mm >= motion.speed_mm_s * tau_s:
+        return [
+            f"window {limits.window_mm:g} mm in {tau_s * 1e3:g} ms is not below the feed"
+            f" {motion.speed_mm_s:.4g} mm/s"
+        ]
+    return []
 
 
 def force_reasons(pressing: Pressing | None, motion: Motion) -> list[str]:

@@ -69,6 +69,10 @@ class NoClosedFormError(Exception):
     """What must hold for the closed form does not; the text says what."""
 
 
+class FreeMotionError(NoClosedFormError):
+    """The criterion holds in free motion already."""
+
+
 def none(note: str) -> Instant:
     """Return the instant that the closed form cannot give."""
     return Instant(None, note=note)
@@ -131,12 +135,12 @@ def seen(time_ns: float, doubt_ns: float, cycles: Cycles, what: str) -> Instant:
 
 
 def after(begin: Instant, min_time_ns: TimeNs, cycles: Cycles, what: str) -> Instant:
-    """Return the instant at which something has held for a time: whole cycles, rounded up."""
+    """Return the instant at which something has held for a time, in whole cycles, rounded up."""
     if begin.time_ns is None or begin.low_ns is None or begin.high_ns is None:
         return begin
     lasting_ns = cycles.up(min_time_ns) * cycles.period_ns
     return Instant(
-        begin.time_ns + min_time_ns,
+        begin.time_ns + lasting_ns,
         begin.low_ns + lasting_ns,
         begin.high_ns + lasting_ns,
         f"{what}; {begin.note}",
