@@ -188,8 +188,10 @@ def _ms(time_ns: int | None, origin: int) -> float | None:
 
 
 def _value(row: Mapping[str, Any]) -> dict[str, Any]:
-    """One measured value beside the bounds of the closed form."""
-    measured, low, high = row["measured"], row["low"], row["high"]
+    """One measured value beside the bounds of the closed form, as far as the digits shown go."""
+    measured, low, high = (_rounded(row[side]) for side in ("measured", "low", "high"))
+    if low == high:  # no bounds but a value, which stands in a column of its own
+        low = high = None
     label = row["label"] + (f" · {row['axis']}" if row["axis"] else "")
     drawn = ""
     is_inside = None
@@ -203,11 +205,26 @@ def _value(row: Mapping[str, Any]) -> dict[str, Any]:
         "unit": row["unit"],
         "measured": "" if measured is None else _number(measured),
         "expected": "" if row["expected"] is None else _number(row["expected"]),
+        "apart": _apart(row),
         "band": " … ".join(f"{sign}{_number(v)}" for sign, v in bounds if v is not None),
         "bar": Markup(drawn),
         "is_inside": is_inside,
         "note": row["note"],
     }
+
+
+def _apart(row: Mapping[str, Any]) -> str:
+    """Measured less expected, lengths in um."""
+    if row["measured"] is None or row["expected"] is None:
+        return ""
+    apart = row["measured"] - row["expected"]
+    if row["unit"] == "mm":
+        return f"{1000.0 * apart:+.3f} µm"
+    return f"{apart:+.4g} {row['unit']}"
+
+
+def _rounded(value: float | None) -> float | None:
+    return None if value is None else float(_number(value))
 
 
 def _number(value: float) -> str:

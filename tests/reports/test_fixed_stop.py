@@ -159,6 +159,18 @@ def test_values_outside_their_bounds_are_marked() -> None:
     assert [value["is_inside"] for value in found["values"]].count(False) == 1
 
 
+def test_a_value_on_its_bound_to_the_digits_shown_is_inside() -> None:
+    """500.39287786 N with 500.39287785 N allowed; bounds that are one number are no bounds."""
+    sample = SAMPLES["found-by-lag"]
+    told = info(sample)
+    rows = told["fixed_stop"][0]["values"]
+    rows[1] |= {"low": 40.025, "high": 40.025}
+    rows[3] |= {"measured": 500.392877864, "high": 500.392877863}
+    (found,) = timelines(told, trace(sample), "x", {})
+    assert (found["values"][3]["is_inside"], found["values"][1]["is_inside"]) == (True, None)
+    assert found["values"][1]["apart"] == "+0.200 µm"
+
+
 # Drawing
 
 
