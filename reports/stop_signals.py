@@ -217,7 +217,7 @@ def limits(trace: pa.Table, stops: Sequence[Stop]) -> list[dict[str, Any]]:
                 found.append(_limit("position", axis, round(contact, 4), "contact at"))
             force = told.get("force_limit_n")
             if force is not None:
-                found += [_limit("force", axis, sign * force, "torque limit") for sign in (1, -1)]
+                found.append(_limit("force", axis, round(force, 1), "torque limit"))
     return [limit for i, limit in enumerate(found) if limit not in found[:i]]
 
 

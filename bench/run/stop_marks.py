@@ -165,6 +165,7 @@ def as_data(run: StopRun) -> dict[str, Any]:
                 "window_mm": limits.window_mm,
                 "min_time_ms": limits.min_time_ns / 1e6,
                 "arming_mm": run.arming_mm,
+                "force_limit_n": _force_limit_n(run, axis),
             }
             for axis, limits in run.limits.items()
         },
@@ -174,8 +175,13 @@ def as_data(run: StopRun) -> dict[str, Any]:
         "values": [asdict(value) for value in values(run)],
         "prediction": prediction(run),
         "notes": list(dict.fromkeys(_notes(run))),
-        "signals": {axis: truth.signals() for axis, truth in run.truths.items()},
     }
+
+
+def _force_limit_n(run: StopRun, axis: str) -> float | None:
+    """Return the limit of the motor towards the stop, with the sign of its direction."""
+    pressing = run.pressing(axis)
+    return None if pressing is None else pressing.stop.direction * pressing.limit_n
 
 
 def _notes(run: StopRun) -> Iterator[str]:

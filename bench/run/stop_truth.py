@@ -161,20 +161,6 @@ class AxisTruth:
         told = self.stop_force_n if self.peak_n is None else self.peak_n
         return None if told is None or not len(told[rows]) else float(np.max(told[rows]))
 
-    def signals(self) -> dict[str, str | None]:
-        """Return the columns of the trace that show the run of this axis; None: not told."""
-        told = {
-            "stop_force_n": self.stop_force_n,
-            "force_n": self.force_n,
-            "stop_mm": self.stop_face_mm,
-        }
-        return {
-            "lag_mm": f"{self.name}.cnc_lag_mm",
-            "position_mm": f"{self.name}.truth_mm",
-            "actual_mm": f"{self.name}.actual_mm",
-            **{key: None if told[key] is None else f"{self.name}.{key}" for key in told},
-        }
-
     def pressing(self, time_ns: TimeNs) -> Pressing | None:
         """Return axis against stop with the force limit that acts at an instant."""
         if self.stop is None or self.axis is None:

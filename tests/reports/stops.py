@@ -122,6 +122,7 @@ def _stop(sample: Sample, number: int) -> dict[str, Any]:
         "lag_limit_mm": sample.lag_limit_mm,
         "window_mm": sample.window_mm,
         "min_time_ms": sample.tau_ms,
+        "force_limit_n": FORCE if sample.has_plant else None,
         "arming_mm": sample.extra.get("arming", 0.5),
     }
     shift = (number - 1) * 4000 * MS

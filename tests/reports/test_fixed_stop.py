@@ -25,6 +25,7 @@ from reports.timeline import HEIGHT, Row, Span, axis, lane, span_of
 from tests.reports.stops import (
     BEGIN,
     CONTACT,
+    FORCE,
     MS,
     PENETRATION,
     STOP,
@@ -227,6 +228,7 @@ def test_plots_show_limits_bands_and_count_from_the_contact() -> None:
     limits = {(limit["plot"], limit["label"]): limit["value"] for limit in description["limits"]}
     assert limits["lag", "L"] == 0.5
     assert limits["change", "W"] == 1.0
+    assert limits["force", "torque limit"] == FORCE
     assert limits["position", "contact at"] == pytest.approx(STOP, abs=PENETRATION)
     assert description["ranges"] == {"change": {"Z": [0.0, 5.0]}}
     first = description["windows"][0]
