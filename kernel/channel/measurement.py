@@ -3,7 +3,7 @@
 A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (standing at a stop is the signal).
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from math import dist
 
@@ -33,13 +33,33 @@ class _Order:
     overtravel_mm: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class _WithSlaves:
+    """The path as a run to a fixed stop sees it: a slave may be held off by a stop of its own."""
+
+    path: Path
+    slaves: Collection[str]
+
+    @property
+    def travelled_mm(self) -> float:
+        return self.path.travelled_mm
+
+    @property
+    def has_stopped(self) -> bool:
+        return self.path.has_stopped
+
+    def is_in_position(self) -> bool:
+        return self.path.is_in_position(self.slaves)
+
+
 class Measurement:
     """Runs one measurement on the path at a time.
 
     links: by axis. period_ns: of the NC cycle. error_no_signal: P-CHAN-00176. warn: takes alarms
     of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
     named; with the signal of the drive nothing is to be made ready, so that it stays a note.
-    stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on.
+    stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on. slaves_of:
+    tells which axes follow others at the moment, each with its master.
     """
 
     def __init__(
@@ -61,6 +81,7 @@ class Measurement:
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
         self.stop_may_be_missing = False
+        self.slaves_of: Callable[[Collection[str]], Mapping[str, str]] = lambda _masters: {}
         self._sources: dict[str, str] = {}  # by #MEAS, whatever P-AXIS-00516 says
 
     @property
@@ -128,7 +149,8 @@ class Measurement:
         self._order = self._planned(command)
         if measuring_types()[type_].runs_to_stop:
             target_mm = command.target_acs_mm
-            self._run = self.arm_stop(measuring, target_mm, command.block, self._path)
+            motion = _WithSlaves(self._path, self.slaves_of(target_mm))
+            self._run = self.arm_stop(measuring, target_mm, command.block, motion)
             return
         self._run = self.arm(
             type_,
@@ -194,20 +216,27 @@ class Measurement:
         """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
 
         measuring: the axes that deliver a position. target_acs_mm: of the axes that the block
-        moves, at which the stop is looked for. Raises Alarm 51026.
+        moves, at which the stop is looked for; at slaves where their master wants it
+        (P-AXIS-00835). Raises Alarm 51026.
         """
         links, settings = self._links, self._path.settings
         moved = [name for name in links if name in target_acs_mm]
         here_mm = [self._path.position_acs_mm(name) for name in moved]
-        axes = [(settings(name), links[name]) for name in moved]
+        slaves = self.slaves_of(moved)
+        searched = [
+            slave
+            for slave, master in slaves.items()
+            if settings(master).measuring.fixed_stop.watches_slaves
+        ]
+        axes = [(settings(name), links[name]) for name in (*moved, *searched)]
         plan = StopPlan(
             measuring=[links[name] for name in measuring],
             watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
             moved=[links[name] for name in moved],
-            unmonitored=[links[name] for name in measuring],
             block_mm=dist(here_mm, [target_acs_mm[name] for name in moved]),
             is_error=not self.stop_may_be_missing,
             rest=lambda: Rest(self._clock, self._period_ns, axes).judge,
+            slaves=[links[name] for name in slaves],
         )
         run = FixedStopRun(plan, motion, str(block), self._clock.now_ns, self._period_ns)
         self.records.append(run.record)

@@ -1,7 +1,7 @@
 """The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
 
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Mapping, Sequence
 
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.channel.settling import Settling
@@ -253,12 +253,14 @@ class Path:
         """Whether the same set position is sent again and again."""
         return self.interpolator.is_standing and self.is_settled
 
-    def is_in_position(self) -> bool:
+    def is_in_position(self, but_for: Container[str] = ()) -> bool:
         """Whether the interpolation stands and every axis is in its exact-stop window.
 
-        Axes that something else leads are left out. Raises Alarm 70082.
+        but_for: axes that are not asked, nor are those that something else leads. Raises Alarm
+        70082.
         """
         if not self.has_stopped:
             self._settling.restart()
             return False
-        return self._settling.judge((self._axes[i], self._links[i]) for i in self._common)
+        asked = (i for i in self._common if self._axes[i].name not in but_for)
+        return self._settling.judge((self._axes[i], self._links[i]) for i in asked)

@@ -4,7 +4,7 @@ A slave keeps the distance to its master at which it was coupled. Sources: TF520
 manual 207120267 and 207133579; ISG 285662475 (gantry coupling and its limits).
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 from kernel.channel.path import Path
@@ -67,6 +67,11 @@ class Couplings:
         for coupled in self._slaves:
             pair = coupled.pair
             path.put_beside(pair.slave, path.position_acs_mm(pair.master) + coupled.offset_mm)
+
+    def slaves_of(self, masters: Collection[str]) -> dict[str, str]:
+        """Return the slaves that follow any of these axes, each with its master."""
+        pairs = (coupled.pair for coupled in self._slaves)
+        return {pair.slave: pair.master for pair in pairs if pair.master in masters}
 
     def watch(self) -> None:
         """Raise Alarm 900192 or 900193 when the actual positions of a gantry have come apart."""

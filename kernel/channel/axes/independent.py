@@ -14,6 +14,7 @@ from kernel.channel.settling import Settling
 from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
+from kernel.measuring.fixed_stop.run import FixedStopRun
 from kernel.measuring.run import MeasuringRun, Order
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.interpolator import Interpolator
@@ -28,7 +29,10 @@ NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664
 
 @dataclass
 class Mover:
-    """One axis on its way; run: its measurement, None without. waits: until it stands for one."""
+    """One axis on its way; run: its measurement, None without. waits: until it stands for one.
+
+    speed_mm_s: of its motion, and of the one that takes the lag away behind a fixed stop.
+    """
 
     command: canon.IndependentMove
     settings: AxisSettings
@@ -36,13 +40,33 @@ class Mover:
     dynamics: Dynamics
     interpolator: Interpolator
     settling: Settling
-    run: MeasuringRun | None = None
+    run: MeasuringRun | FixedStopRun | None = None
     waits: bool = False
+    speed_mm_s: float = 0.0
 
     @property
     def position_mm(self) -> float:
         """Where the interpolation of the axis stands."""
         return self.interpolator.positions_mm[0]
+
+
+@dataclass(frozen=True)
+class _StopMotion:
+    """One axis as a run to a fixed stop sees its motion."""
+
+    axes: "IndependentAxes"
+    mover: Mover
+
+    @property
+    def travelled_mm(self) -> float:
+        return self.mover.interpolator.path_travelled_mm
+
+    @property
+    def has_stopped(self) -> bool:
+        return self.axes.has_stopped(self.mover)
+
+    def is_in_position(self) -> bool:
+        return self.axes.stands(self.mover)
 
 
 class IndependentAxes:
@@ -122,17 +146,28 @@ class IndependentAxes:
 
     def _begin_run(self, mover: Mover) -> None:
         """A lagging axis could take its own retract for an actuated probe: it stands first."""
-        if self._stands(mover):
+        if self.stands(mover):
             command = mover.command
             assert command.measuring_type is not None
-            kind = command.measuring_type
-            mover.run = self._measurement.arm(
-                kind, (command.axis,), command.block, error_no_signal=command.error_no_signal
-            )
+            axes, kind, block = (command.axis,), command.measuring_type, command.block
+            if measuring_types()[kind].runs_to_stop:
+                target_mm = {command.axis: command.target_acs_mm}
+                motion = _StopMotion(self, mover)
+                mover.run = self._measurement.arm_stop(axes, target_mm, block, motion)
+            else:
+                mover.run = self._measurement.arm(
+                    kind, axes, block, error_no_signal=command.error_no_signal
+                )
             mover.waits = False
 
-    def _evaluate(self, axis: str, mover: Mover, run: MeasuringRun) -> None:
-        order = run.evaluate(self._clock.now_ns, self._stands(mover))
+    def _evaluate(self, axis: str, mover: Mover, run: MeasuringRun | FixedStopRun) -> None:
+        now_ns = self._clock.now_ns
+        if isinstance(run, FixedStopRun):
+            order = run.evaluate(now_ns)
+            if order is Order.RELAX:
+                _go(mover, run.targets_mm[axis])
+        else:
+            order = run.evaluate(now_ns, self.stands(mover))
         if order is Order.START:
             self._start_run(mover)
         elif order is Order.BRAKE:
@@ -178,9 +213,13 @@ class IndependentAxes:
         del self._movers[axis]
         self._path.release(axis)
 
-    def _stands(self, mover: Mover) -> bool:
+    def has_stopped(self, mover: Mover) -> bool:
+        """Whether the same set position of the axis is sent again and again."""
+        return mover.interpolator.is_standing and self._path.has_axis_stopped(mover.link.name)
+
+    def stands(self, mover: Mover) -> bool:
         """Whether the axis is in its exact-stop window; raises Alarm 70082."""
-        if not mover.interpolator.is_standing or not self._path.has_axis_stopped(mover.link.name):
+        if not self.has_stopped(mover):
             mover.settling.restart()
             return False
         return mover.settling.judge(((mover.settings, mover.link),))
@@ -220,7 +259,15 @@ def _start(
         speed_mm_s = speed_for(length_mm, command.time_s, *slopes, fastest)
     else:
         speed_mm_s = fastest * (1.0 if command.speed_share is None else command.speed_share)
-    speed_mm_s = min(allowed(speed_mm_s), fastest)
-    profile = plan(length_mm, speed_mm_s, dynamics.acceleration, dynamics.deceleration)
-    axis = command.axis
-    mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)
+    mover.speed_mm_s = min(allowed(speed_mm_s), fastest)
+    _go(mover, target_mm)
+
+
+def _go(mover: Mover, target_mm: float) -> None:
+    """Begin the motion to a place, at the speed that the mover has."""
+    here_mm, dynamics = mover.position_mm, mover.dynamics
+    length_mm = abs(target_mm - here_mm)
+    if length_mm:
+        profile = plan(length_mm, mover.speed_mm_s, dynamics.acceleration, dynamics.deceleration)
+        axis = mover.command.axis
+        mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)

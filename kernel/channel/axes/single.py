@@ -34,6 +34,7 @@ class SingleAxes:
         self._timing, self._measurement = timing, measurement
         self.independent = IndependentAxes(clock, timing, path, measurement, links)
         self.couplings = Couplings(path, links)
+        measurement.slaves_of = self.couplings.slaves_of
         self._homing: Homing | None = None
         self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()

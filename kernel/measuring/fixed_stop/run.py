@@ -73,19 +73,23 @@ class StopPlan:
     """What a run is about.
 
     measuring: the axes that deliver a position. watched: where the stop is looked for. moved: the
-    axes of the motion, which is led back at its end. unmonitored: their lag is not monitored
-    meanwhile. block_mm: length of the programmed path. is_error: finding no stop is an alarm
-    (P-CHAN-00266). rest: makes what tells, asked once per cycle, whether the watched axes have come
-    to rest.
+    axes of the motion, which is led back at its end. block_mm: length of the programmed path.
+    is_error: finding no stop is an alarm (P-CHAN-00266). rest: makes what tells, asked once per
+    cycle, whether the watched axes have come to rest. slaves: they follow axes of the motion.
     """
 
     measuring: Sequence[StopPort]
     watched: Sequence[Watched]
     moved: Sequence[StopPort]
-    unmonitored: Sequence[StopPort]
     block_mm: float
     is_error: bool
     rest: Callable[[], Callable[[], bool]]
+    slaves: Sequence[StopPort] = ()
+
+    @property
+    def involved(self) -> Sequence[StopPort]:
+        """The axes whose lag is not monitored meanwhile."""
+        return (*self.measuring, *self.slaves)
 
 
 class _State(Enum):
@@ -146,7 +150,7 @@ class FixedStopRun:
     def abort(self) -> None:
         """End as it is, without a result when the axes are still on their way."""
         self._state = _State.DONE
-        for port in self._plan.unmonitored:
+        for port in self._plan.involved:
             port.watches_lag = True
         if self.stop.watch_off_ns is not None:
             self.stop.watch_on_ns = self._now_ns
@@ -154,7 +158,7 @@ class FixedStopRun:
     # The way to the stop
 
     def _starting(self, now_ns: TimeNs) -> Order:
-        for port in self._plan.unmonitored:
+        for port in self._plan.involved:
             port.watches_lag = False
         self.stop.watch_off_ns = self.record.start_ns = now_ns
         self._take(now_ns)
@@ -223,13 +227,13 @@ class FixedStopRun:
     # What comes of it
 
     def _find(self, axis: str, now_ns: TimeNs) -> Order:
-        stop, measuring = self.stop, self._plan.measuring
+        stop, ports = self.stop, self._plan.involved
         stop.detected_ns = self.record.signal_ns = now_ns
         stop.detected_by = axis
         stop.beyond_ns.update(_known((w.port.name, d.beyond_ns) for w, d in self._axes))
         stop.window_ns.update(_known((w.port.name, d.window_ns) for w, d in self._axes))
-        stop.set_mm.update({port.name: port.set_mm for port in measuring})
-        stop.actual_mm.update({port.name: port.actual_mm for port in measuring})
+        stop.set_mm.update({port.name: port.set_mm for port in ports})
+        stop.actual_mm.update({port.name: port.actual_mm for port in ports})
         self._state = _State.BRAKING
         return Order.BRAKE
 
@@ -268,7 +272,8 @@ class FixedStopRun:
         if not self._motion.is_in_position():
             return Order.NONE
         if self.stop.detected_ns is not None:
-            self.record.latched_mm.update(self.stop.actual_mm)
+            actual_mm = self.stop.actual_mm
+            self.record.latched_mm.update({axis: actual_mm[axis] for axis in self.record.axes})
         self.stop.relax_end_ns = self.record.end_ns = now_ns
         self.abort()
         return Order.NONE

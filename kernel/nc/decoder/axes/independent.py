@@ -204,11 +204,6 @@ def _measuring_type(context: Context, block: Block, axis: str) -> int:
     type_ = measuring.measuring_type(context)
     if type_ not in MEASURING_TYPES:
         raise context.alarm(21588, block, axis=axis, type=type_)
-    kind = measuring_types()[type_]
-    if kind.runs_to_stop:
-        raise context.not_acting(
-            block, f"measuring type {type_}", f"{kind.meaning} beside the path"
-        )
     return type_
 
 
