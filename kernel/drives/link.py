@@ -110,6 +110,7 @@ class AxisLink:
         self._function_word = 0
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
+        self._has_sent = False  # in this cycle
         self._subscribe()
 
     def _subscribe(self) -> None:
@@ -162,6 +163,7 @@ class AxisLink:
         one that does not fit its mapping.
         """
         pdos = self._pdos
+        self._has_sent = False
         word, actual, probe, latch, count, inputs = pdos.take()
         if word is not None and word != self.statusword:
             self.statusword, self.state = word, state_of(word)
@@ -242,11 +244,15 @@ class AxisLink:
     def lag_mm(self) -> float:
         """The CNC's position lag e(k) = s(k - d) - x(k), d = P-AXIS-00191.
 
+        Before s(k) is sent, d = 0 has to do with s(k - 1).
         Source: docs/ambiguities.md, "Two position lags".
         """
         if self.leads_itself:
             return 0.0
-        return (self._set_history[0] if self._set_history else self.set_mm) - self.actual_mm
+        history = self._set_history
+        older = self.settings.lag_delay_cycles - (not self._has_sent)
+        place = len(history) - 1 - max(older, 0)
+        return (history[max(place, 0)] if history else self.set_mm) - self.actual_mm
 
     # The latch, as the measuring run sees it
 
@@ -378,6 +384,7 @@ class AxisLink:
         self.controlword = self._controlword() | self.mode_bits
         self.set_mm = set_mm
         self._set_history.append(set_mm)
+        self._has_sent = True
         values, position = self._control_out
         values[position] = self.controlword
         values, position = self._target_out

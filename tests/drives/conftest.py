@@ -110,6 +110,7 @@ class LinkBench:
     link: AxisLink
     heard: list[tuple[int, int, bytes]]
     lags_mm: list[tuple[float, float]] = field(default_factory=list)
+    judged_lags_mm: list[float] = field(default_factory=list)
 
     def commission(self) -> None:
         """Start the drive; raises the alarm of a start-up that fails."""
@@ -165,6 +166,7 @@ class LinkBench:
         self.network.send_message(0x80, b"")
         self.scheduler.run_until(begin_ns + OFFSET_NS)
         self.link.take()
+        self.judged_lags_mm.append(self.link.lag_mm)
         self.link.send(set_mm)
         # Both lags with the set value of this cycle counted (docs/architecture.md)
         self.lags_mm.append((self.link.lag_mm, self.drive_lag_mm))

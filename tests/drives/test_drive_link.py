@@ -292,6 +292,7 @@ def test_the_two_lags_differ_by_the_cycles_between_them(
     the demand is s(k-2), the encoder x(k) = s(k-2) - L, and 60F4 = L.
     The CNC has x(k) in cycle k and with the set value of this cycle counted its lag is
     e(k) = s(k-d) - x(k) = s(k-d) - s(k-2) + L = (2-d) v T + L.
+    What the cycle judges before s(k) is made is the same; there d = 0 counts as 1.
     """
     behind_mm, period_s = 0.5, 1e-3
     bench = link_bench(behind_mm=behind_mm, lag_delay_cycles=delay_cycles)
@@ -303,6 +304,8 @@ def test_the_two_lags_differ_by_the_cycles_between_them(
         assert drive_lag_mm == pytest.approx(behind_mm, abs=2 * INCREMENT_MM)
         difference = (2 - delay_cycles) * speed_mm_s * period_s
         assert lag_mm - drive_lag_mm == pytest.approx(difference, abs=3 * INCREMENT_MM)
+    judged_mm = behind_mm + (2 - max(delay_cycles, 1)) * speed_mm_s * period_s
+    assert bench.judged_lags_mm[-10:] == pytest.approx([judged_mm] * 10, abs=3 * INCREMENT_MM)
 
 
 def test_both_lags_agree_at_standstill(link_bench: Make) -> None:
