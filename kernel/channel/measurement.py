@@ -3,12 +3,14 @@
 A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (standing at a stop is the signal).
 """
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import dist
 
 from kernel.channel.path import Path
+from kernel.channel.settings import AxisSettings
 from kernel.channel.settling import Rest
+from kernel.channel.slaves import PathWithSlaves
 from kernel.clock import Clock, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
@@ -31,25 +33,6 @@ class _Order:
     speed_mm_s: float
     dynamics: Dynamics
     overtravel_mm: Mapping[str, float]
-
-
-@dataclass(frozen=True)
-class _WithSlaves:
-    """The path as a run to a fixed stop sees it: a slave may be held off by a stop of its own."""
-
-    path: Path
-    slaves: Collection[str]
-
-    @property
-    def travelled_mm(self) -> float:
-        return self.path.travelled_mm
-
-    @property
-    def has_stopped(self) -> bool:
-        return self.path.has_stopped
-
-    def is_in_position(self) -> bool:
-        return self.path.is_in_position(self.slaves)
 
 
 class Measurement:
@@ -149,7 +132,8 @@ class Measurement:
         self._order = self._planned(command)
         if measuring_types()[type_].runs_to_stop:
             target_mm = command.target_acs_mm
-            motion = _WithSlaves(self._path, self.slaves_of(target_mm))
+            slaves = self._with_settings(self.slaves_of(target_mm))
+            motion = PathWithSlaves(self._path, slaves, self._clock, self._period_ns)
             self._run = self.arm_stop(measuring, target_mm, command.block, motion)
             return
         self._run = self.arm(
@@ -228,7 +212,7 @@ class Measurement:
             for slave, master in slaves.items()
             if settings(master).measuring.fixed_stop.watches_slaves
         ]
-        axes = [(settings(name), links[name]) for name in (*moved, *searched)]
+        axes = self._with_settings((*moved, *searched))
         plan = StopPlan(
             measuring=[links[name] for name in measuring],
             watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
@@ -241,6 +225,9 @@ class Measurement:
         run = FixedStopRun(plan, motion, str(block), self._clock.now_ns, self._period_ns)
         self.records.append(run.record)
         return run
+
+    def _with_settings(self, names: Iterable[str]) -> list[tuple[AxisSettings, AxisLink]]:
+        return [(self._path.settings(name), self._links[name]) for name in names]
 
     def keep(self, record: RunRecord) -> None:
         """Keep what a run brought."""

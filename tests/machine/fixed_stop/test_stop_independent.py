@@ -1,4 +1,4 @@
-"""Independent axes (INDP_SYN, INDP_ASYN) against fixed stops, each for itself and beside the path."""
+"""Independent axes (INDP_SYN, INDP_ASYN) against fixed stops, each for itself, beside the path."""
 
 from collections.abc import Callable
 from typing import Any
@@ -76,7 +76,8 @@ def test_an_axis_runs_to_its_stop_beside_a_run_of_the_path(axes: Run) -> None:
     """The path is not asked about the other axis, nor the other way round."""
     out = axes(
         "X[INDP_ASYN G100 G90 POS=200 FEED=600]\nG100 Z100 F240\n"
-        '#MSG SYN["Z=%f", V.A.MESS.Z]\n#WAIT INDP [X]\n#MSG SYN["X=%f", V.A.MESS.X]\nG1 X120 Z0 F1000'
+        '#MSG SYN["Z=%f", V.A.MESS.Z]\n#WAIT INDP [X]\n#MSG SYN["X=%f", V.A.MESS.X]\n'
+        "G1 X120 Z0 F1000"
     )
     assert out.alarms == []
     assert out.printed("Z") == [pytest.approx(4.0 + PRESSED_MM, abs=0.001)]

@@ -64,10 +64,10 @@ class Stage:
             measuring,
             watched,
             moved,
-            (*measuring, *self.beside),
             self.length_mm,
             self.is_error,
             self._rest,
+            slaves=self.beside,
         )
         self.run = FixedStopRun(plan, self, "block N20", 0, MS)
 

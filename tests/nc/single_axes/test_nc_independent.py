@@ -170,8 +170,9 @@ def test_measuring_types_of_independent_axes() -> None:
         decode(mode, single(alone("X", "G100", "G90", POS=1, FEED=1)))
     (type_2,) = moves(decode(measuring_type(2), single(alone("X", "G100", "G90", POS=1))))
     assert (type_2.measuring_type, type_2.feed_mm_min) == (2, None)
-    with pytest.raises(Alarm, match="900100"):
-        decode(measuring_type(7), single(alone("X", "G100", "G90", POS=1, FEED=1)))
+    to_stop = single(alone("X", "G100", "G90", POS=1, FEED=1))
+    (type_7,) = moves(decode(measuring_type(7), to_stop))
+    assert (type_7.measuring_type, type_7.feed_mm_min) == (7, 1.0)
 
 
 @pytest.mark.provokes(21071, 2, axis="X", transformation="Cartesian")
