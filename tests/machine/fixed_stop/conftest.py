@@ -15,7 +15,7 @@ TO_STOP = """\
 N010 #MEAS MODE[7]
 N020 G0 G90 Z{start}
 N030 #DRIVE WR SYN [AX=Z KEY=TORQUE_LIMIT VAL={torque} WAIT]
-N040 #DRIVE WR SYN [AX=Z KEY=MON_WINDOW VAL=4294967295 WAIT]
+N040 #DRIVE WR SYN [AX=Z KEY=MON_WINDOW VAL={lag_window} WAIT]
 N050 G100 Z{target} F{feed}
 N060 #MSG SYN["MERF=%d", V.A.MERF.Z]
 N070 $IF V.A.MERF.Z
@@ -60,12 +60,15 @@ def run_stop(tmp_path: Path) -> RunStop:
         target: float = 150,
         feed: float = 600,
         torque: float = 40,
+        lag_window: int = 2**32 - 1,
         end: str = "",
         watch: Callable[..., None] | None = None,
         **detect: object,
     ) -> StopOutcome:
         program = tmp_path / "stop.nc"
-        text = TO_STOP.format(start=start, target=target, feed=feed, torque=torque)
+        text = TO_STOP.format(
+            start=start, target=target, feed=feed, torque=torque, lag_window=lag_window
+        )
         program.write_text(f"%stop\n{text}{end}\nN999 M30\n", encoding="utf-8")
         place = [] if stop_mm is None else [f"plant:z.stop_position_mm={stop_mm}"]
         settings = [f"{DETECT}{name}={value}" for name, value in detect.items()]
