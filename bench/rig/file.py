@@ -243,10 +243,14 @@ class PlantTable(Table):
 
     fmu: name of a model of the library, or path of an .fmu beside the rig file. kind: what it is,
     where its variables leave that open. map: role -> variable; false leaves a role out.
+    shares: the axis plant whose instance of this FMU this one is a further axis of; suffix: ends
+    the names of the variables of one axis of several (`_1`).
     """
 
     fmu: str
     kind: Literal["axis", "probe", "distance"] | None = None
+    shares: Name | None = None
+    suffix: str = ""
     start: dict[str, StartValue] = Field(default_factory=dict)
     wire: dict[Name, Name] = Field(default_factory=dict)
     map: dict[Name, MapEntry] = Field(default_factory=dict)

@@ -22,6 +22,7 @@ from kernel.cosim.roles import (
     guess_kind,
     map_roles,
     refuse_unknown,
+    roles_of,
 )
 from kernel.errors import UserError, nearest
 
@@ -63,11 +64,17 @@ def build_plant(settings: Settings) -> Plant:
     sensors: list[tuple[str, PlantTable, Roles]] = []
     loaded: list[FmuSlave] = []
     try:
-        for instance, table in simulated_plants(settings).items():
-            slave = _load(settings, instance, table)
-            loaded.append(slave)
+        plants = simulated_plants(settings).items()
+        for instance, table in sorted(plants, key=lambda item: item[1].shares is not None):
+            if table.shares is None:
+                slave = _load(settings, instance, table)
+                loaded.append(slave)
+            else:
+                slave = _shared(settings, plant, instance, table, table.shares)
             roles = _roles(settings, instance, table, slave)
-            if roles.kind == "axis":
+            if table.shares is not None:
+                _add_beside(settings, plant, instance, table.shares, roles)
+            elif roles.kind == "axis":
                 plant.add_axis(slave, roles)
             else:
                 sensors.append((instance, table, roles))
@@ -82,6 +89,54 @@ def build_plant(settings: Settings) -> Plant:
             slave.close()
         raise
     return plant
+
+
+def _shared(
+    settings: Settings, plant: Plant, instance: str, table: PlantTable, first: str
+) -> FmuSlave:
+    """Return the FMU that a plant has in common with another. Raises UserError when it cannot."""
+    owners = [name for name, axis in plant.axes.items() if axis.slave.name == name]
+    if first not in owners:
+        message = f"plant {instance}: shares must name the plant of an axis that is simulated here"
+        keys = ("plant", instance, "shares")
+        raise rig_error(settings.files, keys, message, value=first, allowed=owners or "none")
+    if table.fmu != settings.rig.plant[first].fmu:
+        message = f"plant {instance} shares the FMU of {first} and names another"
+        allowed = settings.rig.plant[first].fmu
+        keys = ("plant", instance, "fmu")
+        raise rig_error(settings.files, keys, message, value=table.fmu, allowed=allowed)
+    hint = f"plant {instance} shares the FMU of {first}: set it there"
+    if table.start:
+        message = f"start values of plant {instance} belong to {first}"
+        raise rig_error(settings.files, ("plant", instance, "start"), message, hint=hint)
+    for item, located in settings.start.get(instance, []):
+        raise located(
+            UserError(f"{instance} has no start values", value=item.name, hint=hint), item
+        )
+    return plant.axes[first].slave
+
+
+def _add_beside(settings: Settings, plant: Plant, instance: str, first: str, roles: Roles) -> None:
+    keys = ("plant", instance, "shares")
+    if roles.kind != "axis":
+        message = f"plant {instance} shares an FMU and is no axis"
+        raise rig_error(settings.files, keys, message, value=roles.kind, allowed="axis")
+    others = {
+        bound.variable: name
+        for name, axis in plant.axes.items()
+        if axis.slave is roles.slave
+        for bound in axis.roles.bound.values()
+        if bound.variable in roles.slave.names("input")
+    }
+    taken = [b.variable for b in roles.bound.values() if b.variable in others]
+    if taken:
+        message = f"plant {instance} writes the same input as {others[taken[0]]}"
+        hint = "give both a suffix, or a map"
+        raise rig_error(settings.files, keys, message, value=taken[0], hint=hint)
+    try:
+        plant.add_axis_beside(instance, first, roles)
+    except UserError as error:
+        raise _at(settings, keys, error) from error
 
 
 def _is_needless(settings: Settings, instance: str, note: str) -> bool:
@@ -151,7 +206,8 @@ def _at(
 
 def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave) -> Roles:
     """Find out which roles the FMU of a plant fills."""
-    sources = {role: _source(entry) for role, entry in table.map.items()}
+    sources = _suffixed(slave, table.suffix) if table.suffix else {}
+    sources |= {role: _source(entry) for role, entry in table.map.items()}
     kind = table.kind or guess_kind(slave, sources)
     place = ("plant", instance)
     if kind is None:
@@ -188,6 +244,15 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
             hint="let it follow positions: step_time = false and g_position in its map",
         )
     return roles
+
+
+def _suffixed(slave: FmuSlave, suffix: str) -> dict[str, Source | None]:
+    """Return the variables that have the name of a role of an axis with a suffix."""
+    names = [role for role in roles_of("axis", []) if slave.has(role + suffix)]
+    found: dict[str, Source | None] = {name: Source(name + suffix) for name in names}
+    if {"force_limit_negative", "force_limit_positive"} <= set(found):
+        found["force_limit"] = None
+    return found
 
 
 def _source(entry: str | Literal[False] | MapTable) -> Source | None:
@@ -341,7 +406,7 @@ def plant_log(plant: Plant) -> list[str]:
     for instance, probe in plant.probes.items():
         if probe.edge_uncertainty_ns > 1.0:
             lines.append(f"plant {instance}: edges are known to {probe.edge_uncertainty_ns:g} ns")
-    for slave in (_what(plant, instance)[0] for instance in plant.notes):
+    for slave in dict.fromkeys(_what(plant, instance)[0] for instance in plant.notes):
         for message in list(slave.messages)[:WARNINGS_SHOWN_MAX]:
             lines.append(f"plant {slave.name} at {message.time_ns / 1e6:.6f} ms: {message.text}")
         more = len(slave.messages) - WARNINGS_SHOWN_MAX

@@ -73,10 +73,16 @@ class PlantAxis:
     `tick` load position and velocity at both ends of the last step. The last 4096 steps are kept,
     so that the position at a latch can be looked up. fine_ns: longest step where a stop can be
     touched, so that the force of the contact is known that closely; it moves nothing else.
+    beside: the axis on the same FMU that steps it, None = this one does.
     second_encoder: tells what the second encoder of the drive sees, None = there is none.
     """
 
-    def __init__(self, roles: Roles, advance_to: Callable[[TimeNs], None]) -> None:
+    def __init__(
+        self,
+        roles: Roles,
+        advance_to: Callable[[TimeNs], None],
+        beside: "PlantAxis | None" = None,
+    ) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
         self._demand = Ramp(roles) if roles.has_group("ramp") else SampledDemand(roles)
         self._control = Control(roles)
@@ -97,6 +103,10 @@ class PlantAxis:
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
         self._saved: FmuState | None = None
         self._saved_ns: TimeNs = 0
+        self._steps = beside is None
+        self._stepped = [self]
+        if beside is not None:
+            beside._stepped.append(self)
 
     @property
     def tells_velocity(self) -> bool:
@@ -105,7 +115,8 @@ class PlantAxis:
 
     def start(self, start_ns: TimeNs) -> None:
         """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it tells none."""
-        self.slave.initialize(start_ns)
+        if self._steps:
+            self.slave.initialize(start_ns)
         if self.roles.has("kv"):
             gain = self.roles.exchange(["kv"])
             gain.read()
@@ -195,16 +206,25 @@ class PlantAxis:
         return points
 
     def step_to(self, end_ns: TimeNs) -> None:
-        """Step the FMU to `end_ns`, in fine steps where the stop can be touched."""
-        begin = self.motion
-        if self._tells_stop and self._may_touch(end_ns):
+        """Step the FMU to `end_ns`, in fine steps where the stop can be touched.
+
+        Nothing happens where the axis beside has stepped the FMU of both.
+        """
+        if not self._steps:
+            return
+        begins = [axis.motion for axis in self._stepped]
+        if any(axis._may_touch(end_ns) for axis in self._stepped):
             for time_ns in range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns):
-                self._demand.step(self.slave, time_ns)
-                self._sample()
+                self._step_all(time_ns)
+        self._step_all(end_ns)
+        for axis, begin in zip(self._stepped, begins, strict=True):
+            end = axis.motion
+            axis.tick = (begin[0], begin[1], end[0], end[1])
+
+    def _step_all(self, end_ns: TimeNs) -> None:
         self._demand.step(self.slave, end_ns)
-        self._sample()
-        end = self.motion
-        self.tick = (begin[0], begin[1], end[0], end[1])
+        for axis in self._stepped:
+            axis._sample()
 
     def _may_touch(self, end_ns: TimeNs) -> bool:
         """Tell whether there is, or can be until `end_ns`, a contact with the stop.
@@ -213,20 +233,21 @@ class PlantAxis:
         """
         motion = self.motion
         if not self._tells_face or motion[STOP_FORCE] > 0.0:
-            return motion[STOP_FORCE] > 0.0
+            return self._tells_stop and motion[STOP_FORCE] > 0.0
         span_s = (end_ns - self.slave.time_ns) * 1e-9
         way_m = (abs(motion[1]) + STOP_SPEED_M_S + 0.5 * GAIN_M_S2 * span_s) * span_s
         return abs(motion[STOP_FACE] - motion[0]) <= way_m
 
     def save(self) -> None:
         """Keep the present state for `restore`; the FMU must be able to."""
-        self._saved = self.slave.save_state(self._saved)
+        if self._steps:
+            self._saved = self.slave.save_state(self._saved)
         self._saved_ns = self._times[-1]
 
     def restore(self) -> None:
         """Go back to where `save` was called last."""
-        assert self._saved is not None
-        self.slave.restore_state(self._saved)
+        if self._saved is not None:  # else the axis beside has restored the FMU of both
+            self.slave.restore_state(self._saved)
         while self._times[-1] > self._saved_ns:
             self._times.pop()
             self._past.pop()

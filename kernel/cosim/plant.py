@@ -69,6 +69,24 @@ class Plant:
         self.axes[slave.name] = axis
         return axis
 
+    def add_axis_beside(self, name: str, first: str, roles: Roles) -> PlantAxis:
+        """Add a further axis of an FMU that moves several, as a gantry does.
+
+        first: name of the axis that was added with this FMU. Raises UserError where the FMU does
+        not follow ramps by itself: it gets its demands for all axes at once.
+        """
+        beside = self.axes[first]
+        if roles.slave.grid_ns is not None or not (
+            roles.has_group("ramp") and beside.roles.has_group("ramp")
+        ):
+            raise UserError(
+                f"plant {name} shares the FMU of {first}, which must take steps of any length"
+                " and its demand by reference_position, _velocity, _time, _end",
+                value=name,
+            )
+        self.axes[name] = PlantAxis(roles, self.advance_to, beside)
+        return self.axes[name]
+
     def add_probe(
         self, slave: FmuSlave, sources: Mapping[str, str], roles: Roles | None = None
     ) -> PlantProbe:
