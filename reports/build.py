@@ -27,7 +27,7 @@ from reports.realtime import real_time
 from reports.signals import chart, table
 
 _ALARM = re.compile(r"ID (?P<id>\d+) class \d+[^:]*: (?P<text>.*)", re.DOTALL)
-_WHOLE = 1e15
+_WHOLE, _TINY = 1e15, 1e-3
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 
 
@@ -233,7 +233,9 @@ def _short(text: str) -> str:
     number = _number(text)
     if number is not None and number.is_integer() and abs(number) < _WHOLE:
         return f"{number:.0f}"
-    return text if number is None or len(text) <= 9 else _plain(number, 7)
+    if number is None or len(text) <= 9:
+        return text
+    return _plain(number, 7 if abs(number) >= _TINY else 3)
 
 
 def _plain(number: float, digits: int) -> str:

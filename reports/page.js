@@ -317,9 +317,10 @@
           zero: w.zero ? { ms: w.origin_ns / NS_PER_MS, label: `ms from ${w.zero}` } : START,
         }));
       const whole = Object.assign([times[0], times[times.length - 1]], { zero: START });
+      const first = windows[chart.opens ?? 0] || whole;
       const state = {
         figure, chart, signals, windows, whole, plots: [], busy: false,
-        axis: chart.axis, view: windows[0] || whole, zero: (windows[0] || whole).zero, key: figure.closest(".run").id,
+        axis: chart.axis, view: first, zero: first.zero, key: figure.closest(".run").id,
       };
       buildTools(state);
       render(state);
@@ -348,7 +349,10 @@
     }
   }, { rootMargin: "300px" });
   figures.forEach((figure) => watcher.observe(figure));
-  document.getElementById("all").addEventListener("click", drawAll);
+  document.getElementById("all").addEventListener("click", () => {
+    for (const details of document.querySelectorAll(".stop details")) details.open = true;
+    drawAll();
+  });
   if (location.search === "?print") drawAll();
 
   const repaint = async () => {

@@ -85,6 +85,7 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
         "windows": _windows(events, stops, int(time_ns[0]), int(time_ns[-1])),
     }
     if stops:
+        description["opens"] = len(stop_signals.windows(stops[:-1]))
         description["bands"] = stop_signals.bands(stops)
         description["ranges"] = {"change": stop_signals.ranges(stops)}
     return description, pack(parts)

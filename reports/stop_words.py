@@ -169,7 +169,8 @@ def _value(stop: Stop, key: str, axis: str) -> float | None:
 
 
 def length(value_mm: float) -> str:
-    """Write a length in the unit that needs no long row of zeros."""
+    """Write the amount of a length in the unit that needs no long row of zeros."""
     if abs(value_mm) < _SHORT_MM:
-        return f"{1000.0 * value_mm:.3g} µm" if value_mm else "0 µm"
-    return f"{value_mm:.4g} mm"
+        text = f"{1000.0 * abs(value_mm):.3f}".rstrip("0").rstrip(".")
+        return f"{text} µm"
+    return f"{abs(value_mm):.4g} mm"

@@ -250,6 +250,7 @@ def test_several_runs_have_a_button_each_and_the_last_timeline_open() -> None:
     description, _ = chart(trace(sample), info(sample))
     labels = [window["label"] for window in description["windows"]]
     assert labels == [f"{what} {n}" for n in (1, 2, 3) for what in ("fixed stop", "detection")]
+    assert labels[description["opens"]] == "fixed stop 3"
     assert [stop["number"] for stop in timelines(info(sample), trace(sample), "x", {})] == [1, 2, 3]
 
 
