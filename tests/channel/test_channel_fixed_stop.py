@@ -36,7 +36,7 @@ def run(bench: Any, words: Any, *before: Any, **target: float) -> RunRecord:
 
 
 def test_the_stop_is_found_by_the_lag(channel_bench: Make, words: Any) -> None:
-    """Behind the contact the lag is e0 + v (t - t_c), e0 = v / kv + (1 - d) v T in step 2."""
+    """Behind the contact the lag is e0 + v (t - t_c), e0 = v / kv + (2 - d) v T."""
     bench = channel_bench(axis(words, stop_mm=10.0))
     record = run(bench, words, Z=30.0)
     stop = record.fixed_stop
@@ -49,7 +49,7 @@ def test_the_stop_is_found_by_the_lag(channel_bench: Make, words: Any) -> None:
     contact_ns = next(
         t for t in range(0, stop.detected_ns, MS // 10) if axes.position_at(t) >= 10.0 / 1e3
     )
-    v_mm_s, e0_mm = FEED / 60, FEED / 60 / KV + (1 - LAG_DELAY) * FEED / 60 / 1e3
+    v_mm_s, e0_mm = FEED / 60, FEED / 60 / KV + (2 - LAG_DELAY) * FEED / 60 / 1e3
     expected_ms = contact_ns / MS + (1.0 - e0_mm) / v_mm_s * 1e3 + 50
     assert stop.detected_ns / MS == pytest.approx(expected_ms, abs=2)
 

@@ -67,8 +67,8 @@ def test_a_stop_before_the_arming_is_found_when_the_path_has_got_there(run_stop:
 
 
 def test_a_limit_below_the_running_lag_fires_in_free_space(run_stop: RunStop) -> None:
-    """The running lag is 0.24 mm; a little above it nothing fires."""
-    for limit, is_free in ((2_300, True), (2_500, False)):
+    """The running lag is 0.25 mm; a little above it nothing fires."""
+    for limit, is_free in ((2_400, True), (2_600, False)):
         found = run_stop(140, pos_lag_limit=limit, min_time=100_000)
         assert (found.record.latched_mm["Z"] < 110) is is_free
 

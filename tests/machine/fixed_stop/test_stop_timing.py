@@ -1,7 +1,7 @@
 """When and where a stop is found on a real plant: closed forms on the truth of the plant alone.
 
-t_c: contact, from the true position. e0 = v / kv + (1 - d) v T, the lag of a running axis that a
-cycle judges: set value of d + 1 cycles ago less the actual position of the SYNC. delta = F / k.
+t_c: contact, from the true position. e0 = v / kv + (2 - d) v T, the lag of a running axis that a
+cycle judges: set position of d cycles ago less the actual position of the SYNC. delta = F / k.
 """
 
 import numpy as np
@@ -35,7 +35,7 @@ def at_sync(found: StopOutcome, column: str, cycle_ns: int | None) -> float:
 
 
 def e0_mm(v_mm_s: float) -> float:
-    return v_mm_s / KV + (1 - D) * v_mm_s * PERIOD_S
+    return v_mm_s / KV + (2 - D) * v_mm_s * PERIOD_S
 
 
 @pytest.mark.parametrize(
