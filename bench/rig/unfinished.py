@@ -29,7 +29,7 @@ def in_words(channel: Channel, interpreter: Interpreter) -> str:
     if loop is not None:
         begin, turns = loop
         parts.append(f"the loop of {begin.place} ({begin.text}) has made {turns} turns")
-    if channel.path.is_held and channel.path.is_moving:
+    if channel.path.is_held:
         parts.append("the path stands in a feedhold of the PLC side")
     stand = ", ".join(f"{link.name} {link.actual_mm:.3f}" for link in channel.links)
     return "; ".join([*parts, f"the axes stand at {stand} mm"])

@@ -33,7 +33,6 @@ class Path:
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
         self._dynamics: Dynamics | None = None  # of the present move
         self._feed_mm_s = 0.0
-        self._held_cycles = 0  # until what a feedhold has stopped leaves the buffer
         self._settling = Settling(clock, timing.period_ns)
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
@@ -59,10 +58,6 @@ class Path:
 
         follow: called in between, for axes whose set positions come from those of others.
         """
-        if self.interpolator.is_held:
-            self._held_cycles = self._timing.buffer_cycles + 1
-        elif self._held_cycles:
-            self._held_cycles -= 1
         positions_mm = self.interpolator.advance()
         if self.follow is not None:
             self.follow()
@@ -210,8 +205,8 @@ class Path:
 
     @property
     def is_held(self) -> bool:
-        """Whether the set value that leaves the buffer brakes for a feedhold or stands in it."""
-        return self.interpolator.is_held or self._held_cycles > 0
+        """Whether a feedhold keeps a path from its end."""
+        return self.interpolator.is_held and self.is_moving
 
     def own_ramp(self, axis: str, *, at_once: bool) -> Ramp:
         """Return the ramp that stops one axis by itself; `at_once` has none.

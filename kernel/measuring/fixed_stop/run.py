@@ -176,7 +176,7 @@ class FixedStopRun:
             self.stop.armed_ns = now_ns
         self._take(now_ns)
         self._set.look()
-        if self._set.stands and self._set.has_moved:
+        if self._set.has_moved and (self._set.stands or self._set.slows):
             self._rearmed_mm = self._motion.travelled_mm + self.stop.start_distance_mm
         is_at_rest = self._is_at_rest(now_ns)
         for axis, detector in self._axes:
