@@ -1,7 +1,6 @@
 """Feedhold of the PLC side in a run to a fixed stop, on a real plant.
 
-10 mm/s and 1000 mm/s²: a ramp takes 10 ms. The stop is at 120 mm, so that the axis is there 2 s after
-the run has begun at 100 mm.
+10 mm/s and 1000 mm/s²: a ramp takes 10 ms. The axis begins at 100 mm, the stop is at 120 mm.
 """
 
 import pytest
