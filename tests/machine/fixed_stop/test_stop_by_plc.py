@@ -78,8 +78,7 @@ def test_a_lag_window_left_active_ends_the_run_with_the_fault_of_the_drive(
 
     Physics 2(c), 2(d): the lag of the drive is v/Kv + v (t - t_c) - d once it stands at the stop, d
     its penetration; t_c and d are the plant's own. 2 mm are 209715 increments. The lag limit of the
-    run
-    would be reached later.
+    run would be reached later.
     """
     window_mm = 2.0
     faulted = run_stop(
