@@ -6,6 +6,7 @@ import pytest
 
 from kernel.errors import Alarm
 from kernel.nc.canon import MeasuringRun, Message
+from kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
 
@@ -77,6 +78,35 @@ def test_type_4_measures_with_main_axes(run) -> None:
     alarm = _alarm(run, "#MEAS MODE[4]\nN7 G100 X1 B4 F100", axes=axes)
     assert (alarm.id, alarm.values) == (900220, {"type": 4, "axis": "B"})
     assert alarm.entry.reaction_class == 2
+
+
+# Type 7
+
+
+@pytest.mark.parametrize("choice", ["#MEAS MODE[7]", "#MEAS [TYPE=7]"])
+def test_type_7_measures_as_type_1_does(run, choice: str) -> None:
+    (told,) = _runs(run(f"{choice}\nG100 X5 Y6 F100"))
+    assert (told.measuring_type, told.feed_mm_min, told.goes_on) == (7, 100, False)
+    assert told.measuring_axes == told.programmed_axes == ("X", "Y")
+    (told,) = _runs(run(f"{choice}\n#CS ON[0,0,0,0,0,90]\nG100 X5 F100\n#CS OFF"))
+    # Turned by 90 degrees X is Y: all main axes deliver a value, one is moved to the stop
+    assert told.measuring_axes == XYZ
+    assert {axis for axis, mm in told.target_acs_mm.items() if abs(mm) > 1e-9} == {"Y"}
+
+
+def test_the_results_of_type_7_are_those_of_type_1(run, plane_machine) -> None:
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+    text = '#MEAS MODE[7]\nG100 X9 F100\n#MSG["%g %g %d", V.A.MESS.X, V.A.MOFFS.X, V.A.MERF.X]'
+    assert _texts(run(text, machine)) == ["4 -5 1"]
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), None)
+    text = '#MEAS MODE[7]\nG100 X9 F100\n#MSG["%d", V.A.MERF.X]'
+    assert _texts(run(text, machine)) == ["0"]
+
+
+def test_the_check_of_a_program_has_nothing_to_say_about_type_7() -> None:
+    text = "#MEAS MODE[7]\n#MEAS [TYPE=7]\n#MEAS [AX=X SIGNAL=FIXED_STOP]\nG100 X9 F100\n"
+    program = parse_program(text, file="test.nc", axes=XYZ)
+    assert [note for block in program.blocks for note in block.not_acting] == []
 
 
 # Types 5 and 6

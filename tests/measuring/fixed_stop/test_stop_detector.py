@@ -89,6 +89,18 @@ def test_window_of_an_axis_against_a_stop(feed_mm_s: float, window_mm: float) ->
     assert detector.window_ns == found * MS
 
 
+def test_the_record_has_the_begin_of_the_last_unbroken_times() -> None:
+    """Both hold from cycle 5 on and again from cycle 12 on, after one cycle of something else."""
+    detector = StopDetector(Criteria(LAG, 0.5, 2 * MS))
+    places = [float(min(k, 3)) for k in range(11)] + [9.0] + [3.0] * 10
+    lags = [0.0] * 5 + [2.0] * 6 + [0.0] + [2.0] * 10
+    for k, (lag_mm, place_mm) in enumerate(zip(lags, places, strict=True)):
+        detector.take(k * MS, lag_mm, place_mm, is_armed=True)
+        if k == 10:
+            assert (detector.beyond_ns, detector.window_ns) == (5 * MS, 5 * MS)
+    assert (detector.beyond_ns, detector.window_ns) == (12 * MS, 14 * MS)
+
+
 def test_the_window_slides() -> None:
     """In blocks of 50 cycles the last whole one behind the contact would end at 150."""
     places = [0.1 * min(k, 70) for k in range(300)]
@@ -190,3 +202,29 @@ def test_every_history_is_judged_as_by_brute_force(
     criteria = Criteria(limit, judged_window, time_us * 1000)
     found, _ = cycles(criteria, lags, places, period_ns=period_us * 1000, armed_from=armed_from)
     assert found == expected
+
+
+# At rest
+
+
+@pytest.mark.parametrize(
+    ("criteria", "lag_mm", "is_held_off", "comes"),
+    [
+        (Criteria(LAG, None, MS), 1.1, True, True),
+        (Criteria(LAG, None, MS), -1.1, True, True),
+        (Criteria(LAG, None, MS), 1.0, True, False),
+        (Criteria(LAG, 0.1, MS), 0.5, True, False),
+        (Criteria(None, 0.1, MS), 0.5, True, True),
+        (Criteria(None, 0.1, MS), 0.5, False, False),
+        (Criteria(None, None, MS), 9.0, True, False),
+    ],
+)
+def test_what_an_axis_at_rest_may_still_fulfil(
+    criteria: Criteria, lag_mm: float, is_held_off: bool, comes: bool
+) -> None:
+    assert StopDetector(criteria).may_still_come(lag_mm, is_held_off=is_held_off) is comes
+
+
+def test_the_largest_lag_is_one_of_either_sign_behind_the_arming() -> None:
+    _, detector = cycles(Criteria(9.0, None, MS), [5.0, 0.5, -3.0, 1.0], armed_from=1)
+    assert detector.largest_lag_mm == 3.0
