@@ -67,7 +67,9 @@ class StopRun(StopRows):
                 f"the lag had not settled before the contact: {told_mm:.4g} mm in the drive,"
                 f" {drive_mm:.4g} mm in steady motion"
             )
-        running_mm = timing.running_lag_mm(speed_mm_s, truth.kv_per_s, share, self.cycles_of(axis))
+        running_mm = timing.running_lag_mm(
+            speed_mm_s, truth.kv_per_s, share, self.cycles_of(axis).judged
+        )
         return Approach(
             contact.time_ns,
             doubt_ns,
@@ -83,7 +85,8 @@ class StopRun(StopRows):
         if truth.kv_per_s is None:
             return None
         share = truth.values.number("feed_forward")
-        return timing.running_lag_mm(speed_mm_s, truth.kv_per_s, share, self.cycles_of(axis))
+        cycles = self.cycles_of(axis).judged
+        return timing.running_lag_mm(speed_mm_s, truth.kv_per_s, share, cycles)
 
     def _feed_mm_s(self, truth: AxisTruth, contact: StopContact) -> float:
         """Return the speed of the demand into the stop; raises NoClosedFormError."""
@@ -237,7 +240,7 @@ class StopRun(StopRows):
         for axis, limits in self.limits.items():
             course = self.truths[axis].course
             armed = judged & moving if limits.lag_limit_mm is None else judged
-            found[axis] = follow(course, limits, self.cycles_of(axis), armed)
+            found[axis] = follow(course, limits, self.cycles_of(axis).judged, armed)
         return found
 
     def _armed_rows(self) -> tuple[Flags, Flags]:

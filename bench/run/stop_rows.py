@@ -41,7 +41,10 @@ class StopRows:
         self._contacts: dict[str, StopContact | None] = {}
 
     def cycles_of(self, axis: str) -> Cycles:
-        """Return the time base with the delay that the list of an axis compensates."""
+        """Return the time base with the delay that the list of an axis compensates.
+
+        Lags that are judged take its `judged`.
+        """
         return replace(self.cycles, delay_cycles=delay_cycles(self.truths[axis].written))
 
     # Rows of the trace

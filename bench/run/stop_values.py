@@ -6,7 +6,7 @@ import numpy as np
 
 from bench.oracles.fixed_stop.lists import Limits
 from bench.oracles.fixed_stop.prediction import Motion, false_triggers
-from bench.oracles.fixed_stop.timing import NoClosedFormError
+from bench.oracles.fixed_stop.timing import NoClosedFormError, bus_lag_mm
 from bench.run.fixed_stop import StopRun
 from bench.run.stop_truth import AxisTruth
 from kernel.clock import S
@@ -47,7 +47,10 @@ def _running_lag(run: StopRun, truth: AxisTruth) -> Value:
     measured = abs(float(truth.cnc_lag_mm[contact.row]))
     label, note = "lag in motion", "(1 - f) v/Kv + (n1 + n2 + 1 - d) v T"
     try:
-        expected = abs(run.approach(truth.name).running_lag_mm)
+        approach, cycles = run.approach(truth.name), run.cycles_of(truth.name)
+        shown_mm = bus_lag_mm(approach.speed_mm_s, cycles)
+        judged_mm = bus_lag_mm(approach.speed_mm_s, cycles.judged)
+        expected = abs(approach.running_lag_mm - judged_mm + shown_mm)
     except NoClosedFormError as reason:
         return Value("running_lag", label, "mm", truth.name, measured, note=str(reason))
     return Value("running_lag", label, "mm", truth.name, measured, expected, note=note)
@@ -107,7 +110,7 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
     approach = run.approach(axis)
     settings = truth.machine.settings
     slope = axis_slopes(settings.axis[axis], settings.channel, Kind.MEASURING).stop_deceleration
-    cycles = run.cycles_of(axis)
+    cycles = run.cycles_of(axis).judged
     late_ns = (cycles.delay_cycles - 1 + cycles.buffer_cycles) * cycles.period_ns
     ends_mm = [
         approach.running_lag_mm

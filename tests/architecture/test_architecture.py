@@ -113,6 +113,14 @@ def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[s
     return errors
 
 
+def test_oracles_take_nothing_from_what_they_judge() -> None:
+    judged = ("kernel.measuring", "kernel.channel", "kernel.motion", "kernel.drives")
+    for module in MODULES:
+        if module.startswith("bench.oracles"):
+            found = [name for _, name in _imports(module) if name.startswith(judged)]
+            assert not found, f"{module} imports {found}"
+
+
 def test_imports_point_to_the_left() -> None:
     errors = [text for module in MODULES for text in _direction_errors(module, _imports(module))]
     assert errors == []

@@ -13,8 +13,6 @@ Times = npt.NDArray[np.int64]
 # Largest error of the cubic Hermite polynomial over a step h when the third derivative changes by J
 # anywhere inside: J h^3 / 192, reached for a change in the middle
 JERK_SHARE = 1.0 / 192.0
-# The same for a jump of the acceleration by da: 0.0162 da h^2 (docs/architecture.md)
-ACCELERATION_SHARE = 0.0162
 HALVINGS = 60
 
 
@@ -64,7 +62,7 @@ def first_contact(
     stiffness_per_mass: k/m of stop and axis, 1/s2, None where the plant does not tell them. The gap
     between two rows is a cubic Hermite polynomial; the force of the stop begins with a jump of the
     jerk, J = k v (1 + a v)/m with a v below 1, and the polynomial is off by at most J h^3/192.
-    Where k/m is not known the change of the velocity in the step bounds the acceleration instead.
+    Where k/m is not known, the way that the axis would have gone on evenly tells how far off it is.
     """
     gap_mm = -penetrations(stop, position_mm)
     rate_mm_s = -stop.direction * (velocity_mm_s - stop.velocity_mm_s)
@@ -82,18 +80,18 @@ def first_contact(
     since_s = _crossing_s(step_s, ends)
     speed_mm_s = max(-ends[1], 1e-9)
     if stiffness_per_mass is None:
-        change_mm_s2 = 2.0 * abs(ends[3] - ends[1]) / step_s
-        error_mm = ACCELERATION_SHARE * change_mm_s2 * step_s**2
+        error_s = abs(since_s - ends[0] / speed_mm_s)
     else:
-        error_mm = JERK_SHARE * 2.0 * stiffness_per_mass * speed_mm_s * step_s**3
+        error_s = JERK_SHARE * 2.0 * stiffness_per_mass * step_s**3
     share = since_s / step_s
-    at_mm = stop.position_mm[row] * (1.0 - share) + stop.position_mm[row + 1] * share
+    begin_mm, end_mm = stop.position_mm[row : row + 2]
+    at_mm = begin_mm + share * (end_mm - begin_mm)
     return StopContact(
         time_ns=float(times_ns[row]) + since_s * 1e9,
         row=row,
         position_mm=float(at_mm),
         speed_mm_s=speed_mm_s,
-        uncertainty_ns=min(error_mm / speed_mm_s, step_s) * 1e9 + 1.0,
+        uncertainty_ns=min(error_s, step_s) * 1e9 + 1.0,
     )
 
 

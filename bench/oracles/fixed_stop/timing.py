@@ -8,7 +8,7 @@ before the contact.
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from kernel.clock import S, TimeNs
 
@@ -21,13 +21,18 @@ class Cycles:
     """Time base of the rig.
 
     age_ns: least and largest time from the SYNC on the wire to the NC cycle that reads its actual
-    positions. delay_cycles: P-AXIS-00191. buffer_cycles: between interpolator and drive.
+    positions. delay_cycles: P-AXIS-00191; buffer_cycles: between interpolator and drive.
     """
 
     period_ns: TimeNs
     age_ns: tuple[TimeNs, TimeNs]
     delay_cycles: int = 0
     buffer_cycles: int = 0
+
+    @property
+    def judged(self) -> "Cycles":
+        """Return the same for lags that are judged: before s(k) is made d = 0 counts as 1."""
+        return replace(self, delay_cycles=max(self.delay_cycles, 1))
 
     @property
     def way_cycles(self) -> int:

@@ -1,0 +1,95 @@
+"""Standing and largest forces against brute-force integration of a mass on a damped stop."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from bench.oracles.fixed_stop.pressing import DAMPED_MAX, Axis, Pressing, Stop
+
+STOP = Stop(1, 20e6)
+SLIDE = Axis(191.0)
+
+
+def pushed(pressing: Pressing, speed_m_s: float) -> tuple[float, float]:
+    """Integrate the mass under the force limit against the stop; (largest force, last depth m)."""
+    stop, mass = pressing.stop, pressing.axis.mass_kg
+    step_s = 0.002 / math.sqrt(stop.stiffness_n_m / mass)
+    depth, speed, largest = 0.0, speed_m_s, 0.0
+
+    def force(depth: float, speed: float) -> float:
+        if depth <= 0.0:
+            return 0.0
+        curve = (depth / stop.reference_m) ** (stop.exponent - 1.0)
+        return max(stop.stiffness_n_m * depth * curve * (1.0 + stop.damping_s_m * speed), 0.0)
+
+    for _ in range(20_000):  # semi-implicit Euler, twelve swings
+        largest = max(largest, force(depth, speed))
+        speed += step_s * (pressing.pushing_n - force(depth, speed)) / mass
+        depth += step_s * speed
+    return largest, depth
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    st.floats(0.0, 0.1),
+    st.floats(20e6, 500e6),
+    st.floats(50.0, 400.0),
+    st.floats(100.0, 2000.0),
+    st.floats(0.0, 1.0),
+)
+def test_largest_force_stays_in_its_bounds(
+    speed_m_s: float, stiffness: float, mass: float, limit_n: float, share: float
+) -> None:
+    damping = share * DAMPED_MAX / max(speed_m_s, 0.01)
+    pressing = Pressing(Stop(1, stiffness, damping_s_m=damping), Axis(mass), limit_n)
+    largest_n, _ = pushed(pressing, speed_m_s)
+    low_n, high_n = pressing.peak_force_n(speed_m_s * 1e3)
+    assert high_n is not None
+    assert low_n * (1.0 - 1e-3) <= largest_n <= high_n * (1.0 + 1e-3)
+
+
+@pytest.mark.parametrize(("speed_mm_s", "low_n", "high_n"), [(10, 447, 1171), (100, 4472, 5000)])
+def test_bounds_of_100_kg_on_20_n_um(speed_mm_s: float, low_n: float, high_n: float) -> None:
+    bounds = Pressing(STOP, Axis(100.0), 500.0).peak_force_n(speed_mm_s)
+    assert bounds == (pytest.approx(low_n, abs=1), pytest.approx(high_n, abs=1))
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_a_damped_mass_comes_to_rest_at_the_standing_penetration(exponent: float) -> None:
+    stop = Stop(1, 50e6, exponent, 1e-5, 200.0)
+    pressing = Pressing(stop, SLIDE, 700.0)
+    _, depth_m = pushed(pressing, 0.01)
+    assert depth_m * 1e3 == pytest.approx(pressing.penetration_mm, rel=0.02)
+
+
+def test_weight_helps_downwards_and_holds_back_upwards() -> None:
+    heavy = Axis(191.0, weight_n=300.0)
+    assert Pressing(STOP, heavy, 500.0).pushing_n == 200.0
+    assert Pressing(replace(STOP, direction=-1), heavy, 500.0).pushing_n == 800.0
+    assert not Pressing(STOP, heavy, 250.0).is_held
+
+
+def test_friction_makes_a_band_and_the_screw_moves_the_encoder_on() -> None:
+    """(500 -+ 120)/20 N/um = 19 and 31 um; the screw gives 500/120 = 4.167 um and half of 20."""
+    low, high = Pressing(STOP, Axis(191.0, friction_n=120.0), 500.0).latched_mm(100.0)
+    assert (low, high) == (pytest.approx(100.019), pytest.approx(100.031))
+    screw = Axis(191.0, joint_n_m=120e6, backlash_mm=0.02)
+    low, high = Pressing(STOP, screw, 500.0).latched_mm(100.0)
+    assert low == high == pytest.approx(100.0 + 0.025 + 0.01 + 0.0041667, abs=1e-7)
+    down = Pressing(replace(STOP, direction=-1), SLIDE, 500.0).latched_mm(100.0)
+    assert down == (pytest.approx(99.975), pytest.approx(99.975))
+
+
+def test_no_bound_where_none_is_known() -> None:
+    assert Pressing(Stop(1, 20e6, 1.5), SLIDE, 500.0).peak_force_n(10.0) == (0.0, None)
+    assert Pressing(Stop(1, 20e6, damping_s_m=60.0), SLIDE, 500.0).peak_force_n(50.0)[1] is None
+
+
+def test_decay_time() -> None:
+    """2 m/(d + F a) = 200/(0 + 500 * 20) = 20 ms; physics names 18 ms with other damping."""
+    damped = Pressing(Stop(1, 20e6, damping_s_m=20.0), Axis(100.0), 500.0)
+    assert damped.decay_s == pytest.approx(0.02)
+    assert Pressing(STOP, Axis(100.0), 500.0).decay_s == math.inf
