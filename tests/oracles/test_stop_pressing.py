@@ -16,7 +16,7 @@ SLIDE = Axis(191.0)
 def pushed(pressing: Pressing, speed_m_s: float) -> tuple[float, float]:
     """Integrate the mass under the force limit against the stop; (largest force, last depth m)."""
     stop, mass = pressing.stop, pressing.axis.mass_kg
-    step_s = 0.002 / math.sqrt(stop.stiffness_n_m / mass)
+    step_s = 0.004 / math.sqrt(stop.stiffness_n_m / mass)
     depth, speed, largest = 0.0, speed_m_s, 0.0
 
     def force(depth: float, speed: float) -> float:
@@ -25,14 +25,14 @@ def pushed(pressing: Pressing, speed_m_s: float) -> tuple[float, float]:
         curve = (depth / stop.reference_m) ** (stop.exponent - 1.0)
         return max(stop.stiffness_n_m * depth * curve * (1.0 + stop.damping_s_m * speed), 0.0)
 
-    for _ in range(20_000):  # semi-implicit Euler, twelve swings
+    for _ in range(12_000):  # semi-implicit Euler, seven swings
         largest = max(largest, force(depth, speed))
         speed += step_s * (pressing.pushing_n - force(depth, speed)) / mass
         depth += step_s * speed
     return largest, depth
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     st.floats(0.0, 0.1),
     st.floats(20e6, 500e6),
@@ -43,12 +43,13 @@ def pushed(pressing: Pressing, speed_m_s: float) -> tuple[float, float]:
 def test_largest_force_stays_in_its_bounds(
     speed_m_s: float, stiffness: float, mass: float, limit_n: float, share: float
 ) -> None:
-    damping = share * DAMPED_MAX / max(speed_m_s, 0.01)
+    fastest_m_s = math.hypot(speed_m_s, limit_n / math.sqrt(stiffness * mass))
+    damping = share * DAMPED_MAX / fastest_m_s * 0.999
     pressing = Pressing(Stop(1, stiffness, damping_s_m=damping), Axis(mass), limit_n)
     largest_n, _ = pushed(pressing, speed_m_s)
     low_n, high_n = pressing.peak_force_n(speed_m_s * 1e3)
     assert high_n is not None
-    assert low_n * (1.0 - 1e-3) <= largest_n <= high_n * (1.0 + 1e-3)
+    assert low_n * (1.0 - 2e-3) <= largest_n <= high_n * (1.0 + 2e-3)
 
 
 @pytest.mark.parametrize(("speed_mm_s", "low_n", "high_n"), [(10, 447, 1171), (100, 4472, 5000)])

@@ -96,18 +96,21 @@ class Pressing:
         """Return bounds of the largest contact force of an axis that meets the stop with a speed.
 
         At most F + sqrt(F^2 + k m v^2) with F = max(0, F_lim - F_g): energy of mass and drive. At
-        least v sqrt(k m) without damping. Only for a straight stop; None: no bound is known.
+        least v sqrt(k m) without damping. Only for a straight stop that damps little at the highest
+        speed inside, sqrt(v^2 + F^2/k m); None: no bound is known.
         """
         speed_m_s = speed_mm_s * UM
         low = 0.0
         if self.stop.exponent != 1.0:
             return low, None
-        impact_n = speed_m_s * math.sqrt(self.stop.stiffness_n_m * self.axis.mass_kg)
+        force_n = max(self.pushing_n, 0.0)
+        impedance = math.sqrt(self.stop.stiffness_n_m * self.axis.mass_kg)
+        impact_n = speed_m_s * impedance
+        fastest_m_s = math.hypot(speed_m_s, force_n / impedance)
         if self.stop.damping_s_m == 0.0 and self.axis.friction_n == 0.0:
             low = impact_n
-        if self.stop.damping_s_m * speed_m_s > DAMPED_MAX:
+        if self.stop.damping_s_m * fastest_m_s > DAMPED_MAX:
             return low, None
-        force_n = max(self.pushing_n, 0.0)
         return low, force_n + math.hypot(force_n, impact_n)
 
     @property
