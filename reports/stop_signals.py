@@ -68,7 +68,13 @@ def mark(stop: Stop, key: str, axis: str | None = None) -> int | None:
 
 
 def contact_ns(stop: Stop) -> int | None:
-    """Return the contact that the run was ended by, or met: of the deciding axis, else the first.
+    """Return the instant of `contact`, None without one."""
+    found = contact(stop)
+    return None if found is None else int(found["measured_ns"])
+
+
+def contact(stop: Stop) -> Stop | None:
+    """Return the mark of the contact that a run met: of the deciding axis, else the first.
 
     None without a contact before the detection.
     """
@@ -82,14 +88,14 @@ def contact_ns(stop: Stop) -> int | None:
     ]
     decided = (stop["decided_by"] or {}).get("axis")
     own = [row for row in before if row["axis"] == decided]
-    return min((int(row["measured_ns"]) for row in own or before), default=None)
+    return min(own or before, key=lambda row: int(row["measured_ns"]), default=None)
 
 
 def origin_ns(stop: Stop) -> int:
     """Return the instant that the times of a run count from: its contact, else its begin."""
-    contact = contact_ns(stop)
-    if contact is not None:
-        return contact
+    touched = contact_ns(stop)
+    if touched is not None:
+        return touched
     begin = mark(stop, "begin")
     return int(stop["begin_ns"]) if begin is None else begin
 
@@ -98,11 +104,11 @@ def span(stop: Stop) -> Span:
     """Return the stretch of time that the timeline of a run shows, in ms from its origin."""
     origin = origin_ns(stop)
     instants = [int(stop["begin_ns"]), int(stop["end_ns"])]
-    contact = contact_ns(stop)
-    if contact is not None:
+    touched = contact_ns(stop)
+    if touched is not None:
         rows = [row for row in stop["marks"] if row["key"] in _MEASURED]
         told = [row[side] for row in rows for side in ("measured_ns", "low_ns", "high_ns")]
-        instants = [contact, int(stop["end_ns"]), *(t for t in told if t is not None)]
+        instants = [touched, int(stop["end_ns"]), *(t for t in told if t is not None)]
     return span_of([(t - origin) / _NS_PER_MS for t in instants])
 
 
@@ -212,9 +218,9 @@ def limits(trace: pa.Table, stops: Sequence[Stop]) -> list[dict[str, Any]]:
                 found.append(_limit("lag", axis, _sign(trace, stop, axis) * lag, "L"))
             if way is not None:
                 found.append(_limit("change", axis, 1000.0 * way, "W"))
-            contact = value_at(trace, names.get("truth_mm"), mark(stop, "contact", axis))
-            if contact is not None and not names.get("stop_mm"):
-                found.append(_limit("position", axis, round(contact, 4), "contact at"))
+            place = value_at(trace, names.get("truth_mm"), mark(stop, "contact", axis))
+            if place is not None and not names.get("stop_mm"):
+                found.append(_limit("position", axis, round(place, 4), "contact at"))
             force = told.get("force_limit_n")
             if force is not None:
                 found.append(_limit("force", axis, round(force, 1), "torque limit"))

@@ -8,6 +8,7 @@ import pyarrow as pa
 from reports.stop_signals import (
     Shortfall,
     Stop,
+    contact,
     contact_ns,
     largest,
     mark,
@@ -112,11 +113,14 @@ def _short_of(limits: Mapping[str, Any], seen: Shortfall) -> str:
 
 def _real(stop: Stop) -> str:
     """Whether a stop was there, by the truth of the plant."""
-    detected, contact = mark(stop, "detected"), contact_ns(stop)
-    if contact is not None:
+    detected, touched = mark(stop, "detected"), contact(stop)
+    if touched is not None:
+        decided = (stop["decided_by"] or {}).get("axis")
+        who = "" if touched["axis"] == decided else f"{touched['axis']} "
         if detected is None:
-            return "yes: it was in contact"
-        return f"yes: in contact for {(detected - contact) / _NS_PER_MS:.1f} ms when detected"
+            return f"yes: {who}was in contact"
+        lasted = (detected - touched["measured_ns"]) / _NS_PER_MS
+        return f"yes: {who}in contact for {lasted:.1f} ms when detected"
     if not tells_contact(stop):
         return "not known: no plant tells a contact"
     later = mark(stop, "contact")

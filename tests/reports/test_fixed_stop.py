@@ -97,6 +97,15 @@ def test_a_real_stop_is_told_from_a_false_trigger_by_the_plant_alone() -> None:
     assert answers("on-a-real-bus")["real stop"] == "not known: no plant tells a contact"
 
 
+def test_a_contact_of_another_axis_names_it() -> None:
+    """The master of a gantry lags behind while its slave stands at a stop."""
+    sample = SAMPLES["found-by-lag"]
+    told = info(sample)
+    next(m for m in told["fixed_stop"][0]["marks"] if m["key"] == "contact")["axis"] = "Z2"
+    (found,) = timelines(told, trace(sample), "x", {})
+    assert dict(found["answers"])["real stop"].startswith("yes: Z2 in contact for 177.6 ms")
+
+
 def test_what_was_missing_shows_lag_and_way_beside_their_limits() -> None:
     """In free motion the lag is 0.25 mm; 10 mm/s for 100 ms are 1 mm."""
     missing = answers("not-found")["what was missing"]
