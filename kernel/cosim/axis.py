@@ -1,12 +1,13 @@
 """An axis of the plant: its FMU, the demand it gets, and the motion it has made."""
 
+import sys
 from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
 from itertools import islice
-from math import isfinite
+from math import isfinite, sqrt
 
-from kernel.clock import TimeNs
+from kernel.clock import S, TimeNs
 from kernel.cosim.demand import Control, ControlKind, Ramp, SampledDemand
 from kernel.cosim.fmu import FmuState, PlantError
 from kernel.cosim.roles import Roles
@@ -98,6 +99,7 @@ class PlantAxis:
         self._tells_face = roles.has("stop_force", "stop_face")
         self.second_encoder: Callable[[], float] | None = None
         self._touched_ns: TimeNs = -1
+        self._free_until_ns: TimeNs = -1
         self._commanded = (0, 0.0, 0.0, 0)
         self._times: deque[TimeNs] = deque(maxlen=HISTORY_STEPS)
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
@@ -212,8 +214,12 @@ class PlantAxis:
         """
         if not self._steps:
             return
-        begins = [axis.motion for axis in self._stepped]
-        if any(axis._may_touch(end_ns) for axis in self._stepped):
+        begins = []
+        is_near = False
+        for axis in self._stepped:
+            begins.append(axis.motion)
+            is_near |= axis._free_until_ns < end_ns and axis._may_touch(end_ns)
+        if is_near:
             for time_ns in range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns):
                 self._step_all(time_ns)
         self._step_all(end_ns)
@@ -229,14 +235,20 @@ class PlantAxis:
     def _may_touch(self, end_ns: TimeNs) -> bool:
         """Tell whether there is, or can be until `end_ns`, a contact with the stop.
 
-        An FMU that does not tell where its stop is has one while there is a force.
+        The gap g is used up after t with (|v| + v_stop) t + A t^2/2 = g at the earliest. An FMU
+        that does not tell where its stop is has a contact while there is a force.
         """
         motion = self.motion
-        if not self._tells_face or motion[STOP_FORCE] > 0.0:
-            return self._tells_stop and motion[STOP_FORCE] > 0.0
-        span_s = (end_ns - self.slave.time_ns) * 1e-9
-        way_m = (abs(motion[1]) + STOP_SPEED_M_S + 0.5 * GAIN_M_S2 * span_s) * span_s
-        return abs(motion[STOP_FACE] - motion[0]) <= way_m
+        if not self._tells_stop:
+            self._free_until_ns = sys.maxsize
+        elif self._tells_face and motion[STOP_FORCE] <= 0.0:
+            gap_m = abs(motion[STOP_FACE] - motion[0])
+            speed = abs(motion[1]) + STOP_SPEED_M_S
+            free_s = (sqrt(speed * speed + 2.0 * GAIN_M_S2 * gap_m) - speed) / GAIN_M_S2
+            self._free_until_ns = self.slave.time_ns + int(free_s * S)
+        else:
+            return motion[STOP_FORCE] > 0.0
+        return self._free_until_ns < end_ns
 
     def save(self) -> None:
         """Keep the present state for `restore`; the FMU must be able to."""
