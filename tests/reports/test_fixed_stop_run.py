@@ -1,0 +1,44 @@
+"""The timeline of a run that the bench has made: what it tells is what the report reads."""
+
+import json
+from pathlib import Path
+
+from typer.testing import CliRunner
+
+from bench.cli import app
+from tests.reports.test_report import Page
+
+PLANS = Path(__file__).parents[2] / "testplans"
+CELLS = {
+    "case": "slave",
+    "program": f"{PLANS}/programs/fixed-stop-gantry.nc",
+    "rig": f"{PLANS}/rigs/fixed-stop-gantry.toml",
+    "plc:V.E.FROM": "126",
+    "plc:V.E.TARGET": "200",
+    "plc:V.E.FEED": "600",
+    "plc:V.E.LIMIT": "100",
+    "plc:V.E.WINDOW": "0",
+    "plant:x.stop_position_mm": "1000",
+    "set:X.kenngr.measure.fixed_stop_detect.use_gantry_slave": "1",
+}
+
+
+def test_the_timeline_shows_what_the_bench_tells(tmp_path: Path) -> None:
+    """A gantry whose slave meets the stop; the instants of the bench are those of the page."""
+    plan, out = tmp_path / "plan.csv", tmp_path / "out"
+    plan.write_text(f"{','.join(CELLS)}\n{','.join(CELLS.values())}\n", encoding="utf-8")
+    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
+    assert told.exit_code == 0, told.output
+    (path,) = (out / "runs").glob("*.json")
+    (stop,) = json.loads(path.read_text(encoding="utf-8"))["fixed_stop"]
+    marks = {mark["key"]: mark for mark in stop["marks"] if mark["axis"] in ("X2", None)}
+    page = Page((out / "report.html").read_text(encoding="utf-8"))
+    text = " ".join(" ".join(page.text).split())
+    assert "stop found" in text
+    since_ns = marks["detected"]["measured_ns"] - marks["contact"]["measured_ns"]
+    assert f"in contact for {since_ns / 1e6:.1f} ms when detected" in text
+    assert f"{since_ns / 1e6:.2f}" in text
+    for mark in stop["marks"]:
+        assert mark["label"] in text
+    for value in stop["values"]:
+        assert value["label"] in text
