@@ -1,8 +1,9 @@
 %fixed_stop_gantry
 ; The example of FCT-C4 7.3.1 with X alone, so that all drives of the run are limited, and with ways to choose:
-; V.E.TARGET and V.E.FEED of N120, V.E.LIMIT in 0.1 % of the rated torque. The messages at the end say what was
-; measured and that the drives have their values again.
-N010 G0 G90 X100 X2=0
+; from V.E.FROM to V.E.TARGET with V.E.FEED. V.E.LIMIT is the torque limit in 0.1 % of the rated torque, V.E.WINDOW
+; the following error window of X2 in 0.1 um, 0 = off. The messages say what was measured, and that the drives have
+; their values again.
+N010 G0 G90 X=V.E.FROM X2=V.E.FROM-100
 N020 #SET AX LINK[1, [X2=X,G,15,20]]
 N030 #ENABLE AX LINK[1]
 N040 #IDENT RD [AXNR 1 ID S-0-0092 P=P1092 TYP 2 DEC 0 SERC]
@@ -12,11 +13,13 @@ N070 #IDENT RD [AXNR 4 ID S-0-0159 P=P2159 TYP 4 DEC 0 SERC]
 N080 #IDENT WR SYN [AXNR 1 ID S-0-0092 VAL=V.E.LIMIT TYP 2 DEC 0 SERC]
 N090 #IDENT WR SYN [AXNR 4 ID S-0-0092 VAL=V.E.LIMIT TYP 2 DEC 0 SERC]
 N100 #IDENT WR SYN [AXNR 1 ID S-0-0159 VAL=0 TYP 4 DEC 0 SERC]
-N110 #IDENT WR SYN [AXNR 4 ID S-0-0159 VAL=0 TYP 4 DEC 0 SERC]
+N110 #IDENT WR SYN [AXNR 4 ID S-0-0159 VAL=V.E.WINDOW TYP 4 DEC 0 SERC]
 N120 G100 X=V.E.TARGET F=V.E.FEED
-N122 #MSG SYN["X=%f", V.A.MESS.X]
-N124 #MSG SYN["found=%d", V.A.MERF.X]
-N130 G01 X100 F1000
+N122 #MSG SYN["found=%d", V.A.MERF.X]
+N124 $IF V.A.MERF.X
+N126 #MSG SYN["X=%f", V.A.MESS.X]
+N128 $ENDIF
+N130 G01 X=V.E.FROM F1000
 N140 #IDENT WR SYN [AXNR 1 ID S-0-0159 VAL=P1159 TYP 4 DEC 0 SERC]
 N150 #IDENT WR SYN [AXNR 4 ID S-0-0159 VAL=P2159 TYP 4 DEC 0 SERC]
 N160 #IDENT WR SYN [AXNR 1 ID S-0-0092 VAL=P1092 TYP 2 DEC 0 SERC]
