@@ -222,3 +222,11 @@ def test_what_the_issues_until_now_claim_acts():
         "M30",
     }
     assert claimed.isdisjoint(not_acting())
+
+
+def test_the_program_to_run_is_the_printed_one():
+    """Comments aside: FCT-C4 7.3.1 as it is meant, in testplans/programs."""
+    shipped = Path("testplans/programs/fixed-stop-gantry-printed.nc").read_text(encoding="utf-8")
+    code = [" ".join(line.split()) for line in shipped.splitlines() if not line.startswith(";")]
+    meant = [line for line in GANTRY.splitlines() if not line.startswith(";")]
+    assert code == meant
