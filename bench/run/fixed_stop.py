@@ -144,13 +144,20 @@ class StopRun(StopRows):
                 f"W/tau is not below the feed {approach.speed_mm_s:.4g} mm/s: found in free motion"
             )
         if window_mm < approach.penetration_mm:
-            raise NoClosedFormError(
-                f"the window {window_mm:g} mm is smaller than the penetration"
-                f" {approach.penetration_mm:.4g} mm"
-            )
+            return self._walked_window(axis, window_mm, approach.penetration_mm)
         lasting_ns = self.cycles.up(tau_ns) * self.cycles.period_ns
         at_ns = approach.window_true_ns(window_mm, lasting_ns)
         return self._judged(axis, approach, at_ns, "t_c + tau - (W - delta)/v")
+
+    def _walked_window(self, axis: str, window_mm: float, deep_mm: float) -> Instant:
+        """Return when a window smaller than delta holds: how the axis comes to rest decides."""
+        row = self.followed[axis].window
+        small = f"the window {window_mm:g} mm is smaller than the penetration {deep_mm:.4g} mm"
+        if row is None:
+            raise NoClosedFormError(small)
+        cycle_ns = self.cycle_ns(row)
+        between_ns = float(self.times_ns[row]) - self.cycles.period_ns / 2.0
+        return Instant(between_ns, cycle_ns, cycle_ns, f"along the motion of the plant: {small}")
 
     def _judged(self, axis: str, approach: Approach, at_ns: float, what: str) -> Instant:
         """Return an instant with its band, after what must hold for the closed form."""
