@@ -26,6 +26,7 @@ from reports.fixed_stop import timelines
 from reports.realtime import real_time
 from reports.signals import chart, table
 
+_PLACE = re.compile(r" \([^()]*line \d+[^()]*\)")
 _ALARM = re.compile(r"ID (?P<id>\d+) class \d+[^:]*: (?P<text>.*)", re.DOTALL)
 _WHOLE, _TINY = 1e15, 1e-3
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
@@ -123,7 +124,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
     alarms = _alarms(case["alarms"], info.get("log", []))
     try:
         stops = timelines(
-            info, trace, run.run, {f"ID {alarm['id']}": alarm["text"] for alarm in alarms}
+            info, trace, run.run, {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
         )
     except (KeyError, TypeError) as error:
         # Written by another version of the bench
@@ -180,9 +181,14 @@ def _alarms(ids: str, log: list[str]) -> list[dict[str, str]]:
     lines = [line.removeprefix(BESIDES) for line in log if line.startswith(BESIDES)]
     besides = [match for line in lines if (match := _ALARM.match(line))]
     return [
-        *({"id": number, "text": texts.get(number, "")} for number in ids.split()),
-        *({"id": match["id"], "text": BESIDES + match["text"]} for match in besides),
+        *(_alarm(number, texts.get(number, "")) for number in ids.split()),
+        *(_alarm(match["id"], BESIDES + match["text"]) for match in besides),
     ]
+
+
+def _alarm(number: str, text: str) -> dict[str, str]:
+    """An alarm with what it says; short: its first sentence, without the place in the program."""
+    return {"id": number, "text": text, "short": _PLACE.sub("", text).partition(". ")[0]}
 
 
 def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:

@@ -3,7 +3,6 @@
 Nothing is judged here: measured instants stand beside those of the closed form, with its band.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,7 +16,6 @@ from reports.stop_words import answers, state
 from reports.timeline import Row, Span, axis, lane
 
 _NS_PER_MS = 1e6
-_PLACE = re.compile(r" \([^()]*line \d+[^()]*\)")
 _AFTER_END_NS = 20_000_000
 _KINDS = {
     "contact": "contact",
@@ -101,7 +99,7 @@ def _trouble(
             "axis": None,
             "measured_ns": event["time_ns"],
             **dict.fromkeys(("oracle_ns", "low_ns", "high_ns", "is_inside")),
-            "note": _cause(alarms.get(event["label"], "")),
+            "note": alarms.get(event["label"], ""),
         }
         for event in events
         if event["kind"] in ("alarm", "fault")
@@ -111,11 +109,6 @@ def _trouble(
 
 
 # Rows
-
-
-def _cause(text: str) -> str:
-    """The first sentence of an alarm without the place in the program, which stands above."""
-    return _PLACE.sub("", text).partition(". ")[0]
 
 
 def _row(row: Mapping[str, Any], stop: Stop, origin: int, shown: Span, grid: str) -> dict[str, Any]:

@@ -37,7 +37,7 @@ from tests.reports.stops import (
 )
 from tests.reports.test_report import Page
 
-ALARMS = {"ID 900034": "Drive of axis Z is in fault (stop.nc line 5, block N50). Look up the code."}
+ALARMS = {"ID 900034": "Drive of axis Z is in fault"}
 SAMPLES = {sample.name: sample for sample in samples()}
 
 

@@ -262,6 +262,14 @@ def test_an_alarm_says_in_words_what_it_is() -> None:
     assert _alarms("", log) == []
 
 
+def test_the_table_shows_the_first_sentence_of_an_alarm() -> None:
+    """Without the place in the program; the whole text stands at the run."""
+    line = "ID 900005 class 5: Drive of axis Z is at 0.5 mm (a.nc line 6, block N50). Look it up."
+    (told,) = _alarms("900005", [line])
+    assert told["short"] == "Drive of axis Z is at 0.5 mm"
+    assert told["text"].endswith("Look it up.")
+
+
 def test_what_came_up_during_the_stop_is_told_beside_the_alarm() -> None:
     log = [
         str(Alarm(900031, segment="can1")),
