@@ -1,0 +1,14 @@
+%fixed_stop_xy
+; X and Y run on a straight path; X meets a stop, Y is free. Both go to the positions that they had when
+; the stop was found.
+N010 #MEAS MODE[7]
+N020 #DRIVE WR SYN [AX=X KEY=TORQUE_LIMIT VAL=V.E.LIMIT WAIT]
+N030 #DRIVE WR SYN [AX=Y KEY=TORQUE_LIMIT VAL=V.E.LIMIT WAIT]
+N040 #DRIVE WR SYN [AX=X KEY=MON_WINDOW VAL=4294967295 WAIT]
+N050 #DRIVE WR SYN [AX=Y KEY=MON_WINDOW VAL=4294967295 WAIT]
+N060 G90 G100 X=V.E.X Y=V.E.Y F=V.E.FEED
+N070 #MSG SYN["V.A.MERF.X=%d", V.A.MERF.X]
+N080 #MSG SYN["V.A.MERF.Y=%d", V.A.MERF.Y]
+; away from the stop
+N090 G91 G01 X=V.E.AWAY F1000
+N100 M30
