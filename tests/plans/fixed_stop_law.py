@@ -100,7 +100,9 @@ class Axis(Setup):
     @property
     def cnc_lag(self) -> float:
         """s(k - d) - x(k) in steady motion; d = 2 is what the drive itself sees."""
-        return self.lag + (DEMAND_CYCLES - self.delay_cycles) * self.v * self.T
+        # s(k) is not made yet when cycle k judges: 0 counts as 1
+        delay = max(self.delay_cycles, 1)
+        return self.lag + (DEMAND_CYCLES - delay) * self.v * self.T
 
     @property
     def ahead(self) -> float:
@@ -179,7 +181,7 @@ class Axis(Setup):
         """
         limit = self.criteria.lag_mm
         assert limit is not None
-        ahead = self.delay_cycles - 1 + self.buffer_cycles
+        ahead = max(self.delay_cycles, 1) - 1 + self.buffer_cycles
         least = (
             limit
             + self.v * self.T * (self.criteria.tau_cycles + ahead)
