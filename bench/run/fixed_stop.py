@@ -306,7 +306,7 @@ class StopRun(StopRows):
             return None
         begin, end = self.row_at(self.stop.detected_ns), self.row_at(self.end_ns)
         demand_mm = truth.course.demand_mm
-        ahead = float(demand_mm[begin] - demand_mm[max(begin - STEADY_ROWS, 0)])
+        ahead = float(demand_mm[begin] - demand_mm[self.rows.start])
         beyond_mm = demand_mm[begin : end + 1] - (latched_mm + truth.zero_mm)
         return float(np.max(beyond_mm if ahead >= 0.0 else -beyond_mm))
 

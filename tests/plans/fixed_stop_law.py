@@ -47,7 +47,7 @@ class Axis(Setup):
     @property
     def pressing_n(self) -> float:
         """What is left at the stop of the torque limit without friction."""
-        viscous = VISCOUS * self.direction * self.plant("stop_speed_mm_s") * 1e-3
+        viscous = VISCOUS * self.stop_speed * 1e-3
         return self.limit_n - self.direction * self.weight_n - viscous
 
     @property
@@ -114,14 +114,29 @@ class Axis(Setup):
         return dragged / SCREW_STIFFNESS + self.plant("backlash_um") * 5e-4
 
     @property
+    def stop_moves(self) -> float:
+        """How far the stop moves in all, with its sign."""
+        time_s = (self.plant("stop_end_ms") - self.plant("stop_begin_ms")) * 1e-3
+        return self.plant("stop_speed_mm_s") * time_s
+
+    @property
+    def stop_speed(self) -> float:
+        """Of a stop that moves while it is touched; 0 for one that stands again by then."""
+        end = self.plant("stop_position_mm") + self.stop_moves
+        way = abs(end - self.plant("position_start_mm"))
+        stands = self.plant("stop_end_ms") * 1e-3 < way / self.v
+        return 0.0 if stands else self.direction * self.plant("stop_speed_mm_s")
+
+    @property
     def stop(self) -> float:
         """Path of the slide from the start of the run to the stop."""
-        return self.direction * (self.plant("stop_position_mm") - self.plant("position_start_mm"))
+        at = self.plant("stop_position_mm") + (0.0 if self.stop_speed else self.stop_moves)
+        return self.direction * (at - self.plant("position_start_mm"))
 
     @property
     def gaining(self) -> float:
         """How fast the demand goes on relative to the stop."""
-        return self.v - self.direction * self.plant("stop_speed_mm_s")
+        return self.v - self.stop_speed
 
     @property
     def steady_s(self) -> float:
@@ -194,7 +209,9 @@ class Axis(Setup):
         """Path of the axis at a detection without a stop, behind the arming in steady motion."""
         cycles = self.criteria.tau_cycles if self.criteria.lag_mm is not None else 0
         demand = self.armed_from + (cycles - self.buffer_cycles) * self.v * self.T
-        return demand - self.v * self.T - self.lag, demand - self.lag
+        steady = (demand - self.v * self.v / (2 * self.a)) / self.v
+        loose = self.lag * math.exp(-self.plant("kv") * steady)
+        return demand - self.v * self.T - self.lag - loose, demand - self.lag + loose
 
     @property
     def place(self) -> tuple[float, float]:
@@ -215,12 +232,11 @@ class Axis(Setup):
 
     @property
     def peak(self) -> tuple[float, float]:
-        """physics 2(d)10; the lower bound for an undamped stop, seen once per period."""
+        """physics 2(d)10; the lower bound for an undamped stop."""
         most = self.pressing_n + math.hypot(self.pressing_n, self.impact_n)
         if self.plant("stop_damping") > 0:
             return 0.0, most
-        missed = math.cos(math.sqrt(self.k * 1e3 / self.m_eff) * self.T / 2)
-        return self.impact_n * missed, most
+        return self.impact_n, most
 
     @property
     def deepest(self) -> float:
@@ -271,37 +287,42 @@ class Axis(Setup):
         def most(t: float) -> float:
             return self.v / soft * math.sin(soft * t) + static * (1 - math.cos(soft * t))
 
-        margin, quarter = limit - self.cnc_lag, math.pi / soft
-        early = solve(lambda t: self.v * t - least(t) - margin, 0.0, quarter)
-        late = solve(lambda t: self.v * t - most(t) - margin, math.pi / 2 / soft, quarter)
+        margin, half = limit - self.cnc_lag, math.pi / soft
+        early = solve(lambda t: self.v * t - least(t) - margin, 0.0, half)
+        late = solve(lambda t: self.v * t - most(t) - margin, 0.0, half)
         tau = self.criteria.tau_cycles * self.T
         last = late + self.T + tau
-        assert tau + early > math.pi / 2 / stiff, "the stiffer one falls from here on"
         assert last < math.pi / stiff
-        return self.stop + least(last), self.stop + static + math.hypot(static, self.v / soft)
+        low = min(least(early + tau), least(last))
+        return self.stop + low, self.stop + static + math.hypot(static, self.v / soft)
 
     @property
     def held(self) -> tuple[float, float]:
         """Position of an axis that its friction holds against a load f.
 
-        LuGre: the bristles give F_s (1 - c exp(-s0 x/F_s)), c = 1 + their first share. The load has
-        done more work than they take until x with f x = their integral.
+        LuGre: the bristles give g (1 - c exp(-s0 x/g)), c = 1 + their first share; g is the
+        breakaway force, lower at the speed that the load can bring about. The load has done more
+        work than they take until x with f x = their integral.
         """
         balanced = abs(self.weight_n) < 1.0
         load = self.limit_n if balanced else self.weight_n - self.limit_n
-        first = 1.0 if balanced else 2.0
-        assert 0 < load < FRICTION_BREAKAWAY
-        share = load / FRICTION_BREAKAWAY
-        bent = solve(lambda z: (1 - share) * z - first * (1 - math.exp(-z)), 1e-6, 1e3)
-        way = bent * FRICTION_BREAKAWAY / BRISTLES
+        first, g = (1.0 if balanced else 2.0), FRICTION_BREAKAWAY
+        for _ in range(20):
+            assert load < g
+            fastest = math.log(first / (1 - load / g))  # there the forces balance
+            work = g / BRISTLES * ((load - g) * fastest + g * first * (1 - math.exp(-fastest)))
+            v = math.sqrt(2 * work * 1e-3 / self.m_eff) * 1e3
+            more = (FRICTION_BREAKAWAY - FRICTION_COULOMB) * math.exp(-((v / STRIBECK_MM_S) ** 2))
+            g = FRICTION_COULOMB + more
+        bent = solve(lambda z: (1 - load / g) * z - first * (1 - math.exp(-z)), 1e-6, 1e3)
+        way = bent * g / BRISTLES
         start = self.plant("position_start_mm")
         return (start, start + way) if balanced else (start - way, start)
 
     @property
     def receded(self) -> float:
         """Latched position behind a stop that has given way."""
-        time_s = (self.plant("stop_end_ms") - self.plant("stop_begin_ms")) * 1e-3
-        moved = self.plant("stop_position_mm") + self.plant("stop_speed_mm_s") * time_s
+        moved = self.plant("stop_position_mm") + self.stop_moves
         return moved + self.direction * self.limit_n / self.k
 
     def shared(self, other: "Axis") -> tuple[float, float]:

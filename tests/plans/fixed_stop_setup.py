@@ -220,3 +220,31 @@ class Setup:
     def position(self, path: float) -> float:
         """Position of a path."""
         return self.plant("position_start_mm") + self.direction * path
+
+
+# What stands in a cell of the table
+
+
+def band(text: str) -> tuple[str, str]:
+    """Both ends of `low .. high`."""
+    low, high = text.split(" .. ")
+    return low, high
+
+
+def tolerance(text: str) -> tuple[str, str]:
+    """Middle and width of `middle +- width`."""
+    middle, width = text.split(" +- ")
+    return middle, width
+
+
+def most(text: str) -> str:
+    """The limit of `<= limit`."""
+    sign, limit = text.split()
+    assert sign == "<="
+    return limit
+
+
+def is_rounded(text: str, value: float, digits: int) -> bool:
+    """Whether a limit is the value rounded to so many digits behind the point."""
+    assert len(text.partition(".")[2]) == digits, text
+    return abs(float(text) - value) <= 0.5000001 * 10**-digits

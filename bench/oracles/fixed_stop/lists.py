@@ -73,8 +73,11 @@ def limits_as_written(written: Written, period_ns: TimeNs) -> Limits:
 
 
 def delay_cycles(written: Written) -> int:
-    """Return d of one axis, P-AXIS-00191."""
-    return int(_number(written, "antr.nbr_delay_cycles", 0))
+    """Return d of one axis, P-AXIS-00191, 4 when not set; 0 counts as 1.
+
+    Source: docs/ambiguities.md, "Two position lags".
+    """
+    return max(int(_number(written, "antr.nbr_delay_cycles", 4)), 1)
 
 
 def arming_mm(limits: Sequence[Limits], block_mm: float | None) -> float | None:
