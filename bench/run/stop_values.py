@@ -70,7 +70,7 @@ def _latched(run: StopRun, truth: AxisTruth) -> Value:
     note = (
         f"x_stop + (F_lim - F_g +- F_c)/k, F_lim {pressing.limit_n:.6g} N,"
         f" F_g {pressing.stop.direction * pressing.axis.weight_n:.4g} N,"
-        f" F_c {pressing.axis.friction_n:.4g} N"
+        f" F_c {pressing.axis.friction_n:.4g} N; ringing decays in {pressing.decay_s * 1e3:.3g} ms"
     )
     return Value("latched", label, "mm", truth.name, measured, (low + high) / 2.0, low, high, note)
 

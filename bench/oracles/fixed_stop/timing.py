@@ -58,11 +58,6 @@ class Instant:
     note: str = ""
     doubt_ns: float = 0.0
 
-    @property
-    def is_known(self) -> bool:
-        """Whether the closed form holds."""
-        return self.time_ns is not None
-
     def holds(self, measured_ns: TimeNs) -> bool:
         """Whether a measured instant lies in the band."""
         assert self.low_ns is not None
@@ -167,16 +162,6 @@ def later(first: Instant, second: Instant) -> Instant:
         f"the later of both criteria: {late.note}",
         late.doubt_ns,
     )
-
-
-def command_excess_mm(
-    limit_mm: float, speed_mm_s: float, min_time_ns: TimeNs, reaction_ns: float, braking_mm: float
-) -> float:
-    """Return how far the set value ends behind the latched point, L + v (tau + t_d) + v^2/2a.
-
-    reaction_ns: from the last cycle that judges to the set value that brakes.
-    """
-    return limit_mm + speed_mm_s * (min_time_ns + reaction_ns) / S + braking_mm
 
 
 def least_path_mm(window_mm: float, min_time_ns: TimeNs, acceleration_mm_s2: float) -> float:
