@@ -20,8 +20,10 @@ VALIDATION = LIBRARY.parent / "validation"
 STEP_S = 50e-6  # internal step of the validation models of parts
 # The validation of a model that is an FMU itself has its internal step.
 STEPS_S = {name.rpartition(".")[2]: row.step_s for name, row in CATALOGUE.items()}
-# A reference made anew on another machine may differ by this share of the tolerance.
-REPRODUCED = 1e-3
+# A reference made anew may differ by this share of the tolerance: mathematical libraries round
+# differently from processor to processor, and every impact of a contact carries that on. What is
+# left is a twentieth of what an FMU is judged by.
+REPRODUCED = 0.05
 # The matrices of the references are small: threads would only wait for each other.
 ONE_THREAD = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
 # What a reference may be made from.
