@@ -131,7 +131,12 @@ class StopRun(StopRows):
                 f" {abs(approach.running_lag_mm):.4g} mm: found in free motion"
             )
         at_ns = approach.lag_exceeded_ns(limit_mm)
-        return self._judged(axis, approach, at_ns, "t_c + (L - e0 + delta)/v")
+        instant = self._judged(axis, approach, at_ns, "t_c + (L - e0 + delta)/v")
+        row = self.followed[axis].beyond
+        late_ns = instant.high_ns
+        if row is not None and late_ns is not None and self.cycle_ns(row) > late_ns:
+            raise NoClosedFormError("the axis rings and its lag falls to the limit again")
+        return instant
 
     def _window(self, axis: str) -> Instant:
         limits = self.limits[axis]

@@ -106,7 +106,8 @@ def _armed(run: StopRun) -> Instant | None:
     """Return when the criteria begin to count; a path of 0 needs no oracle."""
     if not run.truths or not run.arming_mm or run.armed_ns is None:
         return None
-    return seen(run.armed_ns, 0.0, run.cycles, f"arming path {run.arming_mm:g} mm gone")
+    doubt_ns = 0.01 * run.cycles.period_ns  # the demand is known to an increment
+    return seen(run.armed_ns, doubt_ns, run.cycles, f"arming path {run.arming_mm:g} mm gone")
 
 
 def _contacts(run: StopRun) -> list[Mark]:

@@ -13,6 +13,11 @@ from kernel.clock import S
 from kernel.motion.dynamics import Motion as Kind
 from kernel.motion.dynamics import axis_slopes
 
+REST_MM_S = 0.1
+"""An axis that is slower counts as at rest: less than 1 um in 10 ms."""
+DECAYS = 5.0
+"""Decay times of the ringing after which the latched value is that of rest."""
+
 
 @dataclass(frozen=True)
 class Value:
@@ -65,6 +70,9 @@ def _latched(run: StopRun, truth: AxisTruth) -> Value:
     detected_ns = run.stop.detected_ns or run.end_ns
     if contact.time_ns > detected_ns:
         return Value("latched", label, "mm", truth.name, measured, note="latched before contact")
+    restless = _restless(run, truth)
+    if restless:
+        return Value("latched", label, "mm", truth.name, measured, note=restless)
     stop_mm = float(path.position_mm[run.row_at(detected_ns)]) - truth.zero_mm
     low, high = pressing.latched_mm(stop_mm)
     note = (
@@ -75,12 +83,30 @@ def _latched(run: StopRun, truth: AxisTruth) -> Value:
     return Value("latched", label, "mm", truth.name, measured, (low + high) / 2.0, low, high, note)
 
 
+def _restless(run: StopRun, truth: AxisTruth) -> str:
+    """Say why the axis was not at rest against its stop at the detection, empty when it was."""
+    pressing, path = run.pressing(truth.name), truth.stop_path
+    limits = run.limits.get(truth.name)
+    if run.stop.detected_ns is None or pressing is None or path is None:
+        return "no detection at a stop"
+    row = run.row_at(run.stop.detected_ns)
+    if abs(float(path.velocity_mm_s[row])) > REST_MM_S:
+        return "the stop moves"
+    if abs(float(truth.velocity_mm_s[row])) > REST_MM_S:
+        return "the axis was not at rest at the detection"
+    if limits is not None and limits.min_time_ns < DECAYS * pressing.decay_s * S:
+        return f"the minimum time is shorter than {DECAYS:g} decay times of the ringing"
+    return ""
+
+
 def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
     peak_n = truth.stop_force_max_n(run.rows)
     pressing, contact = run.pressing(truth.name), run.contact(truth.name)
     if truth.stop_force_n is None or peak_n is None or pressing is None or contact is None:
         return []
     end_n = float(truth.stop_force_n[run.row_at(run.end_ns)])
+    if truth.stop_path is not None and np.any(truth.stop_path.velocity_mm_s[run.rows]):
+        return []  # a stop that moves works on the axis
     most_n = max(pressing.pushing_n + pressing.axis.friction_n, 0.0)
     low_n, high_n = pressing.peak_force_n(contact.speed_mm_s)
     mass = f"m_eff {pressing.axis.mass_kg:.5g} kg"
@@ -105,8 +131,9 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
     axis, detection = run.detection
     if measured is None or detection.low_ns is None or detection.high_ns is None:
         return Value("command_excess", label, "mm", truth.name, measured, note=detection.note)
-    if axis != truth.name or len(run.record.axes) > 1:
-        return Value("command_excess", label, "mm", truth.name, measured)
+    restless = _restless(run, truth)
+    if axis != truth.name or len(run.record.axes) > 1 or restless:
+        return Value("command_excess", label, "mm", truth.name, measured, note=restless)
     approach = run.approach(axis)
     settings = truth.machine.settings
     slope = axis_slopes(settings.axis[axis], settings.channel, Kind.MEASURING).stop_deceleration
