@@ -148,6 +148,7 @@ class StopRows:
             truth.velocity_mm_s[rows],
             inside,
             stiffness / mass if stiffness and mass else None,
+            None if truth.peak_n is None else truth.peak_n[rows],
         )
         if found is None:
             return None

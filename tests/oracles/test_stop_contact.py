@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -45,14 +46,73 @@ def test_contact_within_the_stated_bound(
 
 @settings(max_examples=200, deadline=None)
 @given(places, speeds, stiff)
-def test_without_stiffness_the_bend_of_the_motion_bounds_the_error(
+def test_without_stiffness_the_free_motion_tells_the_instant(
     contact_s: float, speed_mm_s: float, k_over_m: float
 ) -> None:
     times, position, velocity = rows(contact_s, speed_mm_s, k_over_m)
     stop = StopPath.at_rest(0.0, 1, len(times))
     found = first_contact(times, position, velocity, stop, None)
     assert found is not None
-    assert abs(found.time_ns - contact_s * 1e9) <= found.uncertainty_ns
+    assert abs(found.time_ns - contact_s * 1e9) <= found.uncertainty_ns < 10.0
+
+
+def ramped(
+    contact_s: float, speed_mm_s: float, acceleration_mm_s2: float, k_over_m: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """As `rows`, but the axis still accelerates when it touches."""
+    times, position, velocity = rows(contact_s, speed_mm_s, k_over_m)
+    since = np.minimum(ROWS * STEP_S - contact_s, 0.0)
+    position = position + acceleration_mm_s2 * since**2 / 2
+    return times, position, velocity + acceleration_mm_s2 * since
+
+
+@settings(max_examples=200, deadline=None)
+@given(places, speeds, stiff, st.floats(-1000.0, 1000.0))
+def test_the_acceleration_before_the_contact_is_in_the_bound(
+    contact_s: float, speed_mm_s: float, k_over_m: float, slope: float
+) -> None:
+    times, position, velocity = ramped(contact_s, speed_mm_s, slope, k_over_m)
+    stop = StopPath.at_rest(0.0, 1, len(times))
+    found = first_contact(times, position, velocity, stop, None)
+    assert found is not None
+    if position[found.row] < 0.0 < velocity[found.row]:
+        assert abs(found.time_ns - contact_s * 1e9) <= found.uncertainty_ns
+
+
+@pytest.mark.parametrize("knows", [True, False])
+@pytest.mark.parametrize("contact_s", [0.0161, 0.0165])
+def test_a_contact_that_lets_go_between_two_rows_is_the_first_one(
+    contact_s: float, knows: bool
+) -> None:
+    """Touch, half a period of the spring, off again with the speed of before; back 10 ms later."""
+    speed_mm_s, rate = 20.0, math.pi / 3e-4
+    times, position, velocity = rows(contact_s, speed_mm_s, rate**2)
+    off_s = contact_s + math.pi / rate
+    since = ROWS * STEP_S - off_s
+    back = np.where(since < 10e-3, -speed_mm_s * since, speed_mm_s * (since - 20e-3))
+    position = np.where(since > 0.0, back, position)
+    velocity = np.where(since > 0.0, np.where(since < 10e-3, -speed_mm_s, speed_mm_s), velocity)
+    peak_n = np.where(math.ceil(contact_s / STEP_S) == ROWS, 5000.0, 0.0)
+    assert position[np.argmax(peak_n)] < 0.0, "open again at the row"
+    stop = StopPath.at_rest(0.0, 1, len(times))
+    found = first_contact(times, position, velocity, stop, rate**2 if knows else None, peak_n)
+    assert found is not None
+    assert found.row == 16
+    assert abs(found.time_ns - contact_s * 1e9) <= found.uncertainty_ns < 10.0
+    unseen = first_contact(times, position, velocity, stop, None)
+    assert unseen is not None
+    assert unseen.time_ns > contact_s * 1e9 + 19e6, "by the rows alone it is the second one"
+
+
+def test_without_rows_before_it_the_contact_is_known_to_a_cycle() -> None:
+    times, position, velocity = rows(0.0105, 10.0, 1e5)
+    begin = slice(9, None)
+    peak_n = np.where(ROWS[begin] == 11, 100.0, 0.0)
+    stop = StopPath.at_rest(0.0, 1, len(ROWS[begin]))
+    found = first_contact(times[begin], position[begin], velocity[begin], stop, None, peak_n)
+    assert found is not None
+    assert found.row == 1
+    assert found.uncertainty_ns == pytest.approx(STEP_S * 1e9, abs=2.0)
 
 
 def test_a_stop_that_comes_towards_the_axis_is_met_earlier() -> None:

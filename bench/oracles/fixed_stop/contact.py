@@ -1,5 +1,6 @@
 """Where an axis has met its stop, located inside a cycle from the plant's truth."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,9 @@ Times = npt.NDArray[np.int64]
 # anywhere inside: J h^3 / 192, reached for a change in the middle
 JERK_SHARE = 1.0 / 192.0
 HALVINGS = 60
+# Rows before the contact whose steps tell the acceleration of the free motion
+ROWS_BEFORE = 2
+LEAST_MM_S = 1e-9
 
 
 @dataclass(frozen=True)
@@ -56,47 +60,71 @@ def first_contact(
     velocity_mm_s: Signal,
     stop: StopPath,
     stiffness_per_mass: float | None,
+    peak_n: Signal | None = None,
 ) -> StopContact | None:
     """Return the first contact in a part of the trace; None when the gap never closes in it.
 
-    stiffness_per_mass: k/m of stop and axis, 1/s2, None where the plant does not tell them. The gap
-    between two rows is a cubic Hermite polynomial; the force of the stop begins with a jump of the
-    jerk, J = k v (1 + a v)/m with a v below 1, and the polynomial is off by at most J h^3/192.
-    Where k/m is not known, the way that the axis would have gone on evenly tells how far off it is.
+    stiffness_per_mass: k/m of stop and axis, 1/s2, None where the plant does not tell them. peak_n:
+    largest force at the stop since the row before, None where it is not told: by it a contact shows
+    that lets go again before the next row. Of two ways to locate it the surer one counts: the free
+    motion goes on as before (`_by_free_motion`), or the gap is a polynomial (`_by_bend`).
     """
     gap_mm = -penetrations(stop, position_mm)
     rate_mm_s = -stop.direction * (velocity_mm_s - stop.velocity_mm_s)
-    closed = np.flatnonzero((gap_mm[:-1] > 0.0) & (gap_mm[1:] <= 0.0))
-    if not len(closed):
+    meets = gap_mm[1:] <= 0.0
+    if peak_n is not None:
+        meets |= peak_n[1:] > 0.0
+    met = np.flatnonzero((gap_mm[:-1] > 0.0) & meets)
+    if not len(met):
         return None
-    row = int(closed[0])
+    row = int(met[0])
     step_s = float(times_ns[row + 1] - times_ns[row]) * 1e-9
-    ends = (
-        float(gap_mm[row]),
-        float(rate_mm_s[row]),
-        float(gap_mm[row + 1]),
-        float(rate_mm_s[row + 1]),
-    )
-    since_s = _crossing_s(step_s, ends)
-    speed_mm_s = max(-ends[1], 1e-9)
-    if stiffness_per_mass is None:
-        error_s = abs(since_s - ends[0] / speed_mm_s)
-    else:
-        error_s = JERK_SHARE * 2.0 * stiffness_per_mass * step_s**3
-    share = since_s / step_s
+    before = slice(max(row - ROWS_BEFORE, 0), row + 1)
+    located = [_by_free_motion(step_s, times_ns[before], gap_mm[before], rate_mm_s[before])]
+    if gap_mm[row + 1] <= 0.0 and stiffness_per_mass is not None:
+        ends = gap_mm[row], rate_mm_s[row], gap_mm[row + 1], rate_mm_s[row + 1]
+        located.append(_by_bend(step_s, ends, stiffness_per_mass))
+    since_s, error_s = min(located, key=lambda each: each[1])
     begin_mm, end_mm = stop.position_mm[row : row + 2]
-    at_mm = begin_mm + share * (end_mm - begin_mm)
     return StopContact(
         time_ns=float(times_ns[row]) + since_s * 1e9,
         row=row,
-        position_mm=float(at_mm),
-        speed_mm_s=speed_mm_s,
-        uncertainty_ns=min(error_s, step_s) * 1e9 + 1.0,
+        position_mm=float(begin_mm + since_s / step_s * (end_mm - begin_mm)),
+        speed_mm_s=max(-float(rate_mm_s[row]), LEAST_MM_S),
+        uncertainty_ns=error_s * 1e9 + 1.0,
     )
 
 
-def _crossing_s(step_s: float, ends: tuple[float, float, float, float]) -> float:
-    """Return when the polynomial falls to zero, by halving the step."""
+def _by_free_motion(
+    step_s: float, times_ns: Times, gap_mm: Signal, rate_mm_s: Signal
+) -> tuple[float, float]:
+    """Return when the gap closes if it goes on closing as in the last row, and the doubt, s.
+
+    gap_mm, rate_mm_s: up to that row. In doubt is what the largest acceleration a of the steps
+    before it can do: with it against the motion the gap g closes at 2g/(v + sqrt(v^2 - 2ag)). The
+    whole step where that does not close it, or where there are no such steps.
+    """
+    way_mm, speed_mm_s = float(gap_mm[-1]), -float(rate_mm_s[-1])
+    if speed_mm_s * step_s < way_mm:
+        return step_s, step_s
+    since_s = way_mm / speed_mm_s
+    if len(times_ns) <= ROWS_BEFORE:
+        return since_s, step_s
+    largest_mm_s2 = float(np.max(np.abs(np.diff(rate_mm_s) / (np.diff(times_ns) * 1e-9))))
+    left = speed_mm_s**2 - 2.0 * largest_mm_s2 * way_mm
+    if left < 0.0:
+        return since_s, step_s
+    return since_s, min(2.0 * way_mm / (speed_mm_s + math.sqrt(left)) - since_s, step_s)
+
+
+def _by_bend(
+    step_s: float, ends: tuple[float, float, float, float], stiffness_per_mass: float
+) -> tuple[float, float]:
+    """Return when a cubic Hermite polynomial of the gap falls to zero, and the doubt, s.
+
+    The force of the stop begins with a jump of the jerk, J = k v (1 + a v)/m with a v below 1; the
+    polynomial is off by at most J h^3/192.
+    """
     low, high = 0.0, step_s
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
@@ -104,4 +132,4 @@ def _crossing_s(step_s: float, ends: tuple[float, float, float, float]) -> float
             low = middle
         else:
             high = middle
-    return high
+    return high, min(JERK_SHARE * 2.0 * stiffness_per_mass * step_s**3, step_s)
