@@ -334,8 +334,8 @@ def stop_runs(
 ) -> list[StopRun]:
     """Return the runs to a fixed stop of a finished program, in order.
 
-    zero_mm: place of the plant that an axis counts from in a run. Axes without one, and those whose
-    drive stands outside, have no truth and take no part.
+    zero_mm: place of the plant that an axis counts from in a run. A run has the truth of the axes
+    that take part in it, slaves included, but for those without such a place or a plant here.
     """
     records = [record for record in machine.channel.records if record.fixed_stop is not None]
     if not records:
@@ -343,8 +343,11 @@ def stop_runs(
     cycles = cycles_of(machine, trace.column("time_ns").to_numpy())
     runs = []
     for number, record in enumerate(records, 1):
+        assert record.fixed_stop is not None
         truths = {}
         for name in machine.links:
+            if name not in record.fixed_stop.axes:
+                continue  # another run, or none, is about it
             zero = None if name in machine.outside else zero_mm(name, record)
             if zero is not None:
                 truths[name] = axis_truth(machine, trace, name, zero)

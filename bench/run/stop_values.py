@@ -1,11 +1,13 @@
 """What a run to a fixed stop has measured and pressed, beside what it had to: for the report."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from bench.oracles.fixed_stop.lists import Limits
 from bench.oracles.fixed_stop.prediction import Motion, false_triggers
+from bench.oracles.fixed_stop.pressing import Pressing
 from bench.oracles.fixed_stop.timing import NoClosedFormError, bus_lag_mm
 from bench.run.fixed_stop import StopRun
 from bench.run.stop_truth import AxisTruth
@@ -17,6 +19,11 @@ REST_MM_S = 0.1
 """An axis that is slower counts as at rest: less than 1 um in 10 ms."""
 DECAYS = 5.0
 """Decay times of the ringing after which the latched value is that of rest."""
+LATCHED_MM = 1e-3
+"""How near x_stop + F/k a value has to be that was latched at rest, beside what friction leaves."""
+
+
+_AT_MOST = "at most force limit less weight and friction"
 
 
 @dataclass(frozen=True)
@@ -75,8 +82,9 @@ def _latched(run: StopRun, truth: AxisTruth) -> Value:
         return Value("latched", label, "mm", truth.name, measured, note=restless)
     stop_mm = float(path.position_mm[run.row_at(detected_ns)]) - truth.zero_mm
     low, high = pressing.latched_mm(stop_mm)
+    low, high = low - LATCHED_MM, high + LATCHED_MM
     note = (
-        f"x_stop + (F_lim - F_g +- F_c)/k, F_lim {pressing.limit_n:.6g} N,"
+        f"x_stop + (F_lim - F_g +- F_c)/k +- 1 um, F_lim {pressing.limit_n:.6g} N,"
         f" F_g {pressing.stop.direction * pressing.axis.weight_n:.4g} N,"
         f" F_c {pressing.axis.friction_n:.4g} N; ringing decays in {pressing.decay_s * 1e3:.3g} ms"
     )
@@ -99,6 +107,15 @@ def _restless(run: StopRun, truth: AxisTruth) -> str:
     return ""
 
 
+def _restless_at_end(run: StopRun, truth: AxisTruth, pressing: Pressing) -> str:
+    """Say that the axis was not at rest at the end, empty when it was for a period of ringing."""
+    period_ns = 2.0 * math.pi * S * math.sqrt(pressing.axis.mass_kg / pressing.stop.stiffness_n_m)
+    last = slice(run.row_at(run.end_ns - period_ns), run.row_at(run.end_ns) + 1)
+    if np.max(np.abs(truth.velocity_mm_s[last])) > REST_MM_S:
+        return "the axis was not at rest at the end: no bound"
+    return ""
+
+
 def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
     peak_n = truth.stop_force_max_n(run.rows)
     pressing, contact = run.pressing(truth.name), run.contact(truth.name)
@@ -107,7 +124,7 @@ def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
     end_n = float(truth.stop_force_n[run.row_at(run.end_ns)])
     if truth.stop_path is not None and np.any(truth.stop_path.velocity_mm_s[run.rows]):
         return []  # a stop that moves works on the axis
-    most_n = max(pressing.pushing_n + pressing.axis.friction_n, 0.0)
+    most_n, restless = pressing.force_n[1], _restless_at_end(run, truth, pressing)
     low_n, high_n = pressing.peak_force_n(contact.speed_mm_s)
     mass = f"m_eff {pressing.axis.mass_kg:.5g} kg"
     bound = "no bound for a stop that is not straight or damps more than a v = 1"
@@ -119,8 +136,7 @@ def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
         ),
         Value(
             *("stop_force_end", "force at the stop at the end", "N", truth.name, end_n),
-            *(None, 0.0, most_n),
-            "at most force limit less weight and friction",
+            *((None, None, None, restless) if restless else (None, 0.0, most_n, _AT_MOST)),
         ),
     ]
 

@@ -22,7 +22,8 @@ class Criteria:
 class FixedStopRecord:
     """Criteria and instants of one run; times are NC cycles, lengths mm, dicts are by axis.
 
-    criteria: of every watched axis. start_distance_mm: path of the block before the stop is looked
+    criteria: of every watched axis. axes: all that take part, with the slaves of those that move.
+    start_distance_mm: path of the block before the stop is looked
     for; armed_ns: the cycle from which it is. beyond_ns: begin of the last time without a break
     that the lag was beyond its limit. window_ns: begin of the last time without a break that the
     window held. detected_by: the axis that was first. set_mm, actual_mm: of all axes in that
@@ -46,3 +47,4 @@ class FixedStopRecord:
     relax_end_ns: TimeNs | None = None
     watch_off_ns: TimeNs | None = None
     watch_on_ns: TimeNs | None = None
+    axes: tuple[str, ...] = ()

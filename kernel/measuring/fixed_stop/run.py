@@ -122,6 +122,7 @@ class FixedStopRun:
         self.stop = FixedStopRecord(
             {w.port.name: detector.criteria for w, detector in self._axes},
             min(w.settings.start_mm(plan.block_mm) for w in plan.watched),
+            axes=tuple(port.name for port in plan.involved),
         )
         self.record = RunRecord(
             tuple(port.name for port in plan.measuring),
