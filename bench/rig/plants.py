@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from functools import cache
+from math import isclose
 from pathlib import Path
 from typing import Literal
 
@@ -9,6 +10,7 @@ from bench.rig.check import check_rig
 from bench.rig.file import LOAD, MapTable, PlantTable, rig_error
 from bench.rig.outside import outside_axes, simulated_plants
 from bench.rig.settings import Settings
+from bench.rig.start_places import check_places
 from bench.rig.start_values import set_start_values
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
@@ -27,7 +29,6 @@ from kernel.cosim.roles import (
 from kernel.errors import UserError, nearest
 
 WARNINGS_SHOWN_MAX = 20
-ENCODER_RANGE = 1 << 31  # INTEGER32 of 6064, increments
 
 
 def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
@@ -334,6 +335,24 @@ def check_plants(settings: Settings, plant: Plant) -> None:
                 )
 
 
+def _compare_leads(settings: Settings, plant: Plant, name: str) -> None:
+    """Note when a model of the library has another screw than the drive in front of it.
+
+    Torque becomes force with the lead of the drive, F = 2 pi M/h; the model takes its own for the
+    mass of the rotating parts.
+    """
+    axis = settings.rig.axis[name]
+    slave, lead_mm = plant.axes[axis.plant].slave, settings.rig.drive[axis.drive].lead_mm
+    if settings.rig.plant[axis.plant].fmu not in MODELS or not slave.has("screw_lead"):
+        return
+    screw_mm = float(slave.get("screw_lead")) * 1e3
+    if not isclose(screw_mm, lead_mm, rel_tol=1e-9):
+        plant.notes[axis.plant].append(
+            f"its screw_lead is {screw_mm:g} mm and lead_mm of drive {axis.drive} {lead_mm:g}:"
+            " torque limits act with the one of the drive, the rotor weighs with that of the plant"
+        )
+
+
 def check_plant(settings: Settings) -> None:
     """Build, check and start the plants of a rig, and let them go again; no bus is opened.
 
@@ -349,9 +368,9 @@ def check_plant(settings: Settings) -> None:
 
 
 def start_plant(settings: Settings, plant: Plant) -> None:
-    """Initialise every plant at time 0 and check that the axes stand where their encoders reach.
+    """Initialise every plant at time 0 and check where its axes stand.
 
-    Raises UserError with file, line and key of the rig.
+    Raises UserError with file, line and key of the rig, see `check_places`.
     """
     try:
         plant.initialize(0)
@@ -359,21 +378,10 @@ def start_plant(settings: Settings, plant: Plant) -> None:
         raise rig_error(
             settings.files, ("plant", error.instance), f"{error.instance}: {error.reason}"
         ) from error
-    outside = outside_axes(settings)
-    for name, axis in settings.rig.axis.items():
-        if name in outside:
-            continue
-        drive = settings.rig.drive[axis.drive]
-        limit_mm = ENCODER_RANGE / drive.encoder_increments * drive.lead_mm
-        position_mm = plant.axes[axis.plant].position_m() * 1e3
-        if abs(position_mm) >= limit_mm:
-            message = f"axis {name} starts outside the 32 bits of its encoder"
-            value, allowed = f"{position_mm:g} mm", f"-{limit_mm:g} .. {limit_mm:g} mm, ends out"
-            for item, located in settings.start.get(axis.plant, []):
-                if item.name == "position_start":
-                    raise located(UserError(message, value=value, allowed=allowed), item)
-            keys = ("plant", axis.plant, "start")
-            raise rig_error(settings.files, keys, message, value=value, allowed=allowed)
+    check_places(settings, plant)
+    for name in settings.rig.axis:
+        if name not in outside_axes(settings):
+            _compare_leads(settings, plant, name)
 
 
 def describe_plants(settings: Settings, plant: Plant) -> list[str]:

@@ -84,9 +84,8 @@ def test_a_fixed_stop_is_a_following_error_only_while_the_drive_watches(
     run_own: Callable[..., Any], program: str, faults: int
 ) -> None:
     """Stopped at 105 mm on the way to 120 mm; the window is 1048575 of 1048576 units for 10 mm."""
-    outcome = run_own(
-        PROGRAMS / program, RIGS / "drive-functions.toml", ["plant:z.stop_position_mm=105"]
-    )
+    in_front = ["plant:z.position_start_mm=100", "plant:z.stop_position_mm=105"]
+    outcome = run_own(PROGRAMS / program, RIGS / "drive-functions.toml", in_front)
     told = [str(alarm) for alarm in outcome.machine.channel.alarms]
     assert sum("900005" in text and "0x8611" in text for text in told) == len(told) == faults
 

@@ -70,7 +70,8 @@ def run_stop(tmp_path: Path) -> RunStop:
             start=start, target=target, feed=feed, torque=torque, lag_window=lag_window
         )
         program.write_text(f"%stop\n{text}{end}\nN999 M30\n", encoding="utf-8")
-        place = [] if stop_mm is None else [f"plant:z.stop_position_mm={stop_mm}"]
+        place = [f"plant:z.position_start_mm={start}"]
+        place += [] if stop_mm is None else [f"plant:z.stop_position_mm={stop_mm}"]
         settings = [f"{DETECT}{name}={value}" for name, value in detect.items()]
         source = "set:Z.kenngr.measure.signal=FIXED_STOP"
         given = [source, *place, *settings, *assignments]

@@ -31,7 +31,7 @@ IN_FRONT = "plant:z.position_start_mm=100"
 def test_a_run_with_limits_of_the_plc_side_is_that_with_limits_of_the_program(
     run_stop: RunStop, tmp_path: Path
 ) -> None:
-    by_program = run_stop(STOP_MM, IN_FRONT, **LAG)
+    by_program = run_stop(STOP_MM, **LAG)
     program = tmp_path / "plc.nc"
     program.write_text(BY_PLC, encoding="utf-8")
     settings = [f"{DETECT}{name}={value}" for name, value in LAG.items()]
@@ -59,7 +59,7 @@ def test_restoring_the_limit_behind_the_run_moves_nothing(run_stop: RunStop) -> 
     Within 0.5 um, which are 10 N at 20 N/um.
     """
     restore = "plc:Z.torque_limit=50000 at=run_end+1s"
-    found = run_stop(STOP_MM, IN_FRONT, restore, end="N200 G4 2", **LAG)
+    found = run_stop(STOP_MM, restore, end="N200 G4 2", **LAG)
     events = plc_side(found.outcome.machine)
     (restored_ns,) = [t for t, words, _ in events if "50000: the drive has" in words]
     times, truth_mm = found.outcome.column("time_ns"), found.outcome.column("Z.truth_mm")
