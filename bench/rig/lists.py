@@ -5,6 +5,8 @@ from pathlib import Path
 
 from bench.rig.file import RigFile, rig_error
 from kernel.errors import Alarm
+from kernel.measuring.fixed_stop.settings import FixedStopSettings
+from kernel.measuring.rules import FIXED_STOP
 from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import ParameterSet, read_list, start_up, written
@@ -14,6 +16,9 @@ from kernel.parameters.lists import NEXT_AXIS
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
 
 DRIVE_INPUTS = (1, 2)
+
+CRITERIA = "a lag limit (P-AXIS-00774 pos_lag_limit) or a window (P-AXIS-00778) with its time"
+TIME = "min_time (P-AXIS-00775)"
 
 
 def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str, ParameterSet]]:
@@ -94,6 +99,37 @@ def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSe
             names = ", ".join(f"{name} = {written(value)}" for name, value in inert)
             what = "1 setting does" if len(inert) == 1 else f"{len(inert)} settings do"
             notes.append(f"{of}: {what} not act yet ({Path(path).name}): {names}")
+        for name, by in parameters.unasked():
+            notes.append(
+                f"{of}: {_numbered(parameters, name)} does not act:"
+                f" {_numbered(parameters, by)} is asked first and its default is"
+                f" {written(parameters.get(by))}"
+            )
+    return notes
+
+
+def _numbered(parameters: ParameterSet, path: str) -> str:
+    number = parameters.resolve(path).parameter.number
+    return f"{path} ({number})" if number else path
+
+
+def stop_notes(axes: dict[str, ParameterSet]) -> list[str]:
+    """Tell which axes with the source FIXED_STOP (P-AXIS-00516) can find no stop as listed.
+
+    Not an error: `#MEAS [AX= SIGNAL=]` may choose another source, and the axis may stand.
+    """
+    notes = []
+    for name, parameters in axes.items():
+        if parameters.word("kenngr.measure.signal") != FIXED_STOP:
+            continue
+        found = FixedStopSettings.read(parameters)
+        if found.lag_limit_mm is not None:
+            continue
+        if found.window_mm is None:
+            notes.append(f"axis {name}: as listed no stop can be found: set {CRITERIA}")
+        elif not (found.min_time_ns or found.min_cycles):
+            window = f"its window of {found.window_mm:g} mm has no minimum time"
+            notes.append(f"axis {name}: as listed no stop can be found, {window}: set {TIME}")
     return notes
 
 

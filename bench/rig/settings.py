@@ -20,6 +20,7 @@ from bench.rig.lists import (
     offset_notes,
     read_lists,
     read_offsets,
+    stop_notes,
     take_over,
 )
 from bench.rig.plc import VARIABLE, Rule, needs_variables, read_rules
@@ -232,6 +233,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
     try:
         settings.warnings = take_over(channel, axes)
         settings.notes = inert_notes(rig, channel, axes)
+        settings.notes += stop_notes(axes)
         settings.notes += offset_notes(settings.offsets, tuple(axes))
     except UserError as error:
         for assignment, located in assignments:

@@ -1,4 +1,4 @@
-"""Where the axes stand at the start: within reach of their encoders, and in front of their stops."""
+"""Where the axes stand at the start: in reach of their encoders, and in front of their stops."""
 
 from bench.rig.file import rig_error
 from bench.rig.outside import outside_axes

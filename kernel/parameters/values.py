@@ -245,6 +245,17 @@ class ParameterSet:
             if not self._table.find(key)[0].has_effect(indices_of(key), value)
         ]
 
+    def unasked(self) -> list[tuple[str, str]]:
+        """Return what was set and is never asked, each with what decides by its default."""
+        unset = [row for row in self._table.parameters if row.fallback and "[" not in row.path]
+        return [
+            (other.path, row.path)
+            for row in unset
+            if row.path not in self._values and not row.is_unset(row.default)
+            for other in row.fallback
+            if other.word is None and "[" not in other.path and self.is_set(other.path)
+        ]
+
     def _number(self, path: str) -> float:
         value = self.get(path)
         if isinstance(value, str):

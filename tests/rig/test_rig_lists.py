@@ -158,3 +158,40 @@ def test_an_input_of_external_hardware_is_none_of_the_drive(
     settings = settings_of(listed(rig_file(), text))
     assert drive_input(settings.axis["Z"]) == used
     check_rig(settings)
+
+
+DETECT = "kenngr.measure.fixed_stop_detect."
+STOP = "kenngr.measure.signal FIXED_STOP\n"
+LAG = f"{DETECT}pos_lag_limit 15000\n"
+FALLBACK = "antr.fixed_stop.detect."
+NEVER = "axis Z: as listed no stop can be found"
+NO_TIME = "axis Z: as listed no stop can be found, its window of 0.02 mm has no minimum time: set min_time"
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (STOP + LAG, None),
+        (STOP, f"{NEVER}: set a lag limit (P-AXIS-00774 pos_lag_limit) or a window"),
+        ("kenngr.meas_signal_fixed_stop 1\nkenngr.achs_typ 0x0001\n", f"{NEVER}: set a lag limit"),
+        (f"{STOP}{DETECT}pos_lag_limit 0\n{FALLBACK}pos_lag_limit 15000\n", f"{NEVER}: set"),
+        (f"{STOP}{FALLBACK}pos_lag_limit 15000\n", None),
+        (f"{STOP}{DETECT}max_delta_position_window 200\n", NO_TIME),
+        (f"{STOP}{DETECT}max_delta_position_window 200\nkenngr.fixed_stop_nbr_cycles 3\n", None),
+        (DETECT + "pos_lag_limit 0\n", None),  # no runs to a stop
+        (
+            f"{STOP}{LAG}{FALLBACK}start_distance 20000\n",
+            f"axis Z: {FALLBACK}start_distance (P-AXIS-00771) does not act:"
+            f" {DETECT}start_distance (P-AXIS-00776) is asked first and its default is 0",
+        ),
+        (f"{STOP}{LAG}{FALLBACK}start_distance 1\n{DETECT}start_distance -1\n", None),
+        (f"{STOP}{LAG}{FALLBACK}start_distance 1\n{DETECT}start_distance 0\n", None),
+        (f"{STOP}{LAG}{FALLBACK}start_distance_per_mille 100\n", None),
+    ],
+)
+def test_lists_that_find_no_stop_or_set_what_nobody_asks(
+    rig_file: Write, settings_of: Read, text: str, told: str | None
+) -> None:
+    notes = settings_of(listed(rig_file(), text)).notes
+    about = [note for note in notes if "stop" in note or "does not act:" in note]
+    assert (about[0].startswith(told) and len(about) == 1) if told else about == []

@@ -116,7 +116,7 @@ def test_the_value_is_that_of_the_contact_force(run_stop: RunStop, stiffness: fl
 def test_a_stop_that_moves_is_measured_where_it_is_when_it_is_found(
     run_stop: RunStop, speed_m_s: float, end_s: float
 ) -> None:
-    """It moves against or with the axis while that comes and presses; found after 1.25 to 1.32 s."""
+    """It moves against or with the axis while that comes and presses; found after 1.3 s."""
     found = run_stop(
         110,
         f"plant:z.stop_speed={speed_m_s}",
