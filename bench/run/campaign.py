@@ -174,7 +174,7 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
             result.error or text,
             " ".join(str(number) for number in result.alarms),
         )
-    console = Console(highlight=False)
+    console = Console(highlight=False, markup=False, emoji=False)  # `:X:` and `[..]` are text
     console.print(table)
     for result in results:
         for bus in result.bus:

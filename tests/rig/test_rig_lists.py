@@ -165,7 +165,7 @@ STOP = "kenngr.measure.signal FIXED_STOP\n"
 LAG = f"{DETECT}pos_lag_limit 15000\n"
 FALLBACK = "antr.fixed_stop.detect."
 NEVER = "axis Z: as listed no stop can be found"
-NO_TIME = "axis Z: as listed no stop can be found, its window of 0.02 mm has no minimum time: set min_time"
+NO_TIME = f"{NEVER}, its window of 0.02 mm has no minimum time: set min_time"
 
 
 @pytest.mark.parametrize(
