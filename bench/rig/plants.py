@@ -1,5 +1,6 @@
 """From the plant tables of a rig to initialisable FMUs with start values and wires."""
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import cache
 from math import isclose
@@ -10,7 +11,7 @@ from bench.rig.check import check_rig
 from bench.rig.file import LOAD, MapTable, PlantTable, rig_error
 from bench.rig.outside import outside_axes, simulated_plants
 from bench.rig.settings import Settings
-from bench.rig.start_places import check_places
+from bench.rig.start_places import blamed_start, check_places
 from bench.rig.start_values import set_start_values
 from fmus import MODELS, BuildError, ensure_built
 from kernel.clock import US
@@ -375,9 +376,11 @@ def start_plant(settings: Settings, plant: Plant) -> None:
     try:
         plant.initialize(0)
     except PlantError as error:
-        raise rig_error(
-            settings.files, ("plant", error.instance), f"{error.instance}: {error.reason}"
-        ) from error
+        words = set(re.findall(r"\w+", error.reason))
+        given = settings.start.get(error.instance, [])
+        named = tuple(item.name for item, _ in given if item.name in words)
+        refusal = UserError(f"{error.instance}: {error.reason}")
+        raise blamed_start(settings, error.instance, refusal, named) from error
     check_places(settings, plant)
     for name in settings.rig.axis:
         if name not in outside_axes(settings):

@@ -37,7 +37,7 @@ def _check_encoder(settings: Settings, plant: Plant, name: str, instance: str) -
         value=f"{position_mm:g} mm",
         allowed=f"-{limit_mm:g} .. {limit_mm:g} mm, ends out",
     )
-    raise _blamed(settings, instance, refusal, START)
+    raise blamed_start(settings, instance, refusal, START)
 
 
 def _check_stop(settings: Settings, plant: Plant, name: str, instance: str) -> None:
@@ -58,7 +58,7 @@ def _check_stop(settings: Settings, plant: Plant, name: str, instance: str) -> N
         hint=f"correct position_start, stop_position or stop_direction of plant {instance};"
         " 1: the stop is met going up, -1: going down",
     )
-    raise _blamed(settings, instance, refusal, STOP)
+    raise blamed_start(settings, instance, refusal, STOP)
 
 
 def _has_our_stop(axis: PlantAxis) -> bool:
@@ -67,10 +67,13 @@ def _has_our_stop(axis: PlantAxis) -> bool:
     return is_ours and axis.roles.has("stop_face")
 
 
-def _blamed(
+def blamed_start(
     settings: Settings, instance: str, refusal: UserError, names: tuple[str, ...]
 ) -> UserError:
-    """Give a refusal the place of the last start value of the run that has to do with it."""
+    """Give a refusal the place of the last start value of the run that has to do with it.
+
+    names: what those begin with; with none of them it is the place of the plant in the rig.
+    """
     owner = settings.rig.plant[instance].shares or instance
     for item, located in reversed(settings.start.get(owner, [])):
         if item.name.startswith(names):  # an FMU of two axes puts a number behind

@@ -80,3 +80,12 @@ def test_another_screw_than_that_of_the_drive_is_told(
     finally:
         plant.close()
     assert ("screw_lead is 5 mm and lead_mm of drive servo 10" in told) is is_told
+
+
+def test_an_fmu_that_refuses_its_start_values_names_the_cell(
+    rig_file: RigWriter, settings_of: Read
+) -> None:
+    speed = "plant:z.stop_speed_mm_s=5"
+    with pytest.raises(UserError, match=r"a stop with a stop_speed needs a stop_end") as refused:
+        check_plant(settings_of(rig_file(), speed, "plant:z.kv=30"))
+    assert str(refused.value).startswith(f"--set {speed}: ")

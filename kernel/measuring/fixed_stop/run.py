@@ -243,7 +243,7 @@ class FixedStopRun:
         if self._plan.is_error:
             raise Alarm(
                 900240,
-                axes=" ".join(axis.port.name for axis, _ in self._axes),
+                axes=", ".join(axis.port.name for axis, _ in self._axes),
                 criteria="; ".join(self._told(axis, detector) for axis, detector in self._axes),
             )
         return self._relax(now_ns, {port.name: port.actual_mm for port in self._plan.moved})
