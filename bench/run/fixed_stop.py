@@ -251,15 +251,14 @@ class StopRun(StopRows):
         found = {}
         for axis, limits in self.limits.items():
             course = self.truths[axis].course
-            armed = judged & moving if limits.lag_limit_mm is None else judged
-            found[axis] = follow(course, limits, self.cycles_of(axis).judged, armed)
+            found[axis] = follow(course, limits, self.cycles_of(axis).judged, judged, moving)
         return found
 
     def _armed_rows(self) -> tuple[Flags, Flags]:
         """Return the rows whose cycle judges, and those in which the interpolation does not slow.
 
         The arming path was gone one cycle before. While the set value brakes or stands the window
-        does not decide by itself.
+        does not count.
         """
         count = len(self.path_mm)
         armed = np.zeros(count, dtype=bool)

@@ -49,6 +49,15 @@ def test_the_time_counts_from_the_arming_on_and_the_window_looks_back_behind_it(
     assert (lag.found, window.found) == (7, 4)
 
 
+def test_the_window_counts_only_while_the_set_value_moves_the_lag_always() -> None:
+    course, armed = Course(np.full(10, 2.0), np.zeros(10)), np.ones(10, dtype=bool)
+    both = Limits(lag_limit_mm=1.0, window_mm=0.1, min_time_ns=3 * MS)
+    moving = np.arange(10) >= 6
+    assert follow(course, both, CYCLES, armed, moving).found == 6
+    lag = Limits(lag_limit_mm=1.0, min_time_ns=3 * MS)
+    assert follow(course, lag, CYCLES, armed, moving).found == 3
+
+
 def test_lag_takes_the_set_value_of_d_cycles_ago() -> None:
     demand = np.arange(10, dtype=float)  # s(k) = k + 2
     for delay in (0, 2, 5):

@@ -11,11 +11,13 @@ import re
 from dataclasses import dataclass, replace
 
 from tests.plans.fixed_stop_forces import Pressing, solve
-from tests.plans.fixed_stop_setup import PLANS
+from tests.plans.fixed_stop_setup import PLANS, VISCOUS
 
 # At SYNC k the drive stands at the set position of cycle k - 2: docs/architecture.md
 DEMAND_CYCLES = 2
 VELOCITY_LOOP_S = 1 / (2 * math.pi * 60)
+INTEGRAL_TIME_S = 8e-3
+SETTLED_CYCLES = 10
 
 
 @dataclass(frozen=True)
@@ -104,6 +106,36 @@ class Axis(Pressing):
             + self.v * self.v / (2 * self.a)
         )
         return least, least + self.v * self.T
+
+    def _creeping_s(self, k: float) -> float:
+        """Time constant with which a PI velocity loop brings the axis back against k, N/m.
+
+        Slowest root of m s³ + (kp + d) s² + (k + kp Kv + kp/Tn) s + kp Kv/Tn: about
+        Tn (k + kp Kv)/(kp Kv) + 1/Kv; 1/Kv in free motion.
+        """
+        kp = self.m_eff / VELOCITY_LOOP_S
+        gain = kp * self.plant("kv")
+        middle, last = k + gain + kp / INTEGRAL_TIME_S, gain / INTEGRAL_TIME_S
+        rate = 0.0
+        for _ in range(100):
+            rate = (last + (kp + VISCOUS) * rate**2 - self.m_eff * rate**3) / middle
+        return 1 / rate
+
+    @property
+    def left_lag(self) -> tuple[float, float]:
+        """Lag at the end of a run with full feed-forward: the axis comes back from off the stop.
+
+        It has been in its exact-stop window for ten cycles, the first of them within one cycle of
+        its edge; against the stop when the edge lies inside the penetration, else in free motion.
+        """
+        pressed = self.window_mm < self.penetration[0]
+        time_s = self._creeping_s(self.k * 1e3 if pressed else 0.0)
+        low, high = (
+            self.window_mm * math.exp(-cycles * self.T / time_s)
+            for cycles in (SETTLED_CYCLES + 1, SETTLED_CYCLES)
+        )
+        assert pressed or low > self.penetration[1], "in free motion up to the end"
+        return low - self.increment, high + self.increment
 
     @property
     def free(self) -> tuple[float, float]:

@@ -62,10 +62,13 @@ def shifted(values: Signal, ahead: int, fill: float = np.nan) -> Signal:
     return out
 
 
-def follow(course: Course, limits: Limits, cycles: Cycles, armed: Flags) -> Followed:
+def follow(
+    course: Course, limits: Limits, cycles: Cycles, armed: Flags, moving: Flags | None = None
+) -> Followed:
     """Walk the criteria of one axis over a part of the trace.
 
-    armed: rows in which they count, shape (n,).
+    armed: rows in which they count, shape (n,). moving: those of them in which the window does,
+    None = all.
     """
     rows = cycles.up(limits.min_time_ns)
     all_hold = armed.copy() if limits.detects else np.zeros(len(armed), dtype=bool)
@@ -74,7 +77,9 @@ def follow(course: Course, limits: Limits, cycles: Cycles, armed: Flags) -> Foll
         beyond = armed & (np.abs(course.lag_mm(cycles)) > limits.lag_limit_mm)
         all_hold &= lasting(beyond, rows)
     if limits.window_mm is not None:
-        window = armed & (course.change_mm(rows) <= limits.window_mm)
+        window = (armed if moving is None else armed & moving) & (
+            course.change_mm(rows) <= limits.window_mm
+        )
         all_hold &= window
     found = np.flatnonzero(all_hold)
     end = int(found[0]) if len(found) else len(armed) - 1

@@ -57,20 +57,24 @@ class StopDetector:
     def is_fulfilled(self, *, window_decides: bool) -> bool:
         """Whether every active criterion holds; without any nothing is ever found.
 
-        window_decides: whether the window may find the stop without the lag.
+        window_decides: whether a window that holds tells of a stop at all.
         """
-        criteria = self.criteria
-        if criteria.lag_limit_mm is None:
-            return self.window_ns is not None and window_decides
-        if self.beyond_ns is None or self._now_ns - self.beyond_ns < criteria.min_time_ns:
+        limit_mm, window_mm = self.criteria.lag_limit_mm, self.criteria.window_mm
+        if window_mm is not None and (self.window_ns is None or not window_decides):
             return False
-        return criteria.window_mm is None or self.window_ns is not None
+        if limit_mm is None:
+            return window_mm is not None
+        beyond_ns = self.beyond_ns
+        return beyond_ns is not None and self._now_ns - beyond_ns >= self.criteria.min_time_ns
 
     def may_still_come(self, lag_mm: float, *, is_held_off: bool) -> bool:
         """Whether an axis that rests like this fulfils its criteria when its time is over.
 
         is_held_off: it rests outside its exact-stop window.
         """
-        if self.criteria.lag_limit_mm is None:
-            return self.criteria.window_mm is not None and is_held_off
-        return abs(lag_mm) > self.criteria.lag_limit_mm
+        limit_mm, window_mm = self.criteria.lag_limit_mm, self.criteria.window_mm
+        if window_mm is not None and not is_held_off:
+            return False
+        if limit_mm is None:
+            return window_mm is not None
+        return abs(lag_mm) > limit_mm

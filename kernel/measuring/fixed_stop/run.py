@@ -204,7 +204,7 @@ class FixedStopRun:
         return True
 
     def _window_decides(self, axis: Watched, is_at_rest: bool) -> bool:
-        """Whether the window of an axis finds a stop without the lag.
+        """Whether a window that holds tells of a stop, alone or beside the lag.
 
         Not while the set positions brake or stand, at the target or in a feedhold: an axis that
         follows them is no axis at a stop. When they stand an axis that rests outside its window is.

@@ -96,12 +96,29 @@ def test_the_window_alone_finds_a_standing_axis_when_the_block_begins(stage: Mak
     assert run.stop.detected_ns == 2 * MS
 
 
+@pytest.mark.parametrize("lag_mm", [None, 0.1])
 @pytest.mark.parametrize("slowing", [0, 1000])
-def test_the_window_alone_finds_nothing_at_the_target(stage: Make, slowing: int) -> None:
-    """Slowing down for 1 s the axis is slower than W / tau = 2 mm/s for 200 ms."""
-    armed = FixedStopSettings(window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
-    made = stage(Axis("Z"), target={"Z": 9.0}, detect=armed, is_error=False, slowing=slowing)
+def test_the_window_finds_nothing_at_the_target(
+    stage: Make, slowing: int, lag_mm: float | None
+) -> None:
+    """Slowing down for 1 s the axis is slower than W / tau = 2 mm/s for 200 ms.
+
+    A lag limit below the running lag of 0.2 mm leaves the decision to the window.
+    """
+    armed = FixedStopSettings(lag_mm, window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
+    axis = Axis("Z", running_mm=0.2)
+    made = stage(axis, target={"Z": 9.0}, detect=armed, is_error=False, slowing=slowing)
     assert made.finish().record.latched_mm == {}
+
+
+def test_both_find_a_stop_on_the_slope_to_the_target_when_the_axis_rests(stage: Make) -> None:
+    """Set position: 8 mm and 1 s of slowing down; seen to stand in its last cycle and one more."""
+    armed = FixedStopSettings(0.1, window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
+    made = stage(Axis("Z", stop_mm=8.0), target={"Z": 9.0}, detect=armed, slowing=1000)
+    run = made.finish()
+    assert run.record.latched_mm == {"Z": 8.0}
+    last = round((9.0 - 0.01 * 1000 / 2) / 0.01) + 1000
+    assert run.stop.detected_ns == pytest.approx((last + 2 + 50) * MS, abs=MS)
 
 
 def test_the_buffer_does_not_shift_the_arming_of_the_window(stage: Make) -> None:
@@ -119,13 +136,19 @@ def test_a_start_distance_of_the_whole_path_arms_at_its_end(stage: Make) -> None
     assert run.record.latched_mm == {"Z": 5.0}
 
 
-def test_the_window_alone_finds_nothing_in_a_feedhold_nor_when_the_path_goes_on(
-    stage: Make,
+@pytest.mark.parametrize("lag_mm", [None, 0.005])
+def test_the_window_finds_nothing_in_a_feedhold_nor_when_the_path_goes_on(
+    stage: Make, lag_mm: float | None
 ) -> None:
-    """After it the path has to go the start distance again, as behind the start of the block."""
-    armed = FixedStopSettings(window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
+    """After it the path has to go the start distance again, as behind the start of the block.
+
+    A lag limit of 5 um below the running lag leaves the decision to the window.
+    """
+    armed = FixedStopSettings(lag_mm, window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
     held = range(300, 900)
-    free = stage(Axis("Z"), target={"Z": 9.0}, detect=armed, is_error=False, holds=held)
+    free = stage(
+        Axis("Z", running_mm=0.02), target={"Z": 9.0}, detect=armed, is_error=False, holds=held
+    )
     assert free.finish().record.latched_mm == {}
     # Held at 2.98 mm, armed again from 4.98 on: that is cycle 1100
     stopped = stage(Axis("Z", stop_mm=4.0), target={"Z": 9.0}, detect=armed, holds=held)

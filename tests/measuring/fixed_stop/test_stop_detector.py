@@ -146,10 +146,10 @@ def test_without_a_criterion_nothing_is_ever_found() -> None:
     assert cycles(Criteria(None, None, 50 * MS), [9.0] * 200)[0] is None
 
 
-def test_the_window_alone_decides_only_when_it_may() -> None:
+def test_a_window_counts_only_when_it_may() -> None:
     for criteria, found in (
         (Criteria(None, 1.0, MS), False),
-        (Criteria(LAG, 1.0, MS), True),
+        (Criteria(LAG, 1.0, MS), False),
         (Criteria(LAG, None, MS), True),
     ):
         detector = StopDetector(criteria)
@@ -214,6 +214,8 @@ def test_every_history_is_judged_as_by_brute_force(
         (Criteria(LAG, None, MS), -1.1, True, True),
         (Criteria(LAG, None, MS), 1.0, True, False),
         (Criteria(LAG, 0.1, MS), 0.5, True, False),
+        (Criteria(LAG, 0.1, MS), 1.1, True, True),
+        (Criteria(LAG, 0.1, MS), 1.1, False, False),
         (Criteria(None, 0.1, MS), 0.5, True, True),
         (Criteria(None, 0.1, MS), 0.5, False, False),
         (Criteria(None, None, MS), 9.0, True, False),
