@@ -114,6 +114,15 @@ def test_a_share_is_of_the_programmed_path(
     assert bool(record.latched_mm) is True
 
 
+def test_a_share_on_a_path_of_two_axes_is_of_the_path(channel_bench: Make, words: Any) -> None:
+    """3-4-5: 50 % of the path are 5 mm, of its longest axis they were 4."""
+    half = replace(LAG, start_per_mille=500)
+    specs = (axis(words, "X", fixed_stop=half), axis(words, "Y", fixed_stop=half, stop_mm=7.0))
+    record = run(channel_bench(*specs), words, X=6.0, Y=8.0)
+    assert record.fixed_stop is not None
+    assert record.fixed_stop.start_distance_mm == pytest.approx(5.0)
+
+
 @pytest.mark.provokes(900036, 7, axis="Z", limit_mm=0.5)
 def test_the_cnc_monitors_no_lag_during_the_run_and_does_before_and_behind_it(
     channel_bench: Make, words: Any

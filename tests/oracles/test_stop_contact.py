@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from bench.oracles.fixed_stop.contact import StopPath, first_contact, penetrations
@@ -46,6 +46,7 @@ def test_contact_within_the_stated_bound(
 
 @settings(max_examples=200, deadline=None)
 @given(places, speeds, stiff)
+@example(0.02, 1.0, 1e5)  # on a row
 def test_without_stiffness_the_free_motion_tells_the_instant(
     contact_s: float, speed_mm_s: float, k_over_m: float
 ) -> None:

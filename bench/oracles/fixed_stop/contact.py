@@ -105,16 +105,15 @@ def _by_free_motion(
     whole step where that does not close it, or where there are no such steps.
     """
     way_mm, speed_mm_s = float(gap_mm[-1]), -float(rate_mm_s[-1])
-    if speed_mm_s * step_s < way_mm:
-        return step_s, step_s
-    since_s = way_mm / speed_mm_s
-    if len(times_ns) <= ROWS_BEFORE:
-        return since_s, step_s
+    since_s = way_mm / max(speed_mm_s, LEAST_MM_S)
+    if len(times_ns) <= ROWS_BEFORE or since_s > 2.0 * step_s:
+        return min(since_s, step_s), step_s
     largest_mm_s2 = float(np.max(np.abs(np.diff(rate_mm_s) / (np.diff(times_ns) * 1e-9))))
     left = speed_mm_s**2 - 2.0 * largest_mm_s2 * way_mm
     if left < 0.0:
-        return since_s, step_s
-    return since_s, min(2.0 * way_mm / (speed_mm_s + math.sqrt(left)) - since_s, step_s)
+        return min(since_s, step_s), step_s
+    error_s = 2.0 * way_mm / (speed_mm_s + math.sqrt(left)) - since_s
+    return min(since_s, step_s), min(error_s + max(since_s - step_s, 0.0), step_s)
 
 
 def _by_bend(

@@ -72,6 +72,15 @@ def test_each_axis_finds_its_own_stop(axes: Run) -> None:
     assert all(link.watches_lag for link in out.machine.channel.links)
 
 
+def test_the_relaxing_motion_of_an_axis_has_its_feed(axes: Run) -> None:
+    """v T from cycle to cycle, no faster than to the stop; rapid traverse would be."""
+    out = axes("X[INDP_SYN G100 G90 POS=200 FEED=600]")
+    stop = run_of(out, "X").fixed_stop
+    times, sets_mm = out.column("time_ns"), out.column("X.set_mm")
+    inside = (times >= stop.relax_begin_ns) & (times <= stop.relax_end_ns)
+    assert np.diff(sets_mm[inside]).min() == pytest.approx(-10.0 * T_S, rel=1e-6)
+
+
 def test_an_axis_runs_to_its_stop_beside_a_run_of_the_path(axes: Run) -> None:
     """The path is not asked about the other axis, nor the other way round."""
     out = axes(
