@@ -110,7 +110,7 @@ def run(
     may_move: YesOption = False,
     bus_logs: Annotated[
         str,
-        typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap or none of them."),
+        typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
     ] = "blf",
 ) -> None:
     """Run plans, judge them, and write results and report.

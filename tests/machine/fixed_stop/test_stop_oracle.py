@@ -95,6 +95,9 @@ def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
             assert value["low"] - 1e-4 <= value["measured"], value
         if value["high"] is not None:
             assert value["measured"] <= value["high"] + 1e-4, value
+    values_told = {value["key"]: value for value in told["values"]}
+    # F + sqrt(F² + k m v²), m = 120 kg and 1.8e-4 kg m² on 10 mm: 191.06 kg
+    assert values_told["stop_force_max"]["high"] == pytest.approx(552.9 + 829.3, abs=2.0)
     assert told["prediction"] == "contact of Z with its stop, found by lag and window"
     labels = [event.label for event in result.events]
     assert "Z: contact at the stop" in labels
