@@ -255,7 +255,12 @@ class FixedStopRun:
             start_mm, path_mm = self.stop.start_distance_mm, self._motion.travelled_mm
             path = f"only from {start_mm:g} mm on and the path was {path_mm:g} mm"
             return f"{begin}, never judged: {path}"
-        return f"{begin}, largest lag {detector.largest_lag_mm:.4f} mm"
+        told = f"{begin}, largest lag {detector.largest_lag_mm:.4f} mm"
+        told += f", at rest with {abs(axis.port.lag_mm):.4f} mm"
+        if detector.window_ns is not None and not _is_held_off(axis):
+            window = f"exact-stop window of {axis.exact_stop_mm:g} mm (P-AXIS-00236)"
+            told += f", inside its {window}, where standing is no stop"
+        return told
 
     def _braking(self, now_ns: TimeNs) -> Order:
         if not self._motion.has_stopped:

@@ -134,7 +134,8 @@ def test_900240_at_the_target_without_a_stop(stage: Make) -> None:
         made.finish()
     assert caught.value.values == {
         "axes": "Z",
-        "criteria": "Z lag > 1 mm, no window, min_time 50 ms, largest lag 0.2500 mm",
+        "criteria": "Z lag > 1 mm, no window, min_time 50 ms, largest lag 0.2500 mm, "
+        "at rest with 0.0000 mm",
     }
 
 
@@ -160,6 +161,17 @@ def test_900240_says_what_was_looked_for(stage: Make, detect: FixedStopSettings,
     with pytest.raises(Alarm) as caught:
         made.finish()
     assert str(caught.value.values["criteria"]).startswith(told)
+
+
+@pytest.mark.provokes(900240, 4, axes="Z")
+def test_900240_says_that_standing_in_the_exact_stop_window_is_no_stop(stage: Make) -> None:
+    detect = FixedStopSettings(None, 0.02, 50 * MS, start_distance_mm=1.0)
+    made = stage(Axis("Z"), target={"Z": 2.0}, detect=detect)
+    with pytest.raises(Alarm) as caught:
+        made.finish()
+    told = str(caught.value.values["criteria"])
+    assert "at rest with 0.0000 mm, inside its exact-stop window of" in told
+    assert "(P-AXIS-00236), where standing is no stop" in told
 
 
 @pytest.mark.parametrize("stop_mm", [5.0, 1e9])
