@@ -16,6 +16,10 @@ from kernel.clock import MS
 Function = Callable[[Observed, str | None], Observation]
 STOP_METRICS: dict[str, Function] = {}
 
+NOT_FOLLOWED = (
+    "along the motion of the plant the criteria never hold; what counts as rest behind the end of"
+    " the block this oracle does not know"
+)
 NO_FORCE = "the FMU of the axis tells no force at the stop (stop_force in docs/rigs.md)"
 
 
@@ -114,7 +118,7 @@ def detection_followed_error_ms(run: StopRun) -> Observation:
     if run.stop.detected_ns is None:
         return Observation(None, note="no stop was found")
     if run.followed_ns is None:
-        return Observation(None, note="along the motion of the plant the criteria never hold")
+        return Observation(None, note=NOT_FOLLOWED)
     return Observation((run.stop.detected_ns - run.followed_ns) / 1e6)
 
 
