@@ -23,7 +23,7 @@ LATCHED_MM = 1e-3
 """How near x_stop + F/k a value has to be that was latched at rest, beside what friction leaves."""
 
 
-_AT_MOST = "at most force limit less weight and friction"
+_AT_MOST = "at most force limit less weight and friction, and v sqrt(k m) of what still rings"
 
 
 @dataclass(frozen=True)
@@ -107,13 +107,11 @@ def _restless(run: StopRun, truth: AxisTruth) -> str:
     return ""
 
 
-def _restless_at_end(run: StopRun, truth: AxisTruth, pressing: Pressing) -> str:
-    """Say that the axis was not at rest at the end, empty when it was for a period of ringing."""
+def _speed_at_end(run: StopRun, truth: AxisTruth, pressing: Pressing) -> float:
+    """Return the largest speed in the last period of the ringing, mm/s."""
     period_ns = 2.0 * math.pi * S * math.sqrt(pressing.axis.mass_kg / pressing.stop.stiffness_n_m)
     last = slice(run.row_at(run.end_ns - period_ns), run.row_at(run.end_ns) + 1)
-    if np.max(np.abs(truth.velocity_mm_s[last])) > REST_MM_S:
-        return "the axis was not at rest at the end: no bound"
-    return ""
+    return float(np.max(np.abs(truth.velocity_mm_s[last])))
 
 
 def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
@@ -124,7 +122,11 @@ def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
     end_n = float(truth.stop_force_n[run.row_at(run.end_ns)])
     if truth.stop_path is not None and np.any(truth.stop_path.velocity_mm_s[run.rows]):
         return []  # a stop that moves works on the axis
-    most_n, restless = pressing.force_n[1], _restless_at_end(run, truth, pressing)
+    speed_mm_s = _speed_at_end(run, truth, pressing)
+    restless = "the axis was not at rest at the end: no bound" if speed_mm_s > REST_MM_S else ""
+    # What is left of the ringing swings with k v/omega = v sqrt(k m)
+    left_n = speed_mm_s * 1e-3 * math.sqrt(pressing.stop.stiffness_n_m * pressing.axis.mass_kg)
+    most_n = pressing.force_n[1] + left_n
     low_n, high_n = pressing.peak_force_n(contact.speed_mm_s)
     mass = f"m_eff {pressing.axis.mass_kg:.5g} kg"
     bound = "no bound for a stop that is not straight or damps more than a v = 1"

@@ -54,3 +54,14 @@ def test_the_force_at_the_end_has_no_bound_while_the_axis_rings() -> None:
     for value in ends:
         assert (value["low"], value["high"]) == (None, None)
         assert "not at rest at the end" in value["note"]
+
+
+def test_the_bound_at_the_end_leaves_room_for_what_still_rings() -> None:
+    """Pressed without a relaxing motion; v sqrt(k m) of a speed below 0.1 mm/s are 6 N at most."""
+    plan = read_plan(PLAN.with_name("fixed_stop_timing.csv"))
+    (case,) = (case for case in plan.cases if case.case == "target-behind-stop")
+    (run,) = run_case(case, []).fixed_stop
+    (end,) = values(run, "stop_force_end")
+    (limit_n,) = (abs(limits["force_limit_n"]) for limits in run["limits"].values())
+    assert end["low"] <= end["measured"] <= end["high"]
+    assert 0.0 < end["high"] - limit_n < 6.3
