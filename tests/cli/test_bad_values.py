@@ -52,7 +52,6 @@ ASSIGNMENTS = [
     ("set:Z.kenngr.messachs=1", ["nearest names: kenngr.messachse"]),
     ("set:Z.kenngr.messachse=7", ["P-AXIS-00118", "'7'", "allowed: 0 .. 1"]),
     ("set:Z.kenngr.measure.edge=UP", ["'UP'", "allowed: POS, NEG"]),
-    ("set:channel.messtyp=8", ["does not act yet", "allowed: 1, 2, 3"]),
     ("plant:q.kv=1", ["'q'", "allowed: z, probe"]),
     ("plant:z.kvv=1", ["'kvv'", "did you mean: kv"]),
     ("plant:z.kv=fast", ["not a number", "'fast'"]),
