@@ -56,8 +56,12 @@ def test_one_parameter_is_explained(axisrig: Call, name: str) -> None:
     assert "default      -1" in text
     assert "negative: antr.fixed_stop.detect.pos_lag_limit (P-AXIS-00769), then" in text
     assert "kenngr.fixed_stop_pos_lag_limit (P-AXIS-00331)" in text
-    assert "acts         no" in text
+    assert "acts         yes" in text
     assert "FCT-C4 8.2.2" in text
+
+
+def test_a_parameter_that_does_nothing_yet_says_so(axisrig: Call) -> None:
+    assert "acts         no" in said(axisrig, "P-AXIS-00414")
 
 
 @pytest.mark.parametrize("older", ["kenngr.distc.max_abweichung", "kenngr.distc.max_deviation"])
