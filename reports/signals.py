@@ -78,7 +78,7 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
         "rows": content.num_rows,
         "columns": columns,
         "axes": axes,
-        "axis": _first_axis(content, axes, events),
+        "axis": _first_axis(content, axes, events, stops),
         "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
         "events": events,
         "limits": [*info.get("limits", []), *stop_signals.limits(content, stops)],
@@ -148,9 +148,16 @@ def _height(title: str) -> int:
 
 
 def _first_axis(
-    content: pa.Table, axes: Sequence[str], events: Sequence[Mapping[str, Any]]
+    content: pa.Table,
+    axes: Sequence[str],
+    events: Sequence[Mapping[str, Any]],
+    stops: Sequence[stop_signals.Stop],
 ) -> str | None:
-    """The axis to show first: the one of an event, else the one that travels farthest."""
+    """The axis to show first: of the run to a fixed stop that is open, else of an event, else the
+    one that travels farthest.
+    """
+    if stops and stops[-1]["main_axis"] in axes:
+        return str(stops[-1]["main_axis"])
     for event in events:
         if event["axis"] in axes:
             return str(event["axis"])

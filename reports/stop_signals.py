@@ -48,6 +48,7 @@ def stops_of(info: Mapping[str, Any], columns: Sequence[str]) -> list[Stop]:
         {
             **dict.fromkeys(("values", "notes"), ()),
             "prediction": "",
+            "broken_contacts": {},
             **stop,
             "signals": {
                 axis: {name: f"{axis}.{name}" for name in _SIGNALS if f"{axis}.{name}" in columns}

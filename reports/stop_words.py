@@ -26,8 +26,20 @@ def state(stop: Stop, trouble: Sequence[Mapping[str, Any]]) -> str:
     trouble: alarms and faults in the run, as marks.
     """
     if stop["is_found"]:
-        return "false" if tells_contact(stop) and contact_ns(stop) is None else "found"
+        return "false" if tells_contact(stop) and not _touches(stop) else "found"
     return "ended" if trouble else "missed"
+
+
+def _touches(stop: Stop) -> bool:
+    """Whether an axis is in contact when the stop is detected."""
+    touched = contact(stop)
+    return touched is not None and _broken(stop, touched).get("since_ns", 0) is not None
+
+
+def _broken(stop: Stop, touched: Stop) -> Mapping[str, Any]:
+    """What is told of a contact that was lost before the detection, empty when it was not."""
+    told: Mapping[str, Any] = stop["broken_contacts"].get(touched["axis"], {})
+    return told
 
 
 def tells_contact(stop: Stop) -> bool:
@@ -119,14 +131,25 @@ def _real(stop: Stop) -> str:
         who = "" if touched["axis"] == decided else f"{touched['axis']} "
         if detected is None:
             return f"yes: {who}was in contact"
-        lasted = (detected - touched["measured_ns"]) / _NS_PER_MS
-        return f"yes: {who}in contact for {lasted:.1f} ms when detected"
+        return _lasted(detected, touched, who, _broken(stop, touched))
     if not tells_contact(stop):
         return "not known: no plant tells a contact"
     later = mark(stop, "contact")
     if later is None or detected is None:
         return "no: nothing was touched"
     return f"no: contact came {(later - detected) / _NS_PER_MS:.1f} ms after the detection"
+
+
+def _lasted(detected: int, touched: Stop, who: str, broken: Mapping[str, Any]) -> str:
+    """How long the contact had lasted; one that was lost counts from its return."""
+    since_ms = _ms(detected - touched["measured_ns"])
+    if not broken:
+        return f"yes: {who}in contact for {since_ms:.1f} ms when detected"
+    lost = f"first contact {since_ms:.1f} ms before, lost for {_ms(broken['lost_ns']):.0f} ms"
+    if broken["since_ns"] is None:
+        return f"no: {touched['axis']} had lost its contact when detected; {lost}"
+    since_ms = _ms(detected - broken["since_ns"])
+    return f"yes: {who}in contact for {since_ms:.1f} ms when detected; {lost}"
 
 
 def _pressed(stop: Stop, trace: pa.Table | None) -> str:
@@ -163,6 +186,10 @@ def _left(stop: Stop, trace: pa.Table | None) -> str:
     if force is not None:
         told.append(f"{force:.4g} N")
     return ", ".join(told)
+
+
+def _ms(time_ns: int) -> float:
+    return time_ns / _NS_PER_MS
 
 
 def _value(stop: Stop, key: str, axis: str) -> float | None:

@@ -64,4 +64,4 @@ def show_findings(findings: Sequence[Finding], title: str) -> None:
         table.add_column(column, overflow="fold", no_wrap=column in ("area", ""))
     for finding in findings:
         table.add_row(finding.area, finding.level, finding.text, finding.remedy)
-    Console(highlight=False, markup=False).print(table)
+    Console(highlight=False, markup=False, emoji=False).print(table)

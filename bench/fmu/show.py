@@ -66,7 +66,7 @@ def _interfaces(description: ModelDescription) -> dict[str, Any]:
 
 def show_fmu(shown: Shown, *, is_all: bool) -> None:
     """Print everything about an FMU on standard output. is_all: local variables too."""
-    console = Console(highlight=False, markup=False)
+    console = Console(highlight=False, markup=False, emoji=False)
     if not console.is_terminal:  # a file or a pipe has no width: a broken name cannot be searched
         console.width = _UNLIMITED
     is_wide = console.width >= _WIDE

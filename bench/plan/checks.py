@@ -36,10 +36,12 @@ class Metric:
     """One row of `metrics.csv`.
 
     scope: "run" (one value), "axis" (`name:X`; without an axis that of the longest
-        travel, for `*_max` the largest of all axes),
+        travel, at a fixed stop the detecting one, for `*_max` the largest of all axes),
         "block" (`name:N30` or `name:N30.2`). type: "number", "text", "alarms" or "any".
     plot: the plot of the report in which limits of the metric are drawn, or empty. needs: "plant"
         or "bus" when only a simulated one can tell it; empty when the kernel can.
+    judged: of several measurement runs the "last" (of the axis, where one is named) or the worst
+        of "every" one; empty: the whole program. words: all that a text can be; empty: any.
     """
 
     name: str
@@ -48,6 +50,8 @@ class Metric:
     unit: str
     plot: str
     needs: str
+    judged: str
+    words: str
     meaning: str
     source: str
 
@@ -293,7 +297,19 @@ def parse_check(metric: str, condition: str, reference: str) -> Check:
             hint="`axisrig metrics` lists them all",
         )
     axis, block = _subject(metric, definition, match)
-    return Check(metric, parse_condition(condition, definition.type), reference, axis, block)
+    wanted = parse_condition(condition, definition.type)
+    if definition.words:
+        _check_word(wanted.expected[0], definition)
+    return Check(metric, wanted, reference, axis, block)
+
+
+def _check_word(word: str, definition: Metric) -> None:
+    """Raise UserError for a word that the metric never says: `!=` would hold for ever."""
+    words = definition.words.split()
+    if word not in words:
+        close = nearest(word, words)
+        hint = f"did you mean {close[0]}?" if close else None
+        raise UserError(f"{definition.name} never says this", value=word, allowed=words, hint=hint)
 
 
 def _subject(

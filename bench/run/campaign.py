@@ -144,7 +144,7 @@ def _progress() -> Progress:
         SpinnerColumn(),
         TextColumn("{task.completed}/{task.total} {task.description}"),
         TimeElapsedColumn(),
-        console=Console(stderr=True, highlight=False),
+        console=Console(stderr=True, highlight=False, markup=False, emoji=False),
         transient=True,
     )
 
@@ -250,11 +250,20 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     return "\n\n".join([f"{path}: {rig.title}", axes, *tables, *plants])
 
 
+_JUDGED = {
+    "": "",
+    "last": ". Of several runs: the last{}",
+    "every": ". Of several runs: the worst{}",
+}
+
+
 def metrics_table() -> str:
     """Describe every metric: how a check asks for it, its unit, its meaning."""
     lines = [
         "A column check:<metric> of a plan asks for a metric; its cells are conditions:",
         "`<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
+        "Of several measurement runs in a program one is judged: the last, with :AXIS the last in",
+        "which that axis takes part; where it says so, the worst of all.",
         "",
     ]
     for metric in known_metrics().values():
@@ -262,5 +271,7 @@ def metrics_table() -> str:
             metric.scope, metric.name
         )
         lines.append(f"{form}  {metric.unit}".rstrip())
-        lines.append(fill(metric.meaning, 78, initial_indent="    ", subsequent_indent="    "))
+        judged = _JUDGED[metric.judged].format(" of the axis" if metric.scope == "axis" else "")
+        text = metric.meaning + judged
+        lines.append(fill(text, 78, initial_indent="    ", subsequent_indent="    "))
     return "\n".join(lines)

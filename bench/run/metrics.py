@@ -33,7 +33,7 @@ def observe(observed: Observed, check: Check) -> Observation:
         return _printed(observed, check)
     if check.axis is not None and check.axis not in observed.machine.links:
         return Observation(None, note=f"the rig has no axis {check.axis}")
-    hidden = observed.hides(check.definition.needs, check.axis)
+    hidden = observed.hides(check.definition, check.axis)
     if hidden:
         return Observation(None, note=hidden, is_hidden=True)
     return _METRICS[check.name](observed, check.axis)
@@ -62,10 +62,13 @@ def _of_program(function: MetricFunction) -> MetricFunction:
 def _of_run(
     function: Callable[[Observed, Touch, str], Observation],
 ) -> Callable[[Observed, Touch, str], Observation]:
-    """Register a metric of the last measurement run; without an axis the one that travels most."""
+    """Register a metric of the last measurement run, of an axis the last it takes part in.
+
+    Without an axis it is about the one that travels most.
+    """
 
     def metric(observed: Observed, axis: str | None) -> Observation:
-        touch = observed.touch
+        touch = observed.touch(axis)
         if touch is None:
             return Observation(None, note="the program made no measurement run")
         return function(observed, touch, axis or observed.moved_axis(touch.record))

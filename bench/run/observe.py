@@ -8,6 +8,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from bench.bus.confinement import ErrorState
+from bench.plan.checks import Metric
 from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
@@ -40,8 +41,13 @@ class Touch:
     what: str = "probe"
 
 
+def _takes_part(record: RunRecord, axis: str) -> bool:
+    stop = record.fixed_stop
+    return axis in record.axes or (stop is not None and axis in stop.axes)
+
+
 class Observed:
-    """A finished run. Its last measurement run is the one that metrics judge.
+    """A finished run.
 
     trace: as the recorder made it. times_ns: SYNC instants of its rows, shape (n,).
     """
@@ -65,13 +71,20 @@ class Observed:
         inside: npt.NDArray[np.bool_] = (self.times_ns >= begin_ns) & (self.times_ns <= end_ns)
         return inside
 
-    @cached_property
-    def touch(self) -> Touch | None:
-        """The last measurement run, with the contact and the edge that fell into it."""
+    def last_record(self, axis: str | None) -> RunRecord | None:
+        """Return the run that metrics judge: the last one, of an axis the last it takes part in.
+
+        An axis that takes part in none gets the last one.
+        """
         records = self.machine.channel.records
-        if not records:
+        of_axis = [record for record in records if axis is None or _takes_part(record, axis)]
+        return next(reversed(of_axis or records), None)
+
+    def touch(self, axis: str | None) -> Touch | None:
+        """Return `last_record` with the contact and the edge that fell into it."""
+        record = self.last_record(axis)
+        if record is None:
             return None
-        record = records[-1]
         end_ns = record.end_ns or self.machine.end_ns
         if record.fixed_stop is not None:
             return self._touch_of_stop(record, end_ns)
@@ -95,7 +108,8 @@ class Observed:
 
     def _touch_of_stop(self, record: RunRecord, end_ns: TimeNs) -> Touch:
         """Return a run to a fixed stop: the contact is that of the first axis with its stop."""
-        earliest = self.stop_runs[-1].earliest_contact
+        run = self.stop_run(record)
+        earliest = run.earliest_contact
         if earliest is None:
             return Touch(record, None, None, end_ns, 0.0, True, "axis")
         axis, at = earliest
@@ -103,7 +117,7 @@ class Observed:
             self.machine.settings.rig.axis[name].plant: float(
                 np.interp(at.time_ns, truth.times_ns, truth.position_mm)
             )
-            for name, truth in self.stop_runs[-1].truths.items()
+            for name, truth in run.truths.items()
         }
         places_mm[self.machine.settings.rig.axis[axis].plant] = at.position_mm
         contact = Contact(round(at.time_ns), places_mm)
@@ -113,6 +127,14 @@ class Observed:
     def stop_runs(self) -> list[StopRun]:
         """The runs to a fixed stop, in order, beside what they had to show."""
         return stop_runs(self.machine, self.trace, self.zero_mm)
+
+    def stop_run(self, record: RunRecord) -> StopRun:
+        """Return the run to a fixed stop that a record is of."""
+        return next(run for run in self.stop_runs if run.record is record)
+
+    def stop_runs_of(self, axis: str | None) -> list[StopRun]:
+        """Return the runs to a fixed stop in which an axis takes part, without a name all."""
+        return [run for run in self.stop_runs if axis is None or _takes_part(run.record, axis)]
 
     def probes_of(self, record: RunRecord) -> list[PlantProbe]:
         """Return the probes that are wired to the input in use of the measuring axes."""
@@ -140,15 +162,18 @@ class Observed:
         }
         return max(travels, key=lambda axis: travels[axis])
 
-    def hides(self, needs: str, axis: str | None) -> str:
+    def hides(self, metric: Metric, axis: str | None) -> str:
         """Say why a value cannot be known here, empty when it can.
 
-        needs: of the metric. axis: that it is about, None for those of the last run.
+        axis: that it is about, None for those of the run, or runs, that the metric judges.
         """
+        needs = metric.needs
         if needs == "bus" and self.machine.real_time() is not None:
             return "a bus is real: what happens on its wire is not seen here"
         records = self.machine.channel.records
-        about = [axis] if axis else records[-1].axes if records else list(self.machine.links)
+        judged = records if metric.judged == "every" else records[-1:]
+        about = [axis] if axis else [name for record in judged for name in record.axes]
+        about = list(dict.fromkeys(about)) or list(self.machine.links)
         away = [name for name in about if name in self.machine.outside]
         if needs == "plant" and away:
             return f"the drive of axis {' '.join(away)} stands outside: no plant tells the truth"

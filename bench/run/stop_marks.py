@@ -172,10 +172,25 @@ def as_data(run: StopRun) -> dict[str, Any]:
         },
         "begin_ns": run.record.begin_ns,
         "end_ns": run.end_ns,
+        "broken_contacts": _broken(run),
         "marks": [asdict(mark) for mark in marks(run)],
         "values": [asdict(value) for value in values(run)],
         "prediction": prediction(run),
         "notes": list(dict.fromkeys(_notes(run))),
+    }
+
+
+def _broken(run: StopRun) -> dict[str, dict[str, int | None]]:
+    """Return the axes whose contact was lost; since_ns: of its return, None without one."""
+    lasting = {axis: run.lasting(axis) for axis in run.truths}
+    return {
+        axis: {
+            "first_ns": round(told.first_ns),
+            "since_ns": None if told.contact is None else round(told.contact.time_ns),
+            "lost_ns": round(told.lost_ns),
+        }
+        for axis, told in lasting.items()
+        if told is not None and told.lost_ns
     }
 
 

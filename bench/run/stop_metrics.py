@@ -1,9 +1,12 @@
-"""The metrics of measurement runs to a fixed stop, all of the last measurement run.
+"""The metrics of measurement runs to a fixed stop.
 
-They compare with the plant's truth and with the closed forms of `bench/oracles/fixed_stop`.
+Of several runs the last one counts, for an axis the last in which it takes part; where a false
+trigger or a force would hide in an earlier one, the worst of all. They compare with the plant's
+truth and with the closed forms of `bench/oracles/fixed_stop`.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -23,22 +26,24 @@ NOT_FOLLOWED = (
 NO_FORCE = "the FMU of the axis tells no force at the stop (stop_force in docs/rigs.md)"
 
 
-def _last_run(observed: Observed) -> StopRun | str:
-    """Return the last measurement run when it went to a fixed stop, else why there is none."""
-    records = observed.machine.channel.records
-    if not records:
+def _last_run(observed: Observed, axis: str | None) -> StopRun | str:
+    """Return the run that counts when it went to a fixed stop, else why there is none."""
+    record = observed.last_record(axis)
+    if record is None:
         return "the program made no measurement run"
-    if records[-1].fixed_stop is None:
+    if record.fixed_stop is None:
         return "the last measurement run did not go to a fixed stop (measuring type 7)"
-    return observed.stop_runs[-1]
+    return observed.stop_run(record)
 
 
-def _of_run(function: Callable[[StopRun], Observation]) -> Callable[[StopRun], Observation]:
-    """Register a metric of the last run."""
+def _of_run(
+    function: Callable[[StopRun, str | None], Observation],
+) -> Callable[[StopRun, str | None], Observation]:
+    """Register a metric of the last run; the axis is the one that was asked for."""
 
-    def metric(observed: Observed, _axis: str | None) -> Observation:
-        run = _last_run(observed)
-        return Observation(None, note=run) if isinstance(run, str) else function(run)
+    def metric(observed: Observed, axis: str | None) -> Observation:
+        run = _last_run(observed, axis)
+        return Observation(None, note=run) if isinstance(run, str) else function(run, axis)
 
     STOP_METRICS[function.__name__] = metric
     return function
@@ -50,7 +55,7 @@ def _of_axis(
     """Register a metric of one axis: without a name the one that detected or met its stop."""
 
     def metric(observed: Observed, axis: str | None) -> Observation:
-        run = _last_run(observed)
+        run = _last_run(observed, axis)
         if isinstance(run, str):
             return Observation(None, note=run)
         name = axis or run.main_axis()
@@ -63,45 +68,65 @@ def _of_axis(
     return function
 
 
-def _of_all(
-    function: Callable[[StopRun, AxisTruth], float | None],
-) -> Callable[[StopRun, AxisTruth], float | None]:
-    """Register the largest force of one axis, or of all without a name."""
+def _of_every_run(
+    function: Callable[[StopRun, str | None], Observation],
+) -> Callable[[StopRun, str | None], Observation]:
+    """Register the largest number of all runs; one that is not known leaves it open."""
 
     def metric(observed: Observed, axis: str | None) -> Observation:
-        run = _last_run(observed)
-        if isinstance(run, str):
-            return Observation(None, note=run)
-        forces = [
-            function(run, truth) for name, truth in run.truths.items() if axis in (None, name)
-        ]
-        known = [force for force in forces if force is not None]
-        return Observation(max(known)) if known else Observation(None, note=NO_FORCE)
+        runs = observed.stop_runs_of(axis)
+        if not runs:
+            of_axis = f" of axis {axis}" if axis else ""
+            note = f"the program made no measurement run{of_axis} to a fixed stop"
+            return Observation(None, note=note)
+        seen = [function(run, axis) for run in runs]
+        unknown = next((each for each in seen if each.value is None), None)
+        if unknown is not None or len(runs) == 1:
+            return unknown or seen[0]
+        sizes = [float(str(each.value)) for each in seen]
+        worst = sizes.index(max(sizes))
+        axes = " ".join(runs[worst].record.axes)
+        note = f"fixed stop {runs[worst].number} of {len(observed.stop_runs)}, axis {axes}"
+        return replace(seen[worst], note=note)
 
     STOP_METRICS[function.__name__] = metric
     return function
+
+
+def _force(
+    run: StopRun, axis: str | None, force_n: Callable[[AxisTruth], float | None]
+) -> Observation:
+    """Return the largest force of one axis, or of all without a name."""
+    forces = [force_n(truth) for name, truth in run.truths.items() if axis in (None, name)]
+    known = [force for force in forces if force is not None]
+    return Observation(max(known)) if known else Observation(None, note=NO_FORCE)
 
 
 # When
 
 
 @_of_run
-def contact_to_detection_ms(run: StopRun) -> Observation:
-    """From the contact of the detecting axis to the cycle that detects."""
-    if run.stop.detected_ns is None or run.stop.detected_by is None:
+def contact_to_detection_ms(run: StopRun, axis: str | None) -> Observation:
+    """From the contact that lasts at the detection, of the detecting axis without a name."""
+    name = axis or run.stop.detected_by
+    if run.stop.detected_ns is None or name is None:
         return Observation(None, note="no stop was found")
-    contact = run.contact(run.stop.detected_by)
-    if contact is None or contact.time_ns > run.stop.detected_ns:
-        return Observation(None, note=f"axis {run.stop.detected_by} had no contact before")
+    lasting = run.lasting(name)
+    if lasting is None:
+        return Observation(None, note=f"axis {name} had no contact before")
+    contact = lasting.contact
+    if contact is None:
+        return Observation(None, note=f"axis {name} had lost its contact: {lasting.told}")
+    known = "location of the contact between two SYNCs"
     return Observation(
         (run.stop.detected_ns - contact.time_ns) / 1e6,
         contact.uncertainty_ns / 1e6,
-        "location of the contact between two SYNCs",
+        f"{lasting.told}; {known}" if lasting.told else known,
     )
 
 
 @_of_run
-def detection_error_ms(run: StopRun) -> Observation:
+def detection_error_ms(run: StopRun, _axis: str | None) -> Observation:
     """Detection less the closed form."""
     if run.stop.detected_ns is None:
         return Observation(None, note="no stop was found")
@@ -113,7 +138,7 @@ def detection_error_ms(run: StopRun) -> Observation:
 
 
 @_of_run
-def detection_followed_error_ms(run: StopRun) -> Observation:
+def detection_followed_error_ms(run: StopRun, _axis: str | None) -> Observation:
     """Detection less the cycle in which the criteria hold along the plant's motion."""
     if run.stop.detected_ns is None:
         return Observation(None, note="no stop was found")
@@ -123,23 +148,25 @@ def detection_followed_error_ms(run: StopRun) -> Observation:
 
 
 @_of_run
-def detection_criterion(run: StopRun) -> Observation:
+def detection_criterion(run: StopRun, _axis: str | None) -> Observation:
     """The criterion that came true last."""
     return Observation(run.deciding_criterion() or "none")
 
 
-@_of_run
-def found_without_contact(run: StopRun) -> Observation:
+@_of_every_run
+def found_without_contact(run: StopRun, _axis: str | None) -> Observation:
     """Whether a stop was found in free motion."""
     stop = run.stop
     if stop.detected_ns is None or stop.detected_by is None:
         return Observation(0, note="no stop was found")
-    contact = run.contact(stop.detected_by)
-    return Observation(int(contact is None or contact.time_ns > stop.detected_ns))
+    if stop.detected_by not in run.truths:
+        return Observation(None, note=f"no truth of axis {stop.detected_by} in a run")
+    lasting = run.lasting(stop.detected_by)
+    return Observation(int(lasting is None or lasting.contact is None))
 
 
 @_of_run
-def relax_ms(run: StopRun) -> Observation:
+def relax_ms(run: StopRun, _axis: str | None) -> Observation:
     """Duration of the relaxing motion."""
     if run.stop.relax_begin_ns is None or run.stop.relax_end_ns is None:
         return Observation(None, note="the run made no relaxing motion")
@@ -182,10 +209,10 @@ def stop_force_n(run: StopRun, truth: AxisTruth) -> Observation:
     return Observation(float(truth.stop_force_n[run.row_at(run.stop.detected_ns)]))
 
 
-@_of_all
-def stop_force_n_max(run: StopRun, truth: AxisTruth) -> float | None:
-    """Largest force at a stop in the run."""
-    return truth.stop_force_max_n(run.rows)
+@_of_every_run
+def stop_force_n_max(run: StopRun, axis: str | None) -> Observation:
+    """Largest force at a stop in a run."""
+    return _force(run, axis, lambda truth: truth.stop_force_max_n(run.rows))
 
 
 @_of_axis
@@ -227,10 +254,10 @@ def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
     return Observation(float(np.max(away_mm)) * 1e3, note=f"over {lasting_ms:g} ms")
 
 
-@_of_all
-def after_run_force_n_max(run: StopRun, truth: AxisTruth) -> float | None:
-    """Largest force at the stop while the set value stands behind the run."""
-    return truth.stop_force_max_n(_standing_rows(run, truth))
+@_of_every_run
+def after_run_force_n_max(run: StopRun, axis: str | None) -> Observation:
+    """Largest force at the stop while the set value stands behind a run."""
+    return _force(run, axis, lambda truth: truth.stop_force_max_n(_standing_rows(run, truth)))
 
 
 def _standing_rows(run: StopRun, truth: AxisTruth) -> slice:

@@ -2,20 +2,52 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from bench.oracles.fixed_stop.contact import StopContact, first_contact
+from bench.oracles.fixed_stop.contact import (
+    ROWS_BEFORE,
+    StopContact,
+    first_contact,
+    penetrations,
+)
 from bench.oracles.fixed_stop.following import Signal
 from bench.oracles.fixed_stop.lists import arming_mm, delay_cycles, limits_as_written
 from bench.oracles.fixed_stop.pressing import Pressing
 from bench.oracles.fixed_stop.timing import Cycles
 from bench.rig.machine import Machine
 from bench.run.stop_truth import AxisTruth, Times
+from kernel.clock import MS
 from kernel.measuring.fixed_stop.record import FixedStopRecord
 from kernel.measuring.run import RunRecord
+
+BOUNCE_NS = 50 * MS
+"""A contact that lets go for no longer bounces and goes on; source: docs/fixed-stop.md."""
+
+
+@dataclass(frozen=True)
+class Lasting:
+    """The contact of an axis that lasts at the detection.
+
+    contact: its begin, None when it was lost. first_ns: first contact of the run. at_ns: of the
+    detection. lost_ns: how long the contact was lost since the first one, bounces left out.
+    """
+
+    contact: StopContact | None
+    first_ns: float
+    at_ns: float
+    lost_ns: float
+
+    @property
+    def told(self) -> str:
+        """That the contact was lost in between, empty when it was not."""
+        if not self.lost_ns:
+            return ""
+        first_ms, lost_ms = (self.at_ns - self.first_ns) / MS, self.lost_ns / MS
+        return f"first contact {first_ms:.1f} ms before, lost for {lost_ms:.0f} ms"
 
 
 class StopRows:
@@ -130,14 +162,15 @@ class StopRows:
     def contact(self, axis: str) -> StopContact | None:
         """Return the first contact of an axis with its stop in this run."""
         if axis not in self._contacts:
-            self._contacts[axis] = self._find_contact(axis)
+            self._contacts[axis] = self._find_contact(axis, self.rows.start)
         return self._contacts[axis]
 
-    def _find_contact(self, axis: str) -> StopContact | None:
+    def _find_contact(self, axis: str, begin: int) -> StopContact | None:
+        """Return the first contact from a row on."""
         truth = self.truths.get(axis)
-        if truth is None or truth.stop_path is None or self.rows.stop - self.rows.start < 2:
+        rows = slice(begin, self.rows.stop)
+        if truth is None or truth.stop_path is None or rows.stop - rows.start < 2:
             return None
-        rows = self.rows
         path = truth.stop_path
         inside = type(path)(path.position_mm[rows], path.velocity_mm_s[rows], path.direction)
         stiffness = truth.stop.stiffness_n_m if truth.stop is not None else None
@@ -150,15 +183,32 @@ class StopRows:
             stiffness / mass if stiffness and mass else None,
             None if truth.peak_n is None else truth.peak_n[rows],
         )
-        if found is None:
+        return None if found is None else replace(found, row=found.row + rows.start)
+
+    def lasting(self, axis: str) -> Lasting | None:
+        """Return the contact that lasts when the stop is detected; None without one before."""
+        first, truth, at_ns = self.contact(axis), self.truths.get(axis), self.stop.detected_ns
+        if first is None or truth is None or truth.stop_path is None or at_ns is None:
             return None
-        return StopContact(
-            found.time_ns,
-            found.row + rows.start,
-            found.position_mm,
-            found.speed_mm_s,
-            found.uncertainty_ns,
-        )
+        if first.time_ns > at_ns:
+            return None
+        last = self.row_at(at_ns)
+        touches = penetrations(truth.stop_path, truth.position_mm) >= 0.0
+        if truth.peak_n is not None:
+            touches |= truth.peak_n > 0.0
+        touching = [first.row, *(first.row + 1 + np.flatnonzero(touches[first.row + 1 : last + 1]))]
+        return_row, lost_ns = None, 0
+        for before, after in pairwise(touching):
+            open_ns = int(self.times_ns[after] - self.times_ns[before])
+            if open_ns > BOUNCE_NS:
+                return_row, lost_ns = int(after), lost_ns + open_ns
+        since_ns = at_ns - float(self.times_ns[touching[-1]])
+        if since_ns > BOUNCE_NS:
+            return Lasting(None, first.time_ns, at_ns, lost_ns + since_ns)
+        if return_row is None:
+            return Lasting(first, first.time_ns, at_ns, 0.0)
+        again = self._find_contact(axis, return_row - 1 - ROWS_BEFORE)
+        return Lasting(again, first.time_ns, at_ns, lost_ns)
 
     @cached_property
     def earliest_contact(self) -> tuple[str, StopContact] | None:

@@ -235,12 +235,31 @@ def test_unknown_metrics_are_refused_with_a_hint(metric: str, words: str) -> Non
         parse_check(metric, "<= 1", "probing.csv:2")
 
 
+@pytest.mark.parametrize(
+    ("condition", "close"),
+    [("== Lag", "lag"), ("lags", "lag"), ("!= windw", "window"), ("== nothing", "none")],
+)
+def test_a_word_that_a_metric_never_says_is_refused(condition: str, close: str) -> None:
+    """`!= windw` would hold for ever."""
+    with pytest.raises(UserError, match="never says") as told:
+        parse_check("detection_criterion:Z", condition, "stop.csv:2")
+    assert "lag, window, none" in str(told.value)
+    assert close in str(told.value)
+
+
+@pytest.mark.parametrize("condition", ["== lag", "window", "!= none"])
+def test_the_words_of_a_metric_are_taken(condition: str) -> None:
+    assert parse_check("detection_criterion", condition, "").condition.text == condition
+
+
 def test_the_metrics_table_is_sound() -> None:
     for name, metric in known_metrics().items():
         assert metric.name == name
         assert metric.scope in {"run", "axis", "block"}
         assert metric.type in {"number", "text", "alarms", "any"}
         assert metric.plot in {"", "position", "velocity", "lag"}
+        assert metric.judged in {"", "last", "every"}
+        assert not metric.words or metric.type == "text"
         assert metric.meaning
         assert metric.source
         spelled = metric.unit.replace("/", "_").lower()

@@ -12,11 +12,12 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from bench.plan.checks import judge
+from bench.plan.checks import judge, parse_check
 from bench.plan.plan import Case, Plan, read_plan
 from bench.plan.verdict import Verdict
 from bench.results.stored import read_results
 from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest, no_values
+from bench.run.campaign import show_verdicts
 from kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
@@ -220,3 +221,18 @@ def test_the_manifest_names_what_the_campaign_was_made_with(plan: Plan, tmp_path
 
 
 PROBE_SHA256 = "f6999beee91cf11d8ba72fcb14b398de080107e34979b28c88f89efdab07dcd4"
+
+
+def test_the_verdict_table_prints_words_as_they_are(
+    plan: Plan, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`:X:` is no picture and `[b]` no markup."""
+    (case, *_) = plan.cases
+    check = parse_check("latch_error_um:X", "<= 0.5", "")
+    result = CaseResult(case, Verdict.FAIL, [judge(check, None, note="[b]why[/b]")])
+    result.log.append("line :X: [b]")
+    show_verdicts([result])
+    text = "".join(capsys.readouterr().out.replace("\u2502", " ").split())
+    assert "latch_error_um:X:novalue" in text
+    assert "[b]why[/b]" in text
+    assert "line:X:[b]" in text

@@ -97,6 +97,41 @@ def test_a_real_stop_is_told_from_a_false_trigger_by_the_plant_alone() -> None:
     assert answers("on-a-real-bus")["real stop"] == "not known: no plant tells a contact"
 
 
+@pytest.mark.parametrize(
+    ("since_ms", "word", "answer"),
+    [
+        (1600, "stop found", "yes: in contact for 77.6 ms when detected"),
+        (None, "false trigger", "no: Z had lost its contact when detected"),
+    ],
+)
+def test_a_contact_that_was_lost_counts_from_its_return(
+    since_ms: int | None, word: str, answer: str
+) -> None:
+    """First contact at 1500 ms, detected at 1677.6 ms, apart for 60 ms of them."""
+    sample = SAMPLES["found-by-lag"]
+    told = info(sample)
+    told["fixed_stop"][0]["broken_contacts"] = {
+        "Z": {
+            "first_ns": 1500 * MS,
+            "since_ns": None if since_ms is None else since_ms * MS,
+            "lost_ns": 60 * MS,
+        }
+    }
+    (found,) = timelines(told, trace(sample), "x", {})
+    lost = "; first contact 177.6 ms before, lost for 60 ms"
+    assert dict(found["answers"])["real stop"] == answer + lost
+    assert found["word"] == word
+
+
+def test_plots_open_with_the_axis_of_the_run_that_is_open() -> None:
+    """X has an event and a run before; the last run is that of Z."""
+    told = info(SAMPLES["three-runs"])
+    told["events"].insert(0, {"time_ns": 0, "kind": "mark", "label": "X: homed", "axis": "X"})
+    signals = trace(SAMPLES["three-runs"])
+    signals = signals.append_column("X.actual_mm", signals.column("Z.actual_mm"))
+    assert chart(signals, told)[0]["axis"] == "Z"
+
+
 def test_a_contact_of_another_axis_names_it() -> None:
     """The master of a gantry lags behind while its slave stands at a stop."""
     sample = SAMPLES["found-by-lag"]

@@ -49,7 +49,7 @@ def run(tmp_path: Path) -> Run:
             "plant:z.stop_position_mm": "135",
             "plant:z.stop_damping": "60",
             **{f"{DETECT}{name}": str(value) for name, value in detect.items()},
-            **{f"check:{name}": "!= x" if "crit" in name else "> -1e9" for name in METRICS},
+            **{f"check:{name}": "!= none" if "crit" in name else "> -1e9" for name in METRICS},
         }
         plan = tmp_path / "plan.csv"
         with plan.open("w", newline="", encoding="utf-8") as file:
