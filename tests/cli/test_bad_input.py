@@ -129,7 +129,12 @@ ALARMS = [
     ("no feed", "N10 G1 Z132\n", "ID 20008 class 2:", "line 1, block N10"),
     ("feed from outside", "N10 G1 Z132 F=V.E.FEED\n", "ID 20008", "line 1, block N10"),
     ("no value yet", 'N10 #MSG["%f", V.A.MESS.Z]\n', "ID 900101", "V.A.MERF"),
-    ("later type", "#MEAS MODE[V.E.FEED+12]\nN20 G100 Z1 F100\n", "ID 900100", "line 2, block N20"),
+    (
+        "stop of no axis",
+        "#MEAS MODE[V.E.FEED+12]\nN20 G100 Z1 F100\n",
+        "ID 900241",
+        "line 2, block N20",
+    ),
     ("no #CS", "N10 #CS OFF\n", "ID 900108", "line 1, block N10"),
     ("past the encoder, slow", "N10 G1 Z30000 F100\n", "ID ", "line 1, block N10"),
     ("past the encoder, rapid", "N10 G0 Z-1000000000\n", "ID ", "line 1, block N10"),

@@ -51,6 +51,7 @@ ASSIGNMENTS = [
     ("set:Q.kenngr.messachse=1", ["'Q'", "allowed: channel, Z"]),
     ("set:Z.kenngr.messachs=1", ["nearest names: kenngr.messachse"]),
     ("set:Z.kenngr.messachse=7", ["P-AXIS-00118", "'7'", "allowed: 0 .. 1"]),
+    ("set:channel.messtyp=8", ["P-CHAN-00057", "'8'", "allowed: 1 .. 7"]),
     ("set:Z.kenngr.measure.edge=UP", ["'UP'", "allowed: POS, NEG"]),
     ("plant:q.kv=1", ["'q'", "allowed: z, probe"]),
     ("plant:z.kvv=1", ["'kvv'", "did you mean: kv"]),

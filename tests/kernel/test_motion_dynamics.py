@@ -79,7 +79,7 @@ def test_rapid_and_feed_motion(curr_limit: int) -> None:
     assert feed.stop_deceleration == (HOLD if curr_limit else FEED_D)
 
 
-@pytest.mark.parametrize(("std_dynamic", "mode"), itertools.product((0, 1), (0, 1)))
+@pytest.mark.parametrize(("std_dynamic", "mode"), [*itertools.product((0, 1), (0, 1))])
 @pytest.mark.parametrize("motion", Motion)
 def test_the_feedhold_of_the_plc_side_is_by_p_chan_00097_alone(
     motion: Motion, std_dynamic: int, mode: int
