@@ -95,13 +95,17 @@ def _beyond_s(row: dict[str, str]) -> float:
     return (LAG_MM - v / START["kv"] + _ahead_mm(row)) / v
 
 
+def _rotor_kg() -> float:
+    return START["rotor_inertia"] * (2 * math.pi / (START["screw_lead_mm"] * 1e-3)) ** 2
+
+
 def _ringing_s(row: dict[str, str]) -> float:
     """How far the ringing of the contact moves the crossing at most.
 
     It is v sqrt(m/k) deep and decays by 2 m/(alpha F). m of an end: its carriage and rotor with
     half of the beam when both ends are stopped at once, m/4 + I/L^2 when the other one goes on.
     """
-    rotor_kg = _default("rotor_inertia") * (2 * math.pi / _default("screw_lead")) ** 2
+    rotor_kg = _rotor_kg()
     beam_kg = _default("beam_mass") / 2
     if _place_mm(row, "X") != _place_mm(row, "X2"):
         beam_kg = beam_kg / 2 + _default("beam_inertia") / _default("span") ** 2
@@ -171,8 +175,7 @@ def test_running_lags_stay_below_the_limit() -> None:
 
 def test_the_limit_of_the_torque_drives_the_ramp() -> None:
     """Half of the beam, carriage and rotor with the acceleration of measurement runs."""
-    rotor_kg = _default("rotor_inertia") * (2 * math.pi / _default("screw_lead")) ** 2
-    side_kg = _default("carriage_mass") + rotor_kg + _default("beam_mass") / 2
+    side_kg = _default("carriage_mass") + _rotor_kg() + _default("beam_mass") / 2
     a_m_s2 = _listed("getriebe[0].lslope_profil.a_grenz_stufe_1") * 1e-3
     for row in ROWS.values():
         assert _force_n(row) > 1.5 * side_kg * a_m_s2
