@@ -262,8 +262,8 @@ def metrics_table() -> str:
     lines = [
         "A column check:<metric> of a plan asks for a metric; its cells are conditions:",
         "`<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
-        "Of several measurement runs in a program one is judged: the last, with :AXIS the last in",
-        "which that axis takes part; where it says so, the worst of all.",
+        "Of several measurement runs in a program one is judged: the last, with :AXIS the",
+        "last in which that axis takes part; where it says so, the worst of all.",
         "",
     ]
     for metric in known_metrics().values():
