@@ -33,12 +33,12 @@ needs:
 $(STAMP): pyproject.toml | needs
 	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 	@echo "installing into $(VENV) (once)"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) hatchling editables setuptools wheel
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) hatchling editables 'setuptools<81' wheel
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[$(EXTRAS)]'
 	@touch $(STAMP)
 
 wheelhouse: | needs
-	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables setuptools wheel '.[dev,cc]'
+	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables 'setuptools<81' wheel '.[dev,cc]'
 	@echo "$(WHEELHOUSE): $$(ls $(WHEELHOUSE) | wc -l) files; copy the checkout with this folder, then make demo needs no network"
 
 clean:
