@@ -264,7 +264,7 @@ def _moment(text: str) -> Moment:
         offset_ns = read_time(match["time"]) if match and match["time"] else 0
     except ValueError:
         word, offset_ns = "", 0
-    if word in ("start", "motion", "standing", "run", "run_end"):
+    if word.isidentifier() and word in plc_moments():
         return Moment(word, None, offset_ns)
     if word.upper().startswith(VARIABLE) and len(word) > len(VARIABLE):
         name, equals, value = word.partition("=")

@@ -17,7 +17,11 @@ PLANT, KERNEL = "plant", "kernel"
 
 @dataclass(frozen=True)
 class Mark:
-    """One row of the timeline; docs/results.md has the keys."""
+    """One row of the timeline: an instant that was measured beside that of the closed form.
+
+    key: of `_LABELS`. source: who tells the measured instant, PLANT or KERNEL. oracle_ns, low_ns,
+    high_ns: of the closed form with its band, None without one. is_inside: measured in the band.
+    """
 
     key: str
     label: str

@@ -28,7 +28,11 @@ _AT_MOST = "at most force limit less weight and friction, and v sqrt(k m) of wha
 
 @dataclass(frozen=True)
 class Value:
-    """One value with what was expected of it; docs/fixed-stop.md has the keys."""
+    """One value with what was expected of it.
+
+    expected, low, high: in `unit`, of the closed form; None where it tells none or no such bound.
+    note: the formula with its numbers, or why there is none.
+    """
 
     key: str
     label: str
