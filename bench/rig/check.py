@@ -77,6 +77,15 @@ def has_inputs(settings: Settings, name: str) -> bool:
     return _has_object(settings, name, DIGITAL_INPUTS)
 
 
+def has_second(settings: Settings, name: str) -> bool:
+    """Whether the kernel's own telegrams carry the second encoder of an axis.
+
+    They do where the axis has one and its distance control is released (P-AXIS-00328).
+    """
+    released = settings.axis[name].flag("lr_param.distance_control_on")
+    return released and settings.rig.axis[name].encoder_2 is not None
+
+
 def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
     """Return the PDOs of one axis; the latch object follows from input and edge."""
     return _telegrams(settings, name, counter=has_latch_counter(settings, name))
@@ -88,6 +97,7 @@ def _telegrams(settings: Settings, name: str, *, counter: bool) -> dict[str, Tel
         _drive_of(settings, name).pdo_map,
         counter=counter,
         inputs=has_inputs(settings, name),
+        second=has_second(settings, name),
     )
 
 

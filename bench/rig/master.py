@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_sdo_room
+from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_sdo_room, has_second
 from bench.rig.lists import drive_input
 from bench.rig.settings import Settings
 from bench.rig.startup import start_up_settings, watch_settings
@@ -41,6 +41,7 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
             has_counter=has_latch_counter(settings, name),
             has_inputs=has_inputs(settings, name),
+            has_second=has_second(settings, name),
         ),
         network,
     )

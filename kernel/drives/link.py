@@ -5,7 +5,6 @@ kernel's side and increments on the bus.
 """
 
 from collections import deque
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,6 +28,7 @@ from kernel.drives.latch_check import LatchCheck
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.drives.process_data import ProcessData
 from kernel.drives.sdo import SdoClient
+from kernel.drives.sparse import SparseData
 from kernel.errors import Alarm
 
 # Cyclic telegrams may stay out this often before the drive counts as lost
@@ -48,7 +48,7 @@ class LinkSettings:
     lag_limit_mm: of the CNC's position lag while a program runs. fault_reset: a fault that stands
     when the drive is switched on is acknowledged.
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
-    drive names. has_counter, has_inputs: of the kernel's own mapping.
+    drive names. has_counter, has_inputs, has_second: of the kernel's own mapping.
     """
 
     axis: str
@@ -65,6 +65,7 @@ class LinkSettings:
     trigger_source: str = "CNC_DEFINED"
     has_counter: bool = False
     has_inputs: bool = True
+    has_second: bool = False
 
 
 class AxisLink:
@@ -84,6 +85,7 @@ class AxisLink:
             settings.pdo_map,
             counter=settings.has_counter,
             inputs=settings.has_inputs,
+            second=settings.has_second,
         )
         self._checked_by: SdoClient | None = None
         self._watches: dict[tuple[int, str], LatchWatch] = {}
@@ -99,6 +101,7 @@ class AxisLink:
         self.jump_mm: float | None = None
         self._actual_age: int | None = None  # cycles since the last actual position
         self._inputs: int | None = None
+        self._second: int | None = None
         self.emergency: Emergency | None = None
         self.controlword = 0
         self.power = False
@@ -111,28 +114,13 @@ class AxisLink:
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
         self._has_sent = False  # in this cycle
-        self._subscribe()
+        self._sparse = SparseData(
+            self.telegrams.values(), settings.node_id, network, self._note_length
+        )
+        network.subscribe(0x80 + settings.node_id, self._on_emergency)
 
-    def _subscribe(self) -> None:
-        node_id = self.settings.node_id
-        for telegram in self.telegrams.values():
-            fields = [mapped.field for mapped in telegram.objects]
-            if "inputs" in fields and not telegram.is_cyclic:
-                self.network.subscribe(
-                    telegram.cob_id(node_id), self._inputs_taker(telegram, fields.index("inputs"))
-                )
-        self.network.subscribe(0x80 + node_id, self._on_emergency)
-
-    def _inputs_taker(
-        self, telegram: Telegram, position: int
-    ) -> Callable[[int, bytearray, float], None]:
-        def take(_cob_id: int, data: bytearray, _time: float) -> None:
-            if len(data) == telegram.codec.size:
-                self._inputs = telegram.codec.unpack(data)[position]
-            else:
-                self._pdos.wrong_length = (telegram.name, len(data), telegram.codec.size)
-
-        return take
+    def _note_length(self, found: tuple[str, int, int]) -> None:
+        self._pdos.wrong_length = found
 
     def _on_emergency(self, _cob_id: int, data: bytearray, _time: float) -> None:
         emergency = Emergency.read(data)
@@ -146,6 +134,7 @@ class AxisLink:
     def begin(self) -> None:
         """Begin the exchange: what came during the start-up does not count."""
         self._pdos.begin()
+        self._sparse.begin()
         self.emergency = None
 
     def begin_cycle(self) -> None:
@@ -164,7 +153,7 @@ class AxisLink:
         """
         pdos = self._pdos
         self._has_sent = False
-        word, actual, probe, latch, count, inputs = pdos.take()
+        word, actual, probe, latch, count, inputs, second = pdos.take()
         if word is not None and word != self.statusword:
             self.statusword, self.state = word, state_of(word)
         if actual is not None:
@@ -177,11 +166,15 @@ class AxisLink:
             self._latch.take(probe, latch, count, self.actual_increments)
         if inputs is not None:
             self._inputs = inputs
+        if second is not None:
+            self._second = second
         if pdos.wrong_length is not None:
             name, length, expected = pdos.wrong_length
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
         if pdos.is_disturbed:
             self._judge_missing()
+        if self._sparse.is_watched:
+            self._sparse.step(self.name, self.settings.missing_cycles)
 
     def _take_actual(self, increments: int) -> None:
         moved, age = abs(increments - self.actual_increments), self._actual_age
@@ -239,6 +232,16 @@ class AxisLink:
     def actual_mm(self) -> float:
         """Actual position 0x6064."""
         return self.actual_increments / self._per_mm
+
+    @property
+    def second_increments(self) -> int | None:
+        """Position of the second encoder 0x60E4:1; None until a telegram has brought it."""
+        return self._sparse.values.get("second", self._second)
+
+    @property
+    def has_second(self) -> bool:
+        """Whether a telegram carries the second encoder."""
+        return any(o.field == "second" for t in self.telegrams.values() for o in t.objects)
 
     @property
     def lag_mm(self) -> float:
@@ -357,9 +360,10 @@ class AxisLink:
     @property
     def is_actuated(self) -> bool | None:
         """Whether the probe input has the level that the edge brings; None without 0x60FD."""
-        if self._inputs is None:
+        inputs = self._sparse.values.get("inputs", self._inputs)
+        if inputs is None:
             return None
-        level = bool(self._inputs & self._input_bit)
+        level = bool(inputs & self._input_bit)
         return level == (self.edge == "POS")
 
     def _controlword(self) -> int:

@@ -27,12 +27,15 @@ LATCH, COUNTER = "latch", "counter"
 FROM_LATCH_TO_COUNTER: Final = 0x60D5 - 0x60BA  # 60BA to 60BD, 60D5 to 60D8
 NO_FIELD = ""
 # What the link works with: field -> whether the kernel sends it. The first four must be mapped,
-# the rest is what measuring needs; an object without a field is for drive functions.
+# the rest is what measuring and distance control need; an object without a field is for drive
+# functions.
 FIELDS: Final[Mapping[str, bool]] = {
     "controlword": True, "target": True, "statusword": False, "actual": False,
     "probe_function": True, "probe_status": False, "latch": False,
-    "latch_count": False, "inputs": False,
+    "latch_count": False, "inputs": False, "second": False,
 }  # fmt: skip
+# Fields that need not come with every SYNC
+AT_THEIR_TIME: Final = ("inputs", "second")
 NEEDED: Final = ("controlword", "target", "statusword", "actual")
 COLUMNS: Final = (
     "pdo", "transmission", "inhibit_100us", "index", "sub", "bits", "signed", "field",
@@ -132,19 +135,27 @@ class Telegram:
 
 @cache
 def telegrams(
-    latch_object: int, table: str | None = None, *, counter: bool = False, inputs: bool = True
+    latch_object: int,
+    table: str | None = None,
+    *,
+    counter: bool = False,
+    inputs: bool = True,
+    second: bool = False,
 ) -> dict[str, Telegram]:
     """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD).
 
-    table: path of a mapping table; without one the kernel's own. counter, inputs: whether the
-    kernel's own has the counter of the latch (60D5 to 60D8) and the digital inputs (60FD).
+    table: path of a mapping table; without one the kernel's own. counter, inputs, second: whether
+    the kernel's own has the counter of the latch (60D5 to 60D8), the digital inputs (60FD) and the
+    position of the second encoder (60E4:1).
     Raises UserError, with file and line, for a table that is none.
     """
     grouped: dict[str, list[dict[str, str]]] = {}
     places: dict[str, int] = {}
     for line, row in _rows(table):
-        is_left_out = (row["index"] == COUNTER and not counter) or (
-            row["field"] == "inputs" and not inputs
+        is_left_out = (
+            (row["index"] == COUNTER and not counter)
+            or (row["field"] == "inputs" and not inputs)
+            or (row["field"] == "second" and not second)
         )
         if table is None and is_left_out:
             continue
@@ -259,8 +270,27 @@ def _check_whole(
         if name not in fields:
             raise UserError("the mapping table lacks a field", file=table, value=name)
     for name, telegram in fields.items():
-        if name != "inputs" and telegram.transmission != 1:
+        if name in AT_THEIR_TIME:
+            _check_own_time(name, telegram, table, places[telegram.name])
+        elif telegram.transmission != 1:
             raise UserError(
                 f"{telegram.name} carries {name} and must come with every SYNC",
                 file=table, line=places[telegram.name], value=telegram.transmission, allowed="1",
             )  # fmt: skip
+
+
+def _check_own_time(name: str, telegram: Telegram, table: str | None, line: int) -> None:
+    """Raise UserError for what nobody sends by itself, or would not be a position."""
+    if name != "second":
+        return
+    if not telegram.is_cyclic and telegram.transmission not in (254, 255):
+        raise UserError(
+            f"{telegram.name} carries second and must come by itself",
+            file=table, line=line, value=telegram.transmission, allowed="1 .. 240, 254, 255",
+        )  # fmt: skip
+    (mapped,) = (mapped for mapped in telegram.objects if mapped.field == name)
+    if (mapped.bits, mapped.signed) != (32, True):
+        raise UserError(
+            "the field second is a signed position of 32 bits", file=table, line=line,
+            value=f"{mapped.bits} bits, signed {'yes' if mapped.signed else 'no'}",
+        )  # fmt: skip

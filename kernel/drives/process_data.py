@@ -1,6 +1,7 @@
 """The PDOs of one drive while the cycle runs: what came with the last SYNC, what goes out next.
 
-Every cyclic TPDO belongs to the SYNC that it answers; one that stays out is counted. Values are
+Every TPDO of type 1 belongs to the SYNC that it answers; one that stays out is counted. Those that
+come less often are in `sparse.py`. Values are
 found by the fields of the mapping table (`mapping.FIELDS`), so a table may order them as it likes.
 """
 
@@ -14,7 +15,7 @@ from kernel.drives.mapping import MappedObject, Telegram
 from kernel.drives.sdo import Network
 
 # The fields that `take` gives, in this order
-TAKEN: Final = ("statusword", "actual", "probe_status", "latch", "latch_count", "inputs")
+TAKEN: Final = ("statusword", "actual", "probe_status", "latch", "latch_count", "inputs", "second")
 # Why a telegram could not be used: alarm IDs
 STAYED_OUT, CONTRADICTED, NO_STATE = 900006, 900080, 900081
 
@@ -32,7 +33,7 @@ class ProcessData:
     def __init__(self, telegrams: Mapping[str, Telegram], node_id: int, network: Network) -> None:
         self._network = network
         everything = telegrams.values()
-        self._cyclic = [t for t in everything if t.is_cyclic and not t.is_received]
+        self._cyclic = [t for t in everything if t.transmission == 1 and not t.is_received]
         self.names = [t.name for t in self._cyclic]
         self._count = len(self._cyclic)
         self._places = [self._place(_of_field(field)) for field in TAKEN]
@@ -78,7 +79,7 @@ class ProcessData:
         Returns False, and changes nothing, when no TPDO brings the position with every SYNC.
         """
         latch = self._place(lambda mapped: mapped.index == latch_object)
-        if latch is None or self._cyclic[latch[0]].transmission != 1:
+        if latch is None:
             return False
         self._places[TAKEN.index("latch")] = latch
         count = self._place(lambda mapped: mapped.index == counter_object)
