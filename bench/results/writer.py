@@ -71,7 +71,7 @@ class CaseResult:
     messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
     error: why the run ended in `error` or `aborted`.
     real_time: how well real time was kept (`bench.bus.deadlines`), None in simulated time.
-    fixed_stop: the runs to a fixed stop beside their oracle (`bench.run.stop_marks`).
+    fixed_stop: the runs to a fixed stop beside their oracle (`bench.run.fixed_stop.marks`).
     """
 
     case: Case

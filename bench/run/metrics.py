@@ -9,9 +9,9 @@ from collections.abc import Callable
 import numpy as np
 
 from bench.plan.checks import Check
+from bench.run.fixed_stop.metrics import STOP_METRICS
 from bench.run.observation import Observation
 from bench.run.observe import Observed, Touch
-from bench.run.stop_metrics import STOP_METRICS
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact
 

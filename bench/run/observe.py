@@ -12,9 +12,9 @@ from bench.plan.checks import Metric
 from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
-from bench.run.fixed_stop import StopRun, stop_runs
+from bench.run.fixed_stop.marks import stop_events
+from bench.run.fixed_stop.run import StopRun, stop_runs
 from bench.run.plc import plc_side
-from bench.run.stop_marks import stop_events
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact, PlantProbe
 from kernel.drives.ds402 import State

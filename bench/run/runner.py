@@ -23,9 +23,9 @@ from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
+from bench.run.fixed_stop.marks import as_data
 from bench.run.metrics import observe
 from bench.run.observe import Observed
-from bench.run.stop_marks import as_data
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.syntax import Command, Program

@@ -9,8 +9,8 @@ from typing import Any
 
 from bench.oracles.fixed_stop.timing import Instant, seen
 from bench.results.writer import Event
-from bench.run.fixed_stop import StopRun
-from bench.run.stop_values import prediction, values
+from bench.run.fixed_stop.run import StopRun
+from bench.run.fixed_stop.values import prediction, values
 
 PLANT, KERNEL = "plant", "kernel"
 

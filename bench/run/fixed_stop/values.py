@@ -9,8 +9,8 @@ from bench.oracles.fixed_stop.lists import Limits
 from bench.oracles.fixed_stop.prediction import Motion, false_triggers
 from bench.oracles.fixed_stop.pressing import Pressing
 from bench.oracles.fixed_stop.timing import NoClosedFormError, bus_lag_mm
-from bench.run.fixed_stop import StopRun
-from bench.run.stop_truth import AxisTruth
+from bench.run.fixed_stop.run import StopRun
+from bench.run.fixed_stop.truth import AxisTruth
 from kernel.clock import S
 from kernel.motion.dynamics import Motion as Kind
 from kernel.motion.dynamics import axis_slopes

@@ -22,8 +22,8 @@ from bench.oracles.fixed_stop.timing import (
     NoClosedFormError,
 )
 from bench.rig.machine import Machine
-from bench.run.stop_rows import StopRows
-from bench.run.stop_truth import AxisTruth, Times, axis_truth
+from bench.run.fixed_stop.rows import StopRows
+from bench.run.fixed_stop.truth import AxisTruth, Times, axis_truth
 from kernel.clock import S
 from kernel.measuring.run import RunRecord
 

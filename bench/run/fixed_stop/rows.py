@@ -19,7 +19,7 @@ from bench.oracles.fixed_stop.lists import arming_mm, delay_cycles, limits_as_wr
 from bench.oracles.fixed_stop.pressing import Pressing
 from bench.oracles.fixed_stop.timing import Cycles
 from bench.rig.machine import Machine
-from bench.run.stop_truth import AxisTruth, Times
+from bench.run.fixed_stop.truth import AxisTruth, Times
 from kernel.clock import MS
 from kernel.measuring.fixed_stop.record import FixedStopRecord
 from kernel.measuring.run import RunRecord

@@ -10,10 +10,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from bench.run.fixed_stop import StopRun
+from bench.run.fixed_stop.run import StopRun
+from bench.run.fixed_stop.truth import AxisTruth, Signal
 from bench.run.observation import Observation
 from bench.run.observe import Observed
-from bench.run.stop_truth import AxisTruth, Signal
 from kernel.clock import MS
 
 Function = Callable[[Observed, str | None], Observation]
