@@ -22,7 +22,7 @@ from bench.results.stored import StoredResults, StoredRun, read_results
 from bench.results.writer import BESIDES
 from kernel.errors import UserError
 from reports.bar import bar
-from reports.fixed_stop import timelines
+from reports.fixed_stop.section import timelines
 from reports.realtime import real_time
 from reports.signals import chart, table
 

@@ -11,8 +11,8 @@ import numpy as np
 import pyarrow as pa
 
 from bench.results.writer import WARNING
-from reports import stop_signals
 from reports.encode import encode_signal, pack
+from reports.fixed_stop import signals as stop_signals
 
 SHARED = "*"
 """Stands for the axis where a signal belongs to every axis, such as a probe."""

@@ -18,10 +18,10 @@ from bench.plan.verdict import Verdict
 from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest
 from kernel.errors import UserError
 from reports.build import build_report
-from reports.fixed_stop import timelines
+from reports.fixed_stop.section import timelines
+from reports.fixed_stop.signals import stops_of, with_changes
+from reports.fixed_stop.timeline import HEIGHT, Row, Span, axis, lane, span_of
 from reports.signals import chart
-from reports.stop_signals import stops_of, with_changes
-from reports.timeline import HEIGHT, Row, Span, axis, lane, span_of
 from tests.reports.stops import (
     BEGIN,
     CONTACT,

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from reports.timeline import Span, span_of
+from reports.fixed_stop.timeline import Span, span_of
 
 CHANGE = "change_um"
 """Suffix of the column that this module adds: way of an axis within the minimum time."""

@@ -5,7 +5,7 @@ from typing import Any
 
 import pyarrow as pa
 
-from reports.stop_signals import (
+from reports.fixed_stop.signals import (
     Shortfall,
     Stop,
     contact,

@@ -11,9 +11,17 @@ from markupsafe import Markup
 
 from bench.results.writer import WARNING
 from reports.bar import bar
-from reports.stop_signals import Stop, contact_ns, mark, origin_ns, span, stops_of, with_changes
-from reports.stop_words import answers, state
-from reports.timeline import Row, Span, axis, lane
+from reports.fixed_stop.signals import (
+    Stop,
+    contact_ns,
+    mark,
+    origin_ns,
+    span,
+    stops_of,
+    with_changes,
+)
+from reports.fixed_stop.timeline import Row, Span, axis, lane
+from reports.fixed_stop.words import answers, state
 
 _NS_PER_MS = 1e6
 _AFTER_END_NS = 20_000_000

@@ -1,0 +1,1 @@
+"""Section of the report that tells of runs to a fixed stop: timeline, signals, answers in words."""
