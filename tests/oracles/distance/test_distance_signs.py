@@ -1,0 +1,140 @@
+"""Signs, lists, dead cycles and the instant of an alarm."""
+
+import math
+
+import numpy as np
+import pytest
+
+from bench.oracles.distance.cycles import (
+    NotMeasurableError,
+    Told,
+    every_nth_range,
+    measured,
+    predicted,
+)
+from bench.oracles.distance.lists import Control, Limits, as_written
+from bench.oracles.distance.loop import SET_POS
+from bench.oracles.distance.model import Law, Rig, simulate
+from bench.oracles.distance.signs import TABLE, Signs
+from bench.oracles.distance.signs import predicted as due_with
+from bench.oracles.distance.supervision import ABOVE, BELOW, JUMP, OFFSET, first_due
+
+PERIOD_NS = 1_000_000
+LIMITS = Limits(50.0, 1e6, 3.0, 1e9, -5.0, 5.0)
+
+
+@pytest.mark.parametrize("signs", TABLE, ids=str)
+def test_only_the_documented_signs_converge(signs: Signs) -> None:
+    """Half of the twelve; the others end at a limit, later with a smaller kp."""
+    due = {
+        kp: due_with(signs, Law(signs.mode, Control(kp), PERIOD_NS, LIMITS), Rig(), 1.5, 1.0)
+        for kp in (0.002, 0.02)
+    }
+    if signs.converges:
+        assert set(due.values()) == {None}
+        return
+    early, late = due[0.02], due[0.002]
+    assert early is not None
+    assert late is not None
+    assert early.alarm in (ABOVE, BELOW, OFFSET)
+    assert early.row < late.row
+
+
+def test_twelve_combinations() -> None:
+    assert len(TABLE) == 12
+    assert sum(signs.converges for signs in TABLE) == 6
+
+
+@pytest.mark.parametrize(
+    ("values", "offset", "alarm", "row"),
+    [
+        ([0, 0, 0.02, 0.02], [0, 0, 0, 0], JUMP, 2),
+        ([0, 0, 0.01, 0.02], [0, 0, 0, 0], None, None),
+        ([0.99, 0.995, 1.001, 1.0], [0, 0, 0, 0], ABOVE, 2),
+        ([-1.99, -1.995, -2.0, -2.001], [0, 0, 0, 0], BELOW, 3),
+        ([0, 0, 0, 0], [0, 0.49, 0.51, 0.5], OFFSET, 2),
+    ],
+)
+def test_alarms_are_due_in_the_cycle_of_the_value(
+    values: list[float], offset: list[float], alarm: int | None, row: int | None
+) -> None:
+    limits = Limits(1.0, 1.0, 0.5, 10.0, -2.0, 1.0)
+    watched = np.ones(4, dtype=bool)
+    due = first_due(np.array(values), np.array(offset), watched, limits, PERIOD_NS)
+    assert (None if due is None else (due.alarm, due.row)) == (
+        None if alarm is None else (alarm, row)
+    )
+
+
+@pytest.mark.parametrize("is_optimized", [False, True])
+@pytest.mark.parametrize("age", [0, 1, 3])
+def test_dead_cycles_from_frames(is_optimized: bool, age: int) -> None:
+    """Frames of the model: the sensor value steps, a set position answers, the value shows it."""
+    increment = 1e-4
+    surface = np.where(np.arange(60) < 20, 0.0, 0.5)
+    expected = predicted(is_optimized=is_optimized, sensor_age_cycles=age)
+    rig = Rig(expected.reaction, skew_cycles=age, increment_mm=increment)
+    course = simulate(Law("CONST_DIST", Control(0.2), PERIOD_NS), rig, surface, 5.0, 5.0)
+    sensor = [
+        Told(k * PERIOD_NS + 300_000, round(value / increment))
+        for k, value in enumerate(course.sensor_mm)
+    ]
+    sent = np.concatenate([np.zeros(expected.reaction), course.offset_mm])[: len(surface)]
+    targets = [
+        Told(k * PERIOD_NS + 700_000, round((5.0 + value) / increment))
+        for k, value in enumerate(sent)
+    ]
+    found = measured(targets, sensor, PERIOD_NS)
+    assert found.cycles.reaction == expected.reaction
+    assert found.cycles.way == expected.way
+    assert found.cycles.dead == expected.dead == (1 if is_optimized else 2) + age
+    assert found.way_ns == (2 + age) * PERIOD_NS - 400_000
+
+
+def test_frames_that_show_no_step() -> None:
+    still = [Told(k * PERIOD_NS, 5) for k in range(5)]
+    with pytest.raises(NotMeasurableError, match="never changed"):
+        measured(still, still, PERIOD_NS)
+    moving = [Told(k * PERIOD_NS, 3 * k) for k in range(9)]
+    answer = [Told(k * PERIOD_NS + 7, 0 if k < 4 else 1) for k in range(9)]
+    with pytest.raises(NotMeasurableError, match="no step"):
+        measured(answer, moving, PERIOD_NS)
+    with pytest.raises(NotMeasurableError, match="no set position"):
+        measured(still, moving, PERIOD_NS)
+
+
+def test_a_telegram_of_every_third_sync() -> None:
+    assert every_nth_range(predicted(is_optimized=True), 3) == (1, 3)
+
+
+def test_lists_as_written() -> None:
+    listed = as_written({})
+    assert listed.control == Control()
+    assert listed.limits == Limits(5.0, 1000.0, 5.0, 5.0, -5.0, 5.0)
+    assert not listed.is_newer
+    listed = as_written(
+        {
+            "kenngr.distc.kp": 0.3,
+            "kenngr.dist_ctrl[0].kp": 0.4,
+            "kenngr.distc.toleranz": 1000,
+            "kenngr.distc.max_pos": 20000,
+            "kenngr.distc.use_adaptive_acceleration": 1,
+            "kenngr.distc.v_weight_down": 400,
+            "lr_hw[1].encoder_resolution_denom": 100_000,
+            "lr_hw[1].encoder_resolution_num": 1_048_576,
+            "lr_hw[1].vz_istw": 1,
+            "kenngr.distc.ref_offset": 5000,
+        }
+    )
+    assert listed.control.kp == 0.4
+    assert listed.is_newer
+    assert (listed.limits.low_mm, listed.limits.high_mm) == pytest.approx((-4.9, 1.9))
+    assert listed.limits.adaptive == (500.0, 0.1, 0.5)
+    assert listed.sensor_mm(1_048_576) == pytest.approx(-10.5)
+
+
+def test_the_clamp_of_the_deviation_tells_what_was_asked() -> None:
+    law = Law(SET_POS, Control(0.5), PERIOD_NS, Limits(math.inf, math.inf, 0.4, 1.0, -1.0, 1.0))
+    assert law.walk(0.6, 0.0, 0.0, 0.0) == 0.3
+    assert law.walk(0.6, 0.0, 0.0, 0.0) == 0.4
+    assert law.asked_mm == pytest.approx(0.45)
