@@ -1,0 +1,1 @@
+"""Helpers for the user who tunes a control: they measure a loop and say what follows."""

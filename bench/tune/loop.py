@@ -1,0 +1,180 @@
+"""A linear loop of distance control, as identified: limits of stability, margins, answers.
+
+Unit of time is the NC cycle; q^-1 is a delay by one cycle. The offset o follows the law
+
+    (1 - q^-1) o = kp C (w - P o),   C = 1 + (T/Tn)/(1 - q^-1) + (Tv/T)(1 - q^-1)
+
+with the set value w and the loop's feedback P as an impulse response p (FIR): what the controller
+gets to see of an offset, behind path and filter. So the loop is stable when all zeros of
+(1 - q^-1) + kp C P lie within the unit circle, and it is at its limit where L = kp C P/(1 - q^-1)
+passes -1 (Nyquist).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+from scipy.optimize import brentq
+from scipy.signal import lfilter
+
+Floats = npt.NDArray[np.float64]
+Complexes = npt.NDArray[np.complex128]
+
+# Radians per cycle; the crossings of the phase are looked for between two of them
+_GRID = np.concatenate([np.geomspace(1e-5, 0.05, 800), np.linspace(0.05, np.pi, 4000)[1:]])
+_CIRCLE = 1 << 16
+_NEGLIGIBLE = 1e-12
+
+
+@dataclass(frozen=True)
+class Law:
+    """kp without unit; tn_s, tv_s: s, 0 = the part is off."""
+
+    kp: float
+    tn_s: float = 0.0
+    tv_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class Loop:
+    """period_s: NC cycle. feedback: impulse response p of the feedback P, from cycle 0 on.
+
+    noise: impulse response of the filter, by which the noise of the sensor reaches the controller.
+    """
+
+    period_s: float
+    feedback: Floats
+    noise: Floats
+
+    def open_loop(self, law: Law, angles: Floats) -> Complexes:
+        """L at angular frequencies in radians per cycle."""
+        delay = np.exp(-1j * angles)
+        step = 1 - delay
+        control = self._control(law, step)
+        loop: Complexes = law.kp * control * _response(self.feedback, angles) / step
+        return loop
+
+    def _control(self, law: Law, step: Complexes) -> Complexes:
+        integral = self.period_s / law.tn_s / step if law.tn_s else 0.0
+        return np.asarray(1 + integral + law.tv_s / self.period_s * step, dtype=np.complex128)
+
+    def stable_kp(self, tn_s: float = 0.0, tv_s: float = 0.0) -> tuple[float, float]:
+        """Return the range of kp in which the loop is stable; (0, 0) when there is none.
+
+        Each kp at which L passes -1 is a crossing; between two of them the number of unstable zeros
+        stays, so one kp of each interval is tried.
+        """
+        law = Law(1.0, tn_s, tv_s)
+        ends = [0.0, *self._crossings(law)]
+        for low, high in zip(ends, [*ends[1:], 2 * ends[-1] + 1], strict=True):
+            if self.is_stable(replace(law, kp=(low + high) / 2)):
+                return low, high if high in ends else float("inf")
+        return 0.0, 0.0
+
+    def _crossings(self, law: Law) -> list[float]:
+        """All kp > 0 for which L = -1 at some frequency, in rising order."""
+        values = self.open_loop(law, _GRID)
+        signs = np.signbit(values.imag)
+        angles = []
+        for at in np.flatnonzero(signs[1:] != signs[:-1]):
+            low, high = float(_GRID[at]), float(_GRID[at + 1])
+            angles.append(float(brentq(lambda angle: self._imag(law, angle), low, high)))
+        found = self.open_loop(law, np.array([*angles, np.pi])).real
+        return sorted({float(-1 / value) for value in found if value < 0})
+
+    def _imag(self, law: Law, angle: float) -> float:
+        return float(self.open_loop(law, np.array([angle])).imag[0])
+
+    def is_stable(self, law: Law) -> bool:
+        """Whether no zero of the characteristic polynomial lies on or outside the unit circle.
+
+        In q^-1 these are the zeros within it: the polynomial turns once around 0 for each while
+        q^-1 runs around the circle (argument principle).
+        """
+        polynomial, _ = self._polynomials(law)
+        if polynomial[0] <= 0:
+            return False
+        values = np.fft.fft(polynomial, max(_CIRCLE, 1 << (4 * len(polynomial)).bit_length()))
+        turns = np.angle(np.roll(values, -1) / values).sum() / (2 * np.pi)
+        return round(float(turns)) == 0
+
+    def _polynomials(self, law: Law) -> tuple[Floats, Floats]:
+        """Characteristic polynomial and kp C in q^-1, both times (1 - q^-1) with an I part."""
+        rate = law.tv_s / self.period_s
+        control = np.array([1 + rate, -rate])
+        rest = np.array([1.0, -1.0])
+        if law.tn_s:
+            share = self.period_s / law.tn_s
+            control = np.convolve(control, [1.0, -1.0])
+            control[0] += share
+            rest = np.convolve(rest, [1.0, -1.0])
+        control = law.kp * control
+        both = np.convolve(control, self.feedback)
+        both[: len(rest)] += rest[: len(both)]
+        return both, control
+
+    def step_answer(self, law: Law, cycles: int) -> Floats:
+        """What the controller sees of its own offset after a step of the set value by 1."""
+        polynomial, control = self._polynomials(law)
+        return np.asarray(lfilter(np.convolve(control, self.feedback), polynomial, np.ones(cycles)))
+
+    def noise_gain(self, law: Law, cycles: int = 4000) -> float:
+        """Standard deviation of the offset over that of white noise of the sensor."""
+        polynomial, control = self._polynomials(law)
+        pulse = np.zeros(cycles)
+        pulse[0] = 1.0
+        answer = lfilter(np.convolve(control, self.noise), polynomial, pulse)
+        return float(np.sqrt(np.sum(answer**2)))
+
+    def sensitivity_peak(self, law: Law) -> float:
+        """Return Ms = max |1/(1 + L)|; 1/Ms is the distance of L from -1."""
+        return float(np.abs(1 / (1 + self.open_loop(law, _GRID))).max())
+
+    def corner(self, law: Law) -> float:
+        """Frequency at which |L| first falls below 1, radians per cycle; pi when it never does."""
+        below = np.flatnonzero(np.abs(self.open_loop(law, _GRID)) < 1)
+        return float(_GRID[below[0]]) if below.size else float(np.pi)
+
+
+def _response(impulses: Floats, angles: Floats) -> Complexes:
+    """Frequency response of an impulse response (Horner in q^-1)."""
+    delay = np.exp(-1j * angles)
+    total = np.zeros(len(angles), dtype=np.complex128)
+    for value in impulses[::-1]:
+        total = total * delay + value
+    return total
+
+
+def trimmed(impulses: Floats) -> Floats:
+    """Leave out the end of an impulse response that nobody can see."""
+    large = np.flatnonzero(np.abs(impulses) > _NEGLIGIBLE)
+    return impulses[: large[-1] + 1] if large.size else impulses[:1]
+
+
+def const_dist(filtering: Floats, distance: Floats) -> Floats:
+    """Feedback of CONST_DIST: the filtered distance. distance: its answer to an offset pulse."""
+    return trimmed(np.convolve(filtering, distance))
+
+
+def both_encoders(filtering: Floats, distance: Floats, actual: Floats) -> Floats:
+    """Feedback of CONST_DIST with both encoders: filter(d - (Z_act - Z_com)).
+
+    actual: answer of the motor encoder. Z_com is the total set position of the cycle before.
+    """
+    return trimmed(np.convolve(filtering, _sum(distance, -actual, np.array([0.0, 1.0]))))
+
+
+def set_pos(filtering: Floats, distance: Floats, actual: Floats) -> Floats:
+    """Feedback of SET_POS: the offset of the cycle before, less what the surface seems to move.
+
+    e = filter(actual + sensor - SET_POS) - o and sensor = -distance.
+    """
+    seen = np.convolve(filtering, _sum(actual, -distance))
+    return trimmed(_sum(np.array([0.0, 1.0]), -seen))
+
+
+def _sum(*parts: Floats) -> Floats:
+    total = np.zeros(max(len(part) for part in parts))
+    for part in parts:
+        total[: len(part)] += part
+    return total

@@ -1,0 +1,47 @@
+"""Impulse responses found again from signals with and without noise."""
+
+import numpy as np
+import pytest
+
+from bench.tune.identify import Floats, Path, identify
+
+BEGIN, STEP_MM = 100, 0.1
+SLOW = np.concatenate([np.zeros(3), 0.05 * 0.95 ** np.arange(297)])
+RINGING = np.concatenate(
+    [np.zeros(2), 0.1 * 0.9 ** np.arange(298) * (1 + 0.8 * np.sin(0.7 * np.arange(298)))]
+)
+
+
+def _identified(answer: Floats, sigma_mm: float) -> Path:
+    steps = np.tile(np.repeat([STEP_MM, 0.0], 400), 3)
+    offset = np.zeros(BEGIN + len(steps))
+    for k, target in enumerate(steps, BEGIN):
+        offset[k] = offset[k - 1] + 0.2 * (target - offset[k - 1])
+    noise = np.random.default_rng(5).normal(0.0, sigma_mm, len(offset))
+    return identify(offset, 7.0 + np.convolve(answer, offset)[: len(offset)] + noise, BEGIN, 300)
+
+
+@pytest.mark.parametrize("cycles", [1, 2, 7])
+@pytest.mark.parametrize("sigma_mm", [0.0, 1e-5, 1e-3])
+def test_a_dead_time_is_found_as_one(cycles: int, sigma_mm: float) -> None:
+    path = _identified(np.eye(1, 300, cycles)[0], sigma_mm)
+    assert path.is_dead_time
+    assert (path.first_cycle, path.settled_cycle) == (cycles, cycles)
+    # The place of rest is known to sigma/sqrt(BEGIN), and the steps stand half of the time
+    uncertainty = 3 * sigma_mm / BEGIN**0.5 / (STEP_MM / 2)
+    assert path.gain == pytest.approx(1.0, abs=uncertainty + 1e-9)
+
+
+@pytest.mark.parametrize("answer", [SLOW, RINGING], ids=["slow", "ringing"])
+@pytest.mark.parametrize(("sigma_mm", "error"), [(0.0, 1e-6), (1e-5, 2e-3), (1e-3, 0.06)])
+def test_step_answer_of_a_drive_is_found(answer: Floats, sigma_mm: float, error: float) -> None:
+    path = _identified(answer, sigma_mm)
+    assert not path.is_dead_time
+    assert np.abs(np.cumsum(path.impulses - answer)).max() < error
+    assert path.misfit_mm == pytest.approx(sigma_mm, rel=0.1, abs=1e-7)
+
+
+def test_centre_and_gain_of_a_slow_path() -> None:
+    path = _identified(SLOW, 0.0)
+    assert path.mean_cycle == pytest.approx(float(np.arange(300) @ SLOW / SLOW.sum()), rel=1e-4)
+    assert path.gain == pytest.approx(SLOW.sum(), rel=1e-6)
