@@ -28,6 +28,7 @@ from bench.rig.plc_side import PlcSide
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
 from bench.rig.settings import Settings
+from bench.rig.telegram_log import TelegramLog
 from bench.rig.unfinished import in_words
 from kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
 from kernel.channel.drive_functions import DriveFunctions
@@ -113,6 +114,7 @@ class Machine:
                 for name, axis in settings.rig.axis.items()
             }
             self._expect_answers()
+            self.telegrams = self._log_telegrams()
             self.channel = self._build_channel()
             self._inject_faults(seed)
             self.recorder = self._build_recorder()
@@ -155,6 +157,19 @@ class Machine:
                     for telegram in link.telegrams.values()
                     if telegram.transmission == 1 and telegram.name.startswith("TPDO")
                 )
+
+    def _log_telegrams(self) -> TelegramLog:
+        """Note the cyclic values of the axes with distance control: its dead time is measured."""
+        rig, lists = self.settings.rig, self.settings.axis
+        log = TelegramLog(
+            (rig.axis[name].segment, link)
+            for name, link in self.links.items()
+            if lists[name].flag("lr_param.distance_control_on")
+        )
+        for name, segment in self.segments.items():
+            if log.hears(name):
+                segment.observe(log)
+        return log
 
     def _inject_faults(self, seed: int) -> None:
         parts = World(

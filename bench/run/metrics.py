@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from bench.plan.checks import Check
+from bench.run.distance.metrics import DISTANCE_METRICS
 from bench.run.fixed_stop.metrics import STOP_METRICS
 from bench.run.observation import Observation
 from bench.run.observe import Observed, Touch
@@ -24,7 +25,7 @@ REST = "lag and v/Kv that are left at the end of the run"
 
 
 MetricFunction = Callable[[Observed, str | None], Observation]
-_METRICS: dict[str, MetricFunction] = dict(STOP_METRICS)
+_METRICS: dict[str, MetricFunction] = {**STOP_METRICS, **DISTANCE_METRICS}
 
 
 def observe(observed: Observed, check: Check) -> Observation:

@@ -12,6 +12,7 @@ from bench.plan.checks import Metric
 from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
+from bench.run.distance.truth import DistanceTruth
 from bench.run.fixed_stop.marks import stop_events
 from bench.run.fixed_stop.run import StopRun, stop_runs
 from bench.run.plc import plc_side
@@ -56,6 +57,7 @@ class Observed:
         self.machine = machine
         self.trace: pa.Table = machine.recorder.table()
         self.times_ns: npt.NDArray[np.int64] = self.trace.column("time_ns").to_numpy()
+        self._distance_truths: dict[str, DistanceTruth] = {}
 
     def column(self, axis: str, name: str) -> Signal:
         """Return one recorded signal of an axis, shape (n,), in the unit of its name."""
@@ -135,6 +137,34 @@ class Observed:
     def stop_runs_of(self, axis: str | None) -> list[StopRun]:
         """Return the runs to a fixed stop in which an axis takes part, without a name all."""
         return [run for run in self.stop_runs if axis is None or _takes_part(run.record, axis)]
+
+    def distance_truth(self, axis: str | None) -> DistanceTruth | None:
+        """Return the signals of an axis with distance control, without a name of the first."""
+        recorded = set(self.trace.column_names)
+        axes = [name for name in self.machine.links if f"{name}.offset_mm" in recorded]
+        name = axis or next(iter(axes), None)
+        if name not in axes:
+            return None
+        if name not in self._distance_truths:
+            columns = {
+                column.removeprefix(f"{name}."): self.trace.column(column).to_numpy()
+                for column in recorded
+                if column.startswith(f"{name}.")
+            }
+            self._distance_truths[name] = DistanceTruth(
+                name, self.machine, self.times_ns, columns, *self._gaps(name)
+            )
+        return self._distance_truths[name]
+
+    def _gaps(self, axis: str) -> tuple[Signal | None, Signal | None]:
+        """Return what the distance sensor of an axis tells, and the true distance below it."""
+        sensor = self.machine.settings.rig.axis[axis].encoder_2
+        names = self.trace.column_names
+        told, true = (f"{sensor}.{column}" for column in ("distance_mm", "distance_true_mm"))
+        return tuple(
+            self.trace.column(column).to_numpy() if column in names else None
+            for column in (told, true)
+        )  # type: ignore[return-value]
 
     def probes_of(self, record: RunRecord) -> list[PlantProbe]:
         """Return the probes that are wired to the input in use of the measuring axes."""

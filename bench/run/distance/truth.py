@@ -1,0 +1,174 @@
+"""Signals of one axis with distance control: what the plant, the bus and the kernel tell of it.
+
+Row k of every signal belongs to the SYNC of cycle k: the state of the plant at that SYNC and what
+the kernel made of it in the cycle behind it.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from bench.oracles.distance.cycles import DeadCycles, Measured, Told, measured, predicted
+from bench.oracles.distance.lists import Listed, as_written
+from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
+from bench.oracles.distance.model import first_order_drive
+from bench.oracles.distance.smoothing import none, of_control
+from bench.rig.machine import Machine
+from bench.rig.telegram_log import SECOND, TARGET
+from bench.run.fixed_stop.truth import PlantValues
+from kernel.clock import S
+
+Signal = npt.NDArray[np.float64]
+Times = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
+
+INACTIVE, ACTIVE, FREEZE, TURNING_OFF, ACTIVE_CONST_DIST, ERROR = range(6)
+STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
+# At SYNC k the drive stands at what was sent in cycle k - 2: docs/architecture.md
+DEMAND_CYCLES = 2
+
+
+@dataclass(frozen=True)
+class DistanceTruth:
+    """One axis of a finished run.
+
+    columns: recorded signals by name, of the axis and, with the name `gap`, of its sensor: distance
+    and distance_true, None where the axis has none in the plant.
+    """
+
+    axis: str
+    machine: Machine
+    times_ns: Times
+    columns: dict[str, Signal]
+    gap_told_mm: Signal | None
+    gap_true_mm: Signal | None
+
+    def __getitem__(self, name: str) -> Signal:
+        return self.columns[name]
+
+    @property
+    def period_ns(self) -> int:
+        """Period of SYNC and cycle."""
+        return self.machine.timing.period_ns
+
+    @property
+    def period_s(self) -> float:
+        """The same in seconds."""
+        return self.period_ns / S
+
+    @cached_property
+    def listed(self) -> Listed:
+        """What the lists and the plan say."""
+        return as_written(dict(self.machine.settings.axis[self.axis].items()))
+
+    @cached_property
+    def state(self) -> npt.NDArray[np.int64]:
+        """State in each row."""
+        return self["distance_state"].astype(np.int64)
+
+    @cached_property
+    def is_active(self) -> Flags:
+        """Rows in which the control follows."""
+        active: Flags = (self.state == ACTIVE) | (self.state == ACTIVE_CONST_DIST)
+        return active
+
+    @cached_property
+    def program_mm(self) -> Signal:
+        """Interpolated position that was sent in each cycle: the set position less the offset."""
+        offset = self["offset_mm"]
+        out = offset if self.listed.is_optimized else np.concatenate([offset[:1], offset[:-1]])
+        return self["set_mm"] - out
+
+    @cached_property
+    def surface_mm(self) -> Signal | None:
+        """Height of the workpiece below the tool, of the plant's truth."""
+        return None if self.gap_true_mm is None else self["truth_mm"] - self.gap_true_mm
+
+    @cached_property
+    def wanted_gap_mm(self) -> Signal:
+        """Distance that the tool should have at each SYNC."""
+        late = np.concatenate([np.full(DEMAND_CYCLES, self.program_mm[0]), self.program_mm])
+        by_surface = late[: len(self.program_mm)] - self["set_pos_mm"]
+        wanted: Signal = np.where(self.state == ACTIVE_CONST_DIST, self["set_dist_mm"], by_surface)
+        return wanted
+
+    @cached_property
+    def behind_mm(self) -> Signal | None:
+        """By how much the tool is too near: wanted less true distance."""
+        return None if self.gap_true_mm is None else self.wanted_gap_mm - self.gap_true_mm
+
+    # Dead time
+
+    @cached_property
+    def values(self) -> PlantValues | None:
+        """What the FMU of the axis tells beside its roles; None for a drive outside."""
+        plant = self.machine.plant.axes.get(self.machine.settings.rig.axis[self.axis].plant)
+        return None if plant is None else PlantValues(plant)
+
+    @cached_property
+    def sensor_age_cycles(self) -> int:
+        """Cycles by which 60E4 is older than 6064, by the key of the drive."""
+        rig = self.machine.settings.rig
+        drive = rig.drive[rig.axis[self.axis].drive]
+        return int(getattr(drive, "second_delay_cycles", 0))
+
+    @cached_property
+    def dead(self) -> DeadCycles:
+        """Dead cycles by the arithmetic of the rig."""
+        return predicted(
+            is_optimized=self.listed.is_optimized, sensor_age_cycles=self.sensor_age_cycles
+        )
+
+    def measured_dead(self, quiet_increments: int = 0) -> Measured:
+        """Return dead cycles as frames show them; raises NotMeasurableError."""
+        log, start_ns = self.machine.telegrams, self._control_ns
+        heard = [
+            [Told(sent.time_ns, sent.value) for sent in log.of(self.axis, field)]
+            for field in (TARGET, SECOND)
+        ]
+        targets, sensor = ([told for told in one if told.time_ns >= start_ns] for one in heard)
+        return measured(targets, sensor, self.period_ns, quiet_increments)
+
+    @cached_property
+    def _control_ns(self) -> int:
+        rows = np.flatnonzero(self.is_active)
+        return int(self.times_ns[rows[0]]) if len(rows) else int(self.times_ns[-1])
+
+    # The loop
+
+    def loop(self, mode: str) -> Loop:
+        """Return the loop in a mode, by lists and plant."""
+        listed, control = self.listed, self.listed.control
+        lag_s = self.drive_lag_s
+        return Loop(
+            mode,
+            self.dead.dead - self.sensor_age_cycles,
+            of_control(control, self.period_ns),
+            sent_cycles=self.dead.reaction,
+            skew_cycles=self.sensor_age_cycles,
+            integral=self.period_s / control.tn_s if control.tn_s else 0.0,
+            derivative=control.tv_s / self.period_s,
+            drive=first_order_drive(lag_s, self.period_ns) if lag_s else none(),
+            sign=1 if listed.sign == self.right_sign else -1,
+        )
+
+    @cached_property
+    def right_sign(self) -> int:
+        """Sign of P-AXIS-00230 that the sensor needs: -1 for one that tells the gap."""
+        return -1
+
+    @cached_property
+    def drive_lag_s(self) -> float:
+        """Lag of the drive, (1 - f)/Kv; 0 for one that follows its ramp."""
+        gain = None if self.values is None else self.values.get("kv")
+        if self.values is None or not gain:
+            return 0.0
+        return (1.0 - self.values.number("feed_forward")) / gain
+
+    def mode_in(self, row: int) -> str:
+        """Return the mode of the loop in a row."""
+        if self.state[row] != ACTIVE_CONST_DIST:
+            return SET_POS
+        return BOTH if self.listed.uses_both else CONST_DIST
