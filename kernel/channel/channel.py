@@ -119,6 +119,7 @@ class Channel:
         known.while_busy(self.plc.is_waiting)
         known.register(canon.TechnologyFunction, self.plc.tell)
         known.register(canon.ExternalWrite, self.plc.write)
+        known.register(canon.DistanceCommand, _refuse_distance)
         known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
         known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
 
@@ -348,3 +349,8 @@ class Channel:
     def warn(self, alarm: Alarm) -> None:
         """Note an alarm of class 1: the program goes on."""
         self.reactions.register(alarm)
+
+
+def _refuse_distance(command: canon.DistanceCommand) -> None:
+    place, word = command.block.place, f"{command.axis}[DIST_CTRL]"
+    raise Alarm(900100, place=place, word=word, what="distance control of one axis")

@@ -338,6 +338,33 @@ class AdoptActual:
     axes: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class DistanceCommand:
+    """One word for the distance control of an axis: `Z[DIST_CTRL ..]`.
+
+    action: on (surface), on_const, off, freeze, check, ref; None where only values are given.
+    wait: nothing goes on before the control is completely on or off. no_move: with off, the axis
+    stays where it is and the program counts from there. dry_run: with on and on_const, nothing is
+    put out. set_pos_mm: of the surface, axis coordinates; set_dist_mm. parameters: by their names
+    in `DistanceControl.program`, what was not programmed is not there. sensor_source: VARIABLE or
+    SECOND_ENCODER. sensor_variable: behind `V.E.` as the PLC side spells it, else as programmed.
+    values: VAL1 to VAL5. All act in this order: sensor, values, parameters, action.
+    """
+
+    block: Block
+    axis: str
+    action: str | None = None
+    wait: bool = False
+    no_move: bool = False
+    dry_run: bool = False
+    set_pos_mm: float | None = None
+    set_dist_mm: float | None = None
+    parameters: Mapping[str, float | str] = field(default_factory=dict)
+    sensor_source: str | None = None
+    sensor_variable: str | None = None
+    values: tuple[float | None, ...] = (None,) * 5
+
+
 AxisOrder = (
     IndependentMove
     | WaitIndependent
@@ -346,6 +373,7 @@ AxisOrder = (
     | Homing
     | AxisExchange
     | AdoptActual
+    | DistanceCommand
 )
 DriveCommand = DriveWrite | DriveRead | DriveWait
 Pause = Dwell | ExactStop | ProgramStop

@@ -7,8 +7,8 @@ from kernel.nc import not_acting
 from kernel.nc.canon import LinearMove
 from kernel.nc.text.check import check_program
 
-# What the language has to do by now, as the project has set it out; what belongs to the fixed stop,
-# to distance control, to SERCOS and to kinematics comes later.
+# What the language has to do by now, as the project has set it out; what belongs to 3D distance
+# control, to SERCOS and to kinematics comes later.
 CLAIMED = {
     *(f"G{number}" for number in (0, 1, 2, 3, 4, 9, *range(53, 60), 70, 71, 74, 90, 91, 92)),
     *("G17", "G18", "G19", "G100", "G101", "G102", "G106", "G210", "G310"),
@@ -41,6 +41,7 @@ CLAIMED_COMMANDS = (
     "#VAR",
     "<axis>[INDP_SYN]",
     "<axis>[INDP_ASYN]",
+    "<axis>[DIST_CTRL]",
 )
 CLAIMED_VARIABLES = (
     "V.A.MESS.<axis>",
@@ -88,7 +89,7 @@ def test_900100_ends_the_program_at_the_block(run):
     [
         ("#COMMAND WR SYN [AX=X ID=S-0-0170 SERC]", "#COMMAND WR SYN"),
         ('#MSG SYN_ACK ["ready?"]', "#MSG SYN_ACK"),
-        ("Z[DIST_CTRL ON SET_POS=30]", "Z[DIST_CTRL]"),
+        ("Z[MC_TOUCHPROBE CHANNEL=1]", "Z[MC_TOUCHPROBE]"),
         ("G41", "G41"),
         ("P1=V.TOOL.X", "V.TOOL.X"),
     ],

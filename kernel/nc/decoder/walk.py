@@ -15,8 +15,11 @@ from kernel.nc.syntax import (
     Statement,
     Text,
     Variable,
+    Words,
 )
 
+# Keywords that name a variable: nobody reads it while the block is decoded
+_NAMES = ("SENSOR_VAR",)
 _PLAIN = (str, int, float, bool, type(None), Number, Text, Name)
 
 
@@ -49,6 +52,15 @@ def read_by(statement: Statement) -> Iterator[Variable]:
             yield from variables_in(values)
         case For(variable, first, last, step):
             yield from variables_in((variable.indices, first, last, step))
+        case Words(axis_commands=commands) if commands:
+            yield from variables_in((statement.axes, statement.addresses))
+            for command in commands:
+                yield from variables_in(command.arguments)
+                for keyword, option in command.options:
+                    if keyword in _NAMES and isinstance(option, Variable):
+                        yield from variables_in(option.indices)
+                    else:
+                        yield from variables_in(option)
         case _:
             yield from variables_in(statement)
 

@@ -12,7 +12,7 @@ from kernel.nc.syntax import (
     Name,
     SubprogramCall,
 )
-from kernel.nc.text import checks, nodes
+from kernel.nc.text import checks, distance, nodes
 from kernel.nc.text.keywords import Form, group, read
 from kernel.nc.text.values import ExpressionBuilder
 from kernel.nc.text.words import commands
@@ -78,6 +78,9 @@ def axis_command(builder: ExpressionBuilder, item: nodes.Opened) -> AxisCommand:
         builder.note(f"{axis}[{name}]", form.own.meaning, item.offset)
     elements[0] = elements[0][1:]
     read(form, elements)
+    if name == distance.NAME:
+        keywords = [keyword for keyword, _ in form.options]
+        distance.check(builder, form.shown, keywords, form.places, item.offset)
     return AxisCommand(axis, name, tuple(form.options), tuple(form.arguments))
 
 

@@ -1,6 +1,6 @@
-"""Independent axes, couplings, exchange and homing of axes, and taking over their positions."""
+"""Single axes: independent ones, couplings, exchange, homing, positions, distance control."""
 
-from kernel.nc.decoder.axes import coupling, exchange, homing, independent, positions
+from kernel.nc.decoder.axes import coupling, distance, exchange, homing, independent, positions
 from kernel.nc.decoder.axes.independent import (
     after_block,
     before_block,
@@ -24,6 +24,10 @@ TOPIC = Topic(
         "CALL AX": exchange.call,
         "CHANNEL INIT": positions.initialise,
     },
-    axis_commands={"INDP_SYN": independent.move, "INDP_ASYN": independent.move},
+    axis_commands={
+        "INDP_SYN": independent.move,
+        "INDP_ASYN": independent.move,
+        distance.NAME: distance.control,
+    },
     takes_axes={"G74": homing.home},
 )

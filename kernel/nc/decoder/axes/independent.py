@@ -12,7 +12,7 @@ from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates.stack import SAME_POSITION_MM
 from kernel.nc.decoder import measuring, technology
-from kernel.nc.decoder.axes import coupling
+from kernel.nc.decoder.axes import coupling, distance
 from kernel.nc.decoder.axes.state import forbidden, states
 from kernel.nc.decoder.axes.values import axis_named, brackets
 from kernel.nc.decoder.context import Context
@@ -35,7 +35,8 @@ LINEAR_SLOPE: Final = "STEP"
 def before_block(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Refuse axes that cannot be programmed, and wait for those that must be known first."""
     known = states(context)
-    commanded = [command.axis for command in words.axis_commands]
+    # Words for distance control move nothing of their own: others may stand beside them
+    commanded = [c.axis for c in words.axis_commands if c.name != distance.NAME]
     if commanded:
         named = [*commanded, *(axis for axis, _ in words.axes)]
         twice = next((axis for axis in commanded if named.count(axis) > 1), None)

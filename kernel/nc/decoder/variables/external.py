@@ -36,12 +36,17 @@ def write(
 def _known(context: Context, block: Block, name: str, indices: tuple[int, ...]) -> str:
     """Give the name as the PLC side spells it."""
     asked = spelled(name, indices)
-    known = next((other for other in context.external if other.upper() == asked), None)
+    known = spelled_by_plc(context, asked)
     if known is None:
         close = nearest(asked, context.external)
         near = nearest_with_value([f"V.E.{other}" for other in close])
         raise context.alarm(900113, block, name=f"V.E.{asked}", near=near)
     return known
+
+
+def spelled_by_plc(context: Context, asked: str) -> str | None:
+    """Give a name (behind `V.E.`, upper case) as the PLC side spells it; None if it has none."""
+    return next((other for other in context.external if other.upper() == asked), None)
 
 
 def check(main: Unit, external: Mapping[str, float]) -> None:
