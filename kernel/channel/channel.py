@@ -285,6 +285,10 @@ class Channel:
         """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
         return self.path.settings(axis).may_measure
 
+    def distance_state(self, _axis: str) -> str | None:
+        """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
+        return None
+
     def axis_numbered(self, number: int) -> str | None:
         """Return the axis with a logical number (P-AXIS-00016), None when there is none."""
         return next((axis.name for axis in self.axes if axis.number == number), None)

@@ -51,6 +51,9 @@ class PlaneMachine:
     def may_measure(self, axis: str) -> bool:
         return axis not in self.not_released
 
+    def distance_state(self, axis: str) -> str | None:
+        return None
+
     def axis_numbered(self, number: int) -> str | None:
         return dict(enumerate(self.acs_mm, 1)).get(number)
 

@@ -43,6 +43,10 @@ class MachineView(Protocol):
         """Give the axis with a logical number (P-AXIS-00016), None when there is none."""
         ...
 
+    def distance_state(self, axis: str) -> str | None:
+        """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
+        ...
+
     def drive_value(self, axis: str, key: str) -> float:
         """Give what the last `DriveRead` of this axis and function brought."""
         ...

@@ -44,6 +44,9 @@ class Machine:
     def may_measure(self, axis: str) -> bool:
         return True
 
+    def distance_state(self, axis: str) -> str | None:
+        return None
+
     def axis_numbered(self, number: int) -> str | None:
         return dict(enumerate(AXES, 1)).get(number)
 

@@ -1,15 +1,17 @@
-"""DIST_CTRL: words for the distance control of an axis.
+"""DIST_CTRL: words for the distance control of an axis; what a control that is on forbids.
 
 The words of a block act in their order, in front of its motion. Sources: FCT-M3 6; TF5200 distance
-control 290203275, programming manual 208654987.
+control 290203275, programming manual 208654987, diagnosis 1257123723.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.decoder.axes.state import forbidden
 from kernel.nc.decoder.axes.values import number, shown
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.variables.external import spelled_by_plc
@@ -62,11 +64,14 @@ _PARAMETERS: Final[Mapping[str, _Parameter]] = {
 def control(context: Context, block: Block, command: AxisCommand) -> Iterator[canon.Command]:
     """`Z[DIST_CTRL ..]`; behind OFF NO_MOVE the program counts from where the axis stands.
 
-    Raises Alarm 22096, 22142, 22349 and 900300.
+    Raises Alarm 22096, 22142, 22349 and 900300; 900196 for a slave that is to be switched on.
     """
     axis, options = command.axis, dict(command.options)
     action = next((ACTIONS[word] for word in options if word in ACTIONS), None)
     no_move = "NO_MOVE" in options
+    alarm = forbidden(context, block, axis) if action == "on" else None
+    if alarm is not None:
+        raise alarm
     yield canon.DistanceCommand(
         block,
         axis,
@@ -144,3 +149,34 @@ def _value(context: Context, block: Block, axis: str, keyword: str, option: Opti
     raise context.alarm(
         900300, block, keyword=keyword, value=f"{value:g}", axis=axis, allowed=allowed
     )
+
+
+# ---- what else stands in the program while a control is on
+
+OFF_STATE: Final = "INACTIVE"
+HOLDING: Final = (OFF_STATE, "FREEZE")
+# On which positions the offset is superposed: those of the axis itself
+PLANE: Final = "ACS"
+
+
+def known_states(context: Context, block: Block, axes: Iterable[str]) -> Iterator[canon.Command]:
+    """Wait until the states of the controls of these axes are those that the block finds."""
+    if any(context.machine.distance_state(axis) is not None for axis in axes):
+        yield canon.Wait(block)
+
+
+def must_stay(context: Context, block: Block, axis: str) -> Alarm | None:
+    """Give the alarm of an axis that is to leave the channel while its control is on."""
+    state = context.machine.distance_state(axis)
+    return None if state in (None, OFF_STATE) else context.alarm(70333, block, axis=axis)
+
+
+def initialises(
+    context: Context, block: Block, axes: Iterable[str], word: str
+) -> Iterator[canon.Command]:
+    """Refuse to initialise positions of axes whose offset changes; raises Alarm 51062."""
+    axes = tuple(axes)
+    yield from known_states(context, block, axes)
+    for axis in axes:
+        if context.machine.distance_state(axis) not in (None, *HOLDING):
+            raise context.alarm(51062, block, word=word, plane=PLANE)

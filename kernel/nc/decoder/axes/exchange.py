@@ -11,6 +11,7 @@ from typing import Final
 from kernel.errors import Alarm
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.decoder.axes import distance
 from kernel.nc.decoder.axes.independent import wait_for_all
 from kernel.nc.decoder.axes.state import states
 from kernel.nc.decoder.axes.values import axis_named, brackets, shown, whole
@@ -23,12 +24,18 @@ def _coupled(context: Context, block: Block, axis: str) -> Alarm | None:
     return None if group is None else context.alarm(20545, block, axis=axis, group=group)
 
 
-# What forbids to give an axis away. Distance control that is on will be one (70333).
-FORBIDS: Final[tuple[Callable[[Context, Block, str], Alarm | None], ...]] = (_coupled,)
+# What forbids to give an axis away
+FORBIDS: Final[tuple[Callable[[Context, Block, str], Alarm | None], ...]] = (
+    _coupled,
+    distance.must_stay,
+)
 
 
 def put(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    """#PUT AX [axis, ..] and #PUT AX ALL; axes that were given away already are no error."""
+    """#PUT AX [axis, ..] and #PUT AX ALL; axes that were given away already are no error.
+
+    Raises Alarm 20545 and 70333.
+    """
     known = states(context)
     named = [a for bracket in brackets(command) for a in bracket.arguments]
     is_all = command.has("ALL") or (
@@ -36,6 +43,7 @@ def put(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
     )
     axes = list(context.axes) if is_all else [axis_named(context, a) for a in named]
     given = tuple(a for a in dict.fromkeys(axes) if a is not None and a not in known.away)
+    yield from distance.known_states(context, block, given)
     for axis in given:
         for forbids in FORBIDS:
             alarm = forbids(context, block, axis)

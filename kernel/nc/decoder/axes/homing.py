@@ -9,6 +9,7 @@ from typing import Final
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.decoder.axes import distance
 from kernel.nc.decoder.axes.independent import wait_for_all
 from kernel.nc.decoder.axes.state import states
 from kernel.nc.decoder.context import Context
@@ -21,7 +22,8 @@ HIGH: Final = 65535
 def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Home the axes of the block; afterwards the channel stands where they do.
 
-    Raises Alarm 20137 while a coupling is on, 20816 for a number that is no place in an order.
+    Raises Alarm 20137 while a coupling is on, 20816 for a number that is no place in an order,
+    51062 while the distance control of an axis is on.
     """
     known = states(context)
     if known.active:
@@ -36,6 +38,7 @@ def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command
         for place in sorted(set(order.values()))
     )
     yield from wait_for_all(context, block, tuple(context.axes))
+    yield from distance.initialises(context, block, order, "G74")
     yield canon.Homing(block, groups)
     yield canon.Wait(block)
     at = context.machine.position_acs_mm

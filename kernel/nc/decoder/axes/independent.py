@@ -44,7 +44,8 @@ def before_block(context: Context, block: Block, words: Words) -> Iterator[canon
             raise context.alarm(20203, block, axis=twice)
     if known.is_plain:
         return
-    for axis in dict.fromkeys((*(axis for axis, _ in words.axes), *commanded)):
+    controlled = [c.axis for c in words.axis_commands if c.axis in known.away]
+    for axis in dict.fromkeys((*(axis for axis, _ in words.axes), *commanded, *controlled)):
         alarm = forbidden(context, block, axis)
         if alarm is not None:
             raise alarm

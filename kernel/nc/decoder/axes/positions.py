@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 from kernel.nc import canon
 from kernel.nc.canon import Block
+from kernel.nc.decoder.axes import distance
 from kernel.nc.decoder.axes.independent import wait_for_all
 from kernel.nc.decoder.axes.state import states
 from kernel.nc.decoder.axes.values import axis_named
@@ -18,7 +19,10 @@ from kernel.nc.syntax import Command, Expression, Option
 
 
 def initialise(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
-    """#CHANNEL INIT [CMDPOS|ACTPOS {AX=name | AXNR=number}]; raises Alarm 20312 for a number."""
+    """#CHANNEL INIT [CMDPOS|ACTPOS {AX=name | AXNR=number}]; raises Alarm 20312 for a number.
+
+    ACTPOS raises Alarm 51062 while the distance control of an axis is on.
+    """
     known = states(context)
     actual = command.has("ACTPOS")
     present = [axis for axis in context.axes if axis not in known.away]
@@ -26,6 +30,7 @@ def initialise(context: Context, block: Block, command: Command) -> Iterator[can
     axes = named or present
     yield from wait_for_all(context, block, tuple(present if actual else axes))
     if actual:
+        yield from distance.initialises(context, block, axes, "#CHANNEL INIT[ACTPOS]")
         slaves = {pair.slave for _, pair in known.pairs()}
         yield canon.AdoptActual(block, tuple(axis for axis in axes if axis not in slaves))
     yield canon.Wait(block)
