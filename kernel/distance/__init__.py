@@ -1,1 +1,17 @@
 """Distance control as far as it knows no axis: filters, controller, limits, states."""
+
+from kernel.distance.control import DistanceControl, Reading
+from kernel.distance.settings import DistanceSettings, names_newer
+from kernel.distance.states import FOLLOWING, DistanceCommand, DistanceState, Source, changes
+
+__all__ = [
+    "FOLLOWING",
+    "DistanceCommand",
+    "DistanceControl",
+    "DistanceSettings",
+    "DistanceState",
+    "Reading",
+    "Source",
+    "changes",
+    "names_newer",
+]

@@ -50,6 +50,7 @@ class ParameterSet:
         self._table = table(kind)
         self._values: dict[str, Value] = {}
         self._origins: dict[str, Origin] = {}
+        self._written: dict[str, str] = {}
         self._corrected: dict[str, Corrected] = {}
 
     def set(self, path: str, text: str, origin: Origin | str) -> None:
@@ -120,6 +121,7 @@ class ParameterSet:
             self._corrected[key] = Corrected(parameter, key, alarm_id, value, corrected, origin)
             value = corrected
         self._values[key], self._origins[key] = value, origin
+        self._written[key] = path
 
     def correct(self, path: str, value: Value) -> None:
         """Replace a value as the control does at start-up; the place of the setting stays."""
@@ -129,6 +131,10 @@ class ParameterSet:
     def corrected(self) -> list[Corrected]:
         """Return the settings that were out of range, in the order of their keys."""
         return [self._corrected[key] for key in sorted(self._corrected)]
+
+    def is_written_as(self, beginning: str) -> bool:
+        """Whether a list or the plan named any parameter so: older and present names differ."""
+        return any(path.startswith(beginning) for path in self._written.values())
 
     def is_set(self, path: str) -> bool:
         """Whether a list or the plan set this parameter, be it to its default."""
