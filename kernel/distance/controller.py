@@ -1,8 +1,8 @@
 """The PID law of distance control, in increments: what it gives is added to the offset.
 
-delta = kp (e + (T/Tn) sum of e + (Tv/T) (e - e before)), from the meaning of P-AXIS-00764 and 00765:
-after Tn a constant error has given as much by the I part as by the P part; in a constant ramp of the
-error the D part is that which the P part is after Tv.
+delta = kp (e + (T/Tn) sum of e + (Tv/T) (e - e before)), from the meaning of P-AXIS-00764 and
+00765: after Tn a constant error has given as much by the I part as by the P part; in a constant
+ramp of the error the D part is that which the P part is after Tv.
 """
 
 from kernel.clock import TimeNs, ns_to_seconds

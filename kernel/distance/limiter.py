@@ -1,8 +1,8 @@
 """Limits of speed and acceleration of the offset.
 
-While distance control follows they are plain clamps of the step from cycle to cycle. When the offset
-is run out, speed follows a braking curve and ends at exactly 0. Sources: P-AXIS-00415, 00416, 00501
-to 00505, 00533, 00534 (FCT-M3 7.2, 7.4).
+While distance control follows they are plain clamps of the step from cycle to cycle. When the
+offset is run out, speed follows a braking curve and ends at exactly 0. Sources: P-AXIS-00415,
+00416, 00501 to 00505, 00533, 00534 (FCT-M3 7.2, 7.4).
 """
 
 import math

@@ -19,10 +19,10 @@ class DistanceSettings:
     """Parameters of a distance control; for a rotary axis mm reads degrees.
 
     kp, tn_s, tv_s: P-AXIS-00759, 00764, 00765. both_encoders: 00500. max_deviation_mm: 00414.
-    v_max_mm_s: 00415. a_max_mm_s2: 00416, else 00008. v_weight_down_permille, a_weight_down_permille:
-    00533 and 00534, 0 for none. is_adaptive, a_min_mm_s2, error_a_min_mm, error_a_max_mm: 00501 to
-    00505. max_change_mm_s: 00417. min_pos_mm, max_pos_mm, tolerance_mm: 00420, 00419, 00421.
-    has_absolute_sensor: whether 00418 is set. is_newer: 3100xx instead of 703xx.
+    v_max_mm_s: 00415. a_max_mm_s2: 00416, else 00008. v_weight_down_permille and
+    a_weight_down_permille: 00533 and 00534, 0 for none. is_adaptive, a_min_mm_s2, error_a_min_mm,
+    error_a_max_mm: 00501 to 00505. max_change_mm_s: 00417. min_pos_mm, max_pos_mm, tolerance_mm:
+    00420, 00419, 00421. has_absolute_sensor: whether 00418 is set. is_newer: 3100xx, not 703xx.
     """
 
     kp: float = 1.0
@@ -85,16 +85,14 @@ class DistanceSettings:
         filter_type is the kind of the filter. Raises TypeError for a name that there is not.
         """
         of_filter = {
-            _FILTER_FIELDS[name]: value
-            for name, value in changes.items()
-            if name in _FILTER_FIELDS
+            _FILTER_FIELDS[name]: value for name, value in changes.items() if name in _FILTER_FIELDS
         }
         own = {name: value for name, value in changes.items() if name not in _FILTER_FIELDS}
         if of_filter:
             own["filter"] = replace(own.get("filter", self.filter), **of_filter)
         return replace(self, **own)
 
-    def alarm(self, alarm_ids: tuple[int, ...], **values: object) -> Alarm:
+    def alarm(self, alarm_ids: tuple[int, ...], **values: Any) -> Alarm:
         """Build an alarm of this family of IDs; alarm_ids: the newer one and, if any, the older."""
         return Alarm(alarm_ids[0 if self.is_newer else -1], **values)
 

@@ -31,14 +31,12 @@ def change_alarm(
 
 
 def range_alarm(owner: str, sensor_mm: float, settings: DistanceSettings) -> Alarm | None:
-    """Return the alarm of a sensor value outside its limits and their tolerance (00419 to 00421)."""
+    """Return the alarm of a sensor value outside limits less tolerance (00419 to 00421)."""
     highest_mm = settings.max_pos_mm - settings.tolerance_mm
     lowest_mm = settings.min_pos_mm + settings.tolerance_mm
     value_mm = round(sensor_mm, 6)
     if sensor_mm > highest_mm + ROUNDING_MM:
-        return settings.alarm(
-            ABOVE, owner=owner, value_mm=value_mm, limit_mm=round(highest_mm, 6)
-        )
+        return settings.alarm(ABOVE, owner=owner, value_mm=value_mm, limit_mm=round(highest_mm, 6))
     if sensor_mm < lowest_mm - ROUNDING_MM:
         return settings.alarm(BELOW, owner=owner, value_mm=value_mm, limit_mm=round(lowest_mm, 6))
     return None

@@ -37,7 +37,8 @@ def test_one_id_is_told_in_full(word: str) -> None:
     assert "Newer builds report 310017." in told
     assert "deviation_mm [mm]" in told
     assert "P-AXIS-00414" in told
-    assert "raised     not yet" in told
+    assert "raised     yes" in told
+    assert "raised     not yet" in alarm_listing("310021")
     assert "FCT-M3 11" in told
     assert "retract with care" in told
 

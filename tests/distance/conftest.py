@@ -1,0 +1,103 @@
+"""A distance control without an axis: the tool stands where the offset says."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from kernel.clock import MS
+from kernel.distance import (
+    DistanceCommand,
+    DistanceControl,
+    DistanceSettings,
+    DistanceState,
+    Reading,
+    Source,
+)
+
+OWNER = "axis Z"
+STATE_WAYS: dict[DistanceState, tuple[DistanceCommand, ...]] = {
+    DistanceState.INACTIVE: (),
+    DistanceState.ACTIVE: (DistanceCommand.ON,),
+    DistanceState.FREEZE: (DistanceCommand.ON, DistanceCommand.FREEZE),
+    DistanceState.TURNING_OFF: (DistanceCommand.ON, DistanceCommand.OFF),
+    DistanceState.ACTIVE_CONST_DIST: (DistanceCommand.ON_CONST_DIST,),
+}
+
+
+@dataclass
+class Loop:
+    """A control and a tool over a surface; all in mm.
+
+    The tool is where program and offset of the cycle before say: no dead time. height_mm: of the
+    surface by the number of the cycle.
+    """
+
+    control: DistanceControl
+    height_mm: Callable[[int], float] = lambda _cycle: 0.0
+    program_mm: float = 0.0
+    cycle: int = 0
+    is_held: bool = False
+    offsets_mm: list[float] = field(default_factory=list)
+    errors_mm: list[float] = field(default_factory=list)
+    steps_mm: list[float] = field(default_factory=list)
+
+    def run(self, cycles: int) -> "Loop":
+        control = self.control
+        for _ in range(cycles):
+            actual_mm = self.program_mm + control.offset_mm
+            sensor_mm = self.height_mm(self.cycle) - actual_mm
+            self.cycle += 1
+            try:
+                control.step(Reading(sensor_mm, actual_mm, actual_mm, self.is_held))
+            finally:
+                self.offsets_mm.append(control.offset_mm)
+                self.errors_mm.append(control.error_mm)
+                self.steps_mm.append(control.step_mm)
+        return self
+
+    def say(self, *commands: DistanceCommand, source: Source = Source.NC, **words: bool) -> "Loop":
+        for command in commands:
+            self.control.command(command, source, **words)
+        return self
+
+    def lead_to(self, state: DistanceState) -> "Loop":
+        """Bring the control into a state, with both set values and an offset where it has one."""
+        self.control.set_surface(-0.002)
+        self.control.set_distance(0.002)
+        if state is DistanceState.ERROR:
+            self.say(DistanceCommand.ON).run(3)
+            before, self.height_mm = self.height_mm, lambda _cycle: 100.0
+            with pytest.raises(Exception, match="class 7"):
+                self.run(1)
+            self.height_mm = before
+        else:
+            for command in STATE_WAYS[state]:
+                self.say(command).run(3 if command is not DistanceCommand.OFF else 0)
+        assert self.control.state is state
+        return self
+
+
+def wide(**changes: Any) -> DistanceSettings:
+    """Settings without a filter, whose limits nothing reaches but what a test changes."""
+    wanted: dict[str, Any] = {
+        "n_cycles": 0, "v_max_mm_s": 1e6, "a_max_mm_s2": 1e9, "max_deviation_mm": 1e3,
+        "max_change_mm_s": 1e6, "min_pos_mm": -50.0, "max_pos_mm": 50.0,
+    } | changes  # fmt: skip
+    return DistanceSettings().replaced(**wanted)
+
+
+@pytest.fixture
+def make_loop() -> Callable[..., Loop]:
+    """Make a loop; changes: of `wide`."""
+
+    def make(
+        height_mm: Callable[[int], float] = lambda _cycle: 0.0,
+        *,
+        program_mm: float = 0.0,
+        **changes: Any,
+    ) -> Loop:
+        return Loop(DistanceControl(OWNER, wide(**changes), MS), height_mm, program_mm)
+
+    return make

@@ -1,0 +1,93 @@
+"""Errors while the control follows: in the cycle of the value, with class and values."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from kernel.distance import DistanceCommand, DistanceState
+from kernel.errors import Alarm
+
+Command, State = DistanceCommand, DistanceState
+AT = 5
+
+
+def step_of(height_mm: float) -> Callable[[int], float]:
+    """A surface that is elsewhere from cycle `AT` on."""
+    return lambda cycle: height_mm if cycle >= AT else 0.0
+
+
+def alarm_of(loop: Any, cycles: int = 20) -> Alarm:
+    """Follow a surface until an alarm comes up."""
+    loop.control.set_surface(0.0)
+    loop.say(Command.ON)
+    with pytest.raises(Alarm) as caught:
+        loop.run(cycles)
+    assert loop.control.state is State.ERROR
+    return caught.value
+
+
+@pytest.mark.provokes(70329, 7, owner="axis Z", change_um_s=6000.0, limit_um_s=5000.0)
+@pytest.mark.provokes(310018, 7, owner="axis Z", change_um_s=6000.0, limit_um_s=5000.0)
+@pytest.mark.parametrize(("alarm_id", "is_newer"), [(70329, False), (310018, True)])
+def test_a_sensor_value_that_changes_too_fast(
+    make_loop: Callable[..., Any],
+    alarm_id: int,
+    is_newer: bool,
+) -> None:
+    loop = make_loop(step_of(0.006), max_change_mm_s=5.0, is_newer=is_newer)
+    assert alarm_of(loop).id == alarm_id
+    assert loop.cycle == AT + 1
+
+
+@pytest.mark.provokes(70330, 7, owner="axis Z", value_mm=2.5, limit_mm=2.0)
+@pytest.mark.provokes(310019, 7, owner="axis Z", value_mm=2.5, limit_mm=2.0)
+@pytest.mark.parametrize(("alarm_id", "is_newer"), [(70330, False), (310019, True)])
+def test_a_sensor_beyond_its_upper_end(
+    make_loop: Callable[..., Any],
+    alarm_id: int,
+    is_newer: bool,
+) -> None:
+    loop = make_loop(step_of(2.5), max_pos_mm=2.3, tolerance_mm=0.3, is_newer=is_newer)
+    assert alarm_of(loop).id == alarm_id
+    assert loop.cycle == AT + 1
+    assert loop.control.offset_mm == 0.0
+
+
+@pytest.mark.provokes(70576, 7, owner="axis Z", value_mm=-2.5, limit_mm=-2.0)
+@pytest.mark.provokes(310020, 7, owner="axis Z", value_mm=-2.5, limit_mm=-2.0)
+@pytest.mark.parametrize(("alarm_id", "is_newer"), [(70576, False), (310020, True)])
+def test_a_sensor_beyond_its_lower_end(
+    make_loop: Callable[..., Any],
+    alarm_id: int,
+    is_newer: bool,
+) -> None:
+    loop = make_loop(step_of(-2.5), min_pos_mm=-2.3, tolerance_mm=0.3, is_newer=is_newer)
+    assert alarm_of(loop).id == alarm_id
+    assert loop.cycle == AT + 1
+
+
+@pytest.mark.provokes(70331, 7, owner="axis Z", deviation_mm=2.5, limit_mm=2.0, offset_mm=2.0)
+@pytest.mark.provokes(310017, 7, owner="axis Z", deviation_mm=2.5, limit_mm=2.0, offset_mm=2.0)
+@pytest.mark.parametrize(("alarm_id", "is_newer"), [(70331, False), (310017, True)])
+def test_an_offset_beyond_its_limit_is_clamped_and_told(
+    make_loop: Callable[..., Any],
+    alarm_id: int,
+    is_newer: bool,
+) -> None:
+    loop = make_loop(step_of(2.5), max_deviation_mm=2.0, is_newer=is_newer)
+    assert alarm_of(loop).id == alarm_id
+    assert loop.cycle == AT + 1
+    assert loop.control.offset_mm == 2.0
+
+
+@pytest.mark.provokes(900312, 7, owner="axis Z")
+def test_an_absolute_sensor_has_its_zero(make_loop: Callable[..., Any]) -> None:
+    with pytest.raises(Alarm, match="900312"):
+        make_loop(has_absolute_sensor=True).control.reference(1.0)
+
+
+@pytest.mark.provokes(900313, 7, owner="axis Z", current="FREEZE")
+def test_the_zero_does_not_move_under_the_control(make_loop: Callable[..., Any]) -> None:
+    with pytest.raises(Alarm, match="900313"):
+        make_loop().lead_to(State.FREEZE).control.reference(1.0)
