@@ -6,7 +6,8 @@ Equal result folders give equal bytes: the page holds no clock and no path of th
 import math
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from decimal import Decimal
 from importlib import resources
 from pathlib import Path
@@ -22,6 +23,7 @@ from bench.results.stored import StoredResults, StoredRun, read_results
 from bench.results.writer import BESIDES
 from kernel.errors import UserError
 from reports.bar import bar
+from reports.distance.section import sections
 from reports.fixed_stop.section import timelines
 from reports.realtime import real_time
 from reports.signals import chart, table
@@ -122,16 +124,11 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
     case, info = run.case, run.info
     trace = _trace(run)
     alarms = _alarms(case["alarms"], info.get("log", []))
-    try:
-        stops = timelines(
-            info, trace, run.run, {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
-        )
-    except (KeyError, TypeError) as error:
-        # Written by another version of the bench
-        raise UserError(
-            f"`fixed_stop` of run {run.run} cannot be read: {error!r}",
-            hint="run the case again with this version",
-        ) from error
+    told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
+    with _readable(run, "fixed_stop"):
+        stops = timelines(info, trace, run.run, told)
+    with _readable(run, "distance"):
+        controls = sections(info, trace, told)
     description, packed = ({}, "") if trace is None else chart(trace, info)
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
@@ -154,6 +151,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "messages": info.get("messages", []),
         "log": info.get("log", []),
         "stops": stops,
+        "controls": controls,
         "events": _events(info),
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
@@ -161,6 +159,18 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "chart": description,
         "data": packed,
     }
+
+
+@contextmanager
+def _readable(run: StoredRun, block: str) -> Iterator[None]:
+    """Raise UserError for a block of a JSON file that another version of the bench wrote."""
+    try:
+        yield
+    except (KeyError, TypeError) as error:
+        raise UserError(
+            f"`{block}` of run {run.run} cannot be read: {error!r}",
+            hint="run the case again with this version",
+        ) from error
 
 
 def _trace(run: StoredRun) -> pa.Table | None:

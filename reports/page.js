@@ -102,6 +102,31 @@
     };
   }
 
+  /* States of distance control over time, each with its name where there is room. */
+  function stateLane(state) {
+    return (u) => {
+      const { ctx, bbox } = u, ratio = devicePixelRatio;
+      ctx.save();
+      ctx.font = `600 ${10.5 * ratio}px system-ui, sans-serif`;
+      ctx.textAlign = "left";
+      ctx.textBaseline = "middle";
+      for (const lane of state.chart.lanes || []) {
+        if (lane.axis !== state.axis) continue;
+        const [left, right] = [lane.start_ns, lane.end_ns].map((t) =>
+          Math.min(Math.max(u.valToPos(t / NS_PER_MS, "x", true), bbox.left), bbox.left + bbox.width));
+        if (right <= left) continue;
+        ctx.fillStyle = css("lane-" + lane.state.toLowerCase().replaceAll("_", "-"));
+        ctx.fillRect(left, bbox.top, Math.max(right - left, 1), bbox.height);
+        if (ctx.measureText(lane.label).width + 8 * ratio > right - left) continue;
+        ctx.fillStyle = css("ink");
+        ctx.fillText(lane.label, left + 4 * ratio, bbox.top + bbox.height / 2);
+      }
+      ctx.restore();
+    };
+  }
+
+  const STATES = ["INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR"];
+
   /* "lag_mm_max 0.5", for two of one name "latch_mm 9 … 10", different names one after the other. */
   function named(limits) {
     const values = new Map();
@@ -175,8 +200,8 @@
     const grid = { stroke: () => css("faint"), width: 1 };
     const ticks = { stroke: () => css("line"), width: 1, size: 4 };
     const font = "11px system-ui, sans-serif";
-    const binary = plot.plot === "probe";
-    const range = binary ? [-0.15, 1.15] : chart.ranges?.[plot.plot]?.[state.axis];
+    const binary = plot.plot === "probe", lane = plot.plot === "state";
+    const range = lane ? [0, 6] : binary ? [-0.15, 1.15] : chart.ranges?.[plot.plot]?.[state.axis];
     const sinceZero = (t) => t - state.zero.ms;
     return {
       width: figure.clientWidth,
@@ -199,7 +224,7 @@
           stroke: () => css("soft"), grid, ticks, font, size: 62,
           label: plot.unit ? `${plot.title} · ${plot.unit}` : plot.title,
           labelFont: "600 11px system-ui, sans-serif", labelSize: 16,
-          splits: binary ? () => [0, 1] : undefined,
+          splits: binary ? () => [0, 1] : lane ? () => [] : undefined,
           space: 24,
         },
       ],
@@ -213,12 +238,12 @@
           auto: entry.style !== "stop",
           dash: entry.style === "set" ? [5, 3] : undefined,
           points: { show: false },
-          value: legendValue(entry.unit),
-          paths: binary ? uPlot.paths.stepped({ align: 1 }) : undefined,
+          value: lane ? (u, value) => STATES[value] || "–" : legendValue(entry.unit),
+          paths: lane ? () => null : binary ? uPlot.paths.stepped({ align: 1 }) : undefined,
         })),
       ],
       hooks: {
-        drawClear: [bands(state)],
+        drawClear: lane ? [stateLane(state)] : [bands(state)],
         draw: [limitLines(limits), eventLines(events, place.first)],
         setScale: [(u, key) => key === "x" && follow(state, u)],
         ready: [(u) => place.first && u.root.querySelector(".u-series").classList.add("u-keep")],

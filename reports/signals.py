@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 
 from bench.results.writer import WARNING
+from reports.distance import signals as distance_signals
 from reports.encode import encode_signal, pack
 from reports.fixed_stop import signals as stop_signals
 
@@ -69,6 +70,8 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
         return {}, ""
     stops = stop_signals.stops_of(info, content.column_names)
     content = stop_signals.with_changes(content, stops)
+    controls = distance_signals.controls_of(info)
+    content = distance_signals.with_surfaces(content, controls)
     columns, parts = _encode(content)
     series = _series(content.column_names)
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
@@ -78,12 +81,18 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
         "rows": content.num_rows,
         "columns": columns,
         "axes": axes,
-        "axis": _first_axis(content, axes, events, stops),
+        "axis": _first_axis(content, axes, events, stops, controls),
         "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
         "events": events,
-        "limits": [*info.get("limits", []), *stop_signals.limits(content, stops)],
-        "windows": _windows(events, stops, int(time_ns[0]), int(time_ns[-1])),
+        "limits": [
+            *info.get("limits", []),
+            *stop_signals.limits(content, stops),
+            *distance_signals.limits(controls),
+        ],
+        "windows": _windows(events, stops, controls, int(time_ns[0]), int(time_ns[-1])),
     }
+    if controls:
+        description["lanes"] = distance_signals.lanes(controls)
     if stops:
         description["opens"] = len(stop_signals.windows(stops[:-1]))
         description["bands"] = stop_signals.bands(stops)
@@ -152,12 +161,16 @@ def _first_axis(
     axes: Sequence[str],
     events: Sequence[Mapping[str, Any]],
     stops: Sequence[stop_signals.Stop],
+    controls: Sequence[distance_signals.Control],
 ) -> str | None:
-    """The axis to show first: of the run to a fixed stop that is open, else of an event, else the
-    one that travels farthest.
+    """The axis to show first: of the run to a fixed stop that is open, else with distance control,
+    else of an event, else the one that travels farthest.
     """
     if stops and stops[-1]["main_axis"] in axes:
         return str(stops[-1]["main_axis"])
+    for control in controls:
+        if control["axis"] in axes:
+            return str(control["axis"])
     for event in events:
         if event["axis"] in axes:
             return str(event["axis"])
@@ -173,10 +186,13 @@ def _first_axis(
 def _windows(
     events: Sequence[Mapping[str, Any]],
     stops: Sequence[stop_signals.Stop],
+    controls: Sequence[distance_signals.Control],
     start_ns: int,
     end_ns: int,
 ) -> list[dict[str, Any]]:
-    """The stretches of `windows`; runs to a fixed stop have their own, before an alarm in them."""
+    """The stretches of `windows`; runs to a fixed stop and distance controls have their own, before
+    an alarm in them.
+    """
     spans = [(stop["begin_ns"], stop["end_ns"]) for stop in stops]
 
     def is_outside(event: Mapping[str, Any]) -> bool:
@@ -184,7 +200,7 @@ def _windows(
 
     own = [
         {**w, "start_ns": max(start_ns, w["start_ns"]), "end_ns": min(end_ns, w["end_ns"])}
-        for w in stop_signals.windows(stops)
+        for w in (*stop_signals.windows(stops), *distance_signals.windows(controls))
     ]
     return [*own, *windows([event for event in events if is_outside(event)], start_ns, end_ns)]
 

@@ -1,0 +1,228 @@
+"""Distance controls made of formulas: the discrete model walked over a surface, state by state.
+
+An axis without mass stands two cycles later where it was sent; everything is one cycle of 1 ms.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from bench.oracles.distance.lists import Control, Limits
+from bench.oracles.distance.loop import CONST_DIST, SET_POS, Loop, growth
+from bench.oracles.distance.model import Law
+from bench.oracles.distance.smoothing import of_control
+from bench.oracles.distance.stability import kp_limit
+from reports.distance.signals import STATES
+
+MS = 1_000_000
+LIMITS = Limits(100.0, 5000.0, 5.0, 2000.0, -8.0, 8.0)
+INACTIVE, ACTIVE, FREEZE, TURNING_OFF, CONST, ERROR = STATES
+Signal = npt.NDArray[np.float64]
+
+
+@dataclass
+class Sample:
+    """One case. plan: (row, state, by) from when on. surface: height at each row."""
+
+    name: str
+    surface: Callable[[Signal], Signal]
+    plan: tuple[tuple[int, str, str], ...]
+    control: Control
+    program_mm: float = 42.0
+    set_mm: float = 40.0
+    rows: int = 2000
+    feed_mm_s: float = 0.0
+    alarm: tuple[int, str] | None = None
+    is_dry_run: bool = False
+    limits: Limits = LIMITS
+
+
+def samples() -> list[Sample]:
+    """One case for each thing that a reader has to tell apart."""
+    calm = Control(kp=0.2, count=4)
+
+    def lifted(t: Signal) -> Signal:
+        return 40.0 + 2.0 * ((t > 400) & (t < 900)) + 0.5 * (t >= 1100)
+
+    def wavy(t: Signal) -> Signal:
+        return 40.0 + 0.8 * np.sin(t / 150.0)
+
+    def flat(t: Signal) -> Signal:
+        return np.full_like(t, 40.0) + 0.1 * (t > 300)
+
+    whole = (
+        (0, INACTIVE, "NC"),
+        (100, ACTIVE, "PLC"),
+        (1000, FREEZE, "PLC"),
+        (1300, ACTIVE, "PLC"),
+        (1600, TURNING_OFF, "PLC"),
+        (1690, INACTIVE, "PLC"),
+    )
+    on = ((0, INACTIVE, "NC"), (100, CONST, "NC"))
+    return [
+        Sample("surface-with-freeze", lifted, whole, calm),
+        Sample("profile", wavy, on, calm, set_mm=2.0, feed_mm_s=50.0),
+        Sample("oscillates", flat, on, Control(kp=1.0, count=4), set_mm=2.0, rows=600),
+        Sample("dry-run", lifted, on, calm, set_mm=2.0, is_dry_run=True),
+        Sample(
+            "alarm",
+            lambda t: 40.0 + 0.02 * np.clip(t - 200, 0, None),
+            (*on, (480, ERROR, "NC")),
+            calm,
+            set_mm=2.0,
+            rows=600,
+            alarm=(480, "ID 70331"),
+        ),
+    ]
+
+
+def mode(state: str) -> str:
+    """Law of a following state."""
+    return SET_POS if state == ACTIVE else CONST_DIST
+
+
+def trace(sample: Sample) -> pa.Table:
+    """Signals as the recorder writes them."""
+    count = sample.rows
+    at = np.arange(count, dtype=np.float64)
+    surface = sample.surface(at)
+    state = np.zeros(count, dtype=np.int64)
+    for row, word, _ in sample.plan:
+        state[row:] = STATES.index(word)
+    told = {name: np.zeros(count) for name in ("offset", "error", "delta", "step", "filtered")}
+    sent = np.full(count, sample.program_mm)
+    truth = sent.copy()
+    law, offset = None, 0.0
+    for row in range(count):
+        truth[row] = sent[max(row - 2, 0)] if row > 1 else sample.program_mm
+        sensor = surface[row] - truth[row]
+        word = STATES[state[row]]
+        before = offset
+        if word in (ACTIVE, CONST):
+            if law is None:
+                smooth = of_control(sample.control, MS)
+                law = Law(mode(word), sample.control, MS, sample.limits, smooth, offset)
+            moved = law.walk(sensor, truth[row], sent[max(row - 1, 0)], sample.set_mm)
+            offset = before if sample.is_dry_run else moved
+            law.offset_mm = offset
+            told["error"][row], told["filtered"][row] = law.error_mm, law.filtered_mm
+            told["delta"][row] = sample.control.kp * law.error_mm
+        else:
+            law = None
+            if word == TURNING_OFF:
+                offset -= np.sign(offset) * min(abs(offset), 0.01)
+        told["offset"][row], told["step"][row] = offset, offset - before
+        sent[row] = sample.program_mm + offset
+    gap = truth - surface
+    in_surface = any(word == ACTIVE for _, word, _ in sample.plan)
+    return pa.table(
+        {
+            "time_ns": (at * MS).astype(np.int64),
+            "X.set_mm": sample.feed_mm_s * at / 1000.0,
+            "X.actual_mm": sample.feed_mm_s * at / 1000.0,
+            "X.truth_mm": sample.feed_mm_s * at / 1000.0,
+            "Z.set_mm": sent,
+            "Z.actual_mm": truth,
+            "Z.truth_mm": truth,
+            "Z.velocity_mm_s": np.gradient(truth, 0.001),
+            **{f"Z.{name}_mm": values for name, values in told.items()},
+            "Z.distance_state": state.astype(np.float64),
+            "Z.sensor_mm": -gap,
+            "Z.distance_cnc_mm": gap,
+            "Z.surface_cnc_mm": truth - gap,
+            "Z.set_pos_mm": np.full(count, sample.set_mm if in_surface else np.nan),
+            "Z.set_dist_mm": np.full(count, np.nan if in_surface else sample.set_mm),
+            "gap.distance_mm": gap,
+            "gap.distance_true_mm": gap,
+            "gap.valid": np.ones(count, dtype=np.int8),
+        }
+    )
+
+
+def info(sample: Sample) -> dict[str, Any]:
+    """The parts of `runs/<run>.json` that distance control adds."""
+    ends = [*(row for row, _, _ in sample.plan[1:]), sample.rows - 1]
+    stretches = [
+        {
+            "begin_ns": row * MS,
+            "end_ns": end * MS,
+            "state": word,
+            "by": by,
+            "is_dry_run": sample.is_dry_run and word in (ACTIVE, CONST),
+            "set_mm": sample.set_mm if word in (ACTIVE, CONST) else None,
+            "set_end_mm": sample.set_mm if word in (ACTIVE, CONST) else None,
+            "law": 0 if word in (ACTIVE, CONST) else None,
+        }
+        for (row, word, by), end in zip(sample.plan, ends, strict=True)
+    ]
+    word = next(word for _, word, _ in sample.plan if word in (ACTIVE, CONST))
+    signals = trace(sample)
+    offset = signals.column("Z.offset_mm").to_numpy()
+    control = {
+        "axis": "Z",
+        "sensor": "gap",
+        "period_ms": 1.0,
+        "stretches": stretches,
+        "laws": [law(sample.control, mode(word))],
+        "dead": {"predicted": 1, "measured": 1, "note": ""},
+        "errors": [
+            {
+                "begin_ns": 100 * MS,
+                "mode": mode(word),
+                "speed_mm_s": 0.0,
+                "measured_mm": 0.0004,
+                "spread_mm": 0.0001,
+                "expected_mm": None if sample.alarm else 0.0,
+                "note": "the transient needs 40 cycles" if sample.alarm else "",
+            }
+        ],
+        "limits": [
+            limit("v_max", 415, 100.0, "mm/s", float(np.abs(np.diff(offset)).max()) * 1000.0),
+            limit("max_deviation", 414, 5.0, "mm", float(np.abs(offset).max())),
+            limit("max_pos", 419, 8.0, "mm", 0.0),
+            limit("min_pos", 420, -8.0, "mm", -2.5),
+        ],
+        "notes": [],
+    }
+    events = [
+        {"time_ns": row * MS, "kind": "alarm", "label": label, "axis": None}
+        for row, label in ([sample.alarm] if sample.alarm else [])
+    ]
+    return {"events": events, "distance": [control]}
+
+
+def law(control: Control, of_mode: str) -> dict[str, Any]:
+    """One law as the bench tells it."""
+    smooth = of_control(control, MS)
+    loop = replace(Loop(of_mode, 1), smoothing=smooth)
+    return {
+        "mode": of_mode,
+        "formula": "o += limit(kp (SET_DIST − filter(d)))",
+        "kp": control.kp,
+        "tn_s": control.tn_s,
+        "tv_s": control.tv_s,
+        "filter": smooth.name,
+        "delay_cycles": smooth.delay_cycles,
+        "noise_gain": smooth.noise_gain,
+        "dead_cycles": 1,
+        "age_cycles": 0,
+        "drive_lag_ms": 0.0,
+        "kp_limit": kp_limit(loop),
+        "growth": growth(loop, control.kp),
+    }
+
+
+def limit(key: str, number: int, value: float, unit: str, used: float) -> dict[str, Any]:
+    """One limit as the bench tells it."""
+    return {
+        "key": key,
+        "parameter": f"P-AXIS-{number:05d}",
+        "value": value,
+        "unit": unit,
+        "used": used,
+        "acts": "clamps",
+    }
