@@ -8,7 +8,7 @@ from numpy.polynomial import Chebyshev
 from paths import crossings, cubic
 from scipy.integrate import quad, solve_ivp
 from scipy.signal import StateSpace, lsim
-from workpieces import ramp_between, sampled
+from workpieces import moved, ramp_between, sampled, swayed
 
 
 def normal_numbers(seed: int, count: int) -> Vector:
@@ -191,4 +191,17 @@ def distance_sensor(time_s: Vector) -> Mapping[str, Vector]:
         "touching": touching,
         "touch_time": last_edge([(touch, True)], True, time_s),
         "clearance": np.where(true > 0, free, np.minimum(free, np.abs(wall - radius))),
+    }
+
+
+def distance_sensor_moved(time_s: Vector) -> Mapping[str, Vector]:
+    """A nozzle that stands 4.3 mm above a sheet that rises and sways."""
+    ramps = [(1.1e-3, 0.0503, 0.1207), (2.6e-3, 0.1011, 0.2203)]
+    true = 4.7e-3 - 0.4e-3 - moved(time_s, ramps) - swayed(time_s, 0.9e-3, 7.0, 0.2503)
+    lost = within([(0.3301, 0.3609)], time_s) > 0
+    return {
+        "distance": np.where(lost, 8e-3, np.maximum(true, 0.0)),
+        "distance_true": true,
+        "valid": (~lost).astype(float),
+        "touching": (true <= 0.0).astype(float),
     }

@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+from distance import noise_at
 from integration import Mode, Vector, integrate
 
 
@@ -80,4 +81,22 @@ def motor_winding(time_s: Vector) -> Mapping[str, Vector]:
         "current": rows[:, 2],
         "voltage": np.array(voltages),
         "velocity": rows[:, 1],
+    }
+
+
+def kinematic_axis(time_s: Vector) -> Mapping[str, Vector]:
+    """Without power, a ramp that ends, a ramp back from somewhere else, without power."""
+    begin, rest, back, off = 0.0407, 0.0809, 0.1031, 0.1513
+    first = 0.02 + 0.07 * (np.minimum(time_s, rest) - 0.0207)
+    second = 0.0236 - 0.04 * (time_s - back)
+    demand = np.where(time_s < back, first, second)
+    stands = 0.0236 - 0.04 * (off - back)
+    powered = (time_s >= begin) & (time_s < off)
+    position = np.where(powered, demand, np.where(time_s < begin, 0.021, stands))
+    slope = np.where(time_s < back, np.where(time_s <= rest, 0.07, 0.0), -0.04)
+    return {
+        "position": position,
+        "velocity": np.where(powered, slope, 0.0),
+        "motor_position": position + 2e-6 * noise_at(time_s, 130e-6, 5),
+        "demand_position": demand,
     }

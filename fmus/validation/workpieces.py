@@ -5,7 +5,7 @@ to the last digit for e = 1e-30 (Squire, Trapp, SIAM Review 40 (1998)); nothing 
 differentiated by hand.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -222,3 +222,25 @@ def workpiece(time_s: Vector) -> Mapping[str, Vector]:
         found[name] = np.choose(largest, [b[name] for b in borders])
     found["present"] = (found["beyond"] <= 0).astype(float)
     return found
+
+
+def moved(time_s: Vector, ramps: Sequence[tuple[float, float, float]]) -> Vector:
+    """Sum of ramps: height behind it, begin, end."""
+    heights = [np.interp(time_s, [begin, end], [0.0, h]) for h, begin, end in ramps]
+    return np.asarray(np.sum(heights, axis=0))
+
+
+def swayed(time_s: Vector, amplitude: float, frequency: float, begin: float) -> Vector:
+    """A sine from `begin` on, as the imaginary part of a pointer that turns."""
+    pointer = amplitude * np.exp(2j * np.pi * frequency * np.maximum(0.0, time_s - begin))
+    return np.asarray(pointer.imag)
+
+
+def movement(time_s: Vector) -> Mapping[str, Vector]:
+    """Two ramps that overlap and a sine; two steps."""
+    ramps = [(1.1e-3, 0.0503, 0.1207), (-0.6e-3, 0.1011, 0.2203)]
+    steps = 2.8e-3 * (time_s > 0.1303) - 2.7e-3 * (time_s > 0.2904)
+    return {
+        "gradual_height": moved(time_s, ramps) + swayed(time_s, 0.3e-3, 7.0, 0.2503),
+        "sudden_height": steps,
+    }

@@ -6,18 +6,29 @@ model DistanceSensor "Capacitive distance sensor at a nozzle above a workpiece"
   parameter Real tilt_factor(unit = "1", min = 1, max = 20) = 1
     "Tilt error over that of small angles; ideal disc: 1, real ones: about 5";
   parameter Real residual(unit = "1", min = -1, max = 1) = 0 "Share of nonlinearity that is left";
-  parameter Integer order(min = 1, max = 2) = 1 "Order of the filter";
+  parameter Integer order(min = 0, max = 2) = 1 "Order of the filter; 0: none";
   parameter Units.Frequency bandwidth(min = 1) = 1000 "Corner or natural frequency of the filter";
   parameter Units.DampingRatio damping = 0.7 "Of the second order";
   parameter Units.Length noise = 0 "Standard deviation at noise_distance; grows with d^2";
   parameter Units.Length noise_distance(min = 1e-6) = 1e-3 "Distance at which noise is stated";
   parameter Units.Time noise_period(min = 1e-6) = 100e-6 "From one random number to the next";
   parameter Integer seed(min = 0, max = 1000000) = 1 "Of the noise";
+  parameter Units.Position lift = 0 "By how much the workpiece rises; negative: it sinks";
+  parameter Units.Time lift_begin = 0 "When it begins to";
+  parameter Units.Time lift_end = 0 "When it is there; not after lift_begin: a step";
+  parameter Units.Position lift_2 = 0 "A second time, on top of the first";
+  parameter Units.Time lift_2_begin = 0 "When it begins to";
+  parameter Units.Time lift_2_end = 0 "When it is there; not after lift_2_begin: a step";
+  parameter Units.Position sway = 0 "Amplitude with which the workpiece goes up and down";
+  parameter Units.Frequency sway_frequency = 1 "How often";
+  parameter Units.Time sway_begin = 0 "When it begins to";
+  parameter Units.Time lost_begin = 0 "When the signal is lost";
+  parameter Units.Time lost_end = 0 "When it is back; not after lost_begin: it is never lost";
   Workpieces.Workpiece workpiece(points = 7, slopes = 1);
 
   output Units.Position distance "What the sensor tells";
   output Units.Position distance_true "From the nozzle straight down to the surface";
-  output Boolean valid "Within the range and not over an edge";
+  output Boolean valid "Within the range, not over an edge, and not lost";
   output Boolean touching "The nozzle touches the workpiece";
   output Units.Time touch_time(start = 0, fixed = true) "Last instant at which it touched";
   output Integer touch_count(start = 0, fixed = true) "How often it has touched";
@@ -37,6 +48,17 @@ protected
   Real side(unit = "1") "Where the wall cuts the disc, -1..1";
   Real lost_side(unit = "1") "Share of the disc beyond edge or side";
   Real lost(unit = "1") "Share of the disc without material below";
+  Boolean is_lost "There is no signal now";
+  Workpieces.Movement movement(
+    lift = lift,
+    lift_begin = lift_begin,
+    lift_end = lift_end,
+    lift_2 = lift_2,
+    lift_2_begin = lift_2_begin,
+    lift_2_end = lift_2_end,
+    sway = sway,
+    sway_frequency = sway_frequency,
+    sway_begin = sway_begin);
   CapacitiveElectrode electrode(
     radius = electrode_radius,
     tilt_excess = tilt_factor - 1,
@@ -60,9 +82,9 @@ equation
   workpiece.y[6] = y.position - far*electrode_radius;
   workpiece.y[7] = y.position - far*electrode_radius;
   for i in 1:7 loop
-    electrode.gaps[i] = z.position - workpiece.height[i];
+    electrode.gaps[i] = z.position - workpiece.height[i] - movement.height;
   end for;
-  distance_true = z.position - workpiece.height[1];
+  distance_true = z.position - workpiece.height[1] - movement.height;
   nearest = min(electrode.gaps[1], min(
     min(min(electrode.gaps[2], electrode.gaps[3]), min(electrode.gaps[4], electrode.gaps[5])),
     min(electrode.gaps[6], electrode.gaps[7])));
@@ -81,14 +103,15 @@ equation
   electrode.slope_x = workpiece.slope_x[1];
   electrode.slope_y = workpiece.slope_y[1];
   electrode.lost = lost;
-  filter.u = if touching then 0 else electrode.linearised;
-  valid = electrode.seen < range;
+  is_lost = time >= lost_begin and time < lost_end;
+  filter.u = if is_lost then range elseif touching then 0 else electrode.linearised;
+  valid = electrode.seen < range and not is_lost;
   touching = nearest <= (if pre(touching) then rounding else 0) and lost < 1;
   when touching then
     touch_time = time;
     touch_count = pre(touch_count) + 1;
   end when;
-  distance = if touching then 0
+  distance = if touching and not is_lost then 0
     else max(0, min(range, filter.y + noise*(filter.y/noise_distance)^2*noise_source.y));
   upright = max(0, abs(distance_true) - workpiece.steepest*electrode_radius)
     /sqrt(1 + workpiece.steepest^2);
@@ -106,9 +129,11 @@ straight wall cuts off a circle, or the lens that two circles have in common. Wh
 the output runs to full scale and valid is false, at once, before the filter. When a point of the
 electrode is on the surface, the electrode is short-circuited: the output is 0 at once, and touching is
 true.</p>
+<p>The workpiece may move in time (Workpieces.Movement). From lost_begin to lost_end there is no signal:
+the output runs to full scale as over a hole, whatever is below.</p>
 <p>clearance: with the largest slope L no touch begins or ends within (|d| - L r)/sqrt(1 + L^2); below
 the top (d negative) neither within the way to where the disc is just beyond the material, |e - r| with
-the distance e of Workpiece. Changes of valid are not in it.</p>
+the distance e of Workpiece. Changes of valid and motions of the workpiece are not in it.</p>
 <p>Assumptions: electrode level in x, y; tip and electrode are one. Limits: see CapacitiveElectrode;
 touching looks at the seven points; beside an edge the surface is continued, so that leaving the
 material sideways below its top still touches until the whole disc is beyond; edge and hole shall not

@@ -1,6 +1,6 @@
 within AxisRig.Sensors;
-block SensorFilter "Bandwidth of a sensor: first or second order, at rest at the start"
-  parameter Integer number(min = 1, max = 2) = 1 "1 or 2";
+block SensorFilter "Bandwidth of a sensor: none, first or second order, at rest at the start"
+  parameter Integer number(min = 0, max = 2) = 1 "0: no filter, 1 or 2";
   parameter Units.Frequency corner(min = 1) = 1000 "Corner or natural frequency";
   parameter Units.DampingRatio damping_ratio = 0.7 "Of the second order";
   input Units.Position u "Input";
@@ -19,10 +19,12 @@ equation
   der(first) = omega*(u - at_start - first);
   der(second) = second_rate;
   der(second_rate) = omega^2*(u - at_start - second) - 2*damping_ratio*omega*second_rate;
-  y = at_start + (2 - number)*first + (number - 1)*second;
+  // Weights that are 1 for one number and 0 for the others: compilers fix parameters that decide an if.
+  y = at_start + 0.5*(1 - number)*(2 - number)*(u - at_start) + number*(2 - number)*first
+    + 0.5*number*(number - 1)*second;
   annotation(
     Documentation(info="<html>
-<p>Equations: dy/dt = w (u - y), or d2y/dt2 = w^2 (u - y) - 2 D w dy/dt, with w = 2 pi f. In steady
+<p>Equations: y = u, dy/dt = w (u - y), or d2y/dt2 = w^2 (u - y) - 2 D w dy/dt, with w = 2 pi f. In steady
 motion with the rate v the output lags by v/w or 2 D v/w. The amplitude falls to 1/sqrt(2) at f for
 the first order, and for the second one with D = 1/sqrt(2).</p>
 <p>Assumption: linear electronics. Limit: none of the sampling inside the sensor. Source: transfer

@@ -1,0 +1,48 @@
+within AxisRig.Drives;
+model KinematicAxis "Axis without mass: the load is where the demand is"
+  input Units.Position reference_position "Demand at reference_time";
+  input Units.Velocity reference_velocity "Slope of the demand until reference_end";
+  input Units.Time reference_time "Instant of reference_position";
+  input Units.Time reference_end "Instant from which the demand rests";
+  input Boolean enabled(start = false) "Power stage on; off: the axis stands";
+
+  parameter Units.Position position_start = 0 "Position at the start";
+  parameter Units.Length noise = 0 "Standard deviation of what the motor encoder tells";
+  parameter Units.Time noise_period(min = 1e-6) = 100e-6 "From one random number to the next";
+  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the noise";
+
+  output Units.Position position "Position of the slide (truth)";
+  output Units.Velocity velocity "Velocity of the slide (truth)";
+  output Units.Position motor_position "Motor encoder, in terms of the slide";
+  output Units.Velocity motor_velocity "Velocity of the motor encoder, in terms of the slide";
+  output Units.Position demand_position "Position demand";
+protected
+  Units.Position held "Where it stands without power";
+  Boolean moving "The demand still moves";
+  Sensors.SampledNoise noise_source(period = noise_period, random_seed = seed);
+initial equation
+  pre(held) = position_start;
+equation
+  moving = time <= reference_end;
+  demand_position = reference_position
+    + reference_velocity*((if moving then time else reference_end) - reference_time);
+  when not enabled then
+    held = demand_position;
+  end when;
+  position = if enabled then demand_position else held;
+  velocity = if enabled and moving then reference_velocity else 0;
+  motor_position = position + noise*noise_source.y;
+  motor_velocity = velocity;
+  annotation(
+    Documentation(info="<html>
+<p>Equations: with power x(t) = x_r + v_r (min(t, t_end) - t_r), without power x rests where
+the demand was when the power went. The motor encoder tells x + s g(k), g a normal number that changes every
+noise_period (<code>Sensors.SampledNoise</code>).</p>
+<p>For loops whose dead time shall be whole cycles of the fieldbus: nothing but the interpolation of
+the demand lies between set and actual position. At reference_end itself the velocity is still that
+of the way there.</p>
+<p>Assumption: a drive without lag and a brake that closes at once. Limits: no force, no stop, no
+other control than that of the position; a demand that steps moves the axis in no time. Source:
+definition.</p>
+</html>"));
+end KinematicAxis;
