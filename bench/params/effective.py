@@ -135,7 +135,7 @@ def _values(
 def _keys(parameters: ParameterSet, row: Parameter, *, is_all: bool) -> list[str]:
     """Return the present paths of a row that are worth a line."""
     keys = [key for key, _ in parameters.items() if INDEX.sub("[i]", key) == row.path]
-    first = row.path.replace("[i]", "[0]")
+    first = row.path.replace("[i]", "[1]" if "second" in row.acts else "[0]")
     is_element = "indexed" in row.acts or row.acts == "no"
     if first not in keys and (is_all or not is_element):
         keys.insert(0, first)

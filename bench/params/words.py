@@ -133,7 +133,7 @@ def warning(row: Parameter) -> str:
 
 def acts(row: Parameter) -> str:
     """Say whether the parameter acts, or which values of it do."""
-    words = [word for word in row.acts.split() if word != "indexed"]
+    words = [word for word in row.acts.split() if word not in ("indexed", "second")]
     return ", ".join(words)
 
 

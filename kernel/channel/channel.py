@@ -10,6 +10,7 @@ from enum import Enum, auto
 from typing import Any
 
 from kernel.channel.axes import SingleAxes
+from kernel.channel.distance.controls import DistanceControls
 from kernel.channel.drive_functions import DriveFunctions
 from kernel.channel.execution import Execution
 from kernel.channel.measurement import Measurement
@@ -17,8 +18,9 @@ from kernel.channel.monitor import Monitor, PowerUp
 from kernel.channel.path import Path
 from kernel.channel.pauses import Pauses
 from kernel.channel.plc import PlcInterface
-from kernel.channel.reactions import Reactions
+from kernel.channel.reactions import Reactions, faulty_axes
 from kernel.channel.settings import AxisSettings, CycleTiming
+from kernel.channel.soft_limits import SoftLimitWatch
 from kernel.clock import Clock, Phase, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.drives.startup import StartUp
@@ -81,12 +83,14 @@ class Channel:
             warn=self.warn,
         )
         self.execution = Execution(put_out)
-        self.plc = PlcInterface(clock, self.path)
+        self.plc = PlcInterface(clock, self.path, by_axis)
         in_position = self.path.is_in_position
         self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc.events)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.reactions.stops.append(self.single.stop)
+        self._limits = SoftLimitWatch({axis.name: axis.limits for axis in axes}, by_axis)
+        self.distance = self._distance_controls()
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
@@ -97,6 +101,26 @@ class Channel:
         self._power_up = PowerUp(self.links, timing)
         self._next_sync_ns, self._sync_count = 0, 0
         self._assign()
+
+    def _distance_controls(self) -> DistanceControls:
+        plc, single = self.plc, self.single
+        distance = DistanceControls(
+            self.path, self.axes, self.links, plc.axis, plc.values, self.timing.period_ns
+        )
+        distance.warn = self.warn
+        distance.slaves_of = single.couplings.slaves_of
+        distance.is_led = lambda axis: single.independent.are_moving((axis,))
+        distance.measuring_state = self._measuring_state
+        self.measurement.refuse = distance.check_measuring
+        if distance.axes:
+            self.path.superposed_mm = distance.superposed_mm
+            self.path.counted_mm = distance.counted_mm
+            self._limits.uncounted_mm = distance.uncounted_mm
+        single.independent.held_axes = plc.held_axes
+        return distance
+
+    def _measuring_state(self, axis: str) -> str | None:
+        return self.measurement.state_of(axis) or self.single.independent.measuring_state(axis)
 
     def _assign(self) -> None:
         """Say who carries out which command."""
@@ -116,10 +140,10 @@ class Channel:
         known.register(canon.DriveRead, self._ask_drive)
         known.register(canon.DriveWait, self._ask_drive)
         self.single.assign(known)
+        self.distance.assign(known)
         known.while_busy(self.plc.is_waiting)
         known.register(canon.TechnologyFunction, self.plc.tell)
         known.register(canon.ExternalWrite, self.plc.write)
-        known.register(canon.DistanceCommand, _refuse_distance)
         known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
         known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
 
@@ -205,11 +229,14 @@ class Channel:
                 self.measurement.step()  # 2 signals, with the positions of this cycle
                 if self.single.is_active:
                     self.single.step()
-                self._monitor.check_drives()  # 4 drives (3, distance control, has its own issue)
+                self.distance.step()  # 3 distance control
+                self._monitor.check_drives()  # 4 drives and software limit switches
+                self._limits.check()
                 self.functions.check()
             elif self.state is ChannelState.POWERING:
                 self._power()
             elif self.state is ChannelState.STOPPING and self.start_ns is not None:
+                self.distance.step()
                 self._monitor.check_drives()
             if self.state is ChannelState.RUNNING:
                 self.execution.step()  # 5 refill the queue, begin what comes next
@@ -221,6 +248,7 @@ class Channel:
         for observer in self.observers:  # 7
             observer(self)
         if was_stopping and self._has_stopped():
+            self.distance.reset()
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
@@ -285,9 +313,10 @@ class Channel:
         """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
         return self.path.settings(axis).may_measure
 
-    def distance_state(self, _axis: str) -> str | None:
+    def distance_state(self, axis: str) -> str | None:
         """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
-        return None
+        found = self.distance.axes.get(axis)
+        return None if found is None else found.control.state.name
 
     def axis_numbered(self, number: int) -> str | None:
         """Return the axis with a logical number (P-AXIS-00016), None when there is none."""
@@ -326,24 +355,30 @@ class Channel:
 
     def _may_end(self) -> bool:
         return (
-            not self.single.is_moving and self.path.is_in_position() and not self.functions.is_busy
+            not self.single.is_moving
+            and not self.distance.is_turning_off
+            and self.path.is_in_position()
+            and not self.functions.is_busy
         )
 
-    def _end(self, _command: canon.EndOfProgram) -> None:
+    def _end(self, command: canon.EndOfProgram) -> None:
         self.state = ChannelState.ENDED
         self.end_ns = self._clock.now_ns
         self.measurement.end_program()
+        self.distance.end_program(command.block.place)
 
     # Stopping
 
     def _come_up(self, alarm: Alarm) -> None:
         """React to an alarm and to what came up with it; the first that ends the program counts."""
-        further, self._monitor.further = self._monitor.further, []
+        further = self._monitor.further + self.distance.further
+        self._monitor.further, self.distance.further = [], []
         for one in (alarm, *further):
             if self.state is ChannelState.STOPPING:
                 self.reactions.register_further(one)
             elif self.reactions.come_up(one):
                 self.state = ChannelState.STOPPING
+                self.distance.switch_off(faulty_axes(one))
 
     def stop(self, alarm: Alarm) -> None:
         """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""
@@ -353,8 +388,3 @@ class Channel:
     def warn(self, alarm: Alarm) -> None:
         """Note an alarm of class 1: the program goes on."""
         self.reactions.register(alarm)
-
-
-def _refuse_distance(command: canon.DistanceCommand) -> None:
-    place, word = command.block.place, f"{command.axis}[DIST_CTRL]"
-    raise Alarm(900100, place=place, word=word, what="distance control of one axis")

@@ -42,7 +42,8 @@ class Measurement:
     of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
     named; with the signal of the drive nothing is to be made ready, so that it stays a note.
     stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on. slaves_of:
-    tells which axes follow others at the moment, each with its master.
+    tells which axes follow others at the moment, each with its master. refuse: raises the alarm of
+    an axis that must not measure at the moment.
     """
 
     def __init__(
@@ -65,12 +66,20 @@ class Measurement:
         self.prepared: set[str] = set()
         self.stop_may_be_missing = False
         self.slaves_of: Callable[[Collection[str]], Mapping[str, str]] = lambda _masters: {}
+        self.refuse: Callable[[str], None] = lambda _axis: None
         self._sources: dict[str, str] = {}  # by #MEAS, whatever P-AXIS-00516 says
 
     @property
     def is_active(self) -> bool:
         """Whether a run is under way."""
         return self._run is not None
+
+    def state_of(self, axis: str) -> str | None:
+        """Return the state of the run on the path in which an axis takes part, None without one."""
+        if self._run is None or self._order is None:
+            return None
+        takes_part = axis in self._run.record.axes or axis in self._order.target_acs_mm
+        return self._run.state.name if takes_part else None
 
     def measured_acs_mm(self, axis: str) -> float | None:
         """Return the measured position of the axis' last run, None without a valid one."""
@@ -272,9 +281,10 @@ class Measurement:
     def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
         """Raise Alarm 50059, 900100, 900241 or 900242 for an axis that cannot take part in a run.
 
-        is_beside: it moves beside the path.
+        is_beside: it moves beside the path. Raises also what `refuse` raises.
         """
         self._check_released(axis, 50059)
+        self.refuse(axis)
         measuring = self._path.settings(axis).measuring
         source = self._sources.get(axis, measuring.source)
         measuring.check(axis, measuring_types()[measuring_type], source, is_beside=is_beside)
@@ -335,9 +345,11 @@ class Measurement:
 
     def _relax(self, targets_mm: Mapping[str, float], speed_mm_s: float) -> None:
         """Lead the axes straight to where they are to stand, no faster than the run."""
-        dynamics = self._path.dynamics(targets_mm, Motion.MEASURING)
+        path = self._path
+        targets_mm = {axis: mm - path.superposed_mm(axis) for axis, mm in targets_mm.items()}
+        dynamics = path.dynamics(targets_mm, Motion.MEASURING)
         if dynamics is not None:
-            self._path.begin(targets_mm, speed_mm_s, dynamics)
+            path.begin(targets_mm, speed_mm_s, dynamics)
 
     def abort(self) -> None:
         """End a run without a result: its probes are switched off."""

@@ -1,7 +1,7 @@
 """The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
 
 from collections import deque
-from collections.abc import Callable, Container, Mapping, Sequence
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
 
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.channel.settling import Settling
@@ -9,7 +9,8 @@ from kernel.clock import Clock, S
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.measuring.rules import lengthened
-from kernel.motion.curves import Arc, Curve, Line
+from kernel.motion.curves import Arc, Curve, Line, moved_axes
+from kernel.motion.curves import put as with_axis
 from kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
 from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from kernel.motion.profile import plan
@@ -17,7 +18,11 @@ from kernel.motion.ramp import Ramp
 
 
 class Path:
-    """Moves all axes of a channel together, one path at a time; axes and links in one order."""
+    """Moves all axes of a channel together, one path at a time; axes and links in one order.
+
+    superpose: adds to the set positions that leave the buffer; superposed_mm: tells what, by axis,
+    and counted_mm what of it counts for the software limit switches.
+    """
 
     def __init__(
         self,
@@ -37,6 +42,12 @@ class Path:
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
+        self.superpose: Callable[[Positions], Positions] | None = None
+        self.superposed_mm: Callable[[str], float] = lambda _axis: 0.0
+        self.counted_mm: Callable[[str], float] = lambda _axis: 0.0
+        self._floating: frozenset[str] = frozenset()
+        self._held_axes: frozenset[int] = frozenset()
+        self._wants_hold = False
         self._recent = deque([self.interpolator.positions_mm] * 3, maxlen=3)
 
     def position_acs_mm(self, axis: str) -> float:
@@ -57,6 +68,7 @@ class Path:
         """Send the set positions of this cycle through the buffer to the drives.
 
         follow: called in between, for axes whose set positions come from those of others.
+        superpose: adds what acts behind the buffer, the offsets of distance control.
         """
         positions_mm = self.interpolator.advance()
         if self.follow is not None:
@@ -64,6 +76,8 @@ class Path:
             positions_mm = self.interpolator.positions_mm
         self._recent.append(positions_mm)
         positions_mm = self._buffer.shift(positions_mm)
+        if self.superpose is not None:
+            positions_mm = self.superpose(positions_mm)
         for link, position_mm in zip(self._links, positions_mm, strict=True):
             link.send(position_mm)
 
@@ -90,10 +104,28 @@ class Path:
         self.interpolator.lead(self._index[axis], position_mm)
 
     def put(self, axis: str, position_mm: float) -> None:
-        """Let the set position of a standing axis be this one at once, the buffer with it."""
+        """Let the set position of a standing axis be this one at once, the buffer with it.
+
+        What is superposed on it is part of it.
+        """
         index = self._index[axis]
+        position_mm -= self.superposed_mm(axis)
         self.interpolator.lead(index, position_mm)
         self._buffer.put(index, position_mm)
+
+    def take_offset(self, axis: str, offset_mm: float) -> None:
+        """Let the set position of a standing axis contain what was superposed on it until now."""
+        index = self._index[axis]
+        self.interpolator.lead(index, self.interpolator.positions_mm[index] + offset_mm)
+        self._buffer.move(index, offset_mm)
+        for at, positions_mm in enumerate(self._recent):
+            self._recent[at] = with_axis(positions_mm, index, positions_mm[index] + offset_mm)
+
+    def let_float(self, axes: Collection[str]) -> None:
+        """Ask no exact-stop window of these axes: their offset goes on while the path stands."""
+        if self._floating != axes:
+            self._floating = frozenset(axes)
+            self._settling.restart()
 
     def use(self, settings: AxisSettings) -> None:
         """Replace the settings of an axis."""
@@ -159,7 +191,8 @@ class Path:
     ) -> None:
         """Begin a straight path; overtravel_mm: how far its axes may go behind their targets.
 
-        Raises Alarm 900012 for a target that cannot be told to a drive.
+        Raises Alarm 900012 for a target that cannot be told to a drive, 120002 or 120003 for one
+        beyond a software limit switch.
         """
         here = dict(zip(self._index, self.interpolator.positions_mm, strict=True))
         target = {**here, **target_acs_mm}
@@ -168,16 +201,31 @@ class Path:
         self._require_reach(tuple(target.values()))
         self._follow(Line(tuple(here.values()), tuple(target.values())), feed_mm_s, dynamics)
 
+    def require_reach(self, axis: str, target_mm: float) -> None:
+        """Raise Alarm 900012, 120002 or 120003 for a target that an axis must not be moved to."""
+        index = self._index[axis]
+        self._require(index, target_mm + self.counted_mm(axis))
+
+    def _require(self, index: int, target_mm: float) -> None:
+        axis = self._axes[index]
+        if not self._links[index].can_reach(target_mm):
+            raise Alarm(900012, axis=axis.name, target_mm=f"{target_mm:.9g}")
+        if axis.limits is not None:
+            axis.limits.require_target(axis.name, target_mm)
+
     def _require_reach(self, positions_mm: Positions) -> None:
-        for link, position_mm in zip(self._links, positions_mm, strict=True):
-            if not link.can_reach(position_mm):
-                raise Alarm(900012, axis=link.name, target_mm=f"{position_mm:.9g}")
+        here_mm = self.interpolator.positions_mm
+        for axis, here, target_mm in zip(self._index, here_mm, positions_mm, strict=True):
+            if target_mm != here:
+                self.require_reach(axis, target_mm)
 
     def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
         feed_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
         profile = plan(curve.length_mm, feed_mm_s, dynamics.acceleration, dynamics.deceleration)
         self._dynamics, self._feed_mm_s = dynamics, feed_mm_s
         self._settling.restart()
+        if self._held_axes:
+            self.interpolator.is_held = self._wants_hold or self._moves_held_axis(curve)
         self.interpolator.follow(curve, profile)
 
     def brake(self) -> None:
@@ -185,12 +233,23 @@ class Path:
         if not self.interpolator.is_standing and self._dynamics is not None:
             self.interpolator.brake(self._dynamics.stop_deceleration)
 
-    def feedhold(self, *, is_on: bool) -> None:
+    def feedhold(self, *, is_on: bool, axes: Collection[str] = ()) -> None:
         """Stop on the path, or go on along it; a move that begins in between waits at its start.
 
-        Brakes with what P-CHAN-00097 says, never past the end of the path. Axes that something
-        else leads go on.
+        axes: those that are held by themselves; they hold the paths that move them. Brakes with
+        what P-CHAN-00097 says, never past the end of the path. Axes that something else leads go
+        on.
         """
+        if axes or self._held_axes:
+            self._wants_hold = is_on
+            self._held_axes = frozenset(self._index[axis] for axis in axes)
+            is_on = is_on or (self.is_moving and self._moves_held_axis(self.interpolator.path))
+        self._hold(is_on)
+
+    def _moves_held_axis(self, curve: Curve) -> bool:
+        return not self._held_axes.isdisjoint(moved_axes(curve))
+
+    def _hold(self, is_on: bool) -> None:
         interpolator, dynamics = self.interpolator, self._dynamics
         if is_on == interpolator.is_held:
             return
@@ -257,5 +316,10 @@ class Path:
         if not self.has_stopped:
             self._settling.restart()
             return False
-        asked = (i for i in self._common if self._axes[i].name not in but_for)
+        floating = self._floating
+        asked = (
+            i
+            for i in self._common
+            if (name := self._axes[i].name) not in but_for and name not in floating
+        )
         return self._settling.judge((self._axes[i], self._links[i]) for i in asked)

@@ -6,10 +6,11 @@ external variables 1091998347; HLI, MC_Control units of a channel (path feedhold
 P-CHAN-00041 (functions that the PLC acknowledges).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from kernel.channel.distance.unit import AxisUnit
 from kernel.channel.path import Path
 from kernel.clock import Clock, TimeNs
 from kernel.errors import Alarm
@@ -41,12 +42,13 @@ class PlcInterface:
     values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
     one, when everything before it is executed. events: everything that passed, in order.
     take_turn: the PLC side's own work of a cycle. feedhold: control unit of the path, True stops
-    it. acknowledged_later: functions (M50) that the PLC side acknowledges by `acknowledge`; every
-    other one counts as acknowledged at once.
+    it. axis: control units of every axis. acknowledged_later: functions (M50) that the PLC side
+    acknowledges by `acknowledge`; every other one counts as acknowledged at once.
     """
 
-    def __init__(self, clock: Clock, path: Path) -> None:
+    def __init__(self, clock: Clock, path: Path, axes: Iterable[str]) -> None:
         self._clock, self._path = clock, path
+        self.axis: Mapping[str, AxisUnit] = {axis: AxisUnit() for axis in axes}
         self.values: dict[str, float] = {}
         self.events: list[PlcEvent] = []
         self.take_turn: Callable[[], None] = lambda: None
@@ -60,9 +62,13 @@ class PlcInterface:
     def step(self) -> None:
         """Give the PLC side its turn; raises the alarm that it has reported."""
         self.take_turn()
-        self._path.feedhold(is_on=self.feedhold)
+        self._path.feedhold(is_on=self.feedhold, axes=self.held_axes())
         if self._reported:
             raise self._reported.pop(0)
+
+    def held_axes(self) -> list[str]:
+        """Return the axes that their own feedhold or an override of 0 holds."""
+        return [name for name, unit in self.axis.items() if unit.holds]
 
     def is_waiting(self) -> bool:
         """Tell whether a function is still to be acknowledged: nothing begins before."""

@@ -17,6 +17,7 @@ from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.motion.ramp import Ramp
 
+OWNER = "axis "  # before the name where a value may also name the channel
 NOT_FOLLOWING = 900029  # braking the set position would not stop this axis
 
 
@@ -70,8 +71,8 @@ class Reactions:
 
     def register_further(self, alarm: Alarm) -> None:
         """Note what comes up beside the alarm that stops or behind it: each ID once per axis."""
-        known = [(a.id, _who(a)) for a in (*self.alarms, *self.further)]
-        if (alarm.id, _who(alarm)) not in known:
+        known = [(a.id, faulty_axes(a)) for a in (*self.alarms, *self.further)]
+        if (alarm.id, faulty_axes(alarm)) not in known:
             self.further.append(alarm)
             self.further_ns.append(self._clock.now_ns)
 
@@ -88,7 +89,7 @@ class Reactions:
             link.hold_back()
             if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
                 link.quick_stop()
-        self._stop(ReactionClass(alarm.entry.reaction_class), _who(alarm))
+        self._stop(ReactionClass(alarm.entry.reaction_class), faulty_axes(alarm))
         return True
 
     def _stop(self, reaction: ReactionClass, faulty: Sequence[str]) -> None:
@@ -127,6 +128,9 @@ class Reactions:
             follow()
 
 
-def _who(alarm: Alarm) -> tuple[str, ...]:
-    """The axes that an alarm names."""
+def faulty_axes(alarm: Alarm) -> tuple[str, ...]:
+    """Return the axes that an alarm names, be it as owners of what has failed."""
+    owner = str(alarm.values.get("owner", ""))
+    if owner.startswith(OWNER):
+        return (owner.removeprefix(OWNER),)
     return tuple(str(alarm.values.get("axis", "")).split())

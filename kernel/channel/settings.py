@@ -2,7 +2,10 @@
 
 from dataclasses import dataclass, field
 
+from kernel.channel.distance.settings import AxisDistanceSettings
+from kernel.channel.soft_limits import SoftLimits
 from kernel.clock import MS, US, TimeNs
+from kernel.distance.settings import names_newer
 from kernel.measuring.rules import MeasuringAxis
 from kernel.motion.dynamics import Dynamics, Motion, axis_slopes
 from kernel.motion.profile import Slope
@@ -29,7 +32,10 @@ class AxisSettings:
 
     may_measure: P-AXIS-00118. window_mm: P-AXIS-00236, exact stop. settling_ns: P-AXIS-00532 or
     P-AXIS-00151, 0 = not monitored. dynamics: per kind of motion. measuring: of its runs. number:
-    P-AXIS-00016. emergency: P-AXIS-00003, else P-AXIS-00008, None without either.
+    P-AXIS-00016. emergency: P-AXIS-00003, else P-AXIS-00008, None without either. distance:
+    control of the distance, None where P-AXIS-00328 does not release it. tells_newer_ids: 3100xx of
+    distance control, not 703xx. limits: its software limit
+    switches, None where they are not monitored.
     """
 
     name: str
@@ -40,6 +46,9 @@ class AxisSettings:
     measuring: MeasuringAxis = field(default_factory=MeasuringAxis)
     number: int = 0
     emergency: Slope | None = None
+    distance: AxisDistanceSettings | None = None
+    tells_newer_ids: bool = False
+    limits: SoftLimits | None = None
 
     @property
     def own_stop(self) -> Slope:
@@ -58,6 +67,9 @@ class AxisSettings:
             measuring=MeasuringAxis.read(axis),
             number=axis.integer("kopf.achs_nr"),
             emergency=_emergency(axis),
+            distance=AxisDistanceSettings.read(axis),
+            tells_newer_ids=names_newer(axis),
+            limits=SoftLimits.read(axis),
         )
 
 

@@ -45,6 +45,16 @@ def put(positions: Positions, index: int, position_mm: float) -> Positions:
     return (*positions[:index], position_mm, *positions[index + 1 :])
 
 
+def moved_axes(curve: Curve) -> frozenset[int]:
+    """Return the places of the axes that a curve moves."""
+    ends = zip(curve.start_mm, curve.end_mm, strict=True)
+    moved = {index for index, (start_mm, end_mm) in enumerate(ends) if start_mm != end_mm}
+    if isinstance(curve, Arc):
+        in_plane = zip(curve.cosines_mm, curve.tangent, strict=True)
+        moved.update(index for index, shares in enumerate(in_plane) if any(shares))
+    return frozenset(moved)
+
+
 class Line:
     """The straight path between two points."""
 

@@ -32,6 +32,11 @@ class Interpolator:
         self.is_held = False
 
     @property
+    def path(self) -> Curve:
+        """The path that is executed, or was last."""
+        return self._path
+
+    @property
     def _is_over(self) -> bool:
         return self._cycle * self._cycle_ns / S >= self._profile.duration_s
 
@@ -153,3 +158,8 @@ class SetpointBuffer:
         """Replace everything in the buffer for one axis."""
         for at, positions_mm in enumerate(self._queue):
             self._queue[at] = put(positions_mm, index, position_mm)
+
+    def move(self, index: int, distance_mm: float) -> None:
+        """Move everything in the buffer for one axis."""
+        for at, positions_mm in enumerate(self._queue):
+            self._queue[at] = put(positions_mm, index, positions_mm[index] + distance_mm)

@@ -12,8 +12,8 @@ alarm       ID of the warning with which a value out of range is corrected to th
             second one where the setting has an older path without index
 correction  `low=x`: the value in place of a limit that is not allowed itself; `keep`: warned, not
             corrected; `above`: only a value above the range
-acts        yes, no, or the only values that have an effect now; `indexed`: of every index, else
-            of index 0
+acts        yes, no, or the only values that have an effect now; `indexed`: of every index,
+            `second`: of index 1 only, else of index 0
 """
 
 import csv
@@ -168,15 +168,16 @@ class Parameter:
 
     def has_effect(self, indices: Iterable[int], value: Value) -> bool:
         """Whether setting `value` changes anything now; the default always counts as acting."""
-        acting = self.acts.split()
-        if "indexed" not in acting and any(indices):
+        acting, found = self.acts.split(), tuple(indices)
+        wanted = (1,) * len(found) if "second" in acting else (0,) * len(found)
+        if "indexed" not in acting and found != wanted:
             return value == self.default
         return value == self.default or "yes" in acting or written(value) in acting
 
     @property
     def acting(self) -> str:
         """Say which values have an effect."""
-        words = [word for word in self.acts.split() if word != "indexed"]
+        words = [word for word in self.acts.split() if word not in ("indexed", "second")]
         return ", ".join(words) if words != ["no"] else written(self.default)
 
 

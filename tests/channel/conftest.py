@@ -21,7 +21,9 @@ from bench.drive.node import DriveNode
 from bench.drive.ports import ControlKind
 from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
+from kernel.channel.distance.settings import AxisDistanceSettings
 from kernel.channel.monitor import Monitor
+from kernel.channel.soft_limits import SoftLimits
 from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.link import AxisLink, LinkSettings
@@ -84,6 +86,7 @@ class FirstOrderAxis:
         stop_m: float = math.inf,
     ) -> None:
         self._world, self.kv, self.droop_m, self.stop_m = world, kv, droop_m, stop_m
+        self.height_mm: Callable[[int], float] | None = None
         self.pieces = [Piece(0, start_m, start_m, 0.0, 0, False)]
 
     def _piece(self, time_ns: int) -> Piece:
@@ -117,7 +120,10 @@ class FirstOrderAxis:
         return None
 
     def second_encoder_m(self) -> float | None:
-        return None
+        if self.height_mm is None:
+            return None
+        now_ns = self._world.now_ns
+        return (self.height_mm(now_ns) / 1e3) - self.position_at(now_ns)
 
     def demand_position_m(self) -> float:
         return self.demand_at(self._world.now_ns)
@@ -171,7 +177,8 @@ class AxisSpec:
     """One axis of a bench.
 
     a_mm_s2: of every ramp. stop_mm_s2: of a stop, None = as the others. probed: whether the probe
-    leads to its drive. stop_mm: a fixed stop, beyond which the axis does not get.
+    leads to its drive. stop_mm: a fixed stop, beyond which the axis does not get. height_mm: of a
+    surface by the time; its second encoder tells how far the axis is below it, in its increments.
     """
 
     name: str
@@ -194,6 +201,10 @@ class AxisSpec:
     probed: bool = True
     stop_mm: float = math.inf
     fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
+    distance: AxisDistanceSettings | None = None
+    height_mm: Callable[[int], float] | None = None
+    limits: SoftLimits | None = None
+    tells_newer_ids: bool = False
 
     def measuring(self) -> MeasuringAxis:
         return MeasuringAxis(
@@ -219,6 +230,9 @@ class AxisSpec:
             self.settling_ns,
             dict.fromkeys(Motion, dynamics),
             self.measuring(),
+            distance=self.distance,
+            limits=self.limits,
+            tells_newer_ids=self.tells_newer_ids,
         )
 
 
@@ -264,6 +278,8 @@ class ChannelBench:
             )
             for s in specs
         }
+        for s in specs:
+            self.axes[s.name].height_mm = s.height_mm
         if plane_mm is not None:
             axis = self.axes[specs[-1].name]
             self.world.probe = PlaneProbe(axis, plane_mm / 1e3)
@@ -283,6 +299,7 @@ class ChannelBench:
                     lag_limit_mm=lag_limit_mm,
                     pdo_map=pdo_map,
                     jump_mm=2 * s.speed_max_mm_s * 1e-3,
+                    has_second=s.height_mm is not None,
                 ),
                 self.network,
             )

@@ -4,7 +4,7 @@ An axis that measures (G100) has its own run and latch, so several can measure a
 a run of the path. Sources: FCT-C4 section 2, TF5200 programming manual 208612235.
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass
 
 from kernel.channel.measurement import Measurement
@@ -70,7 +70,10 @@ class _StopMotion:
 
 
 class IndependentAxes:
-    """Begins, leads and ends the independent motions of a channel; links: by axis."""
+    """Begins, leads and ends the independent motions of a channel; links: by axis.
+
+    held_axes: tells which axes the PLC side holds by their own feedhold or override.
+    """
 
     def __init__(
         self,
@@ -83,6 +86,7 @@ class IndependentAxes:
         self._clock, self._timing, self._path = clock, timing, path
         self._measurement, self._links = measurement, links
         self._movers: dict[str, Mover] = {}
+        self.held_axes: Callable[[], Collection[str]] = tuple
 
     @property
     def is_moving(self) -> bool:
@@ -93,18 +97,25 @@ class IndependentAxes:
         """Whether any of these axes is under way or measures."""
         return any(axis in self._movers for axis in axes)
 
+    def measuring_state(self, axis: str) -> str | None:
+        """Return how far the measurement of an axis is, None without one."""
+        mover = self._movers.get(axis)
+        if mover is None or mover.run is None:
+            return None if mover is None or not mover.waits else "WAITING"
+        return mover.run.state.name
+
     # Beginning
 
     def begin(self, command: canon.IndependentMove) -> None:
         """Begin the motion of an axis; without a way there is nothing to do.
 
-        Raises Alarm 900012 for a target that cannot be told to the drive, for G100 also 50059,
-        900100, 900103.
+        Raises Alarm 900012 for a target that cannot be told to the drive, 120002 or 120003 for one
+        beyond a software limit switch, for G100 also 50059, 900100, 900103.
         """
         path, axis = self._path, command.axis
         here_mm, settings = path.position_acs_mm(axis), path.settings(axis)
-        if not self._links[axis].can_reach(command.target_acs_mm):
-            raise Alarm(900012, axis=axis, target_mm=f"{command.target_acs_mm:.9g}")
+        if command.target_acs_mm != here_mm:
+            path.require_reach(axis, command.target_acs_mm)
         measures = command.measuring_type is not None
         if command.measuring_type is not None:
             self._measurement.check(axis, command.measuring_type, is_beside=True)
@@ -114,6 +125,7 @@ class IndependentAxes:
             return
         interpolator = Interpolator((axis,), self._timing.period_ns)
         interpolator.hold((here_mm,))
+        interpolator.is_held = axis in self.held_axes()
         mover = Mover(
             command,
             settings,
@@ -165,7 +177,7 @@ class IndependentAxes:
         if isinstance(run, FixedStopRun):
             order = run.evaluate(now_ns)
             if order is Order.RELAX:
-                _go(mover, run.targets_mm[axis])
+                _go(mover, run.targets_mm[axis] - self._path.superposed_mm(axis))
         else:
             order = run.evaluate(now_ns, self.stands(mover))
         if order is Order.START:
@@ -191,7 +203,9 @@ class IndependentAxes:
 
     def advance(self) -> None:
         """Lead every axis on by one cycle."""
+        held = self.held_axes()
         for axis, mover in list(self._movers.items()):
+            _hold(mover, is_on=axis in held)
             if not mover.interpolator.is_standing:
                 self._path.lead(axis, mover.interpolator.advance()[0])
             measures = mover.waits or mover.run is not None
@@ -223,6 +237,18 @@ class IndependentAxes:
             mover.settling.restart()
             return False
         return mover.settling.judge(((mover.settings, mover.link),))
+
+
+def _hold(mover: Mover, *, is_on: bool) -> None:
+    """Stop an axis on its way, or let it go on."""
+    interpolator, dynamics = mover.interpolator, mover.dynamics
+    if is_on == interpolator.is_held:
+        return
+    interpolator.is_held = is_on
+    if is_on:
+        interpolator.feedhold(dynamics.feedhold or dynamics.deceleration, dynamics.deceleration)
+    else:
+        interpolator.go_on(mover.speed_mm_s, dynamics.acceleration, dynamics.deceleration)
 
 
 def _judged(mover: Mover, alarm: Alarm) -> Alarm:

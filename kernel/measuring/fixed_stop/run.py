@@ -138,6 +138,11 @@ class FixedStopRun:
         }
 
     @property
+    def state(self) -> Enum:
+        """How far the run is."""
+        return self._state
+
+    @property
     def is_done(self) -> bool:
         """Whether the results are final."""
         return self._state is _State.DONE

@@ -1,0 +1,135 @@
+"""Distance control of one axis: its sensor, its control, and the cycle in which the offset goes."""
+
+from collections.abc import Mapping
+
+from kernel.channel.distance.sensor import (
+    SECOND_ENCODER,
+    VARIABLE,
+    EncoderSensor,
+    Sensor,
+    VariableSensor,
+)
+from kernel.channel.distance.settings import AxisDistanceSettings
+from kernel.channel.distance.unit import UnitState
+from kernel.clock import TimeNs
+from kernel.distance import DistanceControl, DistanceState, Reading
+from kernel.distance.states import FOLLOWING
+from kernel.drives.link import AxisLink
+from kernel.errors import Alarm
+
+NO_VARIABLE, SOURCE_CHANGED, NO_SECOND_ENCODER = 310027, 310028, 310029
+
+
+class AxisDistance:
+    """Distance control of one axis.
+
+    values: V.E. variables, by the name behind `V.E.`. is_held: the offset stands, by feedhold or
+    override of the axis. output_mm: the offset that went out in the last cycle.
+    """
+
+    def __init__(
+        self,
+        link: AxisLink,
+        settings: AxisDistanceSettings,
+        values: Mapping[str, float],
+        period_ns: TimeNs,
+    ) -> None:
+        self.name, self.settings = link.name, settings
+        self._link, self._values = link, values
+        self.control = DistanceControl(f"axis {link.name}", settings.control, period_ns)
+        self._encoder = EncoderSensor(link, settings.sensor)
+        self.sensor: Sensor = self._encoder
+        self.sensor_mm: float | None = None
+        self.is_held = False
+        self.output_mm = 0.0
+        self._before_mm = 0.0  # offset of the cycle before, which goes out in this one
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the offset may change by itself."""
+        state = self.control.state
+        if state in FOLLOWING:
+            return not self.control.is_dry_run
+        return state is DistanceState.TURNING_OFF
+
+    # Sensor
+
+    def choose(self, source: str | None, variable: str | None) -> None:
+        """Take another sensor (SENSOR_SOURCE, SENSOR_VAR); None leaves what is.
+
+        Raises Alarm 310027, 310028, 310029.
+        """
+        if source is None and variable is None:
+            return
+        source = source or (VARIABLE if variable is not None else SECOND_ENCODER)
+        sensor: Sensor = self._encoder
+        if source == VARIABLE:
+            known = self.sensor.name if isinstance(self.sensor, VariableSensor) else ""
+            sensor = VariableSensor(variable or known, self._values, self.settings.sensor)
+        if self.control.state is not DistanceState.INACTIVE and _word(sensor) != _word(self.sensor):
+            raise Alarm(
+                SOURCE_CHANGED,
+                owner=self.control.owner,
+                current=_word(self.sensor),
+                programmed=_word(sensor),
+            )
+        self._require(sensor)
+        self.sensor = sensor
+
+    def require_sensor(self) -> float:
+        """Return the sensor value; raises Alarm 310027 or 310029 when nothing tells it."""
+        self._require(self.sensor)
+        self.take()  # a program may begin in the cycle that has just powered the drives
+        if self.sensor_mm is None:
+            raise self._missing(self.sensor)
+        return self.sensor_mm
+
+    def _require(self, sensor: Sensor) -> None:
+        if not sensor.exists:
+            raise self._missing(sensor)
+
+    def _missing(self, sensor: Sensor) -> Alarm:
+        alarm_id = NO_VARIABLE if isinstance(sensor, VariableSensor) else NO_SECOND_ENCODER
+        return Alarm(alarm_id, owner=self.control.owner, source=_word(sensor))
+
+    # Each cycle
+
+    def take(self) -> None:
+        """Take the sensor value of this cycle."""
+        self.sensor_mm = self.sensor.read_mm()
+
+    def step(self) -> None:
+        """Control with the values of this cycle; raises the alarms of the control."""
+        if self.sensor_mm is None:
+            return
+        link = self._link
+        self.control.step(Reading(self.sensor_mm, link.actual_mm, link.set_mm, self.is_held))
+
+    @property
+    def pending_mm(self) -> float:
+        """The offset that goes out in this cycle."""
+        return self.control.offset_mm if self.settings.is_optimized else self._before_mm
+
+    def put_out(self) -> float:
+        """Return the offset of this cycle. To be called once per cycle, behind everything else."""
+        self.output_mm = self.pending_mm
+        self._before_mm = self.control.offset_mm
+        return self.output_mm
+
+    def forget_offset(self) -> None:
+        """The interpolated position has taken the offset over: none is on its way any more."""
+        self.output_mm = self._before_mm = self.control.offset_mm
+
+    def show(self, state: UnitState) -> None:
+        """Show the PLC what there is."""
+        control = self.control
+        state.state, state.source = control.state, control.source
+        state.actual_offset_mm = control.offset_mm
+        if self.sensor_mm is not None:
+            state.surface_mm, state.distance_mm = control.surface_mm, control.distance_mm
+
+
+def _word(sensor: Sensor) -> str:
+    if isinstance(sensor, VariableSensor):
+        return f"VARIABLE V.E.{sensor.name}" if sensor.name else "VARIABLE without SENSOR_VAR"
+    return sensor.source
