@@ -61,7 +61,7 @@ def test_one_parameter_is_explained(axisrig: Call, name: str) -> None:
 
 
 def test_a_parameter_that_does_nothing_yet_says_so(axisrig: Call) -> None:
-    assert "acts         no" in said(axisrig, "P-AXIS-00414")
+    assert "acts         no" in said(axisrig, "P-AXIS-00099")
 
 
 @pytest.mark.parametrize("older", ["kenngr.distc.max_abweichung", "kenngr.distc.max_deviation"])
@@ -113,18 +113,21 @@ def test_a_list_is_told_with_what_is_corrected_and_what_does_not_act(
     axisrig: Call, tmp_path: Path
 ) -> None:
     path = tmp_path / "c.lst"
-    path.write_text("kopf.log_achs_name C\nkenngr.achs_typ ACHSTYP_ROTATOR\n"
-                    "kenngr.probing_offset 500\nkenngr.distc.kp 7\n")  # fmt: skip
+    path.write_text(
+        "kopf.log_achs_name C\nkenngr.achs_typ ACHSTYP_ROTATOR\n"
+        "kenngr.probing_offset 500\nkenngr.distc.kp 7\ngetriebe[0].kv 300\n"
+    )
     values, notes = said(axisrig, str(path)).split("\n\n")
     assert [" ".join(line.split()) for line in values.splitlines()] == [
         "axis C",
         "kopf.log_achs_name C c.lst:1",
         "kenngr.achs_typ ACHSTYP_ROTATOR c.lst:2",
+        "getriebe[0].kv 300 x 0.01/s = 3 1/s c.lst:5",
         "kenngr.probing_offset 500 x 0.0001 deg = 0.05 deg c.lst:3",
         "kenngr.dist_ctrl[0].kp 2.0 c.lst:4",
     ]
     assert notes.splitlines()[0].startswith("warning: ID 315010 class 1: ")
-    assert notes.splitlines()[1] == "note: kenngr.dist_ctrl[0].kp = 2.0 does not act yet"
+    assert notes.splitlines()[1] == "note: getriebe[0].kv = 300 does not act yet"
 
 
 def test_differences_of_two_lists_in_both_units(axisrig: Call, tmp_path: Path) -> None:
