@@ -70,6 +70,7 @@ class DriveProfile:
     sampling: Literal["after_rpdo", "before_rpdo"] = "after_rpdo"
     status_delay_cycles: int = 0
     value_delay_cycles: int = 0
+    second_delay_cycles: int = 0
     homing: Literal["independent", "probe_1_off", "off", "clears"] = "independent"
     home_offset: Literal["zero", "value"] = "zero"
     homing_torque: int = 500

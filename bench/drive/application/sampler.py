@@ -1,5 +1,6 @@
 """Actual values of a drive: what the objects say of axis and inputs."""
 
+from collections import deque
 from typing import Final
 
 from bench.drive.application.limits import Limits
@@ -25,7 +26,11 @@ _INPUT_SHIFT = input_bit(1).bit_length() - 1
 
 
 class Sampler:
-    """Writes the actual values into the process image. is_watched: a telegram carries SELDOM."""
+    """Writes the actual values into the process image.
+
+    is_watched: a telegram carries SELDOM. second_delay: the second encoder is shown as it was so
+    many SYNCs ago, where a telegram carries it.
+    """
 
     def __init__(
         self,
@@ -35,9 +40,11 @@ class Sampler:
         limits: Limits,
         touch_probe: TouchProbe,
         switches: Switches,
+        second_delay: int = 0,
     ) -> None:
         self._image, self._units, self._motion = image, units, motion
         self._limits, self._touch_probe, self._switches = limits, touch_probe, switches
+        self._second: deque[int] = deque(maxlen=second_delay + 1)
         self.is_watched = True
 
     def sample(self) -> None:
@@ -52,8 +59,8 @@ class Sampler:
         image.probe_status = probe.status
         image.digital_inputs = probe.inputs << _INPUT_SHIFT | self._switches.word
 
-    def sample_seldom(self) -> None:
-        """Sample the rest."""
+    def sample_seldom(self, at_sync: bool = False) -> None:
+        """Sample the rest; at_sync: for a telegram that belongs to this SYNC."""
         image, units, motion = self._image, self._units, self._motion
         demand_m = motion.position_m()
         image.position_demand = units.position_units(demand_m)
@@ -61,4 +68,9 @@ class Sampler:
         image.position_internal = units.increments(motion.axis.motor_position_m())
         image.torque_actual = image.current_actual = self._limits.torque_per_mille()
         second_m = motion.axis.second_encoder_m()
-        image.second_position = 0 if second_m is None else units.second_units(second_m)
+        second = 0 if second_m is None else units.second_units(second_m)
+        past = self._second
+        if at_sync:
+            past.append(second)
+        is_delayed = past.maxlen != 1 and len(past) > 0
+        image.second_position = past[0] if is_delayed else second

@@ -87,8 +87,9 @@ class Servo:
         self.modes = {mode.number: mode(parts) for mode in MODES if mode.needs in axis.kinds}
         self._ticker = Ticker(clock, profile.tick_ns, self._tick)
         self._sampler = Sampler(
-            image, self.scaling, self.motion, self.limits, self.touch_probe, self.switches
-        )
+            image, self.scaling, self.motion, self.limits, self.touch_probe, self.switches,
+            profile.second_delay_cycles,
+        )  # fmt: skip
         self._restart()
 
     def _restart(self) -> None:
@@ -251,7 +252,7 @@ class Servo:
             if code is not None:
                 self.fault(code, PROFILE_ERROR, now_ns)
         if self._sampler.is_watched:
-            self._sampler.sample_seldom()
+            self._sampler.sample_seldom(at_sync)
         self._need_ticks()
 
     def _mind_limits(self, now_ns: TimeNs) -> None:
