@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from bench.drive.application.servo import Servo
+from bench.rig.distance_trace import DistanceTrace
 from bench.rig.lag import largest_lag
 from kernel.channel import Channel
 from kernel.clock import TimeNs
@@ -73,8 +74,9 @@ class Recorder:
     (`PlantAxis.stop_force_peak_n`).
     `table()` gives one column `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64;
     KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU tells (no stop farther
-    away than NO_STOP_M), per probe its signal and per distance sensor those of DISTANCE_COLUMNS
-    that it tells.
+    away than NO_STOP_M), per probe its signal, per axis with distance control
+    DISTANCE_CONTROL_COLUMNS (`bench/rig/distance_trace.py`) and per distance sensor those of
+    DISTANCE_COLUMNS that it tells.
     """
 
     def __init__(
@@ -95,6 +97,7 @@ class Recorder:
         self._levels: list[tuple[bool, ...]] = []
         self._sensors = list(plant.distances.items())
         self._distances: list[list[tuple[float, ...]]] = []
+        self._controls = DistanceTrace()
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
@@ -121,6 +124,7 @@ class Recorder:
         self._levels.append(tuple([signal.level for signal in self._signals]))
         if self._sensors:
             self._distances.append([self._told(sensor, time_ns) for _, sensor in self._sensors])
+        self._controls.note(channel)
 
     @staticmethod
     def _told(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
@@ -148,7 +152,7 @@ class Recorder:
         )
         for index, name in enumerate(self._probe_names):
             columns[f"{name}.signal"] = pa.array(levels[:, index])
-        return pa.table(columns | self._distance_columns())
+        return pa.table(columns | self._controls.columns() | self._distance_columns())
 
     def _of_plant(self, told: Floats, servo: Servo) -> dict[str, Floats]:
         """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows."""
