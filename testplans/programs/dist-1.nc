@@ -1,0 +1,9 @@
+%DIST_1  ; FCT-M3 6: where the ideal surface is, then on
+N10 Z[DIST_CTRL SET_POS=30]
+N20 Z[DIST_CTRL ON]
+N30 G04 1
+N40 #MSG SYN["Z=%f", V.A.ACT_POS.Z]
+N50 Z[DIST_CTRL OFF]
+N60 G04 1
+N70 #MSG SYN["Z=%f", V.A.ACT_POS.Z]
+N999 M30
