@@ -131,5 +131,6 @@ class AxisDistance:
 
 def _word(sensor: Sensor) -> str:
     if isinstance(sensor, VariableSensor):
-        return f"VARIABLE V.E.{sensor.name}" if sensor.name else "VARIABLE without SENSOR_VAR"
+        name = sensor.name if sensor.name.startswith("V.") else f"V.E.{sensor.name}"
+        return f"VARIABLE {name}" if sensor.name else "VARIABLE without SENSOR_VAR"
     return sensor.source

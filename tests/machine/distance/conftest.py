@@ -100,7 +100,7 @@ def run_distance(run_nc: Callable[..., Any], tmp_path: Path) -> RunDistance:
     return run
 
 
-def put_prefix(text: str, newer: bool) -> str:  # noqa: FBT001
+def put_prefix(text: str, newer: bool) -> str:
     return text.replace("{list}", PREFIX[newer])
 
 

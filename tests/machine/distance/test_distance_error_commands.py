@@ -123,14 +123,29 @@ def test_positions_are_initialised_under_control(run_distance, newer, block):
 
 # ---- measuring and distance control of one axis
 
-MEASURES = ("kenngr.messachse 1", "meas_simu.meas_simu_mode 4")
+MEASURES = (
+    "kenngr.messachse 1",
+    "kenngr.measure.signal DRIVE",
+    "kenngr.measure.input 1",
+    "kenngr.measure.edge POS",
+)
+PROBE = """
+probe_1 = "probe"
+[plant.probe]
+fmu = "AxisRig.Sensors.TouchProbe"
+start = { surface_mm = 20 }
+wire = { z = "z" }
+"""
 
 
 @pytest.mark.provokes(310000, 7, axis="Z", master="Z", controlword="ACTIVE")
 @pytest.mark.parametrize("newer", [False, True])
 def test_a_measurement_begins_while_control_is_on(run_distance, newer):
     watched = run_distance(
-        f"N10 {ON}\nN20 G4 0.02\nN30 G100 Z33 F600\nN40 G4 1", newer=newer, lines=MEASURES
+        f"N10 {ON}\nN20 G4 0.02\nN30 G100 Z33 F600\nN40 G4 1",
+        newer=newer,
+        lines=MEASURES,
+        rig=PROBE,
     )
     assert ends_at(watched, 30) == 310000
 
@@ -143,6 +158,7 @@ def test_control_is_switched_on_while_the_axis_measures(run_distance, alarm_id):
         f"N10 Z[INDP_ASYN G100 G90 POS=34 FEED=600]\nN20 G4 0.02\nN30 {ON}\nN40 G4 1",
         newer=alarm_id == 310005,
         lines=MEASURES,
+        rig=PROBE,
     )
     assert ends_at(watched, 30) == alarm_id
 
@@ -169,7 +185,7 @@ def asks(*transitions):
     return act
 
 
-@pytest.mark.provokes(310014, 7, axis="Z")
+@pytest.mark.provokes(310014, 7, owner="axis Z")
 @pytest.mark.parametrize("newer", [False, True])
 @pytest.mark.parametrize(
     ("commands", "current", "wanted"),
@@ -190,3 +206,31 @@ def test_a_change_of_state_that_the_plc_must_not_ask_for(
     assert watched.alarm.id == 310014
     assert (watched.alarm.values["current"], watched.alarm.values["wanted"]) == (current, wanted)
     assert watched.alarm_cycle() == 49 + len(commands)
+
+
+# ---- causes without a documented ID
+
+
+@pytest.mark.provokes(900310, 7)
+@pytest.mark.provokes(900311, 7, owner="axis Z")
+@pytest.mark.provokes(900313, 7, owner="axis Z")
+@pytest.mark.parametrize(
+    ("alarm_id", "before", "words"),
+    [
+        (900310, "G4 0.02", "FREEZE"),
+        (900311, "G4 0.02", "ON CONST_DIST"),
+        (900313, ON, "REF"),
+    ],
+)
+def test_commands_of_the_program_without_an_id_of_the_manual(run_distance, alarm_id, before, words):
+    watched = run_distance(f"N10 {before}\nN20 G4 0.02\nN30 Z[DIST_CTRL {words}]\nN40 G4 1")
+    assert ends_at(watched, 30) == alarm_id
+
+
+@pytest.mark.provokes(900312, 7, owner="axis Z")
+def test_an_absolute_sensor_is_not_referenced(run_distance):
+    """P-AXIS-00418 is the reference of an absolute one."""
+    watched = run_distance(
+        "N10 G4 0.02\nN20 Z[DIST_CTRL REF]\nN30 G4 1", lines=["{list}ref_offset 10"]
+    )
+    assert ends_at(watched, 20) == 900312

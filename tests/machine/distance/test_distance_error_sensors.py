@@ -13,14 +13,21 @@ def ends_at(watched, block):
     return watched.alarm.id
 
 
-@pytest.mark.provokes(310027, 7, owner="axis Z", source="VARIABLE")
+@pytest.mark.provokes(310027, 7, owner="axis Z")
 @pytest.mark.parametrize("newer", [False, True])
-@pytest.mark.parametrize("words", [VARIABLE, f"{VARIABLE} SENSOR_VAR=V.P.GAP"])
-def test_no_valid_sensor_variable(run_distance, newer, words):
+@pytest.mark.parametrize(
+    ("words", "source"),
+    [
+        (VARIABLE, "VARIABLE without SENSOR_VAR"),
+        (f"{VARIABLE} SENSOR_VAR=V.P.GAP", "VARIABLE V.P.GAP"),
+    ],
+)
+def test_no_valid_sensor_variable(run_distance, newer, words, source):
     watched = run_distance(
         f"V.P.GAP = 1\nN10 G4 0.02\nN20 Z[DIST_CTRL {words} ON SET_POS=30]\nN30 G4 1", newer=newer
     )
     assert ends_at(watched, 20) == 310027
+    assert watched.alarm.values["source"] == source
 
 
 @pytest.mark.provokes(310028, 7, owner="axis Z")

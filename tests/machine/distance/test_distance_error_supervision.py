@@ -38,7 +38,7 @@ def test_a_sensor_value_that_changes_too_fast(run_distance, alarm_id):
     """The limit of the default list, 5 mm/s, on the way from 32 to 36 mm with 800 mm/s2."""
     watched = run_distance(
         SURFACE_ON + "N20 G1 Z36 F6000",
-        "set:Z.{list}max_act_value_change=5000",
+        lines=["{list}max_act_value_change 5000"],
         newer=alarm_id == 310018,
     )
     due, change_um_s = next(
@@ -54,7 +54,7 @@ def test_a_sensor_value_that_changes_too_fast(run_distance, alarm_id):
 def test_the_same_motion_with_a_limit_above_it(run_distance):
     """10 m/min are 0.167 mm in 1 ms: the limit of P-AXIS-00417 is one of um/s."""
     motion = SURFACE_ON + "N20 G1 Z36 F10000\nN30 G4 0.3\nN40 Z[DIST_CTRL WAIT OFF]"
-    watched = run_distance(motion, "set:Z.{list}max_act_value_change=166667")
+    watched = run_distance(motion, lines=["{list}max_act_value_change 166667"])
     assert watched.channel.alarms == []
 
 
@@ -89,9 +89,7 @@ def test_an_offset_beyond_its_limit_is_limited_and_an_alarm(run_distance, alarm_
     The step of kp 0.2 is 1.2 mm, far above what 5000 mm/s2 allow: the offset speeds up by 5 um per
     cycle and cycle to 0.1 mm, and goes on with that until 0.2 (6 - o) is less.
     """
-    watched = run_distance(
-        "N10 Z[DIST_CTRL ON SET_POS=24]\nN20 G4 1", newer=alarm_id == 310017
-    )
+    watched = run_distance("N10 Z[DIST_CTRL ON SET_POS=24]\nN20 G4 1", newer=alarm_id == 310017)
     offset_mm, step_mm, cycles = 0.0, 0.0, 0
     while True:
         step_mm = min(0.2 * (6.0 - offset_mm), 0.1, step_mm + 0.005)
@@ -128,6 +126,6 @@ def test_outside_of_control_nothing_is_watched(run_distance):
     motion = "N20 G1 Z38.3 F600\nN30 G1 Z30.02\nN40 G1 Z32"
     frozen = f"{SURFACE_ON}N15 Z[DIST_CTRL FREEZE]\n{motion}\nN50 Z[DIST_CTRL WAIT OFF]"
     for program in (motion, frozen):
-        watched = run_distance(program, "set:Z.{list}max_act_value_change=5000")
+        watched = run_distance(program, lines=["{list}max_act_value_change 5000"])
         assert watched.channel.alarms == []
         assert watched.cycles[-1].actual_mm == pytest.approx(32.0, abs=1e-4)
