@@ -1,11 +1,13 @@
 """Distance control as far as it knows no axis: filters, controller, limits, states."""
 
 from kernel.distance.control import DistanceControl, Reading
+from kernel.distance.objects import CncObject, objects
 from kernel.distance.settings import DistanceSettings, names_newer
 from kernel.distance.states import FOLLOWING, DistanceCommand, DistanceState, Source, changes
 
 __all__ = [
     "FOLLOWING",
+    "CncObject",
     "DistanceCommand",
     "DistanceControl",
     "DistanceSettings",
@@ -14,4 +16,5 @@ __all__ = [
     "Source",
     "changes",
     "names_newer",
+    "objects",
 ]

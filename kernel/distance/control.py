@@ -211,6 +211,10 @@ class DistanceControl:
         self.settings.replaced(**{name: value})
         self._requested[name] = value
 
+    def requested(self, name: str) -> float | str | None:
+        """Return what was requested for a parameter and does not act yet, None without."""
+        return self._requested.get(name)
+
     def check_position(self, sensor_mm: float) -> None:
         """Raise the alarm of a sensor outside its limits and their tolerance (CHECK_POS)."""
         alarm = range_alarm(self.owner, sensor_mm - self._zero_mm, self.settings)

@@ -43,7 +43,7 @@ class Limiter:
         The last step is exactly -offset. From a speed that cannot be braked in time the offset goes
         past 0 and comes back.
         """
-        a_mm_s2 = settings.a_max_mm_s2
+        a_mm_s2 = settings.a_mm_s2
         brake_mm = self._in_cycle(a_mm_s2) * OF_ACCELERATION
         step_mm = fastest_step_mm(abs(offset_mm), brake_mm)
         return self._go(math.copysign(step_mm, -offset_mm), a_mm_s2, settings)
@@ -73,7 +73,7 @@ def acceleration_mm_s2(error_mm: float, settings: DistanceSettings) -> float:
 
     Linear between them; never above a_max (P-AXIS-00501 to 00505).
     """
-    a_max = settings.a_max_mm_s2
+    a_max = settings.a_mm_s2
     if not settings.is_adaptive:
         return a_max
     a_min = min(settings.a_min_mm_s2, a_max)

@@ -19,7 +19,7 @@ class DistanceSettings:
     """Parameters of a distance control; for a rotary axis mm reads degrees.
 
     kp, tn_s, tv_s: P-AXIS-00759, 00764, 00765. both_encoders: 00500. max_deviation_mm: 00414.
-    v_max_mm_s: 00415. a_max_mm_s2: 00416, else 00008. v_weight_down_permille and
+    v_max_mm_s: 00415. a_max_mm_s2: 00416, 0 for a_axis_mm_s2: 00008. v_weight_down_permille and
     a_weight_down_permille: 00533 and 00534, 0 for none. is_adaptive, a_min_mm_s2, error_a_min_mm,
     error_a_max_mm: 00501 to 00505. max_change_mm_s: 00417. min_pos_mm, max_pos_mm, tolerance_mm:
     00420, 00419, 00421. has_absolute_sensor: whether 00418 is set. is_newer: 3100xx, not 703xx.
@@ -31,7 +31,8 @@ class DistanceSettings:
     both_encoders: bool = False
     max_deviation_mm: float = 5.0
     v_max_mm_s: float = 5.0
-    a_max_mm_s2: float = 1000.0
+    a_max_mm_s2: float = 0.0
+    a_axis_mm_s2: float = 1000.0
     v_weight_down_permille: int = 0
     a_weight_down_permille: int = 0
     is_adaptive: bool = False
@@ -64,6 +65,7 @@ class DistanceSettings:
             max_deviation_mm=mm("max_deviation"),
             v_max_mm_s=parameters.mm_s(OF_AXIS + "v_max"),
             a_max_mm_s2=parameters.mm_s2(OF_AXIS + "a_max"),
+            a_axis_mm_s2=parameters.mm_s2("getriebe[0].dynamik.a_max"),
             v_weight_down_permille=parameters.integer(OF_AXIS + "v_weight_down"),
             a_weight_down_permille=parameters.integer(OF_AXIS + "a_weight_down"),
             is_adaptive=parameters.flag(OF_AXIS + "use_adaptive_acceleration"),
@@ -78,6 +80,11 @@ class DistanceSettings:
             is_newer=names_newer(parameters),
             filter=FilterSettings.read(parameters, OF_AXIS),
         )
+
+    @property
+    def a_mm_s2(self) -> float:
+        """Largest acceleration of the offset."""
+        return self.a_max_mm_s2 or self.a_axis_mm_s2
 
     def replaced(self, **changes: Any) -> "DistanceSettings":
         """Return these settings with others in place; also those of the filter by their names.
