@@ -25,7 +25,8 @@ class StoredRun:
     """One run of a results folder.
 
     case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
-    info: `runs/<run>.json`: events, limits to draw, notes, messages, log, bus, fixed_stop, error.
+    info: `runs/<run>.json`: events, limits to draw, notes, messages, log, bus, fixed_stop,
+    distance, error.
     trace: the Parquet file, or None when the run left none.
     """
 

@@ -4,7 +4,7 @@
     cases.csv              one row per run, with every input column of the plan
     traces/<run>.parquet   signals over time
     runs/<run>.json        events, limits to draw, notes, messages, log, figures of buses, error,
-                           runs to a fixed stop
+                           runs to a fixed stop, distance controls
     bus/<run>.blf          every frame; or .log, .asc, .pcap
     junit.xml, manifest.json, report.html
 
@@ -72,6 +72,7 @@ class CaseResult:
     error: why the run ended in `error` or `aborted`.
     real_time: how well real time was kept (`bench.bus.deadlines`), None in simulated time.
     fixed_stop: the runs to a fixed stop beside their oracle (`bench.run.fixed_stop.marks`).
+    distance: the distance controls beside their closed forms (`bench.run.distance.told`).
     """
 
     case: Case
@@ -89,6 +90,7 @@ class CaseResult:
     error: str | None = None
     real_time: dict[str, Any] | None = None
     fixed_stop: list[dict[str, Any]] = field(default_factory=list)
+    distance: list[dict[str, Any]] = field(default_factory=list)
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
@@ -331,6 +333,7 @@ def _run_info(result: CaseResult, checks: Sequence[CheckResult]) -> dict[str, An
         "log": result.log,
         "bus": result.bus,
         "fixed_stop": result.fixed_stop,
+        "distance": result.distance,
     }
 
 

@@ -16,6 +16,7 @@ from bench.bus.outside import OutsideSegment
 from bench.bus.paced import PacedScheduler
 from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
+from bench.rig.distance_log import DistanceLog
 from bench.rig.injection import inject
 from bench.rig.limit_log import LimitLog
 from bench.rig.master import build_accesses, build_link, build_monitor, build_start_up
@@ -36,7 +37,7 @@ from kernel.clock import US, S, TimeNs
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State
 from kernel.errors import Alarm, UserError
-from kernel.nc.canon import Command, MeasuringRun, Message
+from kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
 from kernel.nc.decoder import Interpreter
 from kernel.nc.syntax import Program
 
@@ -79,6 +80,7 @@ class Machine:
         self.settings = settings
         self.messages: list[Message] = []
         self.measuring_targets: dict[str, Mapping[str, float]] = {}
+        self.referenced: set[str] = set()
         self.drive_states: list[tuple[TimeNs, str, State]] = []
         self._put_out = put_out
         self._limit_ns = limit_ns or settings.operator.limit_ns
@@ -120,7 +122,8 @@ class Machine:
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
             self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
-            self.channel.observers.append(self.torque_limits)
+            self.distance_log = DistanceLog()
+            self.channel.observers += [self.torque_limits, self.distance_log]
             self._interpreter = self._build_interpreter(program)
             self.channel.load(self._noted(self._interpreter.commands()))
             guard.pop_all()
@@ -139,11 +142,13 @@ class Machine:
 
     def _noted(self, commands: Iterator[Command]) -> Iterator[Command]:
         """Note where the measuring blocks lead, for who judges the runs; a block that comes again
-        counts with its last target.
+        counts with its last target. Note too whose distance sensor gets a new zero.
         """
         for command in commands:
             if isinstance(command, MeasuringRun):
                 self.measuring_targets[str(command.block)] = command.target_acs_mm
+            elif isinstance(command, DistanceCommand) and command.action == "ref":
+                self.referenced.add(command.axis)
             yield command
 
     def _expect_answers(self) -> None:

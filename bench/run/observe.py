@@ -12,6 +12,7 @@ from bench.plan.checks import Metric
 from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
 from bench.run.bus_figures import BusFigures, bus_figures
+from bench.run.distance.told import distance_events
 from bench.run.distance.truth import DistanceTruth
 from bench.run.fixed_stop.marks import stop_events
 from bench.run.fixed_stop.run import StopRun, stop_runs
@@ -156,6 +157,12 @@ class Observed:
             )
         return self._distance_truths[name]
 
+    @cached_property
+    def distance_truths(self) -> list[DistanceTruth]:
+        """Return the signals of each axis whose distance control was ever on."""
+        found = (self.distance_truth(axis) for axis in self.machine.links)
+        return [truth for truth in found if truth is not None and truth.state.any()]
+
     def _gaps(self, axis: str) -> tuple[Signal | None, Signal | None]:
         """Return what the distance sensor of an axis tells, and the true distance below it."""
         sensor = self.machine.settings.rig.axis[axis].encoder_2
@@ -288,11 +295,20 @@ class Observed:
         for time_ns, alarm in zip(reactions.further_ns, reactions.further, strict=True):
             marks.append(Event(time_ns, "alarm", f"{BESIDES}ID {alarm.id}", None))
         marks += [Event(t, "mark", f"{axis}: homed", axis) for t, axis in channel.single.homed]
+        marks += self._distance_marks()
         marks += self._drive_marks()
         marks.sort(key=lambda mark: (mark.time_ns, mark.kind, mark.label))
         # What passed at one instant stays in the order of the program
         marks += [Event(t, "mark", label, None) for t, label, _ in plc_side(self.machine)]
         return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind))
+
+    def _distance_marks(self) -> list[Event]:
+        """What was commanded to distance controls."""
+        return [
+            mark
+            for axis in self.machine.channel.distance.axes
+            for mark in distance_events(axis, self.machine.distance_log.of(axis))
+        ]
 
     def _drive_marks(self) -> list[Event]:
         """Faults brought in, what the drives went into once they were on, values given to them."""

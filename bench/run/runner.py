@@ -23,6 +23,7 @@ from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
+from bench.run.distance.told import told
 from bench.run.fixed_stop.marks import as_data
 from bench.run.metrics import observe
 from bench.run.observe import Observed
@@ -182,6 +183,9 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         error="stopped by the operator" if machine.is_stopped else None,
         real_time=machine.real_time(),
         fixed_stop=[as_data(run) for run in observed.stop_runs],
+        distance=[
+            told(truth, machine.distance_log.of(truth.axis)) for truth in observed.distance_truths
+        ],
     )
 
 

@@ -78,7 +78,7 @@ def _law(row: Mapping[str, Any], control: Control) -> dict[str, Any]:
         "mode": row["mode"],
         "formula": row["formula"],
         "filter": row["filter"],
-        "delay": f"{row['delay_cycles']:.3g}",
+        "delay": f"{round(row['delay_cycles'], 9) + 0.0:.3g}",
         "noise": f"{row['noise_gain']:.3g}",
         "kp": f"{row['kp']:g}",
         "tn": f"{row['tn_s']:g} s" if row["tn_s"] else "off",

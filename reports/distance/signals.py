@@ -67,9 +67,10 @@ def _added(trace: pa.Table, control: Control) -> dict[str, Signal]:
             added["filtered_surface_mm"] = np.where(in_surface, filtered + wanted, np.nan)
         added["filtered_distance_mm"] = np.where(in_distance, filtered, np.nan)
     if gap is not None:
-        added["gap_true_mm"] = gap
+        # As the control counts: from the zero of the sensor
+        added["gap_true_mm"] = gap - control["zero_mm"]
         if truth is not None:
-            added["surface_truth_mm"] = truth - gap
+            added["surface_truth_mm"] = truth - added["gap_true_mm"]
     return added
 
 

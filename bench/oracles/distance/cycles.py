@@ -14,6 +14,8 @@ from kernel.clock import TimeNs
 
 # Sent in a cycle, acting at the next SYNC, reached at the one behind it
 WAY_CYCLES = 2
+# A step is known as one when so many values before it are equal
+QUIET_VALUES = 3
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,11 @@ def measured(
         raise NotMeasurableError("no sensor value showed the set position")
     between = [told for told in sensor[seen + 1 :] if told.time_ns < sent_ns]
     if any(abs(told.value - sensor[seen].value) > quiet_increments for told in between):
+        raise NotMeasurableError("the sensor value went on changing: no step")
+    step, back = (sensor[at].value - sensor[at - 1].value for at in (seen, shown))
+    if seen < QUIET_VALUES:
+        raise NotMeasurableError("the sensor value did not stand before its change: no step")
+    if step * back > 0:  # an answer that converges goes the other way
         raise NotMeasurableError("the sensor value went on changing: no step")
     shown_ns, seen_ns = sensor[shown].time_ns, sensor[seen].time_ns
     reaction = sent_ns // period_ns - seen_ns // period_ns

@@ -87,12 +87,22 @@ class DistanceTruth:
         return None if self.gap_true_mm is None else self["truth_mm"] - self.gap_true_mm
 
     @cached_property
+    def zero_mm(self) -> float:
+        """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or behind REF
+        what the sensor told beside the sensor value.
+        """
+        is_referenced = self.axis in self.machine.referenced and self.is_active.any()
+        if is_referenced and self.gap_told_mm is not None:
+            return float(np.median((self.gap_told_mm + self["sensor_mm"])[self.is_active]))
+        return -self.listed.ref_offset_mm
+
+    @cached_property
     def wanted_gap_mm(self) -> Signal:
         """Distance that the tool should have at each SYNC."""
         late = np.concatenate([np.full(DEMAND_CYCLES, self.program_mm[0]), self.program_mm])
         by_surface = late[: len(self.program_mm)] - self["set_pos_mm"]
         wanted: Signal = np.where(self.state == ACTIVE_CONST_DIST, self["set_dist_mm"], by_surface)
-        return wanted
+        return wanted + self.zero_mm
 
     @cached_property
     def behind_mm(self) -> Signal | None:

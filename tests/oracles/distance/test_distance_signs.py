@@ -138,3 +138,15 @@ def test_the_clamp_of_the_deviation_tells_what_was_asked() -> None:
     assert law.walk(0.6, 0.0, 0.0, 0.0) == 0.3
     assert law.walk(0.6, 0.0, 0.0, 0.0) == 0.4
     assert law.asked_mm == pytest.approx(0.45)
+
+
+def test_frames_of_a_ramp_and_of_noise_show_no_step() -> None:
+    """The value that follows the answer has to come back, and the first one to come from rest."""
+    ramp = [Told(k * PERIOD_NS, max(0, k - 5)) for k in range(12)]
+    answer = [Told(k * PERIOD_NS + 7, max(0, k - 5)) for k in range(12)]
+    with pytest.raises(NotMeasurableError, match="went on changing: no step"):
+        measured(answer, ramp, PERIOD_NS)
+    noise = [Told(k * PERIOD_NS, k % 2) for k in range(12)]
+    at_once = [Told(k * PERIOD_NS + 7, 0 if k < 1 else 1) for k in range(12)]
+    with pytest.raises(NotMeasurableError, match="did not stand before its change: no step"):
+        measured(at_once, noise, PERIOD_NS)
