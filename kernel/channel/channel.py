@@ -236,7 +236,7 @@ class Channel:
             elif self.state is ChannelState.POWERING:
                 self._power()
             elif self.state is ChannelState.STOPPING and self.start_ns is not None:
-                self.distance.step()
+                self.distance.step(is_stopping=True)
                 self._monitor.check_drives()
             if self.state is ChannelState.RUNNING:
                 self.execution.step()  # 5 refill the queue, begin what comes next

@@ -75,17 +75,18 @@ class DistanceControls:
 
     # Each cycle
 
-    def step(self) -> None:
+    def step(self, *, is_stopping: bool = False) -> None:
         """Take what the PLC side commands, then control with the values of this cycle.
 
-        Raises the first alarm; the others of this cycle are in `further`.
+        is_stopping: an alarm has ended the program, nothing is commanded any more. Raises the first
+        alarm; the others of this cycle are in `further`.
         """
         found: list[Alarm] = []
         for name, axis in self.axes.items():
             axis.is_held = self._units[name].holds
             axis.take()
         for name, unit in self._units.items():
-            if unit.distance.command_semaphor_rw:
+            if unit.distance.command_semaphor_rw and not is_stopping:
                 self._try(found, partial(self._take, name, unit.distance))
         for axis in self.axes.values():
             self._try(found, axis.step)
@@ -254,7 +255,7 @@ class DistanceControls:
                 found.control.switch_off_kept()
 
     def reset(self) -> None:
-        """Switch everything off as a reset does: the offsets stay, the set values are forgotten."""
+        """Switch off as a reset does: the offsets stay, the set values are forgotten."""
+        self.switch_off(self.axes)
         for axis in self.axes.values():
-            axis.control.switch_off_kept()
             axis.control.forget_set_values()
