@@ -328,6 +328,15 @@ def _check_references(settings: Settings) -> None:
                     value=value,
                     allowed=known,
                 )
+    for name, table in rig.plc.items():
+        if table.sensor not in rig.plant:
+            raise rig_error(
+                files,
+                ("plc", name),
+                f"{name}: sensor names nothing in this rig",
+                value=table.sensor,
+                allowed=rig.plant,
+            )
 
 
 def _check_drives(settings: Settings) -> None:

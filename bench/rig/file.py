@@ -37,7 +37,8 @@ from bench.drive.profiles import (
     profile_names,
 )
 from bench.rig.startup import StartUpKeys
-from bench.rig.tables import Name, Table
+from bench.rig.plc_sensors import PlcSensorTable, VariableName
+from bench.rig.tables import CycleTable, Name, RealtimeTable, Table
 from kernel.errors import UserError, nearest
 
 StartValue = bool | int | float | str
@@ -47,25 +48,6 @@ def _whole_um(value_mm: float) -> float:
     if round(value_mm * 1000) != round(value_mm * 1000, 6):
         raise ValueError("a whole number of micrometres is needed")
     return value_mm
-
-
-def _not_one(value: int) -> int:
-    if value == 1:
-        raise ValueError("a SYNC counter runs from 1 to 2 .. 240; 0 sends SYNC without one")
-    return value
-
-
-class CycleTable(Table):
-    """`[cycle]`: the time base of the machine, all in microseconds or cycles."""
-
-    period_us: Annotated[int, Field(ge=250, le=20_000)] = 1000
-    cycle_offset_us: Annotated[int, Field(ge=0)] = 600
-    exchange_us: Annotated[int, Field(ge=10, le=20_000)] = 20_000
-    fine_us: Annotated[int, Field(ge=10, le=20_000)] = 50
-    buffer_cycles: Annotated[int, Field(ge=0, le=100)] = 0
-    sync_counter: Annotated[int, Field(ge=0, le=240), AfterValidator(_not_one)] = 0
-    heartbeat_ms: Annotated[int, Field(ge=0, le=65_535)] = 0
-    master_node: Annotated[int, Field(ge=1, le=127)] = 127
 
 
 class ChannelTable(Table):
@@ -161,17 +143,6 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
     def _made(self) -> DriveProfile:
         made = make_profile({key: getattr(self, key) for key in habits()})
         return made if self.position_unit_um is None else in_lengths(made, self.position_unit_um)
-
-
-class RealtimeTable(Table):
-    """`[realtime]`: for runs on a real bus; nothing here acts on simulated ones.
-
-    late_us: from where on a SYNC counts as late. wait_ms: how long a cycle waits for answers of
-    the drives that come later than cycle_offset_us; not said = by the interface.
-    """
-
-    late_us: Annotated[float, Field(ge=1, le=1e6)] = 100.0
-    wait_ms: Annotated[float, Field(ge=0, le=1000)] | None = None
 
 
 SIGNAL_KEYS = ("probe_1", "probe_2", "limit_negative", "limit_positive", "home_switch")
@@ -271,6 +242,7 @@ class RigFile(Table):
     drive: dict[Name, DriveTable]
     axis: dict[Name, AxisTable]
     plant: dict[Name, PlantTable]
+    plc: dict[VariableName, PlcSensorTable] = Field(default_factory=dict)
 
 
 def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
@@ -381,6 +353,7 @@ def _known_keys(keys: tuple[str, ...]) -> list[str]:
     named = {
         "segment": SegmentTable, "drive": DriveTable, "axis": AxisTable, "plant": PlantTable,
         "cycle": CycleTable, "channel": ChannelTable, "realtime": RealtimeTable,
+        "plc": PlcSensorTable,
     }  # fmt: skip
     if keys[2:3] == ("map",):
         model = MapTable

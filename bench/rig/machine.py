@@ -25,6 +25,7 @@ from bench.rig.outside import is_paced, outside_axes
 from bench.rig.pacing import Hardware, master_scheduler, power_down
 from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
+from bench.rig.plc_sensors import PlcSensors
 from bench.rig.plc_side import PlcSide
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
@@ -118,6 +119,7 @@ class Machine:
             self._expect_answers()
             self.telegrams = self._log_telegrams()
             self.channel = self._build_channel()
+            self._connect_plc_sensors()
             self._inject_faults(seed)
             self.recorder = self._build_recorder()
             self.channel.observers.append(self.recorder)
@@ -137,7 +139,7 @@ class Machine:
             external=self.channel.plc.values,
             default_measuring_type=self.settings.channel.integer("messtyp"),
             tables=self.settings.offset_tables,
-            plc_is_constant=not self.plc_side.writes_variables,
+            plc_is_constant=not (self.plc_side.writes_variables or self.settings.rig.plc),
         )
 
     def _noted(self, commands: Iterator[Command]) -> Iterator[Command]:
@@ -150,6 +152,18 @@ class Machine:
             elif isinstance(command, DistanceCommand) and command.action == "ref":
                 self.referenced.add(command.axis)
             yield command
+
+    def _connect_plc_sensors(self) -> None:
+        """Let the PLC side read the distance sensors that the rig gives it."""
+        plc, servos = self.channel.plc, [node.servo for node in self.nodes.values()]
+
+        def sync_ns() -> TimeNs:
+            told_ns = max((servo.sync_ns for servo in servos), default=0)
+            return told_ns if told_ns >= self.channel.sync_ns else self.plant.now_ns
+
+        if self.settings.rig.plc:
+            tables, distances = self.settings.rig.plc, self.plant.distances
+            plc.inputs.append(PlcSensors(tables, distances, plc.values, sync_ns).take)
 
     def _expect_answers(self) -> None:
         """Tell real segments which telegrams their drives answer a SYNC with."""

@@ -313,6 +313,15 @@ def check_plants(settings: Settings, plant: Plant) -> None:
     Raises UserError with file, line and key of the rig.
     """
     outside = outside_axes(settings)
+    for variable, entry in settings.rig.plc.items():
+        if entry.sensor not in plant.distances:
+            raise rig_error(
+                settings.files,
+                ("plc", variable),
+                f"{variable}: sensor must name a distance sensor that is simulated here",
+                value=entry.sensor,
+                allowed=plant.distances or "none in this rig",
+            )
     for name, axis in settings.rig.axis.items():
         if name in outside:
             continue

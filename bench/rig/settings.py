@@ -205,6 +205,11 @@ class Settings:
                 raise UserError("optional_stop is on or off", value=item.value, allowed="0, 1")
             self.operator = replace(self.operator, optional_stop=item.value == "1")
             return
+        if item.name in self.rig.plc:
+            raise UserError(
+                "the PLC side of this rig reads that variable from a sensor ([plc])",
+                value=item.name,
+            )
         first, rules = read_rules(item, list(self.rig.axis))
         if first is not None:
             self.external[item.name.removeprefix(VARIABLE)] = first
@@ -227,6 +232,7 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
         axis=axes,
         segment=dict(rig.segment),
         offsets=read_offsets(rig, files),
+        external={name.removeprefix(VARIABLE): 0.0 for name in rig.plc},
     )
     for assignment, located in assignments:
         settings.apply(assignment, located)

@@ -41,6 +41,7 @@ class PlcInterface:
 
     values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
     one, when everything before it is executed. events: everything that passed, in order.
+    inputs: bring into `values` what the PLC side reads, in front of its turn.
     take_turn: the PLC side's own work of a cycle. feedhold: control unit of the path, True stops
     it. axis: control units of every axis. acknowledged_later: functions (M50) that the PLC side
     acknowledges by `acknowledge`; every other one counts as acknowledged at once.
@@ -51,6 +52,7 @@ class PlcInterface:
         self.axis: Mapping[str, AxisUnit] = {axis: AxisUnit() for axis in axes}
         self.values: dict[str, float] = {}
         self.events: list[PlcEvent] = []
+        self.inputs: list[Callable[[], None]] = []
         self.take_turn: Callable[[], None] = lambda: None
         self.feedhold = False
         self.acknowledged_later: frozenset[str] = frozenset()
@@ -61,6 +63,8 @@ class PlcInterface:
 
     def step(self) -> None:
         """Give the PLC side its turn; raises the alarm that it has reported."""
+        for take in self.inputs:
+            take()
         self.take_turn()
         self._path.feedhold(is_on=self.feedhold, axes=self.held_axes())
         if self._reported:

@@ -104,3 +104,17 @@ def test_a_workpiece_moves_and_a_signal_is_lost_in_time(run_nc: Run) -> None:
     lost = (t >= 0.4) & (t < 0.42)
     assert np.array_equal(out.column("gap.valid"), ~lost)
     assert np.allclose(out.column("gap.distance_mm"), np.where(lost, 10.0, true), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("rig", "age"), [("distance-z-variable", 0), ("distance-z-variable-late", 2)]
+)
+def test_the_plc_side_shows_the_sensor_in_a_variable(run_nc: Run, rig: str, age: int) -> None:
+    """In 0.1 um, counting against the motor, of the SYNC that the actual position is of."""
+    choose = "N1 Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]\nN2 G04 0.02\n"
+    out = run_nc(choose + APPROACH, "", base=f"{rig}.toml")
+    assert out.alarms == []
+    told, true = told_and_true(out)
+    moving = np.flatnonzero(np.abs(np.diff(true)) > 1e-3)[4:] + 1
+    assert np.array_equal(np.round(told[moving] * 1e4), np.round(true[moving - age] * 1e4))
+    assert np.ptp(told[moving]) > 0.4

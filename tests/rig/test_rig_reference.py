@@ -16,6 +16,7 @@ from bench.rig.file import (
     RealtimeTable,
     SegmentTable,
 )
+from bench.rig.plc_sensors import PlcSensorTable
 from kernel.cosim.roles import role_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
@@ -27,6 +28,7 @@ MODELS: dict[str, type[BaseModel]] = {
     "[drive.D]": DriveTable,
     "[axis.A]": AxisTable,
     "[plant.P]": PlantTable,
+    "[plc] V": PlcSensorTable,
 }
 
 
