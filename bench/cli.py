@@ -37,6 +37,7 @@ from bench.options import (
     YesOption,
     rejecting,
 )
+from bench.tune_commands import tune_app
 from kernel.errors import UserError
 
 if TYPE_CHECKING:
@@ -49,6 +50,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 app.add_typer(fmu_app, name="fmu")
+app.add_typer(tune_app, name="tune")
 for listing in LISTINGS:
     app.command()(listing)
 
@@ -424,17 +426,6 @@ def perf(
 
     result = measure(plan, case, repeats, time.perf_counter_ns, build_report)
     print(show(result, as_json))
-
-
-@app.command()
-@rejecting
-def doctor() -> None:
-    """Say what this installation has, what it lacks, and what to do about it."""
-    from bench.doctor import examine
-
-    text, is_well = examine()
-    print(text)
-    raise typer.Exit(0 if is_well else 1)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

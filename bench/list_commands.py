@@ -1,4 +1,4 @@
-"""The commands that list what plans and rigs may say; imports as in `bench.cli`."""
+"""The commands that list what plans, rigs and this installation have; imports as in `bench.cli`."""
 
 from typing import Annotated, Literal
 
@@ -86,4 +86,14 @@ def language(
     print(page() if markdown else f"{language_listing(word)}\n", end="")
 
 
-LISTINGS = (metrics, drives, faults, params, errors, explain, language)
+@rejecting
+def doctor() -> None:
+    """Say what this installation has, what it lacks, and what to do about it."""
+    from bench.doctor import examine
+
+    text, is_well = examine()
+    print(text)
+    raise typer.Exit(0 if is_well else 1)
+
+
+LISTINGS = (metrics, drives, faults, params, errors, explain, language, doctor)

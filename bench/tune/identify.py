@@ -76,8 +76,7 @@ def identify(offset_mm: Floats, signal_mm: Floats, begin: int, cycles: int) -> P
     u = offset_mm[begin:] - offset_mm[begin - 1]
     y = signal_mm[begin:] - float(np.mean(rest))
     regressors = toeplitz(u, np.zeros(min(cycles, len(u))))
-    # Quantisation and rounding are noise too, whatever the rest shows
-    floor_mm = max(sigma_mm, 1e-7 * float(np.abs(y).max()))
+    floor_mm = max(sigma_mm, _rounding_mm(signal_mm), 1e-7 * float(np.abs(y).max()))
     impulses = _posterior(regressors, y, floor_mm**2)
     misfit_mm = float(np.std(y - regressors @ impulses))
     delay = _pure_delay(regressors, y)
@@ -85,6 +84,16 @@ def identify(offset_mm: Floats, signal_mm: Floats, begin: int, cycles: int) -> P
     if delayed_mm <= _AS_GOOD * max(misfit_mm, floor_mm):
         return Path(delay, sigma_mm, delayed_mm)
     return Path(impulses, sigma_mm, misfit_mm)
+
+
+def _rounding_mm(signal_mm: Floats) -> float:
+    """Standard deviation by which set position and encoder are rounded, whatever the rest shows.
+
+    Each is spread evenly over an increment, which is the smallest change of the signal.
+    """
+    changes = np.abs(np.diff(signal_mm))
+    moved = changes[changes > 1e-9 * np.abs(signal_mm).max()]
+    return float(moved.min()) / 6**0.5 if moved.size else 0.0
 
 
 def _pure_delay(regressors: Floats, y: Floats) -> Floats:

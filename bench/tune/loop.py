@@ -11,6 +11,7 @@ passes -1 (Nyquist).
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import numpy.typing as npt
@@ -48,11 +49,17 @@ class Loop:
 
     def open_loop(self, law: Law, angles: Floats) -> Complexes:
         """L at angular frequencies in radians per cycle."""
-        delay = np.exp(-1j * angles)
-        step = 1 - delay
-        control = self._control(law, step)
-        loop: Complexes = law.kp * control * _response(self.feedback, angles) / step
+        return self._opened(law, angles, _response(self.feedback, angles))
+
+    def _opened(self, law: Law, angles: Floats, feedback: Complexes) -> Complexes:
+        step = 1 - np.exp(-1j * angles)
+        loop: Complexes = law.kp * self._control(law, step) * feedback / step
         return loop
+
+    @cached_property
+    def _on_grid(self) -> Complexes:
+        """P at the frequencies of the grid, the costly part of L."""
+        return _response(self.feedback, _GRID)
 
     def _control(self, law: Law, step: Complexes) -> Complexes:
         integral = self.period_s / law.tn_s / step if law.tn_s else 0.0
@@ -73,7 +80,7 @@ class Loop:
 
     def _crossings(self, law: Law) -> list[float]:
         """All kp > 0 for which L = -1 at some frequency, in rising order."""
-        values = self.open_loop(law, _GRID)
+        values = self._opened(law, _GRID, self._on_grid)
         signs = np.signbit(values.imag)
         angles = []
         for at in np.flatnonzero(signs[1:] != signs[:-1]):
@@ -95,6 +102,8 @@ class Loop:
         if polynomial[0] <= 0:
             return False
         values = np.fft.fft(polynomial, max(_CIRCLE, 1 << (4 * len(polynomial)).bit_length()))
+        if not values.all():  # a zero on the circle itself
+            return False
         turns = np.angle(np.roll(values, -1) / values).sum() / (2 * np.pi)
         return round(float(turns)) == 0
 
@@ -118,6 +127,11 @@ class Loop:
         polynomial, control = self._polynomials(law)
         return np.asarray(lfilter(np.convolve(control, self.feedback), polynomial, np.ones(cycles)))
 
+    def offset_answer(self, law: Law, cycles: int) -> Floats:
+        """The offset after a step of the set value by 1."""
+        polynomial, control = self._polynomials(law)
+        return np.asarray(lfilter(control, polynomial, np.ones(cycles)))
+
     def noise_gain(self, law: Law, cycles: int = 4000) -> float:
         """Standard deviation of the offset over that of white noise of the sensor."""
         polynomial, control = self._polynomials(law)
@@ -128,11 +142,11 @@ class Loop:
 
     def sensitivity_peak(self, law: Law) -> float:
         """Return Ms = max |1/(1 + L)|; 1/Ms is the distance of L from -1."""
-        return float(np.abs(1 / (1 + self.open_loop(law, _GRID))).max())
+        return float(np.abs(1 / (1 + self._opened(law, _GRID, self._on_grid))).max())
 
     def corner(self, law: Law) -> float:
         """Frequency at which |L| first falls below 1, radians per cycle; pi when it never does."""
-        below = np.flatnonzero(np.abs(self.open_loop(law, _GRID)) < 1)
+        below = np.flatnonzero(np.abs(self._opened(law, _GRID, self._on_grid)) < 1)
         return float(_GRID[below[0]]) if below.size else float(np.pi)
 
 
@@ -156,12 +170,17 @@ def const_dist(filtering: Floats, distance: Floats) -> Floats:
     return trimmed(np.convolve(filtering, distance))
 
 
-def both_encoders(filtering: Floats, distance: Floats, actual: Floats) -> Floats:
+def both_encoders(
+    filtering: Floats, distance: Floats, actual: Floats, reaction_cycles: int = 0
+) -> Floats:
     """Feedback of CONST_DIST with both encoders: filter(d - (Z_act - Z_com)).
 
     actual: answer of the motor encoder. Z_com is the total set position of the cycle before.
+    reaction_cycles: from the cycle that computes an offset to the one that sends it.
     """
-    return trimmed(np.convolve(filtering, _sum(distance, -actual, np.array([0.0, 1.0]))))
+    sent = np.zeros(2 + reaction_cycles)
+    sent[-1] = 1.0
+    return trimmed(np.convolve(filtering, _sum(distance, -actual, sent)))
 
 
 def set_pos(filtering: Floats, distance: Floats, actual: Floats) -> Floats:

@@ -13,7 +13,7 @@ from bench.oracles.distance import following, limits
 from bench.oracles.distance.cycles import NotMeasurableError
 from bench.oracles.distance.loop import growth
 from bench.oracles.distance.stability import KP_MAX, kp_limit
-from bench.run.distance import stretches, walked
+from bench.run.distance import filtering, stretches, walked
 from bench.run.distance.stretches import NoClosedFormError
 from bench.run.distance.truth import FREEZE, STATE_WORDS, DistanceTruth, Signal
 from bench.run.observation import Observation
@@ -318,6 +318,35 @@ def freeze_drift_um(truth: DistanceTruth) -> Observation:
 def distance_state_end(truth: DistanceTruth) -> Observation:
     """State at the end of the program."""
     return Observation(STATE_WORDS[int(truth.state[-1])])
+
+
+# The filter
+
+
+@_of_axis
+def distance_filter_delay_cycles(truth: DistanceTruth) -> Observation:
+    """By how many cycles the filter is late, at the largest step of the surface."""
+    return Observation(filtering.delay_cycles(truth), note=truth.smoothing.name)
+
+
+@_of_axis
+def distance_filter_delay_expected_cycles(truth: DistanceTruth) -> Observation:
+    """Closed form of the same."""
+    return Observation(truth.smoothing.delay_cycles, note=truth.smoothing.name)
+
+
+@_of_axis
+def distance_filter_noise_gain(truth: DistanceTruth) -> Observation:
+    """Standard deviation behind over that before the filter, while the surface stands."""
+    settling = len(truth.smoothing.numerator) + round(6 * truth.smoothing.delay_cycles)
+    gain, cycles = filtering.noise_gain(truth, settling)
+    return Observation(gain, note=f"{truth.smoothing.name}; {cycles} cycles")
+
+
+@_of_axis
+def distance_filter_noise_gain_expected(truth: DistanceTruth) -> Observation:
+    """Closed form of the same."""
+    return Observation(truth.smoothing.noise_gain, note=truth.smoothing.name)
 
 
 # The own model

@@ -14,7 +14,7 @@ from bench.oracles.distance.cycles import DeadCycles, Measured, Told, measured, 
 from bench.oracles.distance.lists import Listed, as_written
 from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from bench.oracles.distance.model import first_order_drive
-from bench.oracles.distance.smoothing import none, of_control
+from bench.oracles.distance.smoothing import Smoothing, none, of_control
 from bench.rig.machine import Machine
 from bench.rig.telegram_log import SECOND, TARGET
 from bench.run.fixed_stop.truth import PlantValues
@@ -148,6 +148,11 @@ class DistanceTruth:
 
     # The loop
 
+    @cached_property
+    def smoothing(self) -> Smoothing:
+        """Filter of the sensor value, by the list."""
+        return of_control(self.listed.control, self.period_ns)
+
     def loop(self, mode: str) -> Loop:
         """Return the loop in a mode, by lists and plant."""
         listed, control = self.listed, self.listed.control
@@ -155,7 +160,7 @@ class DistanceTruth:
         return Loop(
             mode,
             self.dead.dead - self.sensor_age_cycles,
-            of_control(control, self.period_ns),
+            self.smoothing,
             sent_cycles=self.dead.reaction,
             skew_cycles=self.sensor_age_cycles,
             integral=self.period_s / control.tn_s if control.tn_s else 0.0,

@@ -1,0 +1,89 @@
+"""Suggested laws: calm, stable, and no smaller than they have to be."""
+
+import numpy as np
+import pytest
+
+from bench.tune.advice import KP_MAX, OVERSHOOT, SENSITIVITY_MAX, Advice, advise, quality
+from bench.tune.loop import Floats, Law, Loop, const_dist, set_pos
+
+T_S = 1e-3
+SLOW = np.concatenate([np.zeros(2), 0.05 * 0.95 ** np.arange(300)])
+
+
+def delay(cycles: int) -> Floats:
+    return np.eye(1, cycles + 1, cycles)[0]
+
+
+def mean(count: int) -> Floats:
+    return np.full(count, 1 / count)
+
+
+LOOPS = {
+    "n 0": Loop(T_S, const_dist(mean(1), delay(1)), mean(1)),
+    "n 1": Loop(T_S, const_dist(mean(1), delay(2)), mean(1)),
+    "n 2, mean of 4": Loop(T_S, const_dist(mean(4), delay(3)), mean(4)),
+    "n 1, mean of 20": Loop(T_S, const_dist(mean(20), delay(2)), mean(20)),
+    "slow drive": Loop(T_S, const_dist(mean(4), SLOW), mean(4)),
+}
+
+
+@pytest.fixture(scope="module", params=LOOPS)
+def loop(request: pytest.FixtureRequest) -> Loop:
+    return LOOPS[request.param]
+
+
+@pytest.fixture(scope="module")
+def advice(loop: Loop) -> Advice:
+    found = advise(loop)
+    assert found is not None
+    return found
+
+
+def test_suggested_law_is_calm(loop: Loop, advice: Advice) -> None:
+    assert loop.is_stable(advice.law)
+    assert loop.step_answer(advice.law, 8000).max() <= 1 + OVERSHOOT
+    assert loop.sensitivity_peak(advice.law) <= SENSITIVITY_MAX
+    assert advice.law.kp <= KP_MAX
+
+
+def test_a_kp_a_tenth_greater_would_not_be(loop: Loop, advice: Advice) -> None:
+    law = Law(1.1 * advice.law.kp, advice.law.tn_s, advice.law.tv_s)
+    passes = loop.step_answer(law, 8000).max() > 1 + OVERSHOOT
+    assert passes or loop.sensitivity_peak(law) > SENSITIVITY_MAX
+
+
+def test_a_derivative_part_is_suggested_only_where_it_pays(loop: Loop, advice: Advice) -> None:
+    if advice.law.tv_s:
+        plain = next(float(word) for word in advice.reasons[0].split()[1:2])
+        without = quality(loop, Law(plain))
+        assert advice.quality.area_cycles <= 0.75 * without.area_cycles
+        assert advice.quality.noise_gain <= 1.5 * without.noise_gain
+
+
+def test_with_an_integral_part_a_slope_is_followed(loop: Loop, advice: Advice) -> None:
+    """A ramp of the surface is a sum of steps, so the sum of the errors after one has to be 0."""
+    if loop is LOOPS["n 0"]:  # where Ms is 2 already with kp 1
+        assert advice.slope_law is None
+        return
+    assert advice.slope_law is not None
+    error = 1 - loop.step_answer(advice.slope_law, 60_000)
+    assert abs(error.sum()) < 1e-6 * np.abs(error).sum() + 1e-6
+    assert np.abs(1 - loop.step_answer(advice.law, 60_000)).sum() > 1
+
+
+def test_error_on_a_slope_is_one_over_kp() -> None:
+    """v T/kp: the sum of the errors after a step is 1/kp for every P and PD control."""
+    for name, made in LOOPS.items():
+        for law in (Law(0.02), Law(0.01, 0.0, 2e-3)):
+            error = 1 - made.step_answer(law, 60_000)
+            assert error.sum() == pytest.approx(1 / law.kp, rel=1e-6), name
+
+
+def test_surface_without_skew_gets_the_default() -> None:
+    found = advise(Loop(T_S, set_pos(mean(4), delay(2), delay(2)), mean(4)))
+    assert found is not None
+    assert (found.law, found.limits[1]) == (Law(1.0), pytest.approx(2.0))
+
+
+def test_nothing_is_suggested_for_a_loop_that_counts_the_wrong_way() -> None:
+    assert advise(Loop(T_S, -delay(2), mean(1))) is None

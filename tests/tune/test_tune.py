@@ -1,0 +1,186 @@
+"""`axisrig tune distance` on the shipped rig: what it measures, says and refuses."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from bench.cli import app
+from bench.oracles.distance.stability import mean_limit
+from bench.tune.distance import BOTH_ENCODERS, CONST_DIST, SET_POS, Mode, Tuning, tune
+from bench.tune.measure import choose
+from bench.tune.report import text_of, warnings_of
+from kernel.errors import UserError
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+RIG = RIGS / "distance-z.toml"
+DEFAULTS = ("kp=1", "filter_type=DEFAULT", "n_cycles=4")
+Tune = Callable[..., Tuning]
+
+
+@pytest.fixture(scope="module")
+def tuned() -> Tune:
+    """Return `tuned(parameters, others)`: the shipped rig with these, measured once."""
+    known: dict[tuple[str, ...], Tuning] = {}
+
+    def run(*parameters: str, others: tuple[str, ...] = (), step_mm: float | None = None) -> Tuning:
+        changes = (*(f"set:Z.kenngr.distc.{text}" for text in parameters), *others)
+        if changes not in known:
+            known[changes] = tune(choose(RIG, None, None, changes), step_mm)
+        return known[changes]
+
+    return run
+
+
+def mode(found: Tuning, name: str) -> Mode:
+    return next(mode for mode in found.modes if mode.name == name)
+
+
+@pytest.mark.parametrize(("is_optimized", "dead"), [(0, 2), (1, 1)])
+def test_dead_time_is_that_of_the_scheduling(tuned: Tune, is_optimized: int, dead: int) -> None:
+    found = tuned(*DEFAULTS, f"optimized_scheduling={is_optimized}")
+    assert found.dead_time.dead == dead
+    assert (found.dead_time.reaction, found.dead_time.way) == (1 - is_optimized, 2)
+    assert found.distance.is_dead_time
+    assert found.distance.mean_cycle == dead + 1
+    # From the frame behind the NC cycle at 0.6 ms to the one behind the SYNC two periods on
+    assert found.dead_time.way_ns is not None
+    assert 1.4e6 <= found.dead_time.way_ns <= 2.0e6
+
+
+@pytest.mark.parametrize(("is_optimized", "dead"), [(0, 2), (1, 1)])
+def test_limits_are_those_of_the_closed_forms(tuned: Tune, is_optimized: int, dead: int) -> None:
+    found = tuned(*DEFAULTS, f"optimized_scheduling={is_optimized}")
+    expected = {
+        CONST_DIST: mean_limit(4, dead),
+        BOTH_ENCODERS: mean_limit(4, dead - 1),
+        SET_POS: 2.0,
+    }
+    for name, limit in expected.items():
+        assert mode(found, name).stable_kp[1] == pytest.approx(limit, rel=1e-3)
+        assert mode(found, name).closed_limit == pytest.approx(limit)
+
+
+def test_the_default_is_unstable_in_const_dist_and_the_best_in_set_pos(tuned: Tune) -> None:
+    found = tuned(*DEFAULTS, "optimized_scheduling=1")
+    assert not mode(found, CONST_DIST).is_stable
+    surface = mode(found, SET_POS)
+    assert surface.is_stable
+    assert surface.advice is not None
+    assert surface.advice.law.kp == 1.0
+    told = list(warnings_of(found))
+    assert len(told) == 1
+    assert "CONST_DIST with kp 1" in told[0]
+    assert "filter DEFAULT, 4 values is unstable with 1 cycle of dead time" in told[0]
+    assert "only kp below 0.619 is stable" in told[0]
+
+
+def test_the_suggested_law_does_what_was_predicted(tuned: Tune) -> None:
+    found = tuned(*DEFAULTS, "optimized_scheduling=1")
+    assert found.trial is not None
+    assert np.abs(found.trial.seen - found.trial.predicted).max() < 1e-3
+    assert found.trial.seen.max() < 1.021
+
+
+def test_a_stable_list_gives_no_warning(tuned: Tune) -> None:
+    assert list(warnings_of(tuned("kp=0.1"))) == []
+
+
+def test_noise_is_told_and_does_not_hide_the_dead_time(tuned: Tune) -> None:
+    """At 2 mm the noise of the plant is 4 times that at 1 mm."""
+    noise = ("plant:gap.noise_um=1",)
+    found = tuned(*DEFAULTS, "optimized_scheduling=1", others=noise)
+    assert found.distance.sigma_mm == pytest.approx(4e-3, rel=0.3)
+    assert found.step_mm == pytest.approx(100 * found.distance.sigma_mm, rel=0.3)
+    assert found.dead_time.dead == 1
+    assert mode(found, CONST_DIST).stable_kp[1] == pytest.approx(mean_limit(4, 1), rel=0.02)
+
+
+@pytest.mark.parametrize("bandwidth_hz", [20, 100])
+def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
+    """Its first-order lag at the SYNC, e^-wT, over the ramp of the drive: exact in closed form."""
+    others = ("plant:gap.order=1", f"plant:gap.bandwidth={bandwidth_hz}")
+    found = tuned(*DEFAULTS, "optimized_scheduling=1", "filter_type=MOVING_AVERAGE", others=others)
+    w = 2 * np.pi * bandwidth_hz * found.period_s
+    # Answer of a lag to a ramp over one period, then exponential
+    first = 1 - (1 - np.exp(-w)) / w
+    later = (1 - np.exp(-w)) ** 2 / w * np.exp(-w * np.arange(300))
+    expected = np.concatenate([[0.0, 0.0, first], later])
+    assert not found.distance.is_dead_time
+    assert mode(found, CONST_DIST).closed_limit is None
+    answer = np.cumsum(found.distance.impulses)
+    assert np.abs(answer - np.cumsum(expected)[: len(answer)]).max() < 2e-3
+
+
+def test_text_says_what_was_found(tuned: Tune) -> None:
+    text = text_of(tuned(*DEFAULTS, "optimized_scheduling=1"))
+    assert (
+        "n = 1 cycle: an offset goes out in its own cycle and is seen 2 cycles after that" in text
+    )
+    assert "kp < 0.6188; closed form 0.6188" in text
+    assert "UNSTABLE" in text
+    assert max(len(line) for line in text.splitlines()) <= 110
+
+
+def test_a_sensor_of_the_wrong_sign_is_refused() -> None:
+    bench = choose(RIG, None, None, ("set:Z.lr_hw[1].vz_istw=0",))
+    with pytest.raises(UserError, match=r"opposite and equal.*P-AXIS-00230"):
+        tune(bench)
+
+
+def test_a_sensor_of_the_wrong_scale_is_refused() -> None:
+    bench = choose(RIG, None, None, ("set:Z.lr_hw[1].encoder_resolution_num=20",))
+    with pytest.raises(UserError, match=r"opposite and equal.*P-AXIS-00422"):
+        tune(bench)
+
+
+@pytest.mark.parametrize(
+    ("rig", "axis", "changes", "words"),
+    [
+        ("distance-z.toml", "X", (), "no such axis"),
+        ("probe-z.toml", None, (), "no axis of the rig has distance control"),
+        ("probe-z.toml", "Z", (), "not released"),
+    ],
+)
+def test_what_cannot_be_tuned(
+    rig: str, axis: str | None, changes: tuple[str, ...], words: str
+) -> None:
+    with pytest.raises(UserError, match=words):
+        choose(RIGS / rig, axis, None, changes)
+
+
+def _invoke(*arguments: str) -> Any:
+    return CliRunner().invoke(app, ["tune", "distance", "--rig", str(RIG), *arguments])
+
+
+def test_command_writes_picture_and_json(tmp_path: Path) -> None:
+    picture = tmp_path / "loop.svg"
+    ended = _invoke("--json", "--picture", str(picture), "--set", "set:Z.kenngr.distc.kp=1")
+    assert ended.exit_code == 0
+    told = json.loads(ended.stdout)
+    assert told["dead_cycles"] == 2
+    assert [found["is_stable"] for found in told["modes"]] == [False, False, True]
+    assert "warning: CONST_DIST with kp 1" in ended.stderr
+    drawn = picture.read_text("utf-8")
+    for words in ("suggested", "as configured", "answer to a step of the offset"):
+        assert words in drawn
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--picture", "loop.bmp"), "no kind of picture"),
+        (("--variable", "V.E.NOTHING"), "V.E.NOTHING"),
+        (("--step", "0"), "step"),
+    ],
+)
+def test_command_refuses(arguments: tuple[str, ...], words: str, tmp_path: Path) -> None:
+    extra = () if "--picture" in arguments else ("--picture", str(tmp_path / "loop.svg"))
+    ended = _invoke(*arguments, *extra)
+    assert ended.exit_code == 2
+    assert words in ended.stderr
+    assert "Traceback" not in ended.stderr
