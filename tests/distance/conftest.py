@@ -30,15 +30,20 @@ STATE_WAYS: dict[DistanceState, tuple[DistanceCommand, ...]] = {
 class Loop:
     """A control and a tool over a surface; all in mm.
 
-    The tool is where program and offset of the cycle before say: no dead time. height_mm: of the
-    surface by the number of the cycle.
+    The tool is where program and offset said `dead_cycles` + 1 cycles ago; with none the error is
+    measured as the offset of the cycle before has left it. height_mm: of the surface by the number
+    of the cycle. lag: share of its way to there that the tool leaves open in each cycle.
     """
 
     control: DistanceControl
     height_mm: Callable[[int], float] = lambda _cycle: 0.0
     program_mm: float = 0.0
+    dead_cycles: int = 0
+    lag: float = 0.0
     cycle: int = 0
     is_held: bool = False
+    actual_mm: float = 0.0
+    sensors_mm: list[float] = field(default_factory=list)
     offsets_mm: list[float] = field(default_factory=list)
     errors_mm: list[float] = field(default_factory=list)
     steps_mm: list[float] = field(default_factory=list)
@@ -46,12 +51,16 @@ class Loop:
     def run(self, cycles: int) -> "Loop":
         control = self.control
         for _ in range(cycles):
-            actual_mm = self.program_mm + control.offset_mm
-            sensor_mm = self.height_mm(self.cycle) - actual_mm
+            sent_mm = self.program_mm + control.offset_mm
+            past = self.offsets_mm[: -self.dead_cycles] if self.dead_cycles else self.offsets_mm
+            target_mm = self.program_mm + (past[-1] if past else 0.0)
+            self.actual_mm += (target_mm - self.actual_mm) * (1 - self.lag)
+            sensor_mm = self.height_mm(self.cycle) - self.actual_mm
             self.cycle += 1
             try:
-                control.step(Reading(sensor_mm, actual_mm, actual_mm, self.is_held))
+                control.step(Reading(sensor_mm, self.actual_mm, sent_mm, self.is_held))
             finally:
+                self.sensors_mm.append(sensor_mm)
                 self.offsets_mm.append(control.offset_mm)
                 self.errors_mm.append(control.error_mm)
                 self.steps_mm.append(control.step_mm)
@@ -96,8 +105,11 @@ def make_loop() -> Callable[..., Loop]:
         height_mm: Callable[[int], float] = lambda _cycle: 0.0,
         *,
         program_mm: float = 0.0,
+        dead_cycles: int = 0,
+        lag: float = 0.0,
         **changes: Any,
     ) -> Loop:
-        return Loop(DistanceControl(OWNER, wide(**changes), MS), height_mm, program_mm)
+        control = DistanceControl(OWNER, wide(**changes), MS)
+        return Loop(control, height_mm, program_mm, dead_cycles, lag, actual_mm=program_mm)
 
     return make

@@ -1,0 +1,96 @@
+"""From a list to the settings: units, fallbacks, the family of IDs."""
+
+from pathlib import Path
+
+import pytest
+
+from kernel.distance import DistanceSettings, names_newer
+from kernel.parameters import ParameterSet, read_list
+
+# Every parameter of the control with a value that is not its default
+LIST = """
+getriebe[0].dynamik.a_max 1500
+kenngr.distc.n_cycles 20
+kenngr.distc.max_deviation 20000
+kenngr.distc.v_max 50000
+kenngr.distc.max_act_value_change 7500
+kenngr.distc.ref_offset 1
+kenngr.distc.max_pos 40000
+kenngr.distc.min_pos -30000
+kenngr.distc.tolerance 5000
+kenngr.distc.mode_dist_use_both_encoder 1
+kenngr.distc.use_adaptive_acceleration 1
+kenngr.distc.a_min 100
+kenngr.distc.dist_error_a_min 250
+kenngr.distc.dist_error_a_max 700
+kenngr.distc.v_weight_down 300
+kenngr.distc.a_weight_down 400
+kenngr.distc.kp 0.3
+kenngr.distc.i_tn 5
+kenngr.distc.d_tv 0.01
+kenngr.distc.filter_type KALMAN_MA
+"""
+
+
+@pytest.fixture
+def listed(tmp_path: Path) -> object:
+    def make(text: str) -> ParameterSet:
+        path = tmp_path / "axis.lst"
+        path.write_text(text, encoding="utf-8")
+        return read_list(path, "axis")
+
+    return make
+
+
+def test_a_list_that_says_nothing_has_the_printed_defaults() -> None:
+    found = DistanceSettings.read(ParameterSet("axis"))
+    assert found == DistanceSettings(a_max_mm_s2=1000.0)
+    assert found.a_mm_s2 == DistanceSettings().a_mm_s2
+
+
+def test_every_parameter_in_its_unit(listed: object) -> None:
+    found = DistanceSettings.read(listed(LIST))  # type: ignore[operator]
+    assert found == DistanceSettings(
+        kp=0.3, tn_s=5.0, tv_s=0.01, both_encoders=True, max_deviation_mm=2.0, v_max_mm_s=50.0,
+        a_max_mm_s2=1500.0, a_axis_mm_s2=1500.0, v_weight_down_permille=300,
+        a_weight_down_permille=400, is_adaptive=True, a_min_mm_s2=100.0, error_a_min_mm=0.025,
+        error_a_max_mm=0.07, max_change_mm_s=7.5, min_pos_mm=-3.0, max_pos_mm=4.0,
+        tolerance_mm=0.5, has_absolute_sensor=True, is_newer=False,
+    ).replaced(n_cycles=20, filter_type="KALMAN_MA")  # fmt: skip
+
+
+@pytest.mark.parametrize(("line", "a_mm_s2"), [("", 800.0), ("kenngr.distc.a_max 90\n", 90.0)])
+def test_without_a_max_that_of_the_axis_counts(listed: object, line: str, a_mm_s2: float) -> None:
+    axis = listed(f"getriebe[0].dynamik.a_max 800\n{line}")  # type: ignore[operator]
+    assert DistanceSettings.read(axis).a_mm_s2 == a_mm_s2
+
+
+@pytest.mark.parametrize(
+    ("text", "is_newer"),
+    [
+        ("kenngr.distc.kp 0.3\n", False),
+        ("getriebe[0].kv 1000\n", False),
+        ("kenngr.distc.kp 0.3\nkenngr.dist_ctrl[0].v_max 5000\n", True),
+        ("kenngr.dist_ctrl[0].max_istw_sprung 5000\n", True),
+    ],
+)
+def test_the_structure_chooses_the_family_of_ids(listed: object, text: str, is_newer: bool) -> None:
+    axis = listed(text)  # type: ignore[operator]
+    assert names_newer(axis) is is_newer
+    settings = DistanceSettings.read(axis)
+    assert settings.is_newer is is_newer
+    assert settings.alarm((310024, 70335), owner="axis Z").id == (310024 if is_newer else 70335)
+    assert settings.alarm((900311,), owner="axis Z").id == 900311
+
+
+def test_a_cell_of_a_plan_may_choose_it_too() -> None:
+    axis = ParameterSet("axis")
+    axis.set("kenngr.distc.kp", "0.3", "plan")
+    assert not names_newer(axis)
+    axis.set("kenngr.dist_ctrl[0].kp", "0.3", "plan")
+    assert names_newer(axis)
+
+
+def test_a_name_that_there_is_not() -> None:
+    with pytest.raises(TypeError):
+        DistanceSettings().replaced(kq=1.0)
