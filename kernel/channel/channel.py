@@ -89,8 +89,9 @@ class Channel:
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
         self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
         self.reactions.stops.append(self.single.stop)
-        self._limits = SoftLimitWatch({axis.name: axis.limits for axis in axes}, by_axis)
         self.distance = self._distance_controls()
+        uncounted = self.distance.uncounted_mm()
+        self._limits = SoftLimitWatch({a.name: a.limits for a in axes}, by_axis, uncounted)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
@@ -115,7 +116,6 @@ class Channel:
         if distance.axes:
             self.path.superposed_mm = distance.superposed_mm
             self.path.counted_mm = distance.counted_mm
-            self._limits.uncounted_mm = distance.uncounted_mm
         single.independent.held_axes = plc.held_axes
         return distance
 

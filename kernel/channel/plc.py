@@ -72,7 +72,11 @@ class PlcInterface:
 
     def held_axes(self) -> list[str]:
         """Return the axes that their own feedhold or an override of 0 holds."""
-        return [name for name, unit in self.axis.items() if unit.holds]
+        return [
+            name
+            for name, unit in self.axis.items()
+            if unit.feedhold or not unit.override_permille  # each cycle: without `holds`
+        ]
 
     def is_waiting(self) -> bool:
         """Tell whether a function is still to be acknowledged: nothing begins before."""

@@ -49,27 +49,58 @@ def _alarm(alarm_id: int, axis: str, position_mm: float, limit_mm: float) -> Ala
     return Alarm(alarm_id, axis=axis, position_mm=f"{position_mm:.4f}", limit_mm=f"{limit_mm:.4f}")
 
 
+@dataclass(frozen=True)
+class _Watched:
+    """One axis: where its actual position may be, in increments; counts: its offset counts."""
+
+    link: AxisLink
+    lowest: float
+    highest: float
+    lowest_mm: float
+    highest_mm: float
+    counts: bool
+
+
 class SoftLimitWatch:
     """Watches the actual positions of all axes that have switches.
 
-    uncounted_mm: tells what of the position of an axis does not count, the offset of distance
-    control without P-AXIS-00428. An axis that its drive leads (homing) is not watched.
+    uncounted_mm: by axis, tells what of its position does not count: the offset of distance control
+    without P-AXIS-00428. An axis that its drive leads (homing) is not watched.
     """
 
-    def __init__(self, limits: Mapping[str, SoftLimits | None], links: Mapping[str, AxisLink]):
+    def __init__(
+        self,
+        limits: Mapping[str, SoftLimits | None],
+        links: Mapping[str, AxisLink],
+        uncounted_mm: Mapping[str, Callable[[], float]],
+    ) -> None:
+        self._uncounted_mm = uncounted_mm
         self._axes = [
-            (links[axis], found.negative_mm - found.tolerance_mm,
-             found.positive_mm + found.tolerance_mm)
-            for axis, found in limits.items() if found is not None
-        ]  # fmt: skip
-        self.uncounted_mm: Callable[[str], float] = lambda _axis: 0.0
+            _watched(links[axis], found, counts=axis not in uncounted_mm)
+            for axis, found in limits.items()
+            if found is not None
+        ]
 
     def check(self) -> None:
         """Raise Alarm 70021 or 70022 for the first axis that is beyond a switch."""
-        for link, lowest_mm, highest_mm in self._axes:
-            position_mm = link.actual_mm - self.uncounted_mm(link.name)
-            if lowest_mm <= position_mm <= highest_mm or link.leads_itself:
-                continue
-            if position_mm > highest_mm:
-                raise _alarm(ACTUAL_ABOVE, link.name, position_mm, highest_mm)
-            raise _alarm(ACTUAL_BELOW, link.name, position_mm, lowest_mm)
+        for axis in self._axes:
+            if not axis.counts or not axis.lowest <= axis.link.actual_increments <= axis.highest:
+                self._judge(axis)
+
+    def _judge(self, axis: _Watched) -> None:
+        name, position_mm = axis.link.name, axis.link.actual_mm
+        if axis.link.leads_itself:
+            return
+        if not axis.counts:
+            position_mm -= self._uncounted_mm[name]()
+        if position_mm > axis.highest_mm:
+            raise _alarm(ACTUAL_ABOVE, name, position_mm, axis.highest_mm)
+        if position_mm < axis.lowest_mm:
+            raise _alarm(ACTUAL_BELOW, name, position_mm, axis.lowest_mm)
+
+
+def _watched(link: AxisLink, limits: SoftLimits, *, counts: bool) -> _Watched:
+    lowest_mm = limits.negative_mm - limits.tolerance_mm
+    highest_mm = limits.positive_mm + limits.tolerance_mm
+    per_mm = link.settings.increments_per_mm
+    return _Watched(link, lowest_mm * per_mm, highest_mm * per_mm, lowest_mm, highest_mm, counts)

@@ -53,6 +53,7 @@ class DistanceControls:
         period_ns: TimeNs,
     ) -> None:
         self._path, self._units = path, units
+        self._plc_units = [unit.distance for unit in units.values()]
         self._settings = {axis.name: axis for axis in settings}
         self.axes = {
             axis.name: AxisDistance(link, axis.distance, values, period_ns)
@@ -81,6 +82,8 @@ class DistanceControls:
         is_stopping: an alarm has ended the program, nothing is commanded any more. Raises the first
         alarm; the others of this cycle are in `further`.
         """
+        if not self.axes and not any(u.command_semaphor_rw for u in self._plc_units):
+            return
         found: list[Alarm] = []
         for name, axis in self.axes.items():
             axis.is_held = self._units[name].holds
@@ -226,11 +229,16 @@ class DistanceControls:
         counts = found is not None and found.settings.checks_limits
         return found.control.offset_mm if found is not None and counts else 0.0
 
-    def uncounted_mm(self, axis: str) -> float:
-        """Return what of its position does not count: the offset without P-AXIS-00428."""
-        found = self.axes.get(axis)
-        counts = found is None or found.settings.checks_limits
-        return 0.0 if found is None or counts else found.output_mm
+    def uncounted_mm(self) -> dict[str, Callable[[], float]]:
+        """Return, by axis, what tells the part of a position that does not count for the switches.
+
+        That is the offset where P-AXIS-00428 is 0.
+        """
+        return {
+            name: partial(getattr, axis, "output_mm")
+            for name, axis in self.axes.items()
+            if not axis.settings.checks_limits
+        }
 
     @property
     def is_turning_off(self) -> bool:
