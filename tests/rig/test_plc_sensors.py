@@ -22,9 +22,12 @@ def settings_of(folder: Path, table: str, *assignments: str):
 
 
 def refusal(folder: Path, table: str, *assignments: str) -> UserError:
-    with pytest.raises(UserError) as error:
+    def build() -> None:
         settings = settings_of(folder, table, *assignments)
         Machine(settings, parse_program("M30", axes=("Z",))).close()
+
+    with pytest.raises(UserError) as error:
+        build()
     return error.value
 
 
