@@ -191,6 +191,16 @@ def test_a_set_distance_may_change_in_every_cycle(make_loop: Make) -> None:
         assert loop.control.offset_mm == pytest.approx(0.01 * k)
 
 
+def test_a_programmed_motion_leads_and_the_distance_comes_back(make_loop: Make) -> None:
+    loop = constant(make_loop(kp=0.3), 1.5).run(60)
+    loop.program_mm = 2.0
+    loop.run(1)
+    assert loop.control.distance_mm == pytest.approx(3.5)
+    loop.run(60)
+    assert loop.control.distance_mm == pytest.approx(1.5)
+    assert loop.control.offset_mm == pytest.approx(-0.5)
+
+
 @pytest.mark.parametrize("kp", [0.2, 1.0])
 def test_a_sensor_that_counts_with_the_motor_runs_away(kp: float, make_loop: Make) -> None:
     """e(k) = e(0) (1 + kp)^k: the first cycle beyond the limit is known."""

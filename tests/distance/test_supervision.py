@@ -81,6 +81,18 @@ def test_an_offset_beyond_its_limit_is_clamped_and_told(
     assert loop.control.offset_mm == 2.0
 
 
+@pytest.mark.provokes(70329, 7, owner="axis Z", change_um_s=166667.0, limit_um_s=5000.0)
+def test_a_rapid_motion_is_faster_than_the_default_believes(make_loop: Callable[..., Any]) -> None:
+    """10 m/min are 0.167 mm per cycle: P-AXIS-00417 = 5000 counts um/s, not 0.1 um per cycle."""
+    loop = make_loop(max_change_mm_s=5.0)
+    loop.control.set_surface(0.0)
+    loop.say(Command.ON).run(3)
+    loop.program_mm = 0.166667
+    with pytest.raises(Alarm):
+        loop.run(1)
+    assert loop.cycle == 4
+
+
 @pytest.mark.provokes(900312, 7, owner="axis Z")
 def test_an_absolute_sensor_has_its_zero(make_loop: Callable[..., Any]) -> None:
     with pytest.raises(Alarm, match="900312"):
