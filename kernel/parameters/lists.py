@@ -162,7 +162,8 @@ def list_text(sections: Sequence[ParameterSet] | ParameterSet) -> str:
         for name, value in _rows(section, len(several)):
             number = section.find(name, Origin(name))[0].number
             comment = f"  # {number}" if number else ""
-            lines.append(f"{name:<56} {_quoted(value):<16}{comment}".rstrip())
+            spelled = section.list_name(name)
+            lines.append(f"{spelled:<56} {_quoted(value):<16}{comment}".rstrip())
     return "\n".join([*lines, ""])
 
 

@@ -136,6 +136,14 @@ class ParameterSet:
         """Whether a list or the plan named any parameter so: older and present names differ."""
         return any(path.startswith(beginning) for path in self._written.values())
 
+    def list_name(self, key: str) -> str:
+        """Return how a list names what was set: the present path.
+
+        Distance control keeps its older structure `kenngr.distc.`: it chooses the family of IDs.
+        """
+        written = self._written.get(key, key)
+        return written if written.startswith("kenngr.distc.") else key
+
     def is_set(self, path: str) -> bool:
         """Whether a list or the plan set this parameter, be it to its default."""
         return self._table.find(path)[1] in self._values

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from kernel.distance import DistanceSettings, names_newer
-from kernel.parameters import ParameterSet, read_list
+from kernel.parameters import ParameterSet, read_list, write_list
 
 # Every parameter of the control with a value that is not its default
 LIST = """
@@ -89,6 +89,17 @@ def test_a_cell_of_a_plan_may_choose_it_too() -> None:
     assert not names_newer(axis)
     axis.set("kenngr.dist_ctrl[0].kp", "0.3", "plan")
     assert names_newer(axis)
+
+
+@pytest.mark.parametrize("structure", ["kenngr.distc.", "kenngr.dist_ctrl[0]."])
+def test_a_list_that_is_written_keeps_the_family(
+    listed: object, tmp_path: Path, structure: str
+) -> None:
+    axis = listed(f"{structure}kp 0.3\n")  # type: ignore[operator]
+    write_list(axis, tmp_path / "again.lst")
+    again = read_list(tmp_path / "again.lst", "axis")
+    assert DistanceSettings.read(again) == DistanceSettings.read(axis)
+    assert names_newer(again) is (structure != "kenngr.distc.")
 
 
 def test_a_name_that_there_is_not() -> None:
