@@ -1,0 +1,114 @@
+"""The section on distance control of runs that the bench has made: it tells what the plant did."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pyarrow.parquet as pq
+import pytest
+from typer.testing import CliRunner
+
+from bench.cli import app
+from tests.reports.test_report import Page
+
+PLANS = Path(__file__).parents[2] / "testplans"
+CHAPTER_10 = PLANS / "distance_chapter10.csv"
+OSCILLATES = {
+    "case": "oscillates",
+    "program": "loop.nc",
+    "rig": f"{PLANS}/rigs/distance-z.toml",
+    "set:Z.kenngr.distc.kp": "1.0",
+    "set:Z.kenngr.distc.optimized_scheduling": "1",
+    "set:Z.kenngr.distc.v_max": "50000000",
+    "set:Z.kenngr.distc.a_max": "100000",
+    "plant:gap.lift_mm": "0.001",
+    "plant:gap.lift_begin_ms": "100",
+    "plant:gap.lift_end_ms": "100",
+}
+LOOP = """%loop
+N010 Z[DIST_CTRL ON CONST_DIST SET_DIST=2]
+N020 #TIME 0.2
+N030 Z[DIST_CTRL OFF]
+N040 M30
+"""
+
+
+def run(plan: Path, out: Path, *more: str) -> tuple[dict[str, Any], str]:
+    """Run a plan of one case; return its `distance` block and the text of the page."""
+    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out), *more])
+    assert told.exit_code == 0, told.output
+    (path,) = (out / "runs").glob("*.json")
+    (control,) = json.loads(path.read_text(encoding="utf-8"))["distance"]
+    page = Page((out / "report.html").read_text(encoding="utf-8"))
+    return control, " ".join(" ".join(page.text).split())
+
+
+@pytest.fixture(scope="module")
+def chapter_10(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, Any], str, Path]:
+    out = tmp_path_factory.mktemp("chapter10") / "out"
+    return *run(CHAPTER_10, out, "-k", "exact-off"), out
+
+
+def test_the_parts_of_chapter_10_are_told(chapter_10: tuple[dict[str, Any], str, Path]) -> None:
+    control, text, _ = chapter_10
+    states = [part["state"] for part in control["stretches"]]
+    assert states == ["INACTIVE", "ACTIVE", "FREEZE", "ACTIVE", "TURNING_OFF", "INACTIVE"]
+    assert {part["set_mm"] for part in control["stretches"]} == {None, 40.0}
+    assert "ON by the program, SET_POS 40 mm: offset 0 mm to 1.5 mm" in text
+    assert "the offset stands at 1.5 mm, bit for bit; the sensor goes from 0 mm to -2 mm" in text
+    assert "The sensor value is 0 at a gap of 2 mm (REF)." in text
+    assert "OFF by the program: -0.5 mm run out" in text
+
+
+def test_what_is_told_is_what_the_trace_shows(
+    chapter_10: tuple[dict[str, Any], str, Path],
+) -> None:
+    """Largest steps of the offset from the trace itself; 40 mm + 1.5 mm is the plant's truth."""
+    control, _, out = chapter_10
+    (path,) = (out / "traces").glob("*.parquet")
+    trace = pq.read_table(path)
+    offset = trace.column("Z.offset_mm").to_numpy()
+    used = {row["key"]: row["used"] for row in control["limits"]}
+    assert used["max_deviation"] == pytest.approx(abs(offset).max())
+    assert used["v_max"] == pytest.approx(abs(offset[1:] - offset[:-1]).max() / 1e-3)
+    frozen = control["stretches"][2]
+    times = trace.column("time_ns").to_numpy()
+    inside = (times >= frozen["begin_ns"]) & (times < frozen["end_ns"])
+    held = trace.column("Z.truth_mm").to_numpy()[inside][5:]
+    assert held == pytest.approx(41.5, abs=2e-5)
+
+
+def test_dead_cycles_and_law_of_chapter_10(chapter_10: tuple[dict[str, Any], str, Path]) -> None:
+    """SET_POS without skew is stable below 2, whatever the filter; pole 1 - kp."""
+    control, _, _ = chapter_10
+    assert (control["dead"]["predicted"], control["dead"]["measured"]) == (1, 1)
+    (law,) = control["laws"]
+    assert (law["mode"], law["kp"]) == ("SET_POS", 0.2)
+    assert law["kp_limit"] == pytest.approx(2.0)
+    assert law["growth"] == pytest.approx(0.8)
+    for error in control["errors"]:
+        assert error["expected_mm"] == 0.0
+        assert error["measured_mm"] == pytest.approx(0.0, abs=2e-5)
+
+
+def test_commands_are_marks(chapter_10: tuple[dict[str, Any], str, Path]) -> None:
+    _, text, _ = chapter_10
+    for word in ("Z: ON by NC", "Z: FREEZE by NC", "Z: OFF by NC"):
+        assert word in text
+
+
+def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
+    """CONST_DIST, a mean of 4, one dead cycle: limit 0.619. 1 um is enough to start it."""
+    (tmp_path / "loop.nc").write_text(LOOP, encoding="utf-8")
+    plan = tmp_path / "plan.csv"
+    plan.write_text(
+        ",".join([*OSCILLATES, "check:alarms"]) + "\n" + ",".join([*OSCILLATES.values(), "!= 1"]),
+        encoding="utf-8",
+    )
+    control, text = run(plan, tmp_path / "out")
+    (law,) = control["laws"]
+    assert law["kp_limit"] == pytest.approx(0.619, abs=5e-4)
+    assert "kp 1 is beyond the limit 0.619 for 1 dead cycle and mean of 4: the loop oscillates" in (
+        text
+    )
+    assert "the error swings by ±" in text or "ended by ID" in text
