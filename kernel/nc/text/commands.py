@@ -3,7 +3,7 @@
 What each takes stands in `commands.csv`; `keywords.py` reads what stands in the brackets.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from kernel.errors import UserError, nearest
 from kernel.nc.syntax import (
@@ -63,6 +63,8 @@ def axis_command(builder: ExpressionBuilder, item: nodes.Opened) -> AxisCommand:
     known = {name[len(_AXIS) :]: name for name in commands() if name.startswith(_AXIS)}
     first = elements[0][0] if elements[0] else None
     written = first.value.text if first and isinstance(first.value, nodes.Bare) else None
+    if first is not None and (first.keyword or written):
+        _check_leads(builder, axis, (first.keyword or written or "").upper(), first.offset, known)
     if first is None or written is None:
         raise builder.source.error(
             f"a value or a command to axis {axis} stands in the bracket",
@@ -82,6 +84,22 @@ def axis_command(builder: ExpressionBuilder, item: nodes.Opened) -> AxisCommand:
         keywords = [keyword for keyword, _ in form.options]
         distance.check(builder, form.shown, keywords, form.places, item.offset)
     return AxisCommand(axis, name, tuple(form.options), tuple(form.arguments))
+
+
+def _check_leads(
+    builder: ExpressionBuilder, axis: str, word: str, offset: int, known: Mapping[str, str]
+) -> None:
+    """Refuse a keyword in front of the only command that knows it."""
+    if word in known:
+        return
+    owners = [name for name, row in known.items() if word in commands()[row]]
+    if len(owners) == 1:
+        raise builder.source.error(
+            f"{owners[0]} stands in front of its keywords",
+            offset,
+            value=word,
+            allowed=f"{axis}[{owners[0]} {word} ..]",
+        )
 
 
 def cycle_call(builder: ExpressionBuilder, call: nodes.Call) -> SubprogramCall:

@@ -174,10 +174,11 @@ def test_what_the_text_alone_shows_is_refused_before_anything_moves(
     assert (caught.value.line, caught.value.column) == (2, column)
 
 
-@pytest.mark.parametrize("words", ["ON DIST_CTRL", "SET_POS=3"])
+@pytest.mark.parametrize("words", ["ON DIST_CTRL", "SET_POS=3", "SET_DIST 3 DIST_CTRL", "ON"])
 def test_dist_ctrl_is_the_first_word(run: Run, words: str) -> None:
-    with pytest.raises(UserError):
+    with pytest.raises(UserError, match="DIST_CTRL stands in front of its keywords") as caught:
         run(f"%t\nZ[{words}]\nM30\n")
+    assert (caught.value.line, caught.value.column) == (2, 3)
 
 
 @pytest.mark.provokes(22096, 2, value_s=60.0, low_s=0.0, high_s=50.0)
