@@ -242,6 +242,7 @@ class Channel:
                 self.execution.step()  # 5 refill the queue, begin what comes next
         except Alarm as alarm:
             self._come_up(alarm)
+            self._catch_up()
         if self.single.is_active:
             self.single.advance()
         self.path.advance()  # 5, 6 next set positions through the buffer
@@ -253,6 +254,15 @@ class Channel:
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
 
+    def _catch_up(self) -> None:
+        """Give distance control its step when an alarm of something else came before it."""
+        if self.start_ns is None or self.distance.has_stepped:
+            return
+        try:
+            self.distance.step(is_stopping=self.state is ChannelState.STOPPING)
+        except Alarm as alarm:
+            self._come_up(alarm)
+
     def _has_stopped(self) -> bool:
         path = self.path
         return path.has_stopped and not self.single.is_moving and self.reactions.has_stopped
@@ -263,6 +273,7 @@ class Channel:
             self.state = ChannelState.RUNNING
             self.start_ns = self._clock.now_ns
             self.plc.step()
+            self.distance.step()
 
     # What observers and the command line read
 

@@ -40,7 +40,7 @@ class DistanceControls:
     units: of every axis at the PLC's side. values: V.E. variables. measuring_state: tells how far
     the measurement is in which an axis takes part, None without one. slaves_of: tells which axes
     follow others, each with its master. warn: takes alarms of class 1. further: what came up in a
-    cycle besides the alarm that was raised.
+    cycle besides the alarm that was raised. has_stepped: in this cycle.
     """
 
     def __init__(
@@ -67,6 +67,7 @@ class DistanceControls:
         self.is_led: Callable[[str], bool] = lambda _axis: False
         self.warn: Callable[[Alarm], None] = lambda _alarm: None
         self.further: list[Alarm] = []
+        self.has_stepped = False
         if self.axes:
             path.superpose = self._superpose
 
@@ -82,6 +83,7 @@ class DistanceControls:
         is_stopping: an alarm has ended the program, nothing is commanded any more. Raises the first
         alarm; the others of this cycle are in `further`.
         """
+        self.has_stepped = True
         if not self.axes and not any(u.command_semaphor_rw for u in self._plc_units):
             return
         found: list[Alarm] = []
@@ -113,6 +115,7 @@ class DistanceControls:
 
     def _superpose(self, positions_mm: Positions) -> Positions:
         """Add the offsets to the set positions that leave the buffer; slaves follow."""
+        self.has_stepped = False
         sent = list(positions_mm)
         offsets = {name: axis.put_out() for name, axis in self.axes.items()}
         for slave, master in self.slaves_of(offsets).items():
@@ -197,7 +200,8 @@ class DistanceControls:
         pending_mm = axis.pending_mm
         control.command(wanted, source, no_move=no_move, dry_run=dry_run)
         if no_move and control.state is DistanceState.INACTIVE:
-            self._path.take_offset(axis.name, pending_mm)
+            for name in (axis.name, *self.slaves_of((axis.name,))):
+                self._path.take_offset(name, pending_mm)
             axis.forget_offset()
 
     def _is_waiting(self) -> bool:

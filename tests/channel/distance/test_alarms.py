@@ -1,10 +1,12 @@
 """Alarms of the control itself, and the words that look at its sensor."""
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import pytest
 
+from bench.bus.faults import Drop
 from kernel.clock import MS
 from kernel.distance import DistanceCommand, DistanceState
 
@@ -135,3 +137,41 @@ def test_without_a_sensor_there_is_nothing_to_look_at(
     made = distance_bench(spec={"height_mm": None})
     made.run(say.command(word))
     assert made.alarm_ids == [310029]
+
+
+@pytest.mark.provokes(900006, 7, axis="X")
+def test_a_silent_drive_of_another_axis_does_not_blind_it_while_the_axes_stop(
+    distance_bench: Make, say: Any, words: Any
+) -> None:
+    """The telegrams of X stay out from 300 ms on; X brakes slowly, the tool follows."""
+    made = distance_bench(
+        lambda time_ns: time_ns / 1e9, more=(words.axis("X", a_mm_s2=25.0),), kp=0.5
+    )
+    silent_ns = 300 * MS
+    made.bench.segment.add_fault(
+        lambda frame, _port, _attempt: (
+            Drop()
+            if frame.arbitration_id == 0x181 and made.bench.scheduler.now_ns > silent_ns
+            else None
+        )
+    )
+    made.run(say.command("on", set_pos_mm=0.0), words.move(2, 600.0, X=200.0))
+    assert made.alarm_ids == [900006]
+    steps = [b - a for a, b in pairwise(made.seen.offset_mm[100:])]
+    assert steps == pytest.approx([1e-3] * len(steps), abs=2.5e-5)
+    assert len(steps) > 400  # far behind the alarm
+
+
+def test_a_command_of_the_plc_at_the_start_acts_in_the_first_cycle(
+    distance_bench: Make, say: Any
+) -> None:
+    made = distance_bench()
+    unit = made.channel.plc.axis["Z"].distance
+
+    def ask() -> None:
+        unit.enable_w = unit.command_semaphor_rw = True
+        unit.command_w.transition, unit.command_w.set_pos_mm = DistanceCommand.ON, 0.0
+
+    made.at({0: ask})
+    made.run(say.dwell(20))
+    assert set(made.seen.state) == {DistanceState.ACTIVE}

@@ -235,6 +235,25 @@ def test_a_lag_behind_the_offset_is_a_lag(distance_bench: Make, say: Any) -> Non
     assert made.alarm_ids == [900036]
 
 
+@pytest.mark.parametrize("buffer_cycles", [0, 3])
+def test_a_gantry_slave_takes_the_offset_over_with_its_master(
+    distance_bench: Make, say: Any, words: Any, buffer_cycles: int
+) -> None:
+    made = distance_bench(
+        raised, more=(words.axis("W", start_mm=-5.0, kv=1e9),),
+        options={"buffer_cycles": buffer_cycles},
+    )  # fmt: skip
+    pair = canon.AxisPair(slave="W", master="Z", limits_mm=(0.05, 0.1))
+    made.run(
+        canon.AxisLinkOn(canon.Block(1, 10, "N10"), 1, (pair,)), on(say), say.dwell(300),
+        say.command("off", no_move=True), say.dwell(10), words.move(5, 600.0, Z=20.0),
+    )  # fmt: skip
+    assert made.alarm_ids == []
+    sent = [sample.sent_mm for sample in made.bench.samples]
+    assert {round(z - w, 9) for w, z in sent[30:]} == {say.start_mm + 5.0}
+    assert sent[-1] == (5.0, 20.0)
+
+
 def test_a_gantry_slave_follows_the_offset_of_its_master(
     distance_bench: Make, say: Any, words: Any
 ) -> None:
