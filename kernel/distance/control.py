@@ -18,7 +18,7 @@ from kernel.clock import TimeNs
 from kernel.distance.controller import Controller
 from kernel.distance.filters import Filter, make_filter
 from kernel.distance.limiter import Limiter
-from kernel.distance.settings import DistanceSettings
+from kernel.distance.settings import DistanceSettings, field_name
 from kernel.distance.states import (
     FOLLOWING,
     REFUSED_PLC,
@@ -155,14 +155,18 @@ class DistanceControl:
             self._hold(DistanceState.INACTIVE)
         else:
             self.state, self.is_dry_run = DistanceState.TURNING_OFF, False
-            self._filter = None
+            self._stop_comparing()
 
     def _hold(self, state: DistanceState) -> None:
         """Hold the offset from now on."""
         self.state, self.is_dry_run = state, False
         self._rest()
         if state is DistanceState.INACTIVE:
-            self._filter = None
+            self._stop_comparing()
+
+    def _stop_comparing(self) -> None:
+        self._filter = None
+        self.filtered_mm = self.error_mm = 0.0
 
     def _rest(self) -> None:
         self._limiter.rest()
@@ -201,7 +205,7 @@ class DistanceControl:
             self._set_filter(settings, is_new=self._is_filter_new)
         self.settings = settings
         for name in parameters:
-            self._requested.pop(name, None)
+            self._requested.pop(field_name(name), None)
 
     def request(self, name: str, value: float | str) -> None:
         """Take a parameter from a CNC object: it acts when control is switched on the next time.
@@ -209,11 +213,11 @@ class DistanceControl:
         That is from INACTIVE or FREEZE (FCT-M3 7.6). Raises TypeError for an unknown name.
         """
         self.settings.replaced(**{name: value})
-        self._requested[name] = value
+        self._requested[field_name(name)] = value
 
     def requested(self, name: str) -> float | str | None:
         """Return what was requested for a parameter and does not act yet, None without."""
-        return self._requested.get(name)
+        return self._requested.get(field_name(name))
 
     def check_position(self, sensor_mm: float) -> None:
         """Raise the alarm of a sensor outside its limits and their tolerance (CHECK_POS)."""
@@ -280,6 +284,7 @@ class DistanceControl:
             alarm = change_alarm(self.owner, self._change_mm, self._period_ns, self.settings)
         alarm = alarm or range_alarm(self.owner, self.sensor_mm, self.settings)
         if alarm is not None:
+            self.delta_mm = self.step_mm = 0.0
             self._fail(alarm)
 
     def _compare(self, reading: Reading) -> None:
@@ -304,14 +309,16 @@ class DistanceControl:
     def _move(self, step_mm: float) -> None:
         wanted_mm, limit_mm = self.offset_mm + step_mm, self.settings.max_deviation_mm
         offset_mm = min(max(wanted_mm, -limit_mm), limit_mm)
+        self.step_mm = step_mm if offset_mm == wanted_mm else offset_mm - self.offset_mm
+        self.offset_mm = offset_mm
         alarm = deviation_alarm(self.owner, wanted_mm, offset_mm, self.settings)
         if alarm is not None:
-            self.offset_mm = offset_mm
             self._fail(alarm)
-        self.offset_mm, self.step_mm = offset_mm, step_mm
 
     def _fail(self, alarm: Alarm) -> None:
-        self._hold(DistanceState.ERROR)
+        """Stand from the next cycle on."""
+        self.state, self.is_dry_run = DistanceState.ERROR, False
+        self._limiter.rest()
         raise alarm
 
     def _run_out(self, reading: Reading) -> None:

@@ -11,7 +11,7 @@ OF_AXIS = "kenngr.dist_ctrl[0]."
 # How lists write the structure since V3.1.3080.12; before that it was kenngr.distc
 NEWER_NAMES = "kenngr.dist_ctrl["
 
-_FILTER_FIELDS = {item.name: item.name for item in fields(FilterSettings)} | {"filter_type": "kind"}
+_FILTER_FIELDS = {item.name for item in fields(FilterSettings)}
 
 
 @dataclass(frozen=True)
@@ -91,10 +91,9 @@ class DistanceSettings:
 
         filter_type is the kind of the filter. Raises TypeError for a name that there is not.
         """
-        of_filter = {
-            _FILTER_FIELDS[name]: value for name, value in changes.items() if name in _FILTER_FIELDS
-        }
-        own = {name: value for name, value in changes.items() if name not in _FILTER_FIELDS}
+        named = {field_name(name): value for name, value in changes.items()}
+        of_filter = {name: value for name, value in named.items() if name in _FILTER_FIELDS}
+        own = {name: value for name, value in named.items() if name not in _FILTER_FIELDS}
         if of_filter:
             own["filter"] = replace(own.get("filter", self.filter), **of_filter)
         return replace(self, **own)
@@ -102,6 +101,11 @@ class DistanceSettings:
     def alarm(self, alarm_ids: tuple[int, ...], **values: Any) -> Alarm:
         """Build an alarm of this family of IDs; alarm_ids: the newer one and, if any, the older."""
         return Alarm(alarm_ids[0 if self.is_newer else -1], **values)
+
+
+def field_name(name: str) -> str:
+    """Return how the settings call a parameter: filter_type is the kind of the filter."""
+    return "kind" if name == "filter_type" else name
 
 
 def names_newer(parameters: ParameterSet) -> bool:

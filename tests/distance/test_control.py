@@ -323,3 +323,10 @@ def test_what_is_shown_while_it_is_off(make_loop: Make) -> None:
     control = make_loop(lambda _k: 31.0, program_mm=30.0).run(1).control
     assert (control.sensor_mm, control.distance_mm, control.surface_mm) == (1.0, -1.0, 31.0)
     assert (control.offset_mm, control.delta_mm, control.step_mm) == (0.0, 0.0, 0.0)
+
+
+def test_what_is_not_compared_any_more_is_shown_as_0(make_loop: Make) -> None:
+    loop = started(make_loop(lambda _k: 0.5, kp=0.1)).run(5)
+    assert loop.control.error_mm > 0
+    loop.say(Command.OFF).run(500)
+    assert (loop.control.filtered_mm, loop.control.error_mm) == (0.0, 0.0)

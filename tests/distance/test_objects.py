@@ -128,9 +128,11 @@ def test_a_written_object_waits_while_control_is_on(
 def test_what_the_program_says_later_counts(make_loop: Callable[..., Any]) -> None:
     loop = make_loop().lead_to(State.FREEZE)
     write(loop.control, "DIST_CTRL::kp", 0.3)
-    loop.control.program(kp=0.7)
+    write(loop.control, "DIST_CTRL::filter_type", "KALMAN_MA")
+    loop.control.program(kp=0.7, filter_type="EXPO_MEAN")
     loop.say(Command.ON)
     assert loop.control.settings.kp == 0.7
+    assert loop.control.settings.filter.kind == "EXPO_MEAN"
 
 
 def test_an_acceleration_of_0_is_that_of_the_axis(make_loop: Callable[..., Any]) -> None:

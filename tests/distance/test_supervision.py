@@ -78,7 +78,9 @@ def test_an_offset_beyond_its_limit_is_clamped_and_told(
     loop = make_loop(step_of(2.5), max_deviation_mm=2.0, is_newer=is_newer)
     assert alarm_of(loop).id == alarm_id
     assert loop.cycle == AT + 1
-    assert loop.control.offset_mm == 2.0
+    assert (loop.control.offset_mm, loop.control.step_mm) == (2.0, 2.0)
+    loop.run(3)
+    assert (loop.control.offset_mm, loop.control.step_mm) == (2.0, 0.0)
 
 
 @pytest.mark.provokes(70329, 7, owner="axis Z", change_um_s=166667.0, limit_um_s=5000.0)
