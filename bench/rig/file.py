@@ -36,7 +36,7 @@ from bench.drive.profiles import (
     profile_keys,
     profile_names,
 )
-from bench.rig.plc_sensors import PlcSensorTable, VariableName
+from bench.rig.plc.sensors import PlcSensorTable, VariableName
 from bench.rig.startup import StartUpKeys
 from bench.rig.tables import CycleTable, Name, RealtimeTable, Table
 from kernel.errors import UserError, nearest

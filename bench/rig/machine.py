@@ -25,8 +25,8 @@ from bench.rig.outside import is_paced, outside_axes
 from bench.rig.pacing import Hardware, master_scheduler, power_down
 from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
-from bench.rig.plc_sensors import PlcSensors
-from bench.rig.plc_side import PlcSide
+from bench.rig.plc.sensors import PlcSensors
+from bench.rig.plc.side import PlcSide
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
 from bench.rig.settings import Settings

@@ -23,7 +23,7 @@ from bench.rig.lists import (
     stop_notes,
     take_over,
 )
-from bench.rig.plc import VARIABLE, Rule, needs_variables, read_rules
+from bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
 from kernel.clock import MS, S, TimeNs
 from kernel.errors import Alarm, UserError, nearest
 from kernel.nc.coordinates import OffsetTables

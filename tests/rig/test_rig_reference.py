@@ -16,7 +16,7 @@ from bench.rig.file import (
     RealtimeTable,
     SegmentTable,
 )
-from bench.rig.plc_sensors import PlcSensorTable
+from bench.rig.plc.sensors import PlcSensorTable
 from kernel.cosim.roles import role_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")

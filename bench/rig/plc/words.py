@@ -7,7 +7,7 @@ A cell holds actions separated by semicolons, each a value and keys:
     plc:feedhold = at=400ms for=300ms                 0.4 s after the start of the program
     plc:V.E.READY = 0; 1 at=M50+20ms nth=2            20 ms after the second M50
 
-Objects and moments stand in `plc_objects.csv` and `plc_moments.csv`; times have their unit.
+Objects and moments stand in `objects.csv` and `moments.csv`; times have their unit.
 """
 
 import csv
@@ -37,7 +37,7 @@ _OBJECT = re.compile(r"(?:0[xX])?([0-9A-Fa-f]{4})(?::0)?")
 
 @dataclass(frozen=True)
 class DriveObject:
-    """One row of `plc_objects.csv`: an object of a drive that the PLC side may write.
+    """One row of `objects.csv`: an object of a drive that the PLC side may write.
 
     type: UNS16 or UNS32. unit: of its values, which are those of the drive.
     """
@@ -51,7 +51,7 @@ class DriveObject:
 
 @dataclass(frozen=True)
 class Moment:
-    """When an action begins: word of `plc_moments.csv`, value that a V.E. gets, time after it."""
+    """When an action begins: word of `moments.csv`, value that a V.E. gets, time after it."""
 
     word: str
     value: float | None = None
@@ -107,19 +107,19 @@ def _rows(name: str) -> list[dict[str, str]]:
 
 @cache
 def plc_objects() -> dict[str, DriveObject]:
-    """Read `plc_objects.csv`, by name."""
+    """Read `objects.csv`, by name."""
     return {
         row["name"]: DriveObject(
             row["name"], int(row["object"], 16), row["type"], row["unit"], row["meaning"]
         )
-        for row in _rows("plc_objects.csv")
+        for row in _rows("objects.csv")
     }
 
 
 @cache
 def plc_moments() -> dict[str, str]:
-    """Read `plc_moments.csv`: moment -> meaning."""
-    return {row["moment"]: row["meaning"] for row in _rows("plc_moments.csv")}
+    """Read `moments.csv`: moment -> meaning."""
+    return {row["moment"]: row["meaning"] for row in _rows("moments.csv")}
 
 
 def read_rules(item: Assignment, axes: Collection[str]) -> tuple[float | None, list[Rule]]:

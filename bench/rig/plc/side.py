@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from bench.rig.plc import VARIABLE, Feedhold, ObjectWrite, Rule, VariableWrite
+from bench.rig.plc.words import VARIABLE, Feedhold, ObjectWrite, Rule, VariableWrite
 from kernel.channel import Channel
 from kernel.channel.drive_functions import DriveAccess
 from kernel.clock import Clock, TimeNs
