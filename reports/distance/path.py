@@ -43,7 +43,8 @@ def drawing(trace: pa.Table | None, control: Control) -> str:
     lines = {"surface": tool - gap, "tool tip": tool}
     wanted, offset = column(trace, f"{axis}.set_mm"), column(trace, f"{axis}.offset_mm")
     if wanted is not None and offset is not None:
-        lines["programmed"] = wanted - offset
+        late = control["late_cycles"]
+        lines["programmed"] = wanted - np.concatenate([offset[:late], offset[: len(offset) - late]])
     shown = {label: values[rows] for label, values in lines.items()}
     return _svg(way[rows], shown, f"{name} in mm", f"{axis} in mm")
 

@@ -14,13 +14,8 @@ _SETTLED = 0.05
 _LEAST_MM = 0.002
 _STILL = 0.1
 _TAIL_ROWS = 20
-_COMMANDS = {
-    SURFACE: "ON",
-    DISTANCE: "ON_CONST_DIST",
-    "FREEZE": "FREEZE",
-    "TURNING_OFF": "OFF",
-    "INACTIVE": "OFF",
-}
+_COMMANDS = {SURFACE: "ON", DISTANCE: "ON_CONST_DIST"}
+_SET_VALUES = {SURFACE: "SET_POS", DISTANCE: "SET_DIST"}
 _BY = {"NC": "the program", "PLC": "the PLC"}
 
 
@@ -59,8 +54,8 @@ def law_words(law: Mapping[str, Any]) -> str:
         return f"no kp keeps this loop stable ({where}): look at the sign of the sensor"
     if is_unstable(law):
         return (
-            f"kp {law['kp']:g} is beyond the limit {limit:.3g} for {where}: the loop oscillates,"
-            f" every cycle by {law['growth']:.3g}"
+            f"kp {law['kp']:g} is beyond the limit {limit:.3g} for {where}: the loop oscillates and"
+            f" grows by a factor of {law['growth']:.3g} per cycle"
         )
     words = f"kp {law['kp']:g} is below the limit {limit:.3g} for {where}: stable"
     if 0.0 < law["growth"] < 1.0:
@@ -109,27 +104,50 @@ def _part(
 ) -> str:
     name = stretch["state"]
     offset = _inside(trace, f"{control['axis']}.offset_mm", stretch)
+    if name in FOLLOWING:
+        return _on(control, stretch, before, trace, offset)
     if name == "ERROR":
         return "ERROR: the offset stands" + (f" at {_mm(offset[-1])}" if len(offset) else "")
     by = _BY[stretch["by"]]
     if name == "INACTIVE":
         return _inactive(before, by)
-    head = f"{_COMMANDS[name]} by {by}"
-    if name == "TURNING_OFF":
-        took = (stretch["end_ns"] - stretch["begin_ns"]) / _NS_PER_MS
-        rest = f"{_mm(offset[0])} run" if len(offset) else "the offset runs"
-        return f"{head}: {rest} out, {took:.0f} ms"
     if name == "FREEZE":
-        return f"{head}: {_frozen(control, stretch, trace, offset)}"
-    wanted = "SET_POS" if name == SURFACE else "SET_DIST"
+        return f"FREEZE by {by}: {_frozen(control, stretch, trace, offset)}"
+    took = (stretch["end_ns"] - stretch["begin_ns"]) / _NS_PER_MS
+    rest = f"{_mm(offset[0])} run" if len(offset) else "the offset runs"
+    return f"OFF by {by}: {rest} out, {took:.0f} ms"
+
+
+def _on(
+    control: Control,
+    stretch: Control,
+    before: Control | None,
+    trace: pa.Table | None,
+    offset: Signal,
+) -> str:
+    """A stretch in which the control follows, or computes as if it did."""
+    law = control["laws"][stretch["law"]]
+    if before is not None and _is_same(before, stretch):
+        return f"parameters changed: {_followed(control, stretch, trace, offset, law)}"
+    name = stretch["state"]
+    head = f"{_COMMANDS[name]} by {_BY[stretch['by']]}"
     if stretch["set_mm"] is not None:
-        head += f", {wanted} {stretch['set_mm']:.6g} mm"
+        head += f", {_SET_VALUES[name]} {stretch['set_mm']:.6g} mm"
         if stretch["set_end_mm"] not in (None, stretch["set_mm"]):
             head += f" to {stretch['set_end_mm']:.6g} mm"
     if stretch["is_dry_run"]:
         return f"{head}: DRYRUN, the offset stays"
-    law = control["laws"][stretch["law"]]
     return f"{head}: {_followed(control, stretch, trace, offset, law)}"
+
+
+def _is_same(before: Control, stretch: Control) -> bool:
+    """Whether only parameters differ."""
+    return (
+        before["state"] == stretch["state"]
+        and before["state"] in FOLLOWING
+        and before["is_dry_run"] == stretch["is_dry_run"]
+        and not stretch["is_dry_run"]
+    )
 
 
 def _inactive(before: Control | None, by: str) -> str:

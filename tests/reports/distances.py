@@ -166,6 +166,7 @@ def info(sample: Sample) -> dict[str, Any]:
         "axis": "Z",
         "sensor": "gap",
         "zero_mm": 0.0,
+        "late_cycles": 0,
         "period_ms": 1.0,
         "stretches": stretches,
         "laws": [law(sample.control, mode(word))],

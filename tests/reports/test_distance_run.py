@@ -112,3 +112,36 @@ def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
         text
     )
     assert "the error swings by ±" in text or "ended by ID" in text
+
+
+CHANGES = """%changes
+N010 Z[DIST_CTRL DRYRUN CONST_DIST SET_DIST=1.5]
+N020 #TIME 0.1
+N030 Z[DIST_CTRL ON CONST_DIST SET_DIST=1.5]
+N040 #TIME 0.2
+N050 Z[DIST_CTRL KP=0.1 FILTER_TYPE=LOWPASS ORDER=1 FG_F0=50]
+N060 #TIME 0.2
+N070 Z[DIST_CTRL OFF NO_MOVE]
+N080 M30
+"""
+
+
+def test_changes_of_parameters_and_no_move(tmp_path: Path) -> None:
+    """Each law has its own row and error; an offset that is handed over is no motion."""
+    (tmp_path / "changes.nc").write_text(CHANGES, encoding="utf-8")
+    plan = tmp_path / "plan.csv"
+    rig = f"{PLANS}/rigs/distance-z.toml"
+    plan.write_text(f"case,program,rig,check:alarms\nc,changes.nc,{rig},none\n", encoding="utf-8")
+    control, text = run(plan, tmp_path / "out")
+    assert [law["filter"] for law in control["laws"]] == ["mean of 4", "low-pass of order 1"]
+    assert [law["kp"] for law in control["laws"]] == [0.2, 0.1]
+    assert "DRYRUN, the offset stays" in text
+    assert "parameters changed: offset -0.5 mm to -0.5 mm" in text
+    assert "off at once, by the program or an error: nothing moves" in text
+    for word in ("ON_CONST_DIST (dry run) by NC", "ON_CONST_DIST by NC", "OFF by NC"):
+        assert f"Z: {word}" in text
+    used = {row["key"]: row["used"] for row in control["limits"]}
+    assert 0.0 < used["v_max"] <= 100.0 + 1e-9
+    assert [error["expected_mm"] for error in control["errors"]] == [0.0, 0.0]
+    for error in control["errors"]:
+        assert error["measured_mm"] == pytest.approx(0.0, abs=2e-5)

@@ -22,7 +22,7 @@ from bench.results.writer import Event
 from bench.rig.distance_log import Change
 from bench.run.distance import stretches
 from bench.run.distance.stretches import NoClosedFormError, Stretch
-from bench.run.distance.truth import DistanceTruth, Flags
+from bench.run.distance.truth import INACTIVE, TURNING_OFF, DistanceTruth, Flags
 from kernel.distance import DistanceSettings, DistanceState
 
 ON = (DistanceState.ACTIVE, DistanceState.ACTIVE_CONST_DIST)
@@ -32,6 +32,7 @@ _FORMULAS = {
     BOTH: "o += limit({}(SET_DIST − filter(d − (Z − Z_com))))",
 }
 _EVEN_MM = 2e-7
+_LEAST_ROWS = 3
 _WORDS = {
     DistanceState.INACTIVE: "OFF",
     DistanceState.ACTIVE: "ON",
@@ -50,10 +51,11 @@ def told(truth: DistanceTruth, changes: Sequence[Change]) -> dict[str, Any]:
         "sensor": truth.machine.settings.rig.axis[truth.axis].encoder_2,
         "zero_mm": truth.zero_mm,
         "period_ms": truth.period_ns / 1e6,
+        "late_cycles": 0 if truth.listed.is_optimized else 1,
         "stretches": parts,
         "laws": laws,
         "dead": _dead(truth),
-        "errors": _errors(truth),
+        "errors": _errors(truth, changes),
         "limits": _limits(truth),
         "notes": _notes(truth),
     }
@@ -62,16 +64,17 @@ def told(truth: DistanceTruth, changes: Sequence[Change]) -> dict[str, Any]:
 def distance_events(axis: str, changes: Sequence[Change]) -> list[Event]:
     """Return what was commanded, as marks of the report."""
     marks = []
-    before = DistanceState.INACTIVE
+    before, was_dry = DistanceState.INACTIVE, False
     for change in changes:
-        by_itself = change.state in (before, DistanceState.ERROR) or (
+        is_same = change.state is before and change.is_dry_run == was_dry
+        by_itself = change.state is DistanceState.ERROR or (
             change.state is DistanceState.INACTIVE and before is DistanceState.TURNING_OFF
         )
-        if not by_itself:
+        if not is_same and not by_itself:
             word = f"{_WORDS[change.state]}{' (dry run)' if change.is_dry_run else ''}"
             label = f"{axis}: {word} by {change.source.name}"
             marks.append(Event(change.time_ns, "mark", label, axis))
-        before = change.state
+        before, was_dry = change.state, change.is_dry_run
     return marks
 
 
@@ -82,12 +85,10 @@ def _parts(
     truth: DistanceTruth, changes: Sequence[Change], laws: list[dict[str, Any]]
 ) -> list[dict[str, Any]]:
     """Stretches between two changes; laws: takes each law once."""
-    ends = [*(change.time_ns for change in changes[1:]), int(truth.times_ns[-1])]
     found = []
-    for change, end_ns in zip(changes, ends, strict=True):
+    for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
         is_on = change.state in ON
-        rows = np.flatnonzero((truth.times_ns >= change.time_ns) & (truth.times_ns < end_ns))
-        wanted = _set_values(truth, change, rows)
+        wanted = _set_values(truth, change, _rows(truth, change, end_ns))
         if is_on:
             law = _law(truth, _mode(change), change.settings)
             if law not in laws:
@@ -105,6 +106,15 @@ def _parts(
             }
         )
     return found
+
+
+def _ends(truth: DistanceTruth, changes: Sequence[Change]) -> list[int]:
+    """End of what holds from each change on, in ns."""
+    return [*(change.time_ns for change in changes[1:]), int(truth.times_ns[-1])]
+
+
+def _rows(truth: DistanceTruth, change: Change, end_ns: int) -> "np.ndarray[Any, Any]":
+    return np.flatnonzero((truth.times_ns >= change.time_ns) & (truth.times_ns < end_ns))
 
 
 def _set_values(
@@ -198,18 +208,22 @@ def _notes(truth: DistanceTruth) -> list[str]:
 # Errors
 
 
-def _errors(truth: DistanceTruth) -> list[dict[str, Any]]:
+def _errors(truth: DistanceTruth, changes: Sequence[Change]) -> list[dict[str, Any]]:
     """The true error in the last fifth of each stretch beside its closed form."""
     behind = truth.behind_mm
     if behind is None:
         return []
     found = []
-    for stretch in stretches.active(truth):
+    for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
+        rows = _rows(truth, change, end_ns)
+        if change.state not in ON or change.is_dry_run or len(rows) < _LEAST_ROWS:
+            continue
+        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, _mode(change))
         part, speed = _tail(truth, stretch)
         errors = behind[part.judged]
         expected, note = None, ""
         try:
-            expected = _expected_mm(truth, part, speed)
+            expected = _expected_mm(truth, part, speed, control_of(change.settings))
         except NoClosedFormError as reason:
             note = str(reason)
         found.append(
@@ -238,9 +252,8 @@ def _tail(truth: DistanceTruth, stretch: Stretch) -> tuple[Stretch, float]:
     return Stretch(begin, stretch.end, stretch.mode), speed
 
 
-def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float) -> float:
+def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float, control: Control) -> float:
     """Closed form of the error at the end; raises NoClosedFormError."""
-    control = truth.listed.control
     loop = _loop(truth, part.mode, control)
     stretches.must_settle(loop, control.kp, part)
     stretches.must_not_clamp(truth, part)
@@ -256,9 +269,13 @@ def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float) -> floa
 
 def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
     """Each limit with the most that was used of it."""
-    limits, on, offset = truth.listed.limits, truth.is_active, truth["offset_mm"]
-    sensor = truth["sensor_mm"]
+    limits, offset, sensor = truth.listed.limits, truth["offset_mm"], truth["sensor_mm"]
+    # The row in which the program switches on has no value of the control yet
+    on = _behind_first(truth.is_active)
     steps = np.diff(offset, prepend=offset[:1]) / truth.period_s
+    # NO_MOVE hands the offset over at once: no motion
+    was_off = np.concatenate([[INACTIVE], truth.state[:-1]])
+    steps[(truth.state == INACTIVE) & (was_off != TURNING_OFF)] = 0.0
     changes = np.abs(np.diff(steps, prepend=0.0)) / truth.period_s
     jumps = np.abs(np.diff(sensor, prepend=sensor[:1])) / truth.period_s
     clamps, raises = "clamps", "alarm {}"
@@ -278,7 +295,7 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
             417,
             limits.change_mm_s,
             "mm/s",
-            _most(jumps, on),
+            _most(jumps, _behind_first(on)),
             raises.format("70329 or 310018"),
         ),
         ("max_pos", 419, limits.high_mm, "mm", _most(sensor, on), raises.format("70330 or 310019")),
@@ -302,6 +319,12 @@ def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
         }
         for key, number, value, unit, used, acts in rows
     ]
+
+
+def _behind_first(rows: Flags) -> Flags:
+    """Rows of each unbroken time without its first."""
+    kept: Flags = rows & np.concatenate([[False], rows[:-1]])
+    return kept
 
 
 def _most(values: "np.ndarray[Any, Any]", rows: Flags | None = None) -> float | None:
