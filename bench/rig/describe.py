@@ -19,6 +19,8 @@ def describe_axes(settings: Settings) -> list[str]:
     moved = {axis.plant for axis in rig.axis.values()}
     read = {sensor for axis in rig.axis.values() for sensor in axis.signals.values()}
     read |= {axis.encoder_2 for axis in rig.axis.values() if axis.encoder_2}
+    read |= {entry.sensor for entry in rig.plc.values()}
+    lines += [f"{name} of the PLC: {entry.sensor}" for name, entry in rig.plc.items()]
     lines += [
         f"warning: {plant} is wired to no input of a drive: nobody reads it"
         for plant in rig.plant

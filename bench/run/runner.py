@@ -16,6 +16,7 @@ from bench.plan.checks import judge
 from bench.plan.plan import Case
 from bench.plan.verdict import Verdict, worst
 from bench.results.writer import BESIDES, CaseResult, no_values
+from bench.rig.distance_check import distance_warnings
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
@@ -172,6 +173,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         log=[
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
             *machine.settings.notes,
+            *distance_warnings(machine.settings),
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),

@@ -8,6 +8,7 @@ from bench.bus.deadlines import in_words
 from bench.plan.assignment import parse_assignment
 from bench.results.writer import BESIDES
 from bench.rig.check import overloads
+from bench.rig.distance_check import distance_warnings
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
@@ -80,7 +81,8 @@ def run_program(
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    notes = [Ended(text, False) for text in settings.notes]
+    told = [*settings.notes, *distance_warnings(settings)]
+    notes = [Ended(text, False) for text in told]
     notes += [
         Ended(f"segment {name} is overloaded: {text}", False)
         for name, text in overloads(settings).items()

@@ -1,12 +1,19 @@
 """The rigs for distance control: what age the sensor value has, and what the trace keeps."""
 
+import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from bench.rig.distance_check import describe_distance
+from bench.rig.file import read_rig
+from bench.rig.settings import read_settings
+
 Run = Callable[..., Any]
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 APPROACH = "N10 G90 G01 Z31.5 F600"
 COUNT_MM = 1e-5
 """Position unit of the drives in these rigs."""
@@ -118,3 +125,45 @@ def test_the_plc_side_shows_the_sensor_in_a_variable(run_nc: Run, rig: str, age:
     moving = np.flatnonzero(np.abs(np.diff(true)) > 1e-3)[4:] + 1
     assert np.array_equal(np.round(told[moving] * 1e4), np.round(true[moving - age] * 1e4))
     assert np.ptp(told[moving]) > 0.4
+
+
+FAST = [
+    f"set:Z.kenngr.distc.{name}=2000000000" for name in ("v_max", "a_max", "max_act_value_change")
+]
+BY_VARIABLE = "N1 Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]\n"
+
+
+@pytest.mark.parametrize("grows", [False, True])
+@pytest.mark.parametrize(
+    ("rig", "what", "place"),
+    [
+        ("distance-z", "CONST_DIST", 0),
+        ("distance-z", "CONST_DIST with both encoders", 0),
+        ("distance-z-every-second", "CONST_DIST", 0),
+        ("distance-z-every-second", "CONST_DIST with both encoders", 0),
+        ("distance-z-variable-late", "CONST_DIST", 1),
+        ("distance-z-500k", "CONST_DIST", 0),
+    ],
+)
+def test_the_limits_of_kp_that_the_check_reckons_are_those_of_the_machine(
+    run_nc: Run, rig: str, what: str, place: int, grows: bool
+) -> None:
+    """A step of 20 um: 3 % below the limit the oscillation dies away, 3 % above it grows."""
+    settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
+    text = describe_distance(settings, {})[place]
+    limit = float(re.findall(rf"below kp ([\d.]+) +{what}:", text)[0])
+    both = " BOTH_ENCODER=1" if "both" in what else ""
+    on = f"N20 Z[DIST_CTRL ON CONST_DIST SET_DIST=2{both}]\nN30 G04 0.5\nN40 Z[DIST_CTRL FREEZE]"
+    kp = limit * (1.03 if grows else 0.97)
+    out = run_nc(
+        (BY_VARIABLE if place else "") + on,
+        "",
+        *FAST,
+        f"set:Z.kenngr.distc.kp={kp:.6f}",
+        *("plant:gap.lift_um=20", "plant:gap.lift_begin_ms=100"),
+        base=f"{rig}.toml",
+    )
+    error, ms = np.abs(out.column("Z.error_mm")), out.column("time_ns") * 1e-6
+    early, late = error[(ms > 200) & (ms < 300)].max(), error[(ms > 400) & (ms < 500)].max()
+    assert out.alarms == [70332]  # still on at the end: frozen
+    assert late > 1.5 * early if grows else late < early / 1.5

@@ -1,0 +1,48 @@
+"""A sensor value that stands between: against the loop with polynomials, and walked by hand."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from bench.oracles.distance.held import held_growth, held_limit
+from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
+from bench.oracles.distance.model import first_order_drive
+from bench.oracles.distance.smoothing import cascade, exponential, moving_average, none
+
+MS = 1_000_000
+
+
+@pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
+def test_with_every_value_it_is_the_loop_of_the_polynomials(mode: str) -> None:
+    filters = (none(), moving_average(4), exponential(0.7, 4), cascade(2, 50.0, 1e-3))
+    drives = (none(), first_order_drive(0.01, MS))
+    controllers = ((0.0, 0.0), (0.01, 0.0), (0.0, 2.0), (0.02, 0.5))
+    for n, s, smooth, drive, (g, r) in product((1, 3), (0, 2), filters, drives, controllers):
+        loop = Loop(mode, n, smooth, n - 1, s, g, r, drive)
+        for kp in (0.05, 0.4, 1.2):
+            assert held_growth(loop, 1, kp) == pytest.approx(growth(loop, kp), rel=0, abs=1e-6)
+
+
+def left_after(kp: float, every: int, cycles: int) -> float:
+    """CONST_DIST, two dead cycles, no filter, written out: the largest offset at the end."""
+    offsets, held = [1.0, 1.0, 1.0], 0.0
+    for k in range(cycles):
+        if k % every == 0:
+            held = offsets[-3]
+        offsets.append(offsets[-1] - kp * held)
+    return float(np.max(np.abs(offsets[-10:])))
+
+
+@pytest.mark.parametrize("every", [2, 3, 4])
+def test_the_limit_parts_loops_that_die_away_from_those_that_grow(every: int) -> None:
+    limit = held_limit(Loop(CONST_DIST, 2), every)
+    assert left_after(0.95 * limit, every, 4000) < 1e-6
+    assert left_after(1.05 * limit, every, 4000) > 1e6
+
+
+def test_a_longer_wait_for_a_value_is_never_better() -> None:
+    for mode in (CONST_DIST, BOTH):
+        loop = Loop(mode, 2, moving_average(4), 1)
+        found = [held_limit(loop, every) for every in (1, 2, 3, 4)]
+        assert found == sorted(found, reverse=True)

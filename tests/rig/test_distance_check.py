@@ -1,0 +1,174 @@
+"""What a rig lacks for distance control, and the limits of kp that `axisrig check` reckons."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from bench.plan.assignment import parse_assignment
+from bench.rig.distance_check import describe_distance, distance_warnings
+from bench.rig.file import read_rig
+from bench.rig.settings import Settings, as_written, read_settings
+from bench.run.campaign import check_file
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+RATE = "[drive.servo]\npdo_map = "
+
+
+def settings_of(folder: Path, table: str, *assignments: str, base: str = "distance-z") -> Settings:
+    path = folder / "rig.toml"
+    text = f'base = "{(RIGS / base).as_posix()}.toml"\n{table}\n'
+    path.write_text(text, encoding="utf-8")
+    changes = [(parse_assignment(item), as_written) for item in assignments]
+    return read_settings(*read_rig(path), changes)
+
+
+def limits(settings: Settings, lags_s: dict[str, float] | None = None) -> dict[str, float]:
+    """Limit of kp by mode, as printed for the first sensor."""
+    text = describe_distance(settings, lags_s or {})[0]
+    return {mode: float(kp) for kp, mode in re.findall(r"below kp ([\d.]+) +(.+?):", text)}
+
+
+@pytest.mark.parametrize("rig", sorted(path.stem for path in RIGS.glob("distance-*.toml")))
+def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
+    settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
+    assert distance_warnings(settings) == []
+    assert "distance control of axis Z: gap on 60E4:1" in check_file(RIGS / f"{rig}.toml")
+
+
+def test_nothing_is_said_where_distance_control_is_not_released(tmp_path: Path) -> None:
+    settings = settings_of(tmp_path, "", "set:Z.lr_param.distance_control_on=0")
+    assert distance_warnings(settings) == []
+    assert describe_distance(settings, {}) == []
+
+
+TURNED = '[plant.gap.map]\ndistance = { variable = "distance", sign = -1 }'
+MAP = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field
+RPDO1,1,0,0x6040,0,16,no,controlword
+RPDO1,1,0,0x607A,0,32,yes,target
+TPDO1,1,0,0x6041,0,16,no,statusword
+TPDO1,1,0,0x6064,0,32,yes,actual
+"""
+PLAIN = """
+[cycle]
+cycle_offset_us = 600
+[channel]
+list = "{rigs}/lists/channel.lst"
+[segment.can1]
+[drive.servo]
+encoder_increments = 1_000_000
+[axis.Z]
+list = "{rigs}/lists/axis-z-distance.lst"
+segment = "can1"
+node = 3
+drive = "servo"
+plant = "z"
+[plant.z]
+fmu = "AxisRig.Drives.KinematicAxis"
+"""
+
+
+def test_a_rig_without_a_sensor(tmp_path: Path) -> None:
+    path = tmp_path / "rig.toml"
+    path.write_text('title = "x"\n' + PLAIN.format(rigs=RIGS.as_posix()), encoding="utf-8")
+    (warning,) = distance_warnings(read_settings(*read_rig(path), []))
+    assert "no sensor tells it a distance: name a distance sensor as encoder_2" in warning
+    assert "310029" in warning
+    assert f"warning: {warning}" in check_file(path)
+
+
+@pytest.mark.parametrize(
+    ("table", "words"),
+    [
+        ('[axis.Z]\nencoder_2 = "load"', "encoder_2 = load is a scale"),
+        (RATE + '"map.csv"', "the mapping table of drive servo does not map 60E4:1"),
+        (
+            '[axis.Z]\nencoder_2 = "other"\n[plant.other]\nfmu = "AxisRig.Sensors.DistanceSensor"\n'
+            'wire = { z = "y" }\n[plant.y]\nfmu = "AxisRig.Drives.KinematicAxis"\n',
+            "the sensor other on 60E4:1, TPDO4 with every SYNC is not wired to z",
+        ),
+        ("[drive.servo]\nlead_mm = 5.0", "every distance is 2 times what it is"),
+    ],
+)
+def test_what_is_missing_or_does_not_fit(tmp_path: Path, table: str, words: str) -> None:
+    (tmp_path / "map.csv").write_text(MAP)
+    (warning,) = distance_warnings(settings_of(tmp_path, table))
+    assert words in warning
+
+
+@pytest.mark.parametrize(
+    ("table", "inverts", "base", "warns"),
+    [
+        ("", 1, "distance-z", False),
+        ("", 0, "distance-z", True),
+        (
+            '[plant.gap.map]\ndistance = { variable = "distance", sign = -1 }',
+            0,
+            "distance-z",
+            False,
+        ),
+        ('[plant.gap.map]\ndistance = { variable = "distance", sign = -1 }', 1, "distance-z", True),
+        ('[plc]\n"V.E.SENSOR" = { sign = 1 }', 1, "distance-z-variable", True),
+    ],
+)
+def test_signs_that_cannot_converge(
+    tmp_path: Path, table: str, inverts: int, base: str, warns: bool
+) -> None:
+    settings = settings_of(tmp_path, table, f"set:Z.lr_hw[1].vz_istw={inverts}", base=base)
+    found = [text for text in distance_warnings(settings) if "wrong sign" in text]
+    assert len(found) == warns
+    assert any("run away until 70330" in t for t in describe_distance(settings, {})) is warns
+
+
+def test_a_drive_type_without_distance_control(tmp_path: Path) -> None:
+    text = (RIGS / "lists" / "axis-z-distance.lst").read_text()
+    other = re.sub(r"(kenngr.antr_typ +)8", r"\g<1>4", text)
+    (tmp_path / "z.lst").write_text(other)
+    settings = settings_of(tmp_path, '[axis.Z]\nlist = "z.lst"')
+    assert [alarm.id for alarm in settings.warnings] == [110547]
+    assert distance_warnings(settings) == []
+    assert "warning: ID 110547" in check_file(tmp_path / "rig.toml")
+
+
+@pytest.mark.parametrize(
+    ("assignments", "table", "dead", "expected"),
+    [
+        # physics: 2 sin(pi/(2(2n+1))) without filter, mean of N: 2N sin2(w/2)/sin(Nw/2)
+        (["n_cycles=1"], "", "n = 2:", 0.618),
+        (["n_cycles=1", "optimized_scheduling=1"], "", "n = 1:", 1.0),
+        ([], "", "n = 2:", 0.431),
+        (["optimized_scheduling=1"], "", "n = 1:", 0.619),
+        (["n_cycles=20"], "[drive.servo]\nsecond_delay_cycles = 1", "n = 3:", 0.156),
+        ([], "[drive.servo]\nsecond_delay_cycles = 1", "n = 3:", 0.333),
+    ],
+)
+def test_dead_cycles_and_limit_of_constant_distance(
+    tmp_path: Path, assignments: list[str], table: str, dead: str, expected: float
+) -> None:
+    settings = settings_of(tmp_path, table, *(f"set:Z.kenngr.distc.{a}" for a in assignments))
+    assert dead in describe_distance(settings, {})[0]
+    assert limits(settings)["CONST_DIST"] == pytest.approx(expected, rel=0, abs=0.0006)
+
+
+def test_default_gain_and_filter_are_unstable_in_constant_distance_only(tmp_path: Path) -> None:
+    settings = settings_of(tmp_path, "", "set:Z.kenngr.distc.kp=1.0")
+    (warning,) = distance_warnings(settings)
+    assert warning.startswith("axis Z: CONST_DIST by gap on 60E4:1, TPDO4 with every SYNC is unst")
+    assert "with kp 1 (P-AXIS-00759): its limit is 0.431 with 2 dead cycles" in warning
+    (text,) = describe_distance(settings, {})
+    assert "SET_POS: stable as listed" in text
+    assert "CONST_DIST: UNSTABLE as listed" in text
+
+
+def test_a_lag_of_the_drive_lowers_the_limit(tmp_path: Path) -> None:
+    settings = settings_of(tmp_path, "", base="distance-z-servo")
+    assert limits(settings, {"Z": 0.025})["CONST_DIST"] < 0.3 < limits(settings)["CONST_DIST"]
+    text = check_file(RIGS / "distance-z-servo.toml", ["plant:z.feed_forward=0"])
+    assert "lags by 25 ms" in text
+
+
+def test_a_value_with_every_second_sync(tmp_path: Path) -> None:
+    """Below the limit of a value with every SYNC and above that of one that is always older."""
+    settings = settings_of(tmp_path, "", base="distance-z-every-second")
+    assert "n = 2 to 3" in describe_distance(settings, {})[0]
+    assert 0.333 < limits(settings)["CONST_DIST"] < 0.431
