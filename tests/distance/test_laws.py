@@ -201,15 +201,24 @@ def test_a_programmed_motion_leads_and_the_distance_comes_back(make_loop: Make) 
     assert loop.control.offset_mm == pytest.approx(-0.5)
 
 
+@pytest.mark.parametrize("start", [constant, surface])
+@pytest.mark.parametrize(("start_mm", "alarm_id"), [(0.001, 70330), (-0.001, 70576)])
 @pytest.mark.parametrize("kp", [0.2, 1.0])
-def test_a_sensor_that_counts_with_the_motor_runs_away(kp: float, make_loop: Make) -> None:
-    """e(k) = e(0) (1 + kp)^k: the first cycle beyond the limit is known."""
-    control: DistanceControl = constant(make_loop(kp=kp, max_pos_mm=1.0, min_pos_mm=-1.0)).control
-    start_mm, cycles = 0.001, -1
-    while control.state is DistanceState.ACTIVE_CONST_DIST:
+def test_a_sensor_that_counts_with_the_motor_runs_away(
+    make_loop: Make, kp: float, start: Any, start_mm: float, alarm_id: int
+) -> None:
+    """In both laws s(k) = s(0) (1 + kp)^k: the first cycle beyond the limit is known."""
+    control: DistanceControl = start(make_loop(kp=kp, max_pos_mm=1.0, min_pos_mm=-1.0)).control
+    found: list[int] = []
+    cycles = -1
+    while not found:
         cycles += 1
         with contextlib.suppress(Alarm):
-            control.step(Reading(start_mm + control.offset_mm, 0.0, 0.0))
-    with pytest.raises(Alarm, match=r"ID 70330"):
+            actual_mm = control.offset_mm
+            control.step(Reading(start_mm + actual_mm, actual_mm, actual_mm))
+            continue
+        found.append(cycles)
+    assert control.state is DistanceState.ERROR
+    with pytest.raises(Alarm, match=f"ID {alarm_id}"):
         control.check_position(start_mm + control.offset_mm)
-    assert cycles == math.ceil(math.log(1.0 / start_mm) / math.log(1 + kp))
+    assert cycles == math.ceil(math.log(1.0 / abs(start_mm)) / math.log(1 + kp))
