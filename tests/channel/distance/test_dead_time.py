@@ -27,12 +27,22 @@ def targets(bench: Any) -> list[tuple[int, int]]:
     ]
 
 
+@pytest.mark.parametrize("buffer_cycles", [0, 5])
 @pytest.mark.parametrize(("is_optimized", "later"), [(True, 0), (False, 1)])
 def test_the_offset_goes_out_in_the_cycle_of_its_sensor_value_or_one_later(
-    distance_bench: Callable[..., Any], say: Any, is_optimized: bool, later: int
+    distance_bench: Callable[..., Any],
+    say: Any,
+    is_optimized: bool,
+    later: int,
+    buffer_cycles: int,
 ) -> None:
-    """The surface moves between two SYNCs; the cycle of the next one puts the offset out."""
-    made = distance_bench(step_of(0.25), is_optimized=is_optimized, kp=0.5)
+    """The surface moves between two SYNCs; the cycle of the next one puts the offset out.
+
+    The buffer of set positions does not delay it.
+    """
+    made = distance_bench(
+        step_of(0.25), is_optimized=is_optimized, options={"buffer_cycles": buffer_cycles}
+    )
     made.run(say.command("on", set_pos_mm=0.0), say.dwell(400))
     first_ns = next(at for (_, before), (at, now) in pairwise(targets(made.bench)) if now != before)
     sync_ns = 301 * MS
