@@ -8,7 +8,7 @@ import numpy as np
 from bench.oracles.distance.stability import mean_limit, surface_limit
 from bench.rig.telegram_log import Sent
 from bench.tune.advice import Advice, advise
-from bench.tune.identify import Path, identify
+from bench.tune.identify import Path, identify, renewal_cycles
 from bench.tune.loop import Floats, Law, Loop, both_encoders, const_dist, set_pos, trimmed
 from bench.tune.measure import (
     REST_CYCLES,
@@ -63,12 +63,14 @@ class DeadTime:
     """Of the loop, in cycles.
 
     reaction: from the cycle that computes an offset to the one that sends it. way: from there to
-    the cycle that reads a sensor value with it. way_ns: from frame to frame, None where the sensor
-    is no second encoder of a drive.
+    the cycle that reads a sensor value with it, at the latest. renewal: every how many cycles the
+    sensor value is new. way_ns: from frame to frame, None where the sensor is no second encoder of
+    a drive.
     """
 
     reaction: int
     way: int
+    renewal: int
     way_ns: TimeNs | None
 
     @property
@@ -95,11 +97,15 @@ class Mode:
 
 @dataclass(frozen=True)
 class Trial:
-    """A step of SET_DIST with the suggested law: what came and what was predicted, share of it."""
+    """A step of SET_DIST with the suggested law: what came and what was predicted, share of it.
+
+    misfit_mm: standard deviation of the difference.
+    """
 
     law: Law
     seen: Floats
     predicted: Floats
+    misfit_mm: float
 
 
 @dataclass(frozen=True)
@@ -140,7 +146,7 @@ def tune(bench: Bench, step_mm: float | None = None) -> Tuning:
     sigma_mm = _check_sensor(bench, rest)
     chosen_mm = step_mm or min(max(STEP_MM, STEPS_OF_NOISE * sigma_mm), STEP_MAX_MM)
     run, distance, actual = _paths(bench, rest, chosen_mm, period_s)
-    dead_time = _dead_time(run, distance, period_ns)
+    dead_time = _dead_time(run, distance, is_encoder=bench.variable is None)
     modes = tuple(_modes(configured, distance, actual, dead_time, period_s))
     rest_mm = float(np.mean(rest.distance_mm[:REST_CYCLES]))
     found = Tuning(
@@ -172,28 +178,41 @@ def _paths(bench: Bench, rest: Signals, step_mm: float, period_s: float) -> tupl
     surface = rest.actual_mm[-REST_CYCLES // 2 :] - rest.distance_mm[-REST_CYCLES // 2 :]
     for cycles, count in _LENGTHS:
         run = surface_steps(bench, float(np.mean(surface)), step_mm, Steps(count, cycles, period_s))
-        offset_mm = run.signals.offset_mm
-        begin = int(np.argmax(offset_mm != 0)) - REST_CYCLES // 2
-        found = [
-            identify(offset_mm[begin:], signal[begin:], REST_CYCLES // 2, cycles)
-            for signal in (run.signals.distance_mm, run.signals.actual_mm)
-        ]
+        found = _identified(run.signals, cycles)
         if found[0].settled_cycle < _OVER * cycles and abs(found[0].gain - 1) < _GAIN_ERROR:
             break
     return run, found[0], found[1]
 
 
-def _dead_time(run: Run, distance: Path, period_ns: TimeNs) -> DeadTime:
+def _identified(signals: Signals, cycles: int) -> tuple[Path, Path]:
+    """Answers of distance and actual position; the distance with the oldest value it may have."""
+    begin = int(np.argmax(signals.offset_mm != 0)) - REST_CYCLES // 2
+    offset_mm, distance_mm = signals.offset_mm[begin:], signals.distance_mm[begin:]
+    rest = REST_CYCLES // 2
+    actual = identify(offset_mm, signals.actual_mm[begin:], rest, cycles)
+    renewal = renewal_cycles(offset_mm, distance_mm, rest)
+    if renewal == 1:
+        return identify(offset_mm, distance_mm, rest, cycles), actual
+    changed = np.flatnonzero(np.diff(distance_mm)) + 1
+    phase = int(np.argmax(np.bincount(changed % renewal)))
+    fresh = np.arange(len(distance_mm)) % renewal == phase
+    path = identify(offset_mm, distance_mm, rest, cycles, fresh)
+    oldest = np.concatenate([np.zeros(renewal - 1), path.impulses])
+    return replace(path, impulses=oldest, renewal_cycles=renewal), actual
+
+
+def _dead_time(run: Run, distance: Path, *, is_encoder: bool) -> DeadTime:
     """Cycles from the log of the control, time from the frames."""
     signals = run.signals
     computed = _first_jump(signals.offset_mm)
     reaction = _first_jump(signals.set_mm) - computed
     way_ns = None
-    if run.sensor:
+    if is_encoder and run.sensor:
         targets = np.array([sent.value for sent in run.targets], dtype=np.float64)
         sent_ns = run.targets[_first_jump(targets)].time_ns
         way_ns = _first_shown_ns(run.sensor, sent_ns) - sent_ns
-    return DeadTime(reaction, distance.first_cycle - reaction, way_ns)
+    way = distance.first_cycle - reaction
+    return DeadTime(reaction, way, distance.renewal_cycles, way_ns)
 
 
 def _first_jump(values: Floats) -> int:
@@ -262,4 +281,5 @@ def _tried(found: Tuning) -> Trial | None:
     place_mm = float(np.mean(signals.distance_mm[began - REST_CYCLES // 2 : began]))
     seen = (signals.distance_mm[began + 1 : began + cycles] - place_mm) / found.step_mm
     offset = mode.loop.offset_answer(law, len(seen))
-    return Trial(law, seen, np.convolve(offset, found.distance.impulses)[: len(seen)])
+    predicted = np.convolve(offset, found.distance.impulses)[: len(seen)]
+    return Trial(law, seen, predicted, float(np.std(seen - predicted)) * found.step_mm)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, qr, toeplitz
 
 Floats = npt.NDArray[np.float64]
+Flags = npt.NDArray[np.bool_]
 
 _DECAYS = (0.3, 0.6, 0.8, 0.9, 0.95, 0.98, 0.995)
 _SCALES = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
@@ -20,6 +21,7 @@ _SCALES = (1e-4, 1e-3, 1e-2, 0.1, 1.0)
 BEGUN, SETTLED = 0.05, 0.98
 # A pure delay is taken when it leaves no more than this times what the full answer leaves
 _AS_GOOD = 1.05
+_BLOCK = 12
 
 
 @dataclass(frozen=True)
@@ -27,12 +29,13 @@ class Path:
     """Answer of a signal to a pulse of the offset, from cycle 0 on.
 
     sigma_mm: standard deviation of the signal at rest. misfit_mm: of what the answer leaves
-    unexplained.
+    unexplained. renewal_cycles: every how many cycles the signal is new.
     """
 
     impulses: Floats
     sigma_mm: float
     misfit_mm: float
+    renewal_cycles: int = 1
 
     @property
     def gain(self) -> float:
@@ -65,25 +68,43 @@ class Path:
         return int(np.argmax(np.cumsum(self.impulses) >= share * self.gain))
 
 
-def identify(offset_mm: Floats, signal_mm: Floats, begin: int, cycles: int) -> Path:
-    """Find the impulse response of signal to offset.
+def identify(
+    offset_mm: Floats, signal_mm: Floats, begin: int, cycles: int, fresh: Flags | None = None
+) -> Path:
+    """Find the impulse response of signal to offset, 0 in the cycle of the offset itself.
 
     offset_mm, signal_mm: by cycles; both rest before `begin`, the first cycle in which the offset
-    has moved. cycles: length of the answer. The signal at rest tells its noise.
+    has moved. cycles: length of the answer. fresh: cycles whose signal counts, None for all. The
+    signal at rest tells its noise.
+
+    The offset may depend on the signal (closed loop): its noise is then found in later offsets
+    only, and what comes out is right as long as the offset cannot act in its own cycle.
     """
     rest = signal_mm[:begin]
     sigma_mm = float(np.std(rest))
     u = offset_mm[begin:] - offset_mm[begin - 1]
-    y = signal_mm[begin:] - float(np.mean(rest))
-    regressors = toeplitz(u, np.zeros(min(cycles, len(u))))
+    rows = slice(None) if fresh is None else fresh[begin:]
+    y = (signal_mm[begin:] - float(np.mean(rest)))[rows]
+    # The first column, an answer in the cycle of the offset, is left out
+    regressors = toeplitz(u, np.zeros(min(cycles, len(u))))[rows, 1:]
     floor_mm = max(sigma_mm, _rounding_mm(signal_mm), 1e-7 * float(np.abs(y).max()))
-    impulses = _posterior(regressors, y, floor_mm**2)
-    misfit_mm = float(np.std(y - regressors @ impulses))
+    answer = _posterior(regressors, y, floor_mm**2)
+    misfit_mm = float(np.std(y - regressors @ answer))
     delay = _pure_delay(regressors, y)
     delayed_mm = float(np.std(y - regressors @ delay))
     if delayed_mm <= _AS_GOOD * max(misfit_mm, floor_mm):
-        return Path(delay, sigma_mm, delayed_mm)
-    return Path(impulses, sigma_mm, misfit_mm)
+        answer, misfit_mm = delay, delayed_mm
+    return Path(np.concatenate([[0.0], answer]), sigma_mm, misfit_mm)
+
+
+def renewal_cycles(offset_mm: Floats, signal_mm: Floats, begin: int) -> int:
+    """Tell every how many cycles a signal is renewed, from where the offset moves it much."""
+    moves = np.abs(np.diff(offset_mm[begin:]))
+    rows = np.flatnonzero(moves > moves.max() / 20) + begin + 1
+    # What an offset moves is seen some cycles later: the changes of a block of cycles count
+    blocks = [signal_mm[row : row + _BLOCK + 1] for row in rows if row + _BLOCK < len(signal_mm)]
+    changes = np.mean([np.count_nonzero(np.diff(block)) / _BLOCK for block in blocks])
+    return max(round(1 / max(float(changes), 1 / _BLOCK)), 1)
 
 
 def _rounding_mm(signal_mm: Floats) -> float:

@@ -10,7 +10,7 @@ from bench.tune.identify import Path
 from bench.tune.loop import Law
 from kernel.distance.filters import filter_kinds
 
-_GAIN_ERROR, _MARGIN = 0.02, 1.5
+_GAIN_ERROR, _MARGIN, _MISFIT = 0.02, 1.5, 0.01
 _WIDTH, _INDENT = 100, " " * 14
 _WORDS = {
     "n_cycles": "{} values",
@@ -36,11 +36,12 @@ def text_of(found: Tuning) -> str:
     for mode in found.modes:
         lines += ["", *_mode(found, mode)]
     if found.trial is not None:
-        seen, predicted = found.trial.seen.max() - 1, found.trial.predicted.max() - 1
+        passed, misfit_um = found.trial.predicted.max() - 1, found.trial.misfit_mm * 1e3
         lines += [
             "",
-            f"tried         {_law(found.trial.law)} in {found.chosen.name}: passes the step by"
-            f" {seen:.1%}, predicted {predicted:.1%}",
+            f"tried         {_law(found.trial.law)} in {found.chosen.name}:",
+            f"              passes a step by {max(passed, 0):.1%} as predicted, within"
+            f" {misfit_um:.2g} um",
         ]
     return "\n".join(lines)
 
@@ -57,10 +58,12 @@ def _dead_time(dead: DeadTime, distance: Path, period_s: float) -> Iterator[str]
     when = f"{cycles_in_words(dead.reaction)} later" if dead.reaction else "in its own cycle"
     yield (
         f"dead time     n = {cycles_in_words(dead.dead)}: an offset goes out {when} and is seen"
-        f" {cycles_in_words(dead.way)} after that"
+        f" {cycles_in_words(dead.way)} after that{' at the latest' if dead.renewal > 1 else ''}"
     )
     if dead.way_ns is not None:
         yield f"              frames: {dead.way_ns / 1e6:.3f} ms from set position to sensor value"
+    if dead.renewal > 1:
+        yield f"              the value is new every {dead.renewal} cycles; the oldest counts"
     if not distance.is_dead_time:
         yield (
             f"              the answer takes longer: 98 % after {distance.settled_cycle} cycles,"
@@ -122,7 +125,12 @@ def warnings_of(found: Tuning) -> Iterator[str]:
             f"1 mm of offset changes the distance by {found.distance.gain:.3f} mm: look at the"
             " resolution of the sensor (P-AXIS-00422, 00423), or the answer was not over"
         )
-    sigma_mm = found.distance.sigma_mm
+    sigma_mm, misfit_mm = found.distance.sigma_mm, found.distance.misfit_mm
+    if misfit_mm > max(_MISFIT * found.step_mm, 2 * sigma_mm):
+        yield (
+            f"the answer of the axis is not linear by {misfit_mm * 1e3:.2g} um (friction, backlash,"
+            " limits of the drive): figures are rough; another --step tells how much"
+        )
     if sigma_mm and found.step_mm < 50 * sigma_mm:
         yield (
             f"the step is only {found.step_mm / sigma_mm:.0f} times the noise of the sensor; --step"
@@ -150,6 +158,7 @@ def data_of(found: Tuning) -> dict[str, Any]:
         "reaction_cycles": found.dead_time.reaction,
         "way_cycles": found.dead_time.way,
         "way_ns": found.dead_time.way_ns,
+        "renewal_cycles": found.dead_time.renewal,
         "answer": {
             "is_dead_time": found.distance.is_dead_time,
             "settled_cycles": found.distance.settled_cycle,

@@ -12,12 +12,14 @@ from typer.testing import CliRunner
 from bench.cli import app
 from bench.oracles.distance.stability import mean_limit
 from bench.tune.distance import BOTH_ENCODERS, CONST_DIST, SET_POS, Mode, Tuning, tune
-from bench.tune.measure import choose
+from bench.tune.loop import Law
+from bench.tune.measure import Signals, Steps, choose, distance_step
 from bench.tune.report import text_of, warnings_of
 from kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 RIG = RIGS / "distance-z.toml"
+SERVO_STEP_MM = 0.5
 DEFAULTS = ("kp=1", "filter_type=DEFAULT", "n_cycles=4")
 Tune = Callable[..., Tuning]
 
@@ -114,6 +116,64 @@ def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
     assert mode(found, CONST_DIST).closed_limit is None
     answer = np.cumsum(found.distance.impulses)
     assert np.abs(answer - np.cumsum(expected)[: len(answer)]).max() < 2e-3
+
+
+@pytest.mark.parametrize(
+    ("rig", "variable", "dead", "renewal"),
+    [
+        ("distance-z-2ms.toml", None, 2, 1),
+        ("distance-z-event.toml", None, 2, 1),
+        ("distance-z-every-second.toml", None, 3, 2),
+        ("distance-z-variable.toml", "V.E.SENSOR", 2, 1),
+        ("distance-z-variable-late.toml", "V.E.SENSOR", 4, 1),
+    ],
+)
+def test_dead_time_of_other_telegrams_and_of_variables(
+    rig: str, variable: str | None, dead: int, renewal: int
+) -> None:
+    """60E4 with every second SYNC is up to a cycle older; the variable two, as its rig says."""
+    found = tune(choose(RIGS / rig, None, variable, ()))
+    assert (found.dead_time.dead, found.dead_time.renewal) == (dead, renewal)
+    assert (found.dead_time.way_ns is None) == (variable is not None)
+    # A variable is a whole number of 0.1 um
+    expected = pytest.approx(mean_limit(4, dead), rel=1e-3)
+    assert mode(found, CONST_DIST).stable_kp[1] == expected
+    assert mode(found, CONST_DIST).closed_limit == pytest.approx(mean_limit(4, dead))
+
+
+@pytest.fixture(scope="module")
+def servo() -> Tuning:
+    """An axis with friction and a cascade of loops, whose sensor has no noise.
+
+    The steps are high against the friction, which holds an axis within some um.
+    """
+    bench = choose(RIGS / "distance-z-servo.toml", None, None, ("plant:gap.noise_um=0",))
+    return tune(bench, SERVO_STEP_MM)
+
+
+def _stepped(servo: Tuning, kp: float) -> Signals:
+    steps = Steps(1, 400, servo.period_s)
+    run = distance_step(servo.bench, Law(kp), servo.rest_mm, SERVO_STEP_MM, steps)
+    return run.signals
+
+
+def test_below_the_limit_of_a_real_axis_a_step_dies_away(servo: Tuning) -> None:
+    signals = _stepped(servo, 0.8 * mode(servo, CONST_DIST).stable_kp[1])
+    began = int(np.flatnonzero(np.abs(np.diff(signals.wanted_mm)) > 0)[0])
+    error = np.abs(signals.distance_mm[began : began + 400] - servo.rest_mm - SERVO_STEP_MM)
+    assert error[300:400].max() < 0.2 * error[20:120].max()
+
+
+def test_above_the_limit_of_a_real_axis_a_step_grows_until_the_sensor_ends(servo: Tuning) -> None:
+    """From 0.5 mm to 1.9 mm, where the window of the sensor ends."""
+    with pytest.raises(UserError, match="70330"):
+        _stepped(servo, 1.2 * mode(servo, CONST_DIST).stable_kp[1])
+
+
+def test_the_answer_of_a_real_axis_is_predicted(servo: Tuning) -> None:
+    assert not servo.distance.is_dead_time
+    assert servo.trial is not None
+    assert servo.trial.misfit_mm < 0.02 * servo.step_mm
 
 
 def test_text_says_what_was_found(tuned: Tune) -> None:
