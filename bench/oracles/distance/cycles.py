@@ -14,8 +14,8 @@ from kernel.clock import TimeNs
 
 # Sent in a cycle, acting at the next SYNC, reached at the one behind it
 WAY_CYCLES = 2
-# A step is known as one when so many values before it are equal
-QUIET_VALUES = 3
+# A step is known as one when the value has stood for so many cycles before it
+QUIET_CYCLES = 3
 
 
 @dataclass(frozen=True)
@@ -35,14 +35,17 @@ class DeadCycles:
         return self.reaction + self.way - 1
 
 
-def predicted(*, is_optimized: bool, sensor_age_cycles: int = 0) -> DeadCycles:
-    """Return the dead cycles of a rig; sensor_age_cycles: of 60E4 or of the variable on its way."""
-    return DeadCycles(0 if is_optimized else 1, WAY_CYCLES + sensor_age_cycles, sensor_age_cycles)
+def predicted(*, is_optimized: bool, sensor_age_cycles: int = 0, every: int = 1) -> DeadCycles:
+    """Return the dead cycles of a rig.
 
-
-def every_nth_range(dead: DeadCycles, every: int) -> tuple[int, int]:
-    """Return least and most n where 60E4 comes with every `every`-th SYNC only (type 2 to 240)."""
-    return dead.dead, dead.dead + every - 1
+    sensor_age_cycles: of 60E4 or of the variable on its way. every: 60E4 comes with every so many
+    SYNCs only (transmission type 2 to 240); what a value has set off is then shown by the first
+    later value that can.
+    """
+    reaction = 0 if is_optimized else 1
+    whole = reaction + WAY_CYCLES + sensor_age_cycles
+    whole = -(-whole // every) * every
+    return DeadCycles(reaction, whole - reaction, sensor_age_cycles)
 
 
 @dataclass(frozen=True)
@@ -98,7 +101,7 @@ def measured(
     if any(abs(told.value - sensor[seen].value) > quiet_increments for told in between):
         raise NotMeasurableError("the sensor value went on changing: no step")
     step, back = (sensor[at].value - sensor[at - 1].value for at in (seen, shown))
-    if seen < QUIET_VALUES:
+    if sensor[seen].time_ns - sensor[0].time_ns < (QUIET_CYCLES - 0.5) * period_ns:
         raise NotMeasurableError("the sensor value did not stand before its change: no step")
     if step * back > 0:  # an answer that converges goes the other way
         raise NotMeasurableError("the sensor value went on changing: no step")

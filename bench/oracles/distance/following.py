@@ -8,8 +8,9 @@ import math
 
 import numpy as np
 import numpy.typing as npt
+from scipy import signal
 
-from bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth, transfer
+from bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth, polynomials, transfer
 from bench.oracles.distance.smoothing import Polynomial
 from kernel.clock import S, TimeNs
 
@@ -89,6 +90,24 @@ def p_sine_gain(omega_t: float, kp: float) -> float:
     rest = 1.0 - kp
     below = 1.0 - 2.0 * rest * math.cos(omega_t) + rest**2
     return 2.0 * math.sin(omega_t / 2) / math.sqrt(below)
+
+
+def offset_noise_gain(loop: Loop, kp: float) -> float:
+    """Return the standard deviation of the offset over that of white noise of the sensor.
+
+    Root of the sum of squares of the impulse response of kp C F q^s/((1 - q) + kp C B).
+    """
+    start, gain = polynomials(loop)
+    control = np.array([1.0 + loop.derivative, -loop.derivative])
+    below = np.polynomial.polynomial.polyadd(start, kp * gain)
+    if loop.integral:
+        control = np.polynomial.polynomial.polyadd(
+            np.convolve(control, [1.0, -1.0]), [loop.integral]
+        )
+    above = kp * np.convolve(control, np.convolve(loop.smoothing.numerator, loop.drive.denominator))
+    impulse = np.zeros(20000)
+    impulse[loop.skew_cycles] = 1.0
+    return float(np.sqrt(np.sum(signal.lfilter(above, below, impulse) ** 2)))
 
 
 def left_of_step(kp: float, cycles: int) -> float:

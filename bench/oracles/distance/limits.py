@@ -42,6 +42,7 @@ def adaptive_mm_s2(
 
     low_mm, high_mm: P-AXIS-00504 and 00505.
     """
+    a_min_mm_s2 = min(a_min_mm_s2, a_max_mm_s2)
     if high_mm <= low_mm:
         return a_max_mm_s2 if abs(error_mm) >= high_mm else a_min_mm_s2
     share = min(max((abs(error_mm) - low_mm) / (high_mm - low_mm), 0.0), 1.0)
@@ -51,6 +52,18 @@ def adaptive_mm_s2(
 def downwards(limit: float, weight_per_mille: float) -> float:
     """Return a limit of the motion towards the workpiece; weight 0 = not weighted."""
     return limit if weight_per_mille == 0 else limit * weight_per_mille / PER_MILLE
+
+
+def lowest_step_mm(before_mm: float, change_mm: float, weight_per_mille: float) -> float:
+    """Return the smallest step of a cycle behind a step of before_mm; change_mm: a T^2.
+
+    What brakes an upward motion is not weighted; what is left of the cycle builds up the way down
+    with the weighted acceleration (P-AXIS-00534; docs/ambiguities.md).
+    """
+    if before_mm >= change_mm:
+        return before_mm - change_mm
+    left = 1.0 - max(before_mm, 0.0) / change_mm
+    return min(before_mm, 0.0) - downwards(change_mm, weight_per_mille) * left
 
 
 def flank_um_s(height_mm: float, length_mm: float, feed_mm_min: float) -> float:

@@ -63,7 +63,6 @@ class Listed:
     """All of an axis.
 
     sign: -1 when P-AXIS-00230 inverts the sensor. ref_offset_mm: P-AXIS-00418. mm_per_increment:
-    P-AXIS-00423 / 00422. is_newer: whether anything is written in the newer structure.
     """
 
     limits: Limits
@@ -73,7 +72,6 @@ class Listed:
     mm_per_increment: float
     is_optimized: bool
     uses_both: bool
-    is_newer: bool
 
     def sensor_mm(self, increments: float) -> float:
         """Return the sensor value: increments times resolution, sign, reference offset."""
@@ -142,7 +140,6 @@ def as_written(written: Written) -> Listed:
         mm_per_increment=resolution / PER_MM,
         is_optimized=bool(number("optimized_scheduling", 0)),
         uses_both=bool(number("mode_dist_use_both_encoder", 0)),
-        is_newer=any(name.startswith(NEWER) for name in written),
     )
 
 

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from bench.oracles.distance.limits import adaptive_mm_s2, downwards
+from bench.oracles.distance.limits import adaptive_mm_s2, downwards, lowest_step_mm
 from bench.oracles.distance.lists import Control, Limits
 from bench.oracles.distance.loop import BOTH, SET_POS
 from bench.oracles.distance.smoothing import Smoothing, none
@@ -72,14 +72,8 @@ class Law:
         sensor_mm: counts against the motor. sent_mm: total set position sent in the cycle before.
         set_mm: SET_POS or SET_DIST.
         """
-        if self.mode == SET_POS:
-            self.filtered_mm = self._filter.step(actual_mm + sensor_mm - set_mm)
-            error = self.filtered_mm - self.offset_mm
-        else:
-            lag = actual_mm - sent_mm if self.mode == BOTH else 0.0
-            self.filtered_mm = self._filter.step(-sensor_mm - lag)
-            error = set_mm - self.filtered_mm
-        self.error_mm = error
+        self.listen(sensor_mm, actual_mm, sent_mm, set_mm)
+        error = self.error_mm
         step, is_clamped = self._clamped(self._pid(error), error)
         if not is_clamped:
             self._sum_mm += error
@@ -87,6 +81,20 @@ class Law:
         self.step_mm = step
         self.offset_mm += step
         return self.offset_mm
+
+    def listen(self, sensor_mm: float, actual_mm: float, sent_mm: float, set_mm: float) -> None:
+        """Take what a cycle reads without any motion, as in FREEZE: the filter goes on."""
+        if self.mode == SET_POS:
+            self.filtered_mm = self._filter.step(actual_mm + sensor_mm - set_mm)
+            self.error_mm = self.filtered_mm - self.offset_mm
+            return
+        lag = actual_mm - sent_mm if self.mode == BOTH else 0.0
+        self.filtered_mm = self._filter.step(-sensor_mm - lag)
+        self.error_mm = set_mm - self.filtered_mm
+
+    def stand(self) -> None:
+        """Begin to follow again: nothing in the sum, no error before, speed 0."""
+        self._sum_mm, self._before_mm, self.step_mm = 0.0, math.nan, 0.0
 
     def _pid(self, error: float) -> float:
         period_s, control = self.period_ns / S, self.control
@@ -102,9 +110,11 @@ class Law:
         if limits.adaptive is not None:
             least, low, high = limits.adaptive
             a = adaptive_mm_s2(error, least, a, low, high)
-        v_down, a_down = downwards(v, limits.v_weight), downwards(a, limits.a_weight)
-        step = min(max(asked, -v_down * period_s), v * period_s)
-        step = min(max(step, self.step_mm - a_down * period_s**2), self.step_mm + a * period_s**2)
+        change = a * period_s**2
+        step = min(max(asked, -downwards(v, limits.v_weight) * period_s), v * period_s)
+        if math.isfinite(change):
+            least = lowest_step_mm(self.step_mm, change, limits.a_weight)
+            step = min(max(step, least), self.step_mm + change)
         self.asked_mm = self.offset_mm + step
         reached = min(max(self.asked_mm, -limits.deviation_mm), limits.deviation_mm)
         step = reached - self.offset_mm

@@ -13,7 +13,7 @@ import numpy as np
 
 from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
 from bench.oracles.distance.model import Law, Rig, simulate
-from bench.oracles.distance.supervision import Due, first_due
+from bench.oracles.distance.supervision import Due, changes_mm, first_due
 
 
 @dataclass(frozen=True)
@@ -53,4 +53,6 @@ def predicted(
     """
     course = simulate(law, replace(rig, sign=signs.sign), np.zeros(cycles), gap_mm, set_mm)
     watched = np.ones(cycles, dtype=bool)
-    return first_due(course.sensor_mm, course.asked_mm, watched, law.limits, law.period_ns)
+    sensor = course.sensor_mm
+    change = changes_mm(sensor)
+    return first_due(sensor, change, course.asked_mm, watched, law.limits, law.period_ns)

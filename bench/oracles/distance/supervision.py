@@ -26,8 +26,14 @@ class Due:
     row: int
 
 
+def changes_mm(sensor_mm: Signal) -> Signal:
+    """Return the change of each value against the one before it; 0 for the first."""
+    return np.diff(sensor_mm, prepend=sensor_mm[:1])
+
+
 def first_due(
     sensor_mm: Signal,
+    change_mm: Signal,
     offset_mm: Signal,
     is_watched: Flags,
     limits: Limits,
@@ -35,10 +41,11 @@ def first_due(
 ) -> Due | None:
     """Return the first alarm that is due, None where none is.
 
-    sensor_mm: as each cycle receives it. offset_mm: what the law asks for, before the clamp of
+    sensor_mm: as each cycle receives it. change_mm: against the value before, where there is one to
+    compare with. offset_mm: what the law asks for, before the clamp of
     max_deviation. is_watched: rows in which the control follows. All of shape (n,).
     """
-    change_mm_s = np.abs(np.diff(sensor_mm, prepend=sensor_mm[:1])) * S / period_ns
+    change_mm_s = np.abs(change_mm) * S / period_ns
     causes = (
         (JUMP, change_mm_s > limits.change_mm_s + _ROUNDING_MM * S / period_ns),
         (ABOVE, sensor_mm > limits.high_mm + _ROUNDING_MM),

@@ -7,8 +7,13 @@ import itertools
 
 import numpy as np
 
-from bench.run.distance.stretches import NoClosedFormError, Stretch, active, runs_of
-from bench.run.distance.truth import ACTIVE_CONST_DIST, DistanceTruth, Signal
+from bench.run.distance.stretches import Stretch, active, runs_of
+from bench.run.distance.truth import (
+    ACTIVE_CONST_DIST,
+    DistanceTruth,
+    NoClosedFormError,
+    Signal,
+)
 
 _EVEN_MM = 2e-7
 _RISE_MM = 0.1

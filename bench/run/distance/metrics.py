@@ -11,11 +11,17 @@ import numpy as np
 
 from bench.oracles.distance import following, limits
 from bench.oracles.distance.cycles import NotMeasurableError
-from bench.oracles.distance.loop import growth
+from bench.oracles.distance.loop import Loop, growth
 from bench.oracles.distance.stability import KP_MAX, kp_limit
 from bench.run.distance import filtering, stretches, walked
-from bench.run.distance.stretches import NoClosedFormError
-from bench.run.distance.truth import FREEZE, STATE_WORDS, DistanceTruth, Signal
+from bench.run.distance.truth import (
+    FREEZE,
+    STATE_WORDS,
+    TURNING_OFF,
+    DistanceTruth,
+    NoClosedFormError,
+    Signal,
+)
 from bench.run.observation import Observation
 from bench.run.observe import Observed
 from kernel.errors import same_cause
@@ -47,6 +53,12 @@ def _of_axis(
 
 def _increment_um(truth: DistanceTruth) -> float:
     return truth.listed.mm_per_increment * UM
+
+
+def _loop(truth: DistanceTruth, mode: str) -> Loop:
+    if truth.every > 1:
+        raise NoClosedFormError("60E4 does not come with every SYNC")
+    return truth.loop(mode)
 
 
 # Dead time
@@ -81,7 +93,7 @@ def distance_dead_time_ms(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_kp_limit(truth: DistanceTruth) -> Observation:
     """Largest kp with which the loop is stable, from its poles."""
-    loop = truth.loop(stretches.last_active(truth).mode)
+    loop = _loop(truth, stretches.last_active(truth).mode)
     limit = kp_limit(loop)
     note = f"{loop.mode}, {truth.dead.dead} dead cycles, {loop.smoothing.name}"
     return Observation(min(limit, KP_MAX), note=note)
@@ -97,7 +109,7 @@ def distance_growth(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_growth_expected(truth: DistanceTruth) -> Observation:
     """Magnitude of the largest pole of the loop."""
-    loop = truth.loop(stretches.last_active(truth).mode)
+    loop = _loop(truth, stretches.last_active(truth).mode)
     return Observation(growth(loop, truth.listed.control.kp), note=loop.smoothing.name)
 
 
@@ -126,7 +138,7 @@ def distance_error_expected_um(truth: DistanceTruth) -> Observation:
     """Closed form of the same: v T/kp, 0 with an integral part."""
     part, speed = stretches.steady(truth)
     control = truth.listed.control
-    stretches.must_settle(truth.loop(part.mode), control.kp, part)
+    stretches.must_settle(_loop(truth, part.mode), control.kp, part)
     stretches.must_not_clamp(truth, part)
     if control.tn_s:
         return Observation(0.0, note="integral part")
@@ -149,7 +161,7 @@ def distance_behind_expected_um(truth: DistanceTruth) -> Observation:
     """Closed form of the same."""
     part, speed = stretches.steady(truth)
     control = truth.listed.control
-    loop = truth.loop(part.mode)
+    loop = _loop(truth, part.mode)
     stretches.must_settle(loop, control.kp, part)
     stretches.must_not_clamp(truth, part)
     if control.tn_s:
@@ -191,17 +203,19 @@ def distance_sine_gain_expected(truth: DistanceTruth) -> Observation:
     """Closed form of the same."""
     frequency, _, _ = _sines(truth)
     stretch = stretches.last_active(truth)
-    kp, loop = truth.listed.control.kp, truth.loop(stretch.mode)
+    kp, loop = truth.listed.control.kp, _loop(truth, stretch.mode)
     return Observation(following.sine_gain(loop, kp, frequency, truth.period_ns))
 
 
 def _sines(truth: DistanceTruth) -> tuple[float, complex, complex]:
     stretch = stretches.last_active(truth)
-    second_half = slice((stretch.begin + stretch.end) // 2, stretch.end)
+    # Behind the transient, and before a profile ends in the braking ramp of its axis
+    length = stretch.end - stretch.begin
+    settled = slice(stretch.begin + length // 2, stretch.end - length // 10)
     if truth.surface_mm is None:
         raise NoClosedFormError("no plant tells the distance")
-    frequency, _, surface = stretches.sine_parts(truth.surface_mm[second_half], truth.period_s)
-    _, behind = stretches.fitted(_behind(truth)[second_half], frequency, truth.period_s)
+    frequency, _, surface = stretches.sine_parts(truth.surface_mm[settled], truth.period_s)
+    _, behind = stretches.fitted(_behind(truth)[settled], frequency, truth.period_s)
     return frequency, surface, behind
 
 
@@ -224,7 +238,7 @@ def _settling(truth: DistanceTruth, behind: Signal) -> Observation:
         raise NoClosedFormError(f"not settled to {band * UM:.3g} um")
     end = int(beyond[-1]) + 1 if len(beyond) else begin
     time_ms = (end - begin) * truth.period_ns / 1e6
-    return Observation(time_ms, truth.period_ns / 1e6, f"to {band * UM:.3g} um; a cycle")
+    return Observation(time_ms, note=f"to {band * UM:.3g} um, looked at once per cycle")
 
 
 @_of_axis
@@ -291,8 +305,10 @@ def offset_acceleration_mm_s2_max(truth: DistanceTruth) -> Observation:
 
 
 def _offset_steps(truth: DistanceTruth) -> Signal:
+    """Return the steps that the control makes: what OFF NO_MOVE hands over is none."""
     offset = truth["offset_mm"]
-    return np.diff(offset, prepend=offset[:1])
+    runs_out = np.concatenate([[False], truth.state[:-1] == TURNING_OFF])
+    return np.where(truth.is_active | runs_out, np.diff(offset, prepend=offset[:1]), 0.0)
 
 
 @_of_axis
@@ -366,19 +382,35 @@ def offset_model_error_um(truth: DistanceTruth) -> Observation:
 def distance_alarm_late_cycles(truth: DistanceTruth) -> Observation:
     """Cycle of the alarm less the one in which it is due by the values that the bus brought."""
     due = walked.due(truth, walked.walk(truth))
-    channel = truth.machine.channel
-    ids = [same_cause(cause) for cause in (70329, 70330, 70331, 70576)]
-    raised = [
-        (time_ns, alarm.id)
-        for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True)
-        if same_cause(alarm.id) in ids
-    ]
-    if due is None or not raised:
+    raised = _raised(truth)
+    if due is None or raised is None:
         words = f"due: {'none' if due is None else due.alarm}"
-        raise NoClosedFormError(f"{words}, raised: {[number for _, number in raised] or 'none'}")
-    time_ns, number = raised[0]
+        raise NoClosedFormError(f"{words}, raised: {'none' if raised is None else raised[1]}")
+    time_ns, number = raised
     if same_cause(number) != same_cause(due.alarm):
         raise NoClosedFormError(f"due was {due.alarm}, raised {number}")
     sync_ns = int(truth.times_ns[due.row]) // truth.period_ns * truth.period_ns
     late = (time_ns - truth.machine.timing.offset_ns - sync_ns) / truth.period_ns
     return Observation(late, note=f"ID {number} due in the cycle of {sync_ns / 1e6:g} ms")
+
+
+@_of_axis
+def distance_alarm_after_cycles(truth: DistanceTruth) -> Observation:
+    """Cycles from the first one that controls to the one with the alarm; 0: in the first."""
+    raised = _raised(truth)
+    if raised is None:
+        raise NoClosedFormError("no alarm of sensor or offset came up")
+    period_ns, offset_ns = truth.period_ns, truth.machine.timing.offset_ns
+    first = walked.first_step(truth, stretches.active(truth)[0])
+    begin_ns = int(truth.times_ns[first]) // period_ns * period_ns
+    return Observation((raised[0] - offset_ns - begin_ns) // period_ns, note=f"ID {raised[1]}")
+
+
+def _raised(truth: DistanceTruth) -> tuple[int, int] | None:
+    """Return instant and ID of the first alarm of sensor or offset."""
+    channel = truth.machine.channel
+    ids = [same_cause(cause) for cause in (70329, 70330, 70331, 70576)]
+    for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
+        if same_cause(alarm.id) in ids:
+            return time_ns, alarm.id
+    return None

@@ -8,7 +8,7 @@ import numpy as np
 
 from bench.oracles.distance.following import settling_cycles
 from bench.oracles.distance.loop import Loop, growth
-from bench.run.distance.truth import DistanceTruth, Flags, Signal
+from bench.run.distance.truth import DistanceTruth, Flags, NoClosedFormError, Signal
 
 JUDGED_SHARE = 0.2
 """Last share of a steady stretch that is judged."""
@@ -16,10 +16,6 @@ SETTLED_SHARE = 1e-3
 """What may be left of the transient when the judged share begins."""
 _EVEN_MM = 2e-7
 CLAMPED_SHARE = 0.98
-
-
-class NoClosedFormError(Exception):
-    """What must hold for a closed form does not; the text says what."""
 
 
 @dataclass(frozen=True)

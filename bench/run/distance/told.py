@@ -21,8 +21,14 @@ from bench.oracles.distance.stability import kp_limit
 from bench.results.writer import Event
 from bench.rig.distance_log import Change
 from bench.run.distance import stretches
-from bench.run.distance.stretches import NoClosedFormError, Stretch
-from bench.run.distance.truth import INACTIVE, TURNING_OFF, DistanceTruth, Flags
+from bench.run.distance.stretches import Stretch
+from bench.run.distance.truth import (
+    INACTIVE,
+    TURNING_OFF,
+    DistanceTruth,
+    Flags,
+    NoClosedFormError,
+)
 from kernel.distance import DistanceSettings, DistanceState
 
 ON = (DistanceState.ACTIVE, DistanceState.ACTIVE_CONST_DIST)
@@ -154,7 +160,7 @@ def control_of(settings: DistanceSettings) -> Control:
 def _law(truth: DistanceTruth, mode: str, settings: DistanceSettings) -> dict[str, Any]:
     control = control_of(settings)
     loop = _loop(truth, mode, control)
-    limit = kp_limit(loop)
+    limit = kp_limit(loop) if truth.every == 1 else math.inf
     is_plain = not control.tn_s and not control.tv_s
     return {
         "mode": mode,

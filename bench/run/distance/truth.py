@@ -20,6 +20,11 @@ from bench.rig.telegram_log import SECOND, TARGET
 from bench.run.fixed_stop.truth import PlantValues
 from kernel.clock import S
 
+
+class NoClosedFormError(Exception):
+    """What must hold for a closed form does not; the text says what."""
+
+
 Signal = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
@@ -128,8 +133,17 @@ class DistanceTruth:
     def dead(self) -> DeadCycles:
         """Dead cycles by the arithmetic of the rig."""
         return predicted(
-            is_optimized=self.listed.is_optimized, sensor_age_cycles=self.sensor_age_cycles
+            is_optimized=self.listed.is_optimized,
+            sensor_age_cycles=self.sensor_age_cycles,
+            every=self.every,
         )
+
+    @cached_property
+    def every(self) -> int:
+        """60E4 comes with every so many SYNCs; 1 where it is sent when it changes."""
+        telegrams = self.machine.links[self.axis].telegrams.values()
+        types = [t.transmission for t in telegrams if any(o.field == SECOND for o in t.objects)]
+        return types[0] if types and types[0] <= 240 else 1
 
     def measured_dead(self, quiet_increments: int = 0) -> Measured:
         """Return dead cycles as frames show them; raises NotMeasurableError."""
@@ -138,7 +152,11 @@ class DistanceTruth:
             [Told(sent.time_ns, sent.value) for sent in log.of(self.axis, field)]
             for field in (TARGET, SECOND)
         ]
-        targets, sensor = ([told for told in one if told.time_ns >= start_ns] for one in heard)
+        # The last value before counts too: one that is sent when it changes is old
+        since = [sum(told.time_ns < start_ns for told in one) for one in heard]
+        targets, sensor = (
+            one[max(first - 1, 0) :] for one, first in zip(heard, since, strict=True)
+        )
         return measured(targets, sensor, self.period_ns, quiet_increments)
 
     @cached_property
@@ -154,7 +172,7 @@ class DistanceTruth:
         return of_control(self.listed.control, self.period_ns)
 
     def loop(self, mode: str) -> Loop:
-        """Return the loop in a mode, by lists and plant."""
+        """Return the loop in a mode, by lists and plant; needs 60E4 with every SYNC."""
         listed, control = self.listed, self.listed.control
         lag_s = self.drive_lag_s
         return Loop(

@@ -9,46 +9,72 @@ from bench.oracles.distance.model import Law
 from bench.oracles.distance.smoothing import of_control
 from bench.oracles.distance.supervision import Due, first_due
 from bench.run.distance.stretches import Stretch, active
-from bench.run.distance.truth import DistanceTruth, Signal
+from bench.run.distance.truth import ERROR, FREEZE, DistanceTruth, Flags, Signal
 
 
 @dataclass(frozen=True)
 class Walked:
-    """Offset and what was asked for before max_deviation clamped it; NaN where no model runs."""
+    """What the model did; NaN where none runs.
+
+    asked_mm: offset before max_deviation clamped it. has_before: rows whose sensor value has one
+    before it to compare with.
+    """
 
     offset_mm: Signal
     asked_mm: Signal
+    has_before: Flags
 
 
 def walk(truth: DistanceTruth) -> Walked:
-    """Walk every time in which the control followed, each from the offset it began with."""
-    offset = np.full(len(truth.times_ns), np.nan)
-    asked = offset.copy()
+    """Walk every time in which the control followed, each from the offset it began with.
+
+    Behind a FREEZE in the same mode the filter has gone on; from INACTIVE it begins anew, and the
+    first sensor value has none before it.
+    """
+    count = len(truth.times_ns)
+    offset, asked = np.full(count, np.nan), np.full(count, np.nan)
+    has_before = np.ones(count, dtype=bool)
+    law, last = None, None
     for stretch in active(truth):
-        _walk(truth, stretch, offset, asked)
-    return Walked(offset, asked)
+        begin = first_step(truth, stretch)
+        frozen = last is not None and bool(np.all(truth.state[last.end : stretch.begin] == FREEZE))
+        if law is not None and last is not None and frozen and last.mode == stretch.mode:
+            for row in range(last.end, begin):
+                law.listen(*_read(truth, law.mode, row))
+            law.stand()
+        else:
+            law = _fresh(truth, stretch, begin)
+            has_before[begin] = frozen
+        end = stretch.end
+        if end < count and truth.state[end] == ERROR:
+            end += 1  # the cycle of the alarm
+        for row in range(begin, end):
+            offset[row] = law.walk(*_read(truth, law.mode, row))
+            asked[row] = law.asked_mm
+        last = stretch
+    return Walked(offset, asked, has_before)
 
 
-def _walk(truth: DistanceTruth, stretch: Stretch, offset: Signal, asked: Signal) -> None:
-    begin = first_step(truth, stretch)
-    listed, before = truth.listed, max(begin - 1, 0)
-    law = Law(
+def _fresh(truth: DistanceTruth, stretch: Stretch, begin: int) -> Law:
+    listed = truth.listed
+    return Law(
         stretch.mode,
         listed.control,
         truth.period_ns,
         listed.limits,
         of_control(listed.control, truth.period_ns),
-        offset_mm=float(truth["offset_mm"][before]),
+        offset_mm=float(truth["offset_mm"][max(begin - 1, 0)]),
     )
-    wanted = truth["set_pos_mm" if stretch.mode == SET_POS else "set_dist_mm"]
-    for row in range(begin, stretch.end):
-        offset[row] = law.walk(
-            float(truth["sensor_mm"][row]),
-            float(truth["actual_mm"][row]),
-            float(truth["set_mm"][row - 1]),
-            float(wanted[row]),
-        )
-        asked[row] = law.asked_mm
+
+
+def _read(truth: DistanceTruth, mode: str, row: int) -> tuple[float, float, float, float]:
+    wanted = truth["set_pos_mm" if mode == SET_POS else "set_dist_mm"]
+    return (
+        float(truth["sensor_mm"][row]),
+        float(truth["actual_mm"][row]),
+        float(truth["set_mm"][row - 1]),
+        float(wanted[row]),
+    )
 
 
 def first_step(truth: DistanceTruth, stretch: Stretch) -> int:
@@ -56,12 +82,13 @@ def first_step(truth: DistanceTruth, stretch: Stretch) -> int:
 
     The row in which the program switches on shows the new state and no step yet.
     """
-    steps = np.abs(truth["delta_mm"][stretch.rows]) + np.abs(truth["error_mm"][stretch.rows])
-    return stretch.begin if steps[0] != 0.0 else stretch.begin + 1
+    return stretch.begin if truth["delta_mm"][stretch.begin] != 0.0 else stretch.begin + 1
 
 
 def due(truth: DistanceTruth, walked: Walked) -> Due | None:
     """Return the alarm that was due and the row of its cycle."""
     asked = np.where(np.isnan(walked.asked_mm), 0.0, walked.asked_mm)
     watched = ~np.isnan(walked.asked_mm)
-    return first_due(truth["sensor_mm"], asked, watched, truth.listed.limits, truth.period_ns)
+    sensor = truth["sensor_mm"]
+    change = np.diff(sensor, prepend=sensor[:1]) * walked.has_before
+    return first_due(sensor, change, asked, watched, truth.listed.limits, truth.period_ns)

@@ -12,6 +12,7 @@ from bench.oracles.distance import filters
 from bench.oracles.distance.following import (
     acceleration_error_mm,
     left_of_step,
+    offset_noise_gain,
     p_sine_gain,
     ramp_error_mm,
     ramp_lag_mm,
@@ -24,6 +25,7 @@ from bench.oracles.distance.limits import (
     downwards,
     fastest_step_s,
     flank_um_s,
+    lowest_step_mm,
     overshoot_mm,
 )
 from bench.oracles.distance.lists import Control, Limits
@@ -115,6 +117,23 @@ def test_sine_of_a_loop_without_dead_time() -> None:
     assert p_sine_gain(math.pi, 0.4) == pytest.approx(2 / (2 - 0.4))
 
 
+@pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
+@pytest.mark.parametrize("smoothing", SMOOTH[:3], ids=lambda s: s.name)
+def test_noise_of_the_offset(mode: str, smoothing: Smoothing) -> None:
+    kp, count = 0.2, 60_000
+    noise = 1e-3 * np.random.default_rng(5).standard_normal(count)
+    law = Law(mode, Control(kp), PERIOD_NS, smoothing=smoothing)
+    wanted = 0.0 if mode == SET_POS else 5.0
+    course = simulate(law, Rig(), np.zeros(count), 5.0, wanted, noise)
+    expected = offset_noise_gain(Loop(mode, 1, smoothing), kp)
+    assert np.std(course.offset_mm[200:]) * 1e3 == pytest.approx(expected, rel=0.03)
+
+
+def test_noise_of_a_surface_at_kp_1_is_that_of_the_filter() -> None:
+    loop = Loop(SET_POS, 1, moving_average(16))
+    assert offset_noise_gain(loop, 1.0) == pytest.approx(0.25)
+
+
 @pytest.mark.parametrize("kp", [0.2, 0.5, 1.0, 1.5])
 def test_step_of_a_loop_without_dead_time(kp: float) -> None:
     """Surface mode: what is left is (1 - kp)^k, nothing at all after one cycle at kp 1."""
@@ -166,6 +185,15 @@ def test_weights_and_adaptive_acceleration() -> None:
     assert [adaptive_mm_s2(e, 100.0, 500.0, 0.1, 0.5) for e in (0.05, 0.3, -0.3, 2.0)] == (
         pytest.approx([100.0, 300.0, 300.0, 500.0])
     )
+
+
+def test_only_the_way_down_is_weighted() -> None:
+    assert lowest_step_mm(3.0, 1.0, 500) == 2.0
+    assert lowest_step_mm(1.0, 1.0, 500) == 0.0
+    assert lowest_step_mm(0.0, 1.0, 500) == -0.5
+    assert lowest_step_mm(-1.0, 1.0, 500) == -1.5
+    assert lowest_step_mm(0.5, 1.0, 500) == -0.25
+    assert lowest_step_mm(0.5, 1.0, 0) == -0.5
 
 
 def test_flank() -> None:

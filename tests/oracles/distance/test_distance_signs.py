@@ -8,7 +8,6 @@ import pytest
 from bench.oracles.distance.cycles import (
     NotMeasurableError,
     Told,
-    every_nth_range,
     measured,
     predicted,
 )
@@ -17,7 +16,7 @@ from bench.oracles.distance.loop import SET_POS
 from bench.oracles.distance.model import Law, Rig, simulate
 from bench.oracles.distance.signs import TABLE, Signs
 from bench.oracles.distance.signs import predicted as due_with
-from bench.oracles.distance.supervision import ABOVE, BELOW, JUMP, OFFSET, first_due
+from bench.oracles.distance.supervision import ABOVE, BELOW, JUMP, OFFSET, changes_mm, first_due
 
 PERIOD_NS = 1_000_000
 LIMITS = Limits(50.0, 1e6, 3.0, 1e9, -5.0, 5.0)
@@ -60,7 +59,8 @@ def test_alarms_are_due_in_the_cycle_of_the_value(
 ) -> None:
     limits = Limits(1.0, 1.0, 0.5, 10.0, -2.0, 1.0)
     watched = np.ones(4, dtype=bool)
-    due = first_due(np.array(values), np.array(offset), watched, limits, PERIOD_NS)
+    sensor = np.array(values, dtype=np.float64)
+    due = first_due(sensor, changes_mm(sensor), np.array(offset), watched, limits, PERIOD_NS)
     assert (None if due is None else (due.alarm, due.row)) == (
         None if alarm is None else (alarm, row)
     )
@@ -103,15 +103,17 @@ def test_frames_that_show_no_step() -> None:
         measured(still, moving, PERIOD_NS)
 
 
-def test_a_telegram_of_every_third_sync() -> None:
-    assert every_nth_range(predicted(is_optimized=True), 3) == (1, 3)
+@pytest.mark.parametrize(
+    ("is_optimized", "every", "dead"), [(True, 1, 1), (True, 2, 1), (True, 3, 2), (False, 2, 3)]
+)
+def test_a_telegram_that_comes_seldom(is_optimized: bool, every: int, dead: int) -> None:
+    assert predicted(is_optimized=is_optimized, every=every).dead == dead
 
 
 def test_lists_as_written() -> None:
     listed = as_written({})
     assert listed.control == Control()
     assert listed.limits == Limits(5.0, 1000.0, 5.0, 5.0, -5.0, 5.0)
-    assert not listed.is_newer
     listed = as_written(
         {
             "kenngr.distc.kp": 0.3,
@@ -127,7 +129,6 @@ def test_lists_as_written() -> None:
         }
     )
     assert listed.control.kp == 0.4
-    assert listed.is_newer
     assert (listed.limits.low_mm, listed.limits.high_mm) == pytest.approx((-4.9, 1.9))
     assert listed.limits.adaptive == (500.0, 0.1, 0.5)
     assert listed.sensor_mm(1_048_576) == pytest.approx(-10.5)

@@ -1,0 +1,10 @@
+%distance_hole
+; The offset is held over a hole from X = 20 to 40 mm: the sensor tells nothing there.
+N010 Z[DIST_CTRL ON CONST_DIST SET_DIST=V.E.DIST]
+N020 G90 G01 X16 F=V.E.FEED
+N030 Z[DIST_CTRL FREEZE]
+N040 G01 X44
+N050 Z[DIST_CTRL ON CONST_DIST]
+N060 G01 X60
+N070 Z[DIST_CTRL OFF NO_MOVE]
+N080 M30
