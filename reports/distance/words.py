@@ -88,12 +88,12 @@ def happened(
     lines = []
     for number, stretch in enumerate(control["stretches"]):
         before = control["stretches"][number - 1] if number else None
-        at = f"{(stretch['begin_ns'] - origin_ns) / _NS_PER_MS:.0f} ms"
+        at = f"{(stretch['begin_ns'] - origin_ns) / _NS_PER_MS:.1f} ms"
         words = _part(control, stretch, before, trace)
         if words:
             lines.append((at, words))
     for row in control["alarms"]:
-        at = f"{(row['time_ns'] - origin_ns) / _NS_PER_MS:.0f} ms"
+        at = f"{(row['time_ns'] - origin_ns) / _NS_PER_MS:.1f} ms"
         told = alarms.get(row["label"], "")
         lines.append((at, row["label"] + (f": {told}" if told else "")))
     return lines

@@ -59,7 +59,7 @@ def test_a_loop_beyond_its_limit_is_told_in_words() -> None:
         "kp 1 is beyond the limit 0.619 for 1 dead cycle and mean of 4: the loop oscillates"
     )
     assert (row["limit"], row["margin"], row["unstable"]) == ("0.619", "0.62", True)
-    assert "the error swings by ±" in happened("oscillates")["100 ms"]
+    assert "the error swings by ±" in happened("oscillates")["100.0 ms"]
 
 
 def test_a_stable_loop_is_told_with_its_settling() -> None:
@@ -79,14 +79,14 @@ def test_a_sensor_of_the_wrong_sign_has_no_stable_kp() -> None:
 
 def test_each_part_says_who_and_what() -> None:
     told = happened("surface-with-freeze")
-    assert told["100 ms"].startswith("ON by the PLC, SET_POS 40 mm: offset 0 mm to 0 mm, between")
-    assert told["1000 ms"] == (
+    assert told["100.0 ms"].startswith("ON by the PLC, SET_POS 40 mm: offset 0 mm to 0 mm, between")
+    assert told["1000.0 ms"] == (
         "FREEZE by the PLC: the offset stands at 0 mm, bit for bit;"
         " the sensor goes from -2 mm to -1.5 mm"
     )
-    assert "to 0.5 mm" in told["1300 ms"]
-    assert told["1600 ms"] == "OFF by the PLC: 0.49 mm run out, 90 ms"
-    assert "1690 ms" not in told  # INACTIVE by itself
+    assert "to 0.5 mm" in told["1300.0 ms"]
+    assert told["1600.0 ms"] == "OFF by the PLC: 0.49 mm run out, 90 ms"
+    assert "1690.0 ms" not in told  # INACTIVE by itself
 
 
 def test_a_freeze_that_moves_says_so() -> None:
@@ -97,17 +97,17 @@ def test_a_freeze_that_moves_says_so() -> None:
     at = signals.column_names.index("Z.offset_mm")
     signals = signals.set_column(at, "Z.offset_mm", pa.array(offset))
     (found,) = sections(info(sample), signals, {})
-    assert "and moves by 0.001 mm" in dict(found["happened"])["1000 ms"]
+    assert "and moves by 0.001 mm" in dict(found["happened"])["1000.0 ms"]
 
 
 def test_an_alarm_stands_with_its_words() -> None:
     found = shown("alarm")
     assert (found["glyph"], found["state"]) == ("■", "ended")
-    assert ("480 ms", f"ID 70331: {ALARMS['ID 70331']}") in found["happened"]
+    assert ("480.0 ms", f"ID 70331: {ALARMS['ID 70331']}") in found["happened"]
 
 
 def test_a_dry_run_leaves_the_offset() -> None:
-    assert "DRYRUN, the offset stays" in happened("dry-run")["100 ms"]
+    assert "DRYRUN, the offset stays" in happened("dry-run")["100.0 ms"]
 
 
 def test_limits_say_what_was_used_of_them() -> None:
@@ -204,7 +204,7 @@ def test_states_are_a_lane_and_have_buttons() -> None:
 def test_without_signals_the_section_still_stands() -> None:
     sample = SAMPLES["surface-with-freeze"]
     (found,) = sections(info(sample), None, {})
-    assert dict(found["happened"])["1000 ms"] == "FREEZE by the PLC: the offset stands"
+    assert dict(found["happened"])["1000.0 ms"] == "FREEZE by the PLC: the offset stands"
     assert found["path"] == ""
 
 
