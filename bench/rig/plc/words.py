@@ -5,9 +5,11 @@ A cell holds actions separated by semicolons, each a value and keys:
     plc:Z.torque_limit = 100 at=M50; 50000 at=M51     when the program tells M50, and M51
     plc:Z.6065 = 0xFFFFFFFF at=run; 1048575 at=run_end+20ms
     plc:feedhold = at=400ms for=300ms                 0.4 s after the start of the program
+    plc:Z.dist_ctrl = ON set_pos=30 at=M50; OFF at=M51
     plc:V.E.READY = 0; 1 at=M50+20ms nth=2            20 ms after the second M50
 
-Objects and moments stand in `objects.csv` and `moments.csv`; times have their unit.
+Objects, moments and what acts on one axis stand in `objects.csv`, `moments.csv` and
+`axis_columns.csv`; times have their unit.
 """
 
 import csv
@@ -19,7 +21,14 @@ from importlib import resources
 
 from bench.plan.assignment import Assignment, number
 from bench.rig.faults import read_time
-from kernel.clock import S, TimeNs
+from bench.rig.plc.axis_words import (
+    AxisAction,
+    axis_columns,
+    duration,
+    find_column,
+    read_action,
+)
+from kernel.clock import TimeNs
 from kernel.drives.functions import type_range
 from kernel.errors import UserError, nearest
 from kernel.nc.decoder.technology import INTERNAL, NUMBER_MAX, SPINDLE
@@ -28,7 +37,6 @@ FEEDHOLD = "feedhold"
 VARIABLE = "V.E."
 PLAIN_KEYS = ("start_ms", "optional_stop", "limit_s")
 """Keys with one value: what the operator does (`bench/rig/settings.py`)."""
-_LONGEST_NS = 600 * S
 _NTH_MAX = 999
 _AT = re.compile(r"(?P<word>.+?)(?:\+(?P<time>[\d.]+[a-z]+))?")
 _FUNCTION = re.compile(r"([MHT])(\d{1,9})")
@@ -73,9 +81,9 @@ class ObjectWrite:
 
 @dataclass(frozen=True)
 class Feedhold:
-    """The path is held for a time."""
+    """The path is held for a time; None until a moment that the rule names."""
 
-    for_ns: TimeNs
+    for_ns: TimeNs | None
 
 
 @dataclass(frozen=True)
@@ -90,14 +98,15 @@ class VariableWrite:
 class Rule:
     """One action with its moment; nth: which one of it, None = every one.
 
-    column, text: where and how it is written.
+    column, text: where and how it is written. until: what ends a feedhold without a time.
     """
 
     column: str
     text: str
     moment: Moment
     nth: int | None
-    action: ObjectWrite | Feedhold | VariableWrite
+    action: ObjectWrite | Feedhold | VariableWrite | AxisAction
+    until: Moment | None = None
 
 
 def _rows(name: str) -> list[dict[str, str]]:
@@ -141,7 +150,7 @@ def read_rules(item: Assignment, axes: Collection[str]) -> tuple[float | None, l
         first = number(item.column, parts[0])
         return first, [_rule(item, part, axes, needs_at=True) for part in parts[1:]]
     if item.name != FEEDHOLD:
-        _object_of(item.name, axes)
+        _target_of(item.name, axes)
     return None, [_rule(item, part, axes) for part in parts]
 
 
@@ -149,59 +158,78 @@ def needs_variables(rules: Sequence[Rule], column: str, external: Collection[str
     """Refuse a moment that cannot come: a V.E. variable that the run does not have."""
     known = {name.upper() for name in external}
     for rule in rules:
-        name = rule.moment.word.removeprefix(VARIABLE)
-        if rule.column == column and name != rule.moment.word and name not in known:
-            raise UserError(
-                "at: the run has no such variable",
-                value=rule.moment.word,
-                allowed=[f"{VARIABLE}{other}" for other in external] or "none",
-                hint=f"plc:{rule.moment.word}=0 gives it its first value",
-            )
+        moments = [rule.moment, *([rule.until] if rule.until else [])]
+        for word in [moment.word for moment in moments if rule.column == column]:
+            name = word.removeprefix(VARIABLE)
+            if name != word and name not in known:
+                raise UserError(
+                    "at: the run has no such variable",
+                    value=word,
+                    allowed=[f"{VARIABLE}{other}" for other in external] or "none",
+                    hint=f"plc:{word}=0 gives it its first value",
+                )
 
 
 def _rule(item: Assignment, text: str, axes: Collection[str], *, needs_at: bool = False) -> Rule:
     values = [word for word in text.split() if not re.match(r"\w+=", word)]
     keys = dict(word.split("=", 1) for word in text.split() if word not in values)
-    allowed = ("at", "for", "nth") if item.name == FEEDHOLD else ("at", "nth")
     for key in keys:
-        if key not in allowed:
-            raise UserError(f"plc:{item.name} has no such key", value=key, allowed=allowed)
+        if key not in _keys(item):
+            raise UserError(f"plc:{item.name} has no such key", value=key, allowed=_keys(item))
     if len(keys) + len(values) < len(text.split()):
         raise UserError("a key stands there twice", value=text)
     if needs_at and "at" not in keys:
         raise UserError("a further value needs its moment", value=text, allowed="1 at=M50+20ms")
     moment = _moment(keys.get("at", "start"))
-    return Rule(item.column, text, moment, _nth(keys, moment), _action(item, values, keys, axes))
+    until = _moment(keys["until"], "until") if "until" in keys else None
+    action = _action(item, values, keys, axes)
+    return Rule(item.column, text, moment, _nth(keys, moment), action, until)
+
+
+def _keys(item: Assignment) -> Sequence[str]:
+    """Return the keys that an action of this column may have."""
+    if item.name == FEEDHOLD:
+        return axis_columns()[FEEDHOLD].keys
+    column = find_column(item.name.partition(".")[2])
+    is_plain = column is None or item.name.startswith(VARIABLE)
+    return ("at", "nth") if is_plain or column is None else column.keys
 
 
 def _action(
     item: Assignment, values: Sequence[str], keys: dict[str, str], axes: Collection[str]
-) -> ObjectWrite | Feedhold | VariableWrite:
+) -> ObjectWrite | Feedhold | VariableWrite | AxisAction:
     name = item.name
     if name == FEEDHOLD:
         if values:
             raise UserError(
                 "a feedhold has no value", value=values[0], allowed="at=400ms for=300ms"
             )
-        return Feedhold(_duration(keys))
+        return Feedhold(duration(keys))
+    target = None if name.startswith(VARIABLE) else _target_of(name, axes)
+    if target is not None and not isinstance(target[1], DriveObject):
+        return read_action(*target, item.column, values, keys)
     if len(values) != 1:
         raise UserError(
             "one value and its keys", value=" ".join(values) or item.value, allowed="100 at=M50"
         )
-    if name.startswith(VARIABLE):
+    if target is None:
         return VariableWrite(name.removeprefix(VARIABLE), number(item.column, values[0]))
-    axis, found = _object_of(name, axes)
+    axis, found = target
+    assert isinstance(found, DriveObject)
     return ObjectWrite(axis, found, _value(found, values[0]))
 
 
-def _object_of(column: str, axes: Collection[str]) -> tuple[str, DriveObject]:
-    """Take `Z.torque_limit` or `Z.6072` apart."""
+def _target_of(column: str, axes: Collection[str]) -> tuple[str, DriveObject | str]:
+    """Take `Z.torque_limit`, `Z.6072` or `Z.dist_ctrl` apart; the last stays a name."""
     axis, dot, name = column.partition(".")
     if not dot:
         forms = [*PLAIN_KEYS, FEEDHOLD, "V.E.<NAME>", "<axis>.<object>"]
+        forms += [f"<axis>.{name}" for name in axis_columns()]
         raise UserError("the PLC side has no such key", value=column, allowed=forms)
     if axis not in axes:
         raise UserError("the rig has no such axis", value=axis, allowed=axes)
+    if find_column(name) is not None:
+        return axis, name
     known = plc_objects()
     if name in known:
         return axis, known[name]
@@ -212,7 +240,8 @@ def _object_of(column: str, axes: Collection[str]) -> tuple[str, DriveObject]:
     raise UserError(
         "the PLC side writes no such object",
         value=name,
-        allowed=nearest(name, known) or [f"{o.name} ({o.index:04X})" for o in known.values()],
+        allowed=nearest(name, [*known, *axis_columns()])
+        or [*(f"{o.name} ({o.index:04X})" for o in known.values()), *axis_columns()],
     )
 
 
@@ -228,20 +257,6 @@ def _value(target: DriveObject, text: str) -> int:
     return value
 
 
-def _duration(keys: dict[str, str]) -> TimeNs:
-    try:
-        for_ns = read_time(keys.get("for", ""))
-    except ValueError:
-        for_ns = 0
-    if not 0 < for_ns <= _LONGEST_NS:
-        raise UserError(
-            "for: how long the feedhold lasts",
-            value=keys.get("for", "nothing"),
-            allowed="a time up to 600s with its unit (us, ms, s), as for=300ms",
-        )
-    return for_ns
-
-
 def _nth(keys: dict[str, str], moment: Moment) -> int | None:
     text = keys.get("nth")
     if text is None:
@@ -253,7 +268,7 @@ def _nth(keys: dict[str, str], moment: Moment) -> int | None:
     return int(text)
 
 
-def _moment(text: str) -> Moment:
+def _moment(text: str, key: str = "at") -> Moment:
     try:
         return Moment("start", None, read_time(text))
     except ValueError:
@@ -269,11 +284,11 @@ def _moment(text: str) -> Moment:
     if word.upper().startswith(VARIABLE) and len(word) > len(VARIABLE):
         name, equals, value = word.partition("=")
         if name[len(VARIABLE) :]:
-            return Moment(name.upper(), number("at", value) if equals else None, offset_ns)
+            return Moment(name.upper(), number(key, value) if equals else None, offset_ns)
     function = _FUNCTION.fullmatch(word.upper())
     if function is None:
         raise UserError(
-            "at: no moment of a run",
+            f"{key}: no moment of a run",
             value=text,
             allowed="a time after the start of the program with its unit (400ms), "
             + ", ".join(plc_moments())
