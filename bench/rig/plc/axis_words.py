@@ -9,7 +9,8 @@ from importlib import resources
 from bench.plan.assignment import number
 from bench.rig.faults import read_time
 from kernel.clock import S, TimeNs
-from kernel.distance import DistanceCommand, objects
+from kernel.distance import DistanceCommand
+from kernel.distance.objects import accept
 from kernel.errors import UserError
 from kernel.parameters.origin import Origin
 from kernel.parameters.types import Value
@@ -116,7 +117,7 @@ def read_action(
     (value,) = values
     if name.startswith(OBJECT):
         target = name.removeprefix(OBJECT)
-        return ObjectChange(axis, target, objects.accept(target, value, Origin(column)))
+        return ObjectChange(axis, target, accept(target, value, Origin(column)))
     if name == "override":
         if value not in OVERRIDES_PCT:
             raise UserError(
@@ -139,7 +140,7 @@ def _command(axis: str, column: str, word: str, keys: Mapping[str, str]) -> Unit
         raise UserError("distance control has no such command", value=word, allowed=known)
 
     def given(key: str) -> float | None:
-        return number(column, keys[key]) if key in keys else None
+        return number(f"{column} {key}", keys[key]) if key in keys else None
 
     return UnitWrite(axis, known[word], given("set_pos"), given("set_dist"))
 

@@ -11,10 +11,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
+from bench.rig.plc.axis_words import (
+    AxisFeedhold,
+    AxisOverride,
+    ObjectChange,
+    SetCourse,
+    UnitWrite,
+)
+from bench.rig.plc.units import PlcUnits
 from bench.rig.plc.words import VARIABLE, Feedhold, ObjectWrite, Rule, VariableWrite
 from kernel.channel import Channel
 from kernel.channel.drive_functions import DriveAccess
-from kernel.clock import Clock, TimeNs
+from kernel.clock import MS, Clock, TimeNs
+from kernel.distance.objects import write as write_object
 from kernel.drives.functions import type_range
 from kernel.drives.sdo import SdoError, object_name
 from kernel.errors import Alarm, UserError
@@ -55,10 +64,13 @@ class PlcSide:
         self._seen_events = self._runs_begun = 0
         self._runs_ended: set[int] = set()
         self._is_started = self._was_moving = False
-        self._holds = 0
+        self._holds: Counter[str | None] = Counter()  # of each axis, None = of the path
+        self._held_by: Counter[int] = Counter()  # by rules that last until a moment
+        self._units = PlcUnits(channel, clock, period_ns, self._at)
         self._unacknowledged = 0  # actions that the function told last waits for
         for rule in rules:
             self._refuse_cyclic(rule)
+            self._refuse_object(rule)
         if rules:
             self._plc.take_turn = self.take_turn
             words = {rule.moment.word for rule in rules}
@@ -78,6 +90,15 @@ class PlcSide:
             value=rule.text,
             hint="write it with #DRIVE, or take it out of the pdo_map of the drive",
         )
+
+    def _refuse_object(self, rule: Rule) -> None:
+        change = rule.action
+        if isinstance(change, ObjectChange) and change.axis not in self._channel.distance.axes:
+            raise UserError(
+                f"{rule.column}: axis {change.axis} has no distance control",
+                value=rule.text,
+                hint="its list sets lr_param.distance_control_on (P-AXIS-00328) to 1",
+            )
 
     def not_come(self) -> list[str]:
         """Say which rules have not acted, as their moment has not come."""
@@ -102,11 +123,17 @@ class PlcSide:
                         self._unacknowledged += happening.is_function
                         action = partial(self._act, number, rule, happening.is_function)
                         self._at(happening.time_ns + rule.moment.offset_ns, action)
+                until = rule.until
+                if until is not None and until.fits(happening.word, happening.value):
+                    self._at(happening.time_ns + until.offset_ns, partial(self._let_go, number))
             if happening.is_function and not self._unacknowledged:
                 self._plc.acknowledge()
         while self._due and self._due[0][0] <= self._clock.now_ns:
             heapq.heappop(self._due)[2]()
-        self._plc.feedhold = self._holds > 0
+        self._plc.feedhold = self._holds[None] > 0
+        for axis, unit in self._plc.axis.items():
+            unit.feedhold = self._holds[axis] > 0
+        self._units.hand_over()
 
     def _at(self, time_ns: TimeNs, action: Callable[[], None]) -> None:
         self._order += 1
@@ -157,21 +184,50 @@ class PlcSide:
                 self._plc.values[name] = value
                 self._plc.note(f"V.E.{name} = {value:.15g} from the PLC", rule.column)
             case Feedhold(for_ns=for_ns):
-                self._hold(rule, for_ns)
+                self._hold(number, rule, None, for_ns)
+            case AxisFeedhold(axis=axis, for_ns=for_ns):
+                self._hold(number, rule, axis, for_ns)
+            case AxisOverride(axis=axis, permille=permille):
+                self._plc.axis[axis].override_permille = permille
+                self._plc.note(f"{axis}.override = {permille // 10} % from the PLC", rule.column)
+            case UnitWrite() as command:
+                self._plc.note(f"{command.axis}.dist_ctrl = {_command(rule)}", rule.column)
+                self._units.command(command)
+            case SetCourse() as course:
+                self._lead(course, rule, is_awaited)
+                return
+            case ObjectChange(axis=axis, name=name, value=value):
+                write_object(self._channel.distance.control(axis), name, value)
+                self._plc.note(f"{axis} {name} = {value} from the PLC", rule.column)
         self._done(is_awaited)
 
-    def _hold(self, rule: Rule, for_ns: TimeNs) -> None:
-        """Hold the path; where two overlap it is held until both are over."""
-        self._holds += 1
-        if self._holds == 1:
-            self._plc.note("feedhold on", rule.column)
+    def _lead(self, course: SetCourse, rule: Rule, is_awaited: bool) -> None:
+        words = f"{course.axis}.{course.value} = {course.to_mm:.15g}"
+        over = f" over {course.over_ns / MS:g} ms" if course.over_ns else ""
+        self._plc.note(f"{words}{over} from the PLC", rule.column)
+        self._units.follow(course, lambda: self._done(is_awaited))
 
-        def release() -> None:
-            self._holds -= 1
-            if not self._holds:
-                self._plc.note("feedhold off", rule.column)
+    def _hold(self, number: int, rule: Rule, axis: str | None, for_ns: TimeNs | None) -> None:
+        """Hold the path or an axis; where two overlap it is held until both are over."""
+        self._holds[axis] += 1
+        if self._holds[axis] == 1:
+            self._plc.note(f"{_feedhold(axis)} on", rule.column)
+        if for_ns is None:
+            self._held_by[number] += 1
+        else:
+            self._at(self._clock.now_ns + for_ns, partial(self._release, rule, axis))
 
-        self._at(self._clock.now_ns + for_ns, release)
+    def _let_go(self, number: int) -> None:
+        """End the feedholds of a rule that last until the moment that has come."""
+        rule = self._rules[number]
+        axis = rule.action.axis if isinstance(rule.action, AxisFeedhold) else None
+        for _ in range(self._held_by.pop(number, 0)):
+            self._release(rule, axis)
+
+    def _release(self, rule: Rule, axis: str | None) -> None:
+        self._holds[axis] -= 1
+        if not self._holds[axis]:
+            self._plc.note(f"{_feedhold(axis)} off", rule.column)
 
     def _write(self, write: ObjectWrite, rule: Rule, is_awaited: bool) -> None:
         target, words = write.object, f"{write.axis}.{write.object.name} = {write.value}"
@@ -201,3 +257,13 @@ class PlcSide:
             self._unacknowledged -= 1
             if not self._unacknowledged:
                 self._plc.acknowledge()
+
+
+def _feedhold(axis: str | None) -> str:
+    return "feedhold" if axis is None else f"feedhold of {axis}"
+
+
+def _command(rule: Rule) -> str:
+    """Return a command as it is written, without its moment."""
+    words = [word for word in rule.text.split() if not word.startswith(("at=", "nth="))]
+    return f"{' '.join(words)} from the PLC"

@@ -207,7 +207,7 @@ def _action(
         return Feedhold(duration(keys))
     target = None if name.startswith(VARIABLE) else _target_of(name, axes)
     if target is not None and not isinstance(target[1], DriveObject):
-        return read_action(*target, item.column, values, keys)
+        return read_action(target[0], target[1], item.column, values, keys)
     if len(values) != 1:
         raise UserError(
             "one value and its keys", value=" ".join(values) or item.value, allowed="100 at=M50"

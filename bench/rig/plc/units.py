@@ -1,0 +1,88 @@
+"""The control units of distance control as the PLC side of a run uses them.
+
+A command waits until the unit has taken the one before (its semaphore). Set values are handed over
+in every cycle in which they change. Source: HLI, MC_CONTROL_DISTANCE_CONTROL (TF5200 distance
+control 290209035).
+"""
+
+from collections import defaultdict, deque
+from collections.abc import Callable
+
+from bench.rig.plc.axis_words import SetCourse, UnitWrite
+from kernel.channel import Channel
+from kernel.channel.distance.unit import UnitCommand
+from kernel.clock import Clock, TimeNs
+
+At = Callable[[TimeNs, Callable[[], None]], None]
+
+
+class PlcUnits:
+    """Commands the distance controls of a channel.
+
+    at: lets something be done in the first turn at or after an instant.
+    """
+
+    def __init__(self, channel: Channel, clock: Clock, period_ns: TimeNs, at: At) -> None:
+        self._channel, self._clock, self._period_ns, self._at = channel, clock, period_ns, at
+        self._commands: defaultdict[str, deque[UnitWrite]] = defaultdict(deque)
+        self._values: defaultdict[str, dict[str, float]] = defaultdict(dict)
+        self._courses: dict[tuple[str, str], int] = {}
+
+    def command(self, write: UnitWrite) -> None:
+        """Command as soon as the unit takes it."""
+        self._commands[write.axis].append(write)
+
+    def follow(self, course: SetCourse, done: Callable[[], None]) -> None:
+        """Lead a set value along its course, from where it is; a later course ends this one.
+
+        Without a value yet it is there at once. done: called when it has arrived.
+        """
+        key = (course.axis, course.value)
+        number = self._courses[key] = self._courses.get(key, 0) + 1
+        begin_ns, begin_mm = self._clock.now_ns, self._present(*key)
+
+        def go_on() -> None:
+            if self._courses[key] != number:
+                done()
+                return
+            passed_ns = self._clock.now_ns - begin_ns
+            is_there = begin_mm is None or passed_ns >= course.over_ns
+            if begin_mm is None or is_there:
+                value_mm = course.to_mm
+            else:
+                value_mm = begin_mm + (course.to_mm - begin_mm) * passed_ns / course.over_ns
+            self._values[course.axis][course.value] = value_mm
+            if is_there:
+                done()
+            else:
+                self._at(self._clock.now_ns + self._period_ns, go_on)
+
+        go_on()
+
+    def _present(self, axis: str, value: str) -> float | None:
+        waiting = self._values[axis].get(value)
+        found = self._channel.distance.axes.get(axis)
+        if waiting is not None or found is None:
+            return waiting
+        present: float | None = getattr(found.control, value)
+        return present
+
+    def hand_over(self) -> None:
+        """Hand over what waits; at the end of every turn."""
+        for axis in {*self._commands, *self._values}:
+            unit = self._channel.plc.axis[axis].distance
+            commands, values = self._commands[axis], self._values[axis]
+            if unit.command_semaphor_rw or not (commands or values):
+                continue
+            wanted = UnitCommand(
+                None, values.pop("set_pos_mm", None), values.pop("set_dist_mm", None)
+            )
+            if commands:
+                write = commands.popleft()
+                wanted.transition = write.transition
+                if write.set_pos_mm is not None:
+                    wanted.set_pos_mm = write.set_pos_mm
+                if write.set_dist_mm is not None:
+                    wanted.set_dist_mm = write.set_dist_mm
+            unit.command_w = wanted
+            unit.enable_w = unit.command_semaphor_rw = True

@@ -1,0 +1,87 @@
+"""Columns of the PLC side that act on one axis."""
+
+import pytest
+
+from bench.plan.assignment import parse_column
+from bench.rig.plc.axis_words import (
+    AxisFeedhold,
+    AxisOverride,
+    ObjectChange,
+    SetCourse,
+    UnitWrite,
+    axis_columns,
+)
+from bench.rig.plc.words import Feedhold, Moment, Rule, read_rules
+from kernel.clock import MS
+from kernel.distance import DistanceCommand
+from kernel.errors import UserError
+
+
+def rules(column: str, cell: str) -> list[Rule]:
+    _, found = read_rules(parse_column(f"plc:{column}", cell), ["X", "Z"])
+    return found
+
+
+def test_every_column_of_the_table_is_read_as_its_example_is_written() -> None:
+    names = {name: name.replace("<name>", "DIST_CTRL::kp") for name in axis_columns()}
+    for name, row in axis_columns().items():
+        found = rules(f"Z.{names[name]}", row.cell)
+        assert len(found) == row.cell.count(";") + 1
+
+
+def test_commands_of_distance_control_have_their_set_values() -> None:
+    on, off = rules("Z.dist_ctrl", "ON set_pos=30 at=200ms; OFF at=M51 nth=2")
+    assert on.action == UnitWrite("Z", DistanceCommand.ON, set_pos_mm=30.0)
+    assert on.moment == Moment("start", None, 200 * MS)
+    assert off.action == UnitWrite("Z", DistanceCommand.OFF)
+    assert (off.moment, off.nth) == (Moment("M51"), 2)
+
+
+def test_a_set_value_moves_over_a_time_or_is_there_at_once() -> None:
+    first, second = rules("X.set_dist", "1; 2.5 at=400ms over=200ms")
+    assert first.action == SetCourse("X", "set_dist_mm", 1.0)
+    assert second.action == SetCourse("X", "set_dist_mm", 2.5, 200 * MS)
+
+
+def test_a_feedhold_lasts_for_a_time_or_until_a_moment() -> None:
+    (path,) = rules("feedhold", "at=M50 until=M51+5ms")
+    assert (path.action, path.until) == (Feedhold(None), Moment("M51", None, 5 * MS))
+    first, second = rules("Z.feedhold", "at=1ms for=2ms; at=4ms until=9ms")
+    assert (first.action, first.until) == (AxisFeedhold("Z", 2 * MS), None)
+    assert second.action == AxisFeedhold("Z", None)
+    assert second.until == Moment("start", None, 9 * MS)
+
+
+def test_override_and_object() -> None:
+    assert [r.action for r in rules("Z.override", "0 at=1ms; 100 at=2ms")] == [
+        AxisOverride("Z", 0),
+        AxisOverride("Z", 1000),
+    ]
+    (change,) = rules("Z.object.DIST_CTRL::kp", "0.3 at=4ms")
+    assert change.action == ObjectChange("Z", "DIST_CTRL::kp", 0.3)
+
+
+@pytest.mark.parametrize(
+    ("column", "cell", "says"),
+    [
+        ("Z.dist_ctrl", "ONN", "no such command"),
+        ("Z.dist_ctrl", "at=M50", "one value and its keys"),
+        ("Z.dist_ctrl", "ON set_pos=high", "set_pos"),
+        ("Z.dist_ctrl", "ON over=2ms", "no such key"),
+        ("Z.set_dist", "1 over=2", "over: how long it lasts"),
+        ("Z.override", "50", "only standing still or the feed as it is"),
+        ("Z.feedhold", "1 at=2ms", "a feedhold has no value"),
+        ("Z.feedhold", "at=2ms", "for: how long it lasts"),
+        ("Z.feedhold", "at=2ms for=1ms until=M50", "`for` or `until`"),
+        ("Z.feedhold", "at=2ms until=M5O", "until: no moment of a run"),
+        ("Z.object.DIST_CTRL::kq", "0.3", "no CNC object"),
+        ("Z.object.DIST_CTRL::m_actual_offset", "1", "can only be read"),
+        ("Z.object.DIST_CTRL::kp", "3", "kp"),
+        ("Y.dist_ctrl", "ON", "no such axis"),
+        ("Z.distctrl", "ON", "no such object"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_words(column: str, cell: str, says: str) -> None:
+    with pytest.raises(UserError) as caught:
+        rules(column, cell)
+    assert says in str(caught.value)
