@@ -18,11 +18,11 @@ protected
   Units.Time swung "For how long it has been swaying";
 equation
   first = if time >= max(lift_begin, lift_end) then 1
-    elseif time > lift_begin then (time - lift_begin)/max(shortest, lift_end - lift_begin) else 0;
+    elseif time >= lift_begin then (time - lift_begin)/max(shortest, lift_end - lift_begin) else 0;
   second = if time >= max(lift_2_begin, lift_2_end) then 1
-    elseif time > lift_2_begin then (time - lift_2_begin)/max(shortest, lift_2_end - lift_2_begin)
+    elseif time >= lift_2_begin then (time - lift_2_begin)/max(shortest, lift_2_end - lift_2_begin)
     else 0;
-  swung = if time > sway_begin then time - sway_begin else 0;
+  swung = if time >= sway_begin then time - sway_begin else 0;
   height = lift*first + lift_2*second + sway*sin(2*pi*sway_frequency*swung);
   annotation(
     Documentation(info="<html>
