@@ -124,16 +124,19 @@ def test_limits_are_those_of_the_list(row: dict[str, str]) -> None:
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["case"])
 def test_the_program_sees_where_the_axis_is(row: dict[str, str]) -> None:
     part = part_of(row)
-    found = {"check:msg:N170": offset(row, min(part, _ON_AGAIN)), "check:msg:N210": 0.0}
+    found = {
+        "check:msg:N170": offset(row, min(part, _ON_AGAIN)),
+        "check:msg:N210": 0.0,
+        "check:msg:N50": 0.0 if part == _OFF else offset(row, part),
+    }
     for column, place in found.items():
         if not row[column]:
             continue
         middle, half = band(row[column])
         assert middle == SET_POS + place
-        needed = ENCODER if place == 0.0 and part == _OFF else 0.0
         if is_noisy(row):
             spread = math.hypot(ENCODER, noise_of_offset(), SENSOR_AT_1_MM * GAP**2)
-            needed = DEVIATIONS * (ENCODER if column.endswith("210") else spread)
+            needed = DEVIATIONS * (spread if place or part != _OFF else ENCODER)
             assert needed <= half <= 1.6 * needed
         else:
             assert half == INCREMENTS
@@ -153,3 +156,17 @@ def test_dead_cycles_are_one_and_without_optimized_scheduling_two() -> None:
 def test_a_control_that_is_on_at_the_end_is_told(row: dict[str, str]) -> None:
     assert row["check:alarms"] == ("none" if part_of(row) == _OFF else "70332")
     assert bool(row["check:freeze_drift_um"]) == (part_of(row) >= 3)
+
+
+COMMANDS = ("ON", "FREEZE", "ON", "OFF")
+STATES = ("ACTIVE", "ACTIVE", "FREEZE", "ACTIVE", "INACTIVE")
+
+
+@pytest.mark.parametrize("row", [row for row in ROWS if row["plc:Z.dist_ctrl"]])
+def test_the_plc_commands_what_a_part_needs(row: dict[str, str]) -> None:
+    """Numbers of FCT-M3 10: set position 40 mm, 1 = ON, 2 = FREEZE, 0 = OFF."""
+    cells = [cell.split() for cell in row["plc:Z.dist_ctrl"].split(";")]
+    part = part_of(row)
+    assert tuple(cell[0] for cell in cells) == COMMANDS[: max(part - 1, 1)]
+    assert cells[0][1] == f"set_pos={SET_POS:g}"
+    assert row["check:distance_state_end"] == STATES[part - 1]

@@ -145,3 +145,14 @@ def test_changes_of_parameters_and_no_move(tmp_path: Path) -> None:
     assert [error["expected_mm"] for error in control["errors"]] == [0.0, 0.0]
     for error in control["errors"]:
         assert error["measured_mm"] == pytest.approx(0.0, abs=2e-5)
+
+
+def test_the_plc_is_told_once(tmp_path: Path) -> None:
+    """Its commands stand in the parts of the control, and as its own marks."""
+    control, text = run(CHAPTER_10, tmp_path / "out", "-k", "plc-exact-off")
+    on = [part for part in control["stretches"] if part["state"] not in ("INACTIVE",)]
+    assert {part["by"] for part in on} == {"PLC"}
+    assert "ON by the PLC, SET_POS 40 mm: offset 0 mm to 1.5 mm" in text
+    assert "OFF by the PLC: -0.5 mm run out" in text
+    assert "Z.dist_ctrl = FREEZE from the PLC" in text
+    assert "by PLC " not in text

@@ -29,7 +29,7 @@ from bench.run.distance.truth import (
     Flags,
     NoClosedFormError,
 )
-from kernel.distance import DistanceSettings, DistanceState
+from kernel.distance import DistanceSettings, DistanceState, Source
 
 ON = (DistanceState.ACTIVE, DistanceState.ACTIVE_CONST_DIST)
 _FORMULAS = {
@@ -68,7 +68,7 @@ def told(truth: DistanceTruth, changes: Sequence[Change]) -> dict[str, Any]:
 
 
 def distance_events(axis: str, changes: Sequence[Change]) -> list[Event]:
-    """Return what was commanded, as marks of the report."""
+    """Return what the program commanded, as marks of the report; the PLC side has its own."""
     marks = []
     before, was_dry = DistanceState.INACTIVE, False
     for change in changes:
@@ -76,7 +76,7 @@ def distance_events(axis: str, changes: Sequence[Change]) -> list[Event]:
         by_itself = change.state is DistanceState.ERROR or (
             change.state is DistanceState.INACTIVE and before is DistanceState.TURNING_OFF
         )
-        if not is_same and not by_itself:
+        if not is_same and not by_itself and change.source is Source.NC:
             word = f"{_WORDS[change.state]}{' (dry run)' if change.is_dry_run else ''}"
             label = f"{axis}: {word} by {change.source.name}"
             marks.append(Event(change.time_ns, "mark", label, axis))
