@@ -114,7 +114,8 @@ def _part(
     if name == "FREEZE":
         return f"FREEZE by {by}: {_frozen(control, stretch, trace, offset)}"
     took = (stretch["end_ns"] - stretch["begin_ns"]) / _NS_PER_MS
-    rest = f"{_mm(offset[0])} run" if len(offset) else "the offset runs"
+    from_mm = _before(trace, f"{control['axis']}.offset_mm", stretch)
+    rest = "the offset runs" if from_mm is None else f"{_mm(from_mm)} run"
     return f"OFF by {by}: {rest} out, {took:.0f} ms"
 
 
@@ -218,6 +219,15 @@ def _inside(trace: pa.Table | None, name: str, stretch: Control) -> Signal:
     inside = values[(times >= stretch["begin_ns"]) & (times < stretch["end_ns"])]
     known: Signal = inside[np.isfinite(inside)]
     return known
+
+
+def _before(trace: pa.Table | None, name: str, stretch: Control) -> float | None:
+    """A signal in the cycle before a stretch: what the PLC commands acts in its first cycle."""
+    values = None if trace is None else column(trace, name)
+    if trace is None or values is None:
+        return None
+    earlier = values[trace.column("time_ns").to_numpy() < stretch["begin_ns"]]
+    return float(earlier[-1]) if len(earlier) else None
 
 
 def _mm(value: float) -> str:

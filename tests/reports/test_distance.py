@@ -85,7 +85,7 @@ def test_each_part_says_who_and_what() -> None:
         " the sensor goes from -2 mm to -1.5 mm"
     )
     assert "to 0.5 mm" in told["1300.0 ms"]
-    assert told["1600.0 ms"] == "OFF by the PLC: 0.49 mm run out, 90 ms"
+    assert told["1600.0 ms"] == "OFF by the PLC: 0.5 mm run out, 90 ms"
     assert "1690.0 ms" not in told  # INACTIVE by itself
 
 
