@@ -203,7 +203,7 @@ def _notes(truth: DistanceTruth) -> list[str]:
     if truth.zero_mm:
         by = "REF" if truth.axis in truth.machine.referenced else "ref_offset"
         notes.append(f"The sensor value is 0 at a gap of {truth.zero_mm:.6g} mm ({by}).")
-    if truth.listed.sign != truth.right_sign:
+    if not truth.counts_right:
         notes.append(
             "The sensor counts the wrong way round for its P-AXIS-00230: the offset feeds back with"
             " the wrong sign."

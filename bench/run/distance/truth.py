@@ -16,8 +16,10 @@ from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from bench.oracles.distance.model import first_order_drive
 from bench.oracles.distance.smoothing import Smoothing, none, of_control
 from bench.rig.machine import Machine
+from bench.rig.plc.sensors import PlcSensorTable
 from bench.rig.telegram_log import SECOND, TARGET
 from bench.run.fixed_stop.truth import PlantValues
+from kernel.channel.distance.sensor import VariableSensor
 from kernel.clock import S
 
 
@@ -123,11 +125,20 @@ class DistanceTruth:
         return None if plant is None else PlantValues(plant)
 
     @cached_property
+    def variable(self) -> PlcSensorTable | None:
+        """The entry of `[plc]` that the program has chosen as its sensor; None: 60E4."""
+        sensor = self.machine.channel.distance.axes[self.axis].sensor
+        if not isinstance(sensor, VariableSensor):
+            return None
+        return self.machine.settings.rig.plc.get(f"V.E.{sensor.name}")
+
+    @cached_property
     def sensor_age_cycles(self) -> int:
-        """Cycles by which 60E4 is older than 6064, by the key of the drive."""
+        """Cycles by which the sensor value is older than 6064, by the rig."""
+        if self.variable is not None:
+            return self.variable.delay_cycles
         rig = self.machine.settings.rig
-        drive = rig.drive[rig.axis[self.axis].drive]
-        return int(getattr(drive, "second_delay_cycles", 0))
+        return int(rig.drive[rig.axis[self.axis].drive].second_delay_cycles)
 
     @cached_property
     def dead(self) -> DeadCycles:
@@ -141,6 +152,8 @@ class DistanceTruth:
     @cached_property
     def every(self) -> int:
         """60E4 comes with every so many SYNCs; 1 where it is sent when it changes."""
+        if self.variable is not None:
+            return 1
         telegrams = self.machine.links[self.axis].telegrams.values()
         types = [t.transmission for t in telegrams if any(o.field == SECOND for o in t.objects)]
         return types[0] if types and types[0] <= 240 else 1
@@ -173,7 +186,7 @@ class DistanceTruth:
 
     def loop(self, mode: str) -> Loop:
         """Return the loop in a mode, by lists and plant; needs 60E4 with every SYNC."""
-        listed, control = self.listed, self.listed.control
+        control = self.listed.control
         lag_s = self.drive_lag_s
         return Loop(
             mode,
@@ -184,13 +197,16 @@ class DistanceTruth:
             integral=self.period_s / control.tn_s if control.tn_s else 0.0,
             derivative=control.tv_s / self.period_s,
             drive=first_order_drive(lag_s, self.period_ns) if lag_s else none(),
-            sign=1 if listed.sign == self.right_sign else -1,
+            sign=1 if self.counts_right else -1,
         )
 
     @cached_property
-    def right_sign(self) -> int:
-        """Sign of P-AXIS-00230 that the sensor needs: -1 for one that tells the gap."""
-        return -1
+    def counts_right(self) -> bool:
+        """Whether the sensor value falls when the tool lifts.
+
+        60E4 tells the gap, so P-AXIS-00230 has to invert it; on a variable that does not act.
+        """
+        return self.listed.sign == -1 if self.variable is None else self.variable.sign == -1
 
     @cached_property
     def drive_lag_s(self) -> float:

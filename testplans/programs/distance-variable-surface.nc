@@ -1,0 +1,7 @@
+%distance_variable_surface
+; Follows a surface by a sensor that the PLC shows in V.E.SENSOR.
+N005 Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]
+N010 Z[DIST_CTRL ON SET_POS=V.E.POS]
+N020 G04 V.E.TIME
+N030 Z[DIST_CTRL OFF NO_MOVE]
+N040 M30
