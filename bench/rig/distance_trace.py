@@ -19,8 +19,8 @@ VALUE_COLUMNS = (
     "set_pos_mm",
     "set_dist_mm",
 )
-STATE_COLUMN = "distance_state"
-DISTANCE_CONTROL_COLUMNS = (*VALUE_COLUMNS[:1], STATE_COLUMN, *VALUE_COLUMNS[1:])
+STATE_COLUMN, HELD_COLUMN = "distance_state", "distance_held"
+DISTANCE_CONTROL_COLUMNS = (*VALUE_COLUMNS[:1], STATE_COLUMN, HELD_COLUMN, *VALUE_COLUMNS[1:])
 
 
 def _number(value: float | None) -> float:
@@ -30,13 +30,15 @@ def _number(value: float | None) -> float:
 class DistanceTrace:
     """Collects DISTANCE_CONTROL_COLUMNS of every axis that has distance control.
 
-    All in mm but the state (`DistanceState`); what was not known yet, and a set value that is not
+    All in mm but the state (`DistanceState`) and whether feedhold or override of the axis hold the
+    offset (0, 1); what was not known yet, and a set value that is not
     given, is not a number.
     """
 
     def __init__(self) -> None:
         self._rows: dict[str, list[tuple[float, ...]]] = {}
         self._states: dict[str, list[int]] = {}
+        self._held: dict[str, list[bool]] = {}
 
     def note(self, channel: Channel) -> None:
         """Keep one cycle."""
@@ -56,6 +58,7 @@ class DistanceTrace:
                 )
             )
             self._states.setdefault(name, []).append(int(control.state))
+            self._held.setdefault(name, []).append(axis.is_held)
 
     def columns(self) -> dict[str, pa.Array]:
         """Return the columns by name, axis after axis."""
@@ -66,5 +69,6 @@ class DistanceTrace:
                 column: pa.array(values[:, place]) for place, column in enumerate(VALUE_COLUMNS)
             }
             found[STATE_COLUMN] = pa.array(self._states[name], pa.int8())
+            found[HELD_COLUMN] = pa.array([int(held) for held in self._held[name]], pa.int8())
             columns |= {f"{name}.{column}": found[column] for column in DISTANCE_CONTROL_COLUMNS}
         return columns

@@ -92,6 +92,11 @@ class Law:
         self.filtered_mm = self._filter.step(-sensor_mm - lag)
         self.error_mm = set_mm - self.filtered_mm
 
+    def hold(self, sensor_mm: float, actual_mm: float, sent_mm: float, set_mm: float) -> None:
+        """Take what a cycle reads while feedhold or override of the axis hold the offset."""
+        self.listen(sensor_mm, actual_mm, sent_mm, set_mm)
+        self._before_mm, self.step_mm, self.asked_mm = self.error_mm, 0.0, self.offset_mm
+
     def stand(self) -> None:
         """Begin to follow again: nothing in the sum, no error before, speed 0."""
         self._sum_mm, self._before_mm, self.step_mm = 0.0, math.nan, 0.0

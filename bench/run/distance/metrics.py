@@ -331,6 +331,16 @@ def freeze_drift_um(truth: DistanceTruth) -> Observation:
 
 
 @_of_axis
+def offset_held_drift_um(truth: DistanceTruth) -> Observation:
+    """Largest change of the offset while feedhold or override of the axis hold it."""
+    held = stretches.runs_of(truth.is_held)
+    if not held:
+        raise NoClosedFormError("neither feedhold nor override of the axis held the offset")
+    drifts = [float(np.ptp(truth["offset_mm"][max(begin - 1, 0) : end])) for begin, end in held]
+    return Observation(max(drifts) * UM, note=f"held {len(drifts)} time(s)")
+
+
+@_of_axis
 def distance_state_end(truth: DistanceTruth) -> Observation:
     """State at the end of the program."""
     return Observation(STATE_WORDS[int(truth.state[-1])])

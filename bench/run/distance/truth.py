@@ -82,6 +82,12 @@ class DistanceTruth:
         return active
 
     @cached_property
+    def is_held(self) -> Flags:
+        """Rows in which feedhold or override of the axis hold the offset."""
+        held: Flags = self["distance_held"] == 1
+        return held
+
+    @cached_property
     def program_mm(self) -> Signal:
         """Interpolated position that was sent in each cycle: the set position less the offset."""
         offset = self["offset_mm"]

@@ -49,8 +49,11 @@ def walk(truth: DistanceTruth) -> Walked:
         if end < count and truth.state[end] == ERROR:
             end += 1  # the cycle of the alarm
         for row in range(begin, end):
-            offset[row] = law.walk(*_read(truth, law.mode, row))
-            asked[row] = law.asked_mm
+            turn = law.hold if truth.is_held[row] else law.walk
+            turn(*_read(truth, law.mode, row))
+            offset[row] = law.offset_mm
+            # Nothing is watched while the offset is held
+            asked[row] = np.nan if truth.is_held[row] else law.asked_mm
         last = stretch
     return Walked(offset, asked, has_before)
 
