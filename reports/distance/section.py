@@ -77,7 +77,7 @@ def _law(row: Mapping[str, Any], control: Control) -> dict[str, Any]:
     return {
         "mode": row["mode"],
         "formula": row["formula"],
-        "filter": row["filter"],
+        "filter": "none" if row["filter"] == "mean of 1" else row["filter"],
         "delay": f"{round(row['delay_cycles'], 9) + 0.0:.3g}",
         "noise": f"{row['noise_gain']:.3g}",
         "kp": f"{row['kp']:g}",

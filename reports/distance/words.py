@@ -54,8 +54,8 @@ def law_words(law: Mapping[str, Any]) -> str:
         return f"no kp keeps this loop stable ({where}): look at the sign of the sensor"
     if is_unstable(law):
         return (
-            f"kp {law['kp']:g} is beyond the limit {limit:.3g} for {where}: the loop oscillates and"
-            f" grows by a factor of {law['growth']:.3g} per cycle"
+            f"kp {law['kp']:g} is beyond the limit {limit:.3g} for {where}: the loop oscillates,"
+            f" growing by {100.0 * (law['growth'] - 1.0):.2g} % per cycle"
         )
     words = f"kp {law['kp']:g} is below the limit {limit:.3g} for {where}: stable"
     if 0.0 < law["growth"] < 1.0:
@@ -67,9 +67,11 @@ def law_words(law: Mapping[str, Any]) -> str:
 def _where(law: Mapping[str, Any]) -> str:
     """What a limit of kp holds for."""
     dead = law["dead_cycles"]
-    parts: list[str] = [f"{dead} dead cycle{'' if dead == 1 else 's'}", law["filter"]]
+    parts: list[str] = [f"{dead} dead cycle{'' if dead == 1 else 's'}"]
+    parts.append("no filter" if law["filter"] == "mean of 1" else law["filter"])
     if law["age_cycles"]:
-        parts.append(f"sensor {law['age_cycles']} cycles late")
+        late = law["age_cycles"]
+        parts.append(f"a sensor {late} cycle{'' if late == 1 else 's'} late")
     if law["drive_lag_ms"]:
         parts.append(f"drive lag {law['drive_lag_ms']:.3g} ms")
     return ", ".join(parts[:-1]) + " and " + parts[-1]

@@ -94,6 +94,8 @@ def measured(
     if sent is None:
         raise NotMeasurableError("no set position answered the sensor value")
     sent_ns = targets[sent].time_ns
+    if _first_change(targets, 0, 0) != sent:  # else the change is an answer itself
+        raise NotMeasurableError("the set position did not stand before the sensor value: no step")
     shown = _first_change(sensor, sent_ns, quiet_increments)
     if shown is None:
         raise NotMeasurableError("no sensor value showed the set position")
