@@ -34,7 +34,7 @@ def range_alarm(owner: str, sensor_mm: float, settings: DistanceSettings) -> Ala
     """Return the alarm of a sensor value outside limits less tolerance (00419 to 00421)."""
     highest_mm = settings.max_pos_mm - settings.tolerance_mm
     lowest_mm = settings.min_pos_mm + settings.tolerance_mm
-    value_mm = round(sensor_mm, 6)
+    value_mm = round(sensor_mm, 6) + 0.0  # no minus zero
     if sensor_mm > highest_mm + ROUNDING_MM:
         return settings.alarm(ABOVE, owner=owner, value_mm=value_mm, limit_mm=round(highest_mm, 6))
     if sensor_mm < lowest_mm - ROUNDING_MM:
