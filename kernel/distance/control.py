@@ -139,7 +139,6 @@ class DistanceControl:
         if self.state is DistanceState.INACTIVE:
             self._has_reading = False  # it may be of another sensor
         self._controller.restart()
-        self._limiter.rest()
 
     def _set_filter(self, settings: DistanceSettings, *, is_new: bool) -> None:
         """Put a filter in place: a new one begins with its first value, else with what it gave."""

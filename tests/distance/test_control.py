@@ -96,6 +96,19 @@ def test_control_goes_on_from_rest_within_both_limits(
     assert loop.control.state is state
 
 
+def test_on_in_the_cycle_behind_an_offset_that_has_run_out_keeps_the_acceleration(
+    make_loop: Make,
+) -> None:
+    v, a = 10.0, 200.0
+    loop = make_loop(lambda _k: 0.5, kp=0.3, v_max_mm_s=v, a_max_mm_s2=a)
+    started(loop).run(200).say(Command.OFF)
+    while loop.control.state is not State.INACTIVE:
+        loop.run(1)
+    loop.say(Command.ON).run(50)
+    changes = [after - before for before, after in itertools.pairwise(loop.steps_mm)]
+    assert max(map(abs, changes)) <= a * T * T * (1 + 1e-9)
+
+
 def test_in_freeze_nothing_is_supervised(make_loop: Make) -> None:
     loop = make_loop(lambda k: 9.0 if k == 10 else 0.0, max_pos_mm=2.0, max_change_mm_s=5.0)
     started(loop).run(5).say(Command.FREEZE).run(20)
