@@ -41,6 +41,14 @@ def faults(
 
 
 @rejecting
+def objects() -> None:
+    """List the CNC objects of distance control, which a plc: column may write."""
+    from bench.rig.cnc_objects import objects_table
+
+    print(objects_table())
+
+
+@rejecting
 def errors(
     word: Annotated[
         str | None, typer.Argument(help="An ID: all about it. Or a word: the alarms that have it.")
@@ -96,4 +104,4 @@ def doctor() -> None:
     raise typer.Exit(0 if is_well else 1)
 
 
-LISTINGS = (metrics, drives, faults, params, errors, explain, language, doctor)
+LISTINGS = (metrics, drives, faults, objects, params, errors, explain, language, doctor)
