@@ -31,6 +31,8 @@ SCALES = ("AxisRig.Sensors.SecondEncoder",)
 """Models of the library that are wired like a distance sensor and tell a position."""
 WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
 MODES = (SET_POS, CONST_DIST, BOTH)
+AT_LIMIT = 1e-6
+"""Share of a limit of kp in which a loop counts as beyond it: there it rings for ever."""
 UNITS_PER_MM = 10_000  # of P-AXIS-00423, 0.1 um
 SIGNS = (
     ("P-AXIS-00230", "the sensor tells", "SET_POS, CONST_DIST and with both encoders"),
@@ -232,14 +234,18 @@ def _unstable(settings: Settings, name: str) -> list[str]:
         for mode in (SET_POS, BOTH if listed.uses_both else CONST_DIST):
             loop, kp = loop_of(settings, name, sensor, mode), listed.control.kp
             rate = growth(loop, kp) if sensor.every == 1 else held_growth(loop, sensor.every, kp)
-            if rate > 1.0:
-                limit = _limit(loop, sensor)
+            limit = _limit(loop, sensor)
+            if rate > 1.0 or _is_beyond(kp, limit):
                 found.append(
                     f"{mode} by {sensor.words} is unstable with kp {kp:g} (P-AXIS-00759): its limit"
                     f" is {limit:.3g} with {dead_cycles(listed, sensor).dead} dead cycles and the"
                     f" filter of the list ({loop.smoothing.name}); axisrig tune distance finds a kp"
                 )
     return found
+
+
+def _is_beyond(kp: float, limit: float) -> bool:
+    return kp >= limit * (1.0 - AT_LIMIT)
 
 
 def _limit(loop: Loop, sensor: Sensor) -> float:
@@ -251,8 +257,14 @@ def describe_distance(settings: Settings, lags_s: Mapping[str, float]) -> list[s
 
     lags_s: lag of the drive of an axis, s; without it 0.
     """
-    texts = []
-    for name in released_axes(settings):
+    released = released_axes(settings)
+    texts = [
+        f"axis {name}: {axis.encoder_2} is its second encoder, and distance control is not released"
+        " (P-AXIS-00328 = 0)"
+        for name, axis in settings.rig.axis.items()
+        if axis.encoder_2 not in (None, LOAD) and name not in released
+    ]
+    for name in released:
         for sensor in sensors_of(settings, name):
             if sensor.sign == -1:
                 texts.append("\n".join(f"{i:<14}{tells:<36}{ends}" for i, tells, ends in SIGNS))
@@ -296,7 +308,7 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
     ]
     for mode in MODES:
         limit = _limit(loop_of(settings, name, sensor, mode, lag_s), sensor)
-        verdict = "stable" if control.kp < limit else "UNSTABLE"
+        verdict = "UNSTABLE" if _is_beyond(control.kp, limit) else "stable"
         bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
         lines.append(f"  {bound:<24} {mode}: {verdict} as listed")
     return lines

@@ -29,17 +29,35 @@ def limits(settings: Settings, lags_s: dict[str, float] | None = None) -> dict[s
     return {mode: float(kp) for kp, mode in re.findall(r"below kp ([\d.]+) +(.+?):", text)}
 
 
-@pytest.mark.parametrize("rig", sorted(path.stem for path in RIGS.glob("distance-*.toml")))
+RUNS_AWAY = "distance-z-variable-gap"  # for the cases of the sign table
+SHIPPED = {path.stem for path in RIGS.glob("distance-*.toml")} - {RUNS_AWAY}
+
+
+def test_the_rig_that_runs_away_is_warned_of() -> None:
+    (warning,) = distance_warnings(read_settings(*read_rig(RIGS / f"{RUNS_AWAY}.toml"), []))
+    assert "gap in V.E.SENSOR counts with the motor" in warning
+
+
+@pytest.mark.parametrize("rig", sorted(SHIPPED))
 def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
     assert distance_warnings(settings) == []
     assert "distance control of axis Z: gap on 60E4:1" in check_file(RIGS / f"{rig}.toml")
 
 
-def test_nothing_is_said_where_distance_control_is_not_released(tmp_path: Path) -> None:
+def test_a_sensor_without_released_distance_control_is_told_and_no_warning(tmp_path: Path) -> None:
     settings = settings_of(tmp_path, "", "set:Z.lr_param.distance_control_on=0")
     assert distance_warnings(settings) == []
-    assert describe_distance(settings, {}) == []
+    assert describe_distance(settings, {}) == [
+        "axis Z: gap is its second encoder, and distance control is not released (P-AXIS-00328 = 0)"
+    ]
+
+
+def test_a_gain_at_its_limit_is_beyond_it(tmp_path: Path) -> None:
+    """kp 2 has a pole at -1 in surface mode: it rings for ever (physics: 1 - kp)."""
+    settings = settings_of(tmp_path, "", "set:Z.kenngr.distc.kp=2")
+    assert any(text.startswith("axis Z: SET_POS") for text in distance_warnings(settings))
+    assert "SET_POS: UNSTABLE as listed" in describe_distance(settings, {})[0]
 
 
 TURNED = '[plant.gap.map]\ndistance = { variable = "distance", sign = -1 }'
