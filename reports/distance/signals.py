@@ -19,7 +19,7 @@ _MARGIN, _LEAST_NS = 0.06, 5_000_000
 _OF_SURFACE = ("set_pos_mm", "surface_cnc_mm", "filtered_surface_mm", "surface_truth_mm")
 _OF_DISTANCE = ("set_dist_mm", "distance_cnc_mm", "filtered_distance_mm", "gap_true_mm")
 _OF_SENSOR = ("sensor_mm",)
-_REPLACED = ("filtered_mm",)
+_REPLACED = ("filtered_mm", "distance_held")
 
 
 def controls_of(info: Mapping[str, Any]) -> list[Control]:
@@ -44,7 +44,7 @@ def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
     """Put what belongs together into one unit: filtered surface and distance, the true surface.
 
     `filtered_mm` is a deviation from SET_POS in surface mode and a distance in the other one; true
-    surface and gap come from the plant. What no mode of an axis needs is left out, and a sensor
+    surface and gap come from the plant; what holds an offset has its marks. What no mode of an axis needs is left out, and a sensor
     stands with its axis.
     """
     for control in controls:

@@ -9,6 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 from bench.cli import app
+from reports.signals import chart, signals
 from tests.reports.test_report import Page
 
 PLANS = Path(__file__).parents[2] / "testplans"
@@ -58,6 +59,16 @@ def test_the_parts_of_chapter_10_are_told(chapter_10: tuple[dict[str, Any], str,
     assert "the offset stands at 1.5 mm, bit for bit; the sensor goes from 0 mm to -2 mm" in text
     assert "The sensor value is 0 at a gap of 2 mm (REF)." in text
     assert "OFF by the program: -0.5 mm run out" in text
+
+
+def test_every_signal_of_it_has_its_place_in_a_plot(
+    chapter_10: tuple[dict[str, Any], str, Path],
+) -> None:
+    _, _, out = chapter_10
+    (trace,), (info,) = (out / "traces").glob("*.parquet"), (out / "runs").glob("*.json")
+    drawn, _ = chart(pq.read_table(trace), json.loads(info.read_text(encoding="utf-8")))
+    names = [column["name"].partition(".")[2] for column in drawn["columns"]]
+    assert [name for name in names if name and name not in signals()] == []
 
 
 def test_what_is_told_is_what_the_trace_shows(
