@@ -44,8 +44,8 @@ def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
     """Put what belongs together into one unit: filtered surface and distance, the true surface.
 
     `filtered_mm` is a deviation from SET_POS in surface mode and a distance in the other one; true
-    surface and gap come from the plant; what holds an offset has its marks. What no mode of an axis needs is left out, and a sensor
-    stands with its axis.
+    surface and gap come from the plant; what holds an offset has its marks. What no mode of an
+    axis needs is left out, and a sensor stands with its axis.
     """
     for control in controls:
         added = _added(trace, control)
