@@ -308,9 +308,11 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
     ]
     for mode in MODES:
         limit = _limit(loop_of(settings, name, sensor, mode, lag_s), sensor)
-        verdict = "UNSTABLE" if _is_beyond(control.kp, limit) else "stable"
         bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
-        lines.append(f"  {bound:<24} {mode}: {verdict} as listed")
+        verdict = "UNSTABLE as listed" if _is_beyond(control.kp, limit) else "stable as listed"
+        if plant.fmu != WITHOUT_LAG and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
+            verdict, bound = "as listed not known", f"at best below kp {limit:.4g}"
+        lines.append(f"  {bound:<24} {mode}: {verdict}")
     return lines
 
 

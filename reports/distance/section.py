@@ -87,7 +87,7 @@ def _law(row: Mapping[str, Any], control: Control) -> dict[str, Any]:
         "measured": "–" if measured is None else measured,
         "dead_off": measured is not None and measured != control["dead"]["predicted"],
         "dead_note": control["dead"]["note"],
-        "limit": "none" if limit is None else f"{limit:.3f}",
+        "limit": _limit_of_kp(row),
         "margin": _margin(row),
         "bar": Markup(
             ""
@@ -104,6 +104,12 @@ def _law(row: Mapping[str, Any], control: Control) -> dict[str, Any]:
         "unstable": unstable,
         "words": law_words(row),
     }
+
+
+def _limit_of_kp(row: Mapping[str, Any]) -> str:
+    if row.get("kp_limit_unknown"):
+        return "not known"
+    return "none" if row["kp_limit"] is None else f"{row['kp_limit']:.3f}"
 
 
 def _margin(row: Mapping[str, Any]) -> str:

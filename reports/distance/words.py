@@ -47,6 +47,9 @@ def is_unstable(law: Mapping[str, Any]) -> bool:
 def law_words(law: Mapping[str, Any]) -> str:
     """Say what theory says of a loop: "kp 1 is beyond the limit 0.62 for 1 dead cycle ..."."""
     limit = law["kp_limit"]
+    if law.get("kp_limit_unknown"):
+        reason = law["kp_limit_unknown"]
+        return f"the limit of kp is not known, {reason}: axisrig tune distance measures the loop"
     if limit is None:
         return f"kp {law['kp']:g} has no limit of stability"
     where = _where(law)

@@ -125,6 +125,27 @@ def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
     assert "the error swings by ±" in text or "ended by ID" in text
 
 
+@pytest.mark.parametrize(
+    ("rig", "reason"),
+    [
+        ("distance-z-servo", "the loops of the drive are part of it"),
+        ("distance-z-every-second", "60E4 does not come with every SYNC"),
+    ],
+)
+def test_a_loop_whose_poles_nobody_knows_is_told_as_such(
+    tmp_path: Path, rig: str, reason: str
+) -> None:
+    (tmp_path / "loop.nc").write_text(LOOP, encoding="utf-8")
+    plan = tmp_path / "plan.csv"
+    head = "case,program,rig,check:distance_kp_limit"
+    plan.write_text(f"{head}\na,loop.nc,{PLANS}/rigs/{rig}.toml,> 0\n", encoding="utf-8")
+    out = tmp_path / "out"
+    told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
+    assert told.exit_code == 1  # a metric without a number does not pass
+    text = " ".join(Page((out / "report.html").read_text(encoding="utf-8")).text)
+    assert f"the limit of kp is not known, {reason}" in " ".join(text.split())
+
+
 CHANGES = """%changes
 N010 Z[DIST_CTRL DRYRUN CONST_DIST SET_DIST=1.5]
 N020 #TIME 0.1

@@ -183,6 +183,8 @@ def test_a_lag_of_the_drive_lowers_the_limit(tmp_path: Path) -> None:
     assert limits(settings, {"Z": 0.025})["CONST_DIST"] < 0.3 < limits(settings)["CONST_DIST"]
     text = check_file(RIGS / "distance-z-servo.toml", ["plant:z.feed_forward=0"])
     assert "lags by 25 ms" in text
+    assert "CONST_DIST: as listed not known" in text
+    assert "SET_POS: stable as listed" in text
 
 
 def test_a_value_with_every_second_sync(tmp_path: Path) -> None:

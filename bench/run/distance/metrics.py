@@ -90,10 +90,19 @@ def distance_dead_time_ms(truth: DistanceTruth) -> Observation:
 # Stability
 
 
+def _known_loop(truth: DistanceTruth) -> Loop:
+    """Return the loop of the last stretch; raises NoClosedFormError where its poles are unknown."""
+    mode = stretches.last_active(truth).mode
+    reason = truth.unknown_poles(mode)
+    if reason:
+        raise NoClosedFormError(f"{mode}: {reason}; axisrig tune distance measures the loop")
+    return truth.loop(mode)
+
+
 @_of_axis
 def distance_kp_limit(truth: DistanceTruth) -> Observation:
     """Largest kp with which the loop is stable, from its poles."""
-    loop = _loop(truth, stretches.last_active(truth).mode)
+    loop = _known_loop(truth)
     limit = kp_limit(loop)
     note = f"{loop.mode}, {truth.dead.dead} dead cycles, {loop.smoothing.name}"
     return Observation(min(limit, KP_MAX), note=note)
@@ -109,7 +118,7 @@ def distance_growth(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_growth_expected(truth: DistanceTruth) -> Observation:
     """Magnitude of the largest pole of the loop."""
-    loop = _loop(truth, stretches.last_active(truth).mode)
+    loop = _known_loop(truth)
     return Observation(growth(loop, truth.listed.control.kp), note=loop.smoothing.name)
 
 

@@ -160,7 +160,8 @@ def control_of(settings: DistanceSettings) -> Control:
 def _law(truth: DistanceTruth, mode: str, settings: DistanceSettings) -> dict[str, Any]:
     control = control_of(settings)
     loop = _loop(truth, mode, control)
-    limit = kp_limit(loop) if truth.every == 1 else math.inf
+    unknown = truth.unknown_poles(mode)
+    limit = math.inf if unknown else kp_limit(loop)
     is_plain = not control.tn_s and not control.tv_s
     return {
         "mode": mode,
@@ -175,6 +176,7 @@ def _law(truth: DistanceTruth, mode: str, settings: DistanceSettings) -> dict[st
         "age_cycles": loop.skew_cycles,
         "drive_lag_ms": truth.drive_lag_s * 1e3,
         "kp_limit": None if math.isinf(limit) else limit,
+        "kp_limit_unknown": unknown,
         "growth": growth(loop, control.kp),
     }
 

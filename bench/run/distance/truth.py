@@ -206,6 +206,17 @@ class DistanceTruth:
             sign=1 if self.counts_right else -1,
         )
 
+    def unknown_poles(self, mode: str) -> str:
+        """Say why no closed form knows the poles of the loop in a mode; empty where one does.
+
+        A drive with loops of its own is more than its lag, where the loop goes through it.
+        """
+        if self.every > 1:
+            return "60E4 does not come with every SYNC"
+        has_loops = self.values is not None and bool(self.values.get("kv"))
+        is_in_loop = mode == CONST_DIST or self.sensor_age_cycles > 0
+        return "the loops of the drive are part of it" if has_loops and is_in_loop else ""
+
     @cached_property
     def counts_right(self) -> bool:
         """Whether the sensor value falls when the tool lifts.
