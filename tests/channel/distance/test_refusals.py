@@ -148,18 +148,22 @@ def test_no_second_encoder(distance_bench: Make, say: Any, asks: bool) -> None:
 # Measurement runs
 
 
+def _run_of(words: Any, *, beside: bool) -> canon.Command:
+    """A run of Z on the path, or of the axis by itself."""
+    if beside:
+        block = canon.Block(3, 30, "N30")
+        return canon.IndependentMove(block, "Z", 4.0, feed_mm_min=600.0, measuring_type=1)
+    run: canon.Command = words.probe(3, 600.0, Z=4.0)
+    return run
+
+
 @pytest.mark.provokes(310000, 7, axis="Z", master="Z")
 @pytest.mark.parametrize("beside", [False, True])
 def test_no_run_begins_on_an_axis_whose_control_is_on(
     distance_bench: Make, say: Any, words: Any, beside: bool
 ) -> None:
     made = distance_bench(options={"plane_mm": 5.0})
-    block = canon.Block(3, 30, "N30")
-    run = (
-        canon.IndependentMove(block, "Z", 4.0, feed_mm_min=600.0, measuring_type=1)
-        if beside
-        else words.probe(3, 600.0, Z=4.0)
-    )
+    run = _run_of(words, beside=beside)
     made.run(say.command("on", set_pos_mm=0.0), say.dwell(20), run)
     assert made.alarm_ids == [310000]
     assert set(made.seen.interpolated_mm) == {say.start_mm}
@@ -184,12 +188,7 @@ def test_it_is_not_switched_on_while_its_axis_measures(
     distance_bench: Make, say: Any, words: Any, beside: bool
 ) -> None:
     made = distance_bench(options={"plane_mm": 5.0})
-    block = canon.Block(3, 30, "N30")
-    run = (
-        canon.IndependentMove(block, "Z", 4.0, feed_mm_min=600.0, measuring_type=1)
-        if beside
-        else words.probe(3, 600.0, Z=4.0)
-    )
+    run = _run_of(words, beside=beside)
     made.at({100: lambda: order(made, DistanceCommand.ON, set_pos_mm=0.0)})
     made.run(run, say.dwell(500))
     assert made.alarm_ids == [70521]
