@@ -16,7 +16,8 @@ from bench.bus.outside import OutsideSegment
 from bench.bus.paced import PacedScheduler
 from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
-from bench.rig.distance_log import DistanceLog
+from bench.rig.distance.log import DistanceLog
+from bench.rig.distance.telegrams import TelegramLog
 from bench.rig.injection import inject
 from bench.rig.limit_log import LimitLog
 from bench.rig.master import build_accesses, build_link, build_monitor, build_start_up
@@ -30,7 +31,6 @@ from bench.rig.plc.side import PlcSide
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
 from bench.rig.settings import Settings
-from bench.rig.telegram_log import TelegramLog
 from bench.rig.unfinished import in_words
 from kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
 from kernel.channel.drive_functions import DriveFunctions

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from bench.drive.application.servo import Servo
-from bench.rig.distance_trace import DistanceTrace
+from bench.rig.distance.trace import DistanceTrace
 from bench.rig.lag import largest_lag
 from kernel.channel import Channel
 from kernel.clock import TimeNs
@@ -75,7 +75,7 @@ class Recorder:
     `table()` gives one column `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64;
     KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU tells (no stop farther
     away than NO_STOP_M), per probe its signal, per axis with distance control
-    DISTANCE_CONTROL_COLUMNS (`bench/rig/distance_trace.py`) and per distance sensor those of
+    DISTANCE_CONTROL_COLUMNS (`bench/rig/distance/trace.py`) and per distance sensor those of
     DISTANCE_COLUMNS that it tells.
     """
 

@@ -21,7 +21,7 @@ from bench.plan.verdict import Verdict, exit_code, worst
 from bench.results.writer import CaseResult, ResultsWriter, build_manifest
 from bench.rig.check import check_rig, describe_schedules
 from bench.rig.describe import describe_axes
-from bench.rig.distance_check import describe_distance, distance_warnings, drive_lags_s
+from bench.rig.distance.check import describe_distance, distance_warnings, drive_lags_s
 from bench.rig.file import read_rig
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import as_written, read_settings

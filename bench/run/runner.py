@@ -16,7 +16,7 @@ from bench.plan.checks import judge
 from bench.plan.plan import Case
 from bench.plan.verdict import Verdict, worst
 from bench.results.writer import BESIDES, CaseResult, no_values
-from bench.rig.distance_check import distance_warnings
+from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced

@@ -8,7 +8,7 @@ from bench.bus.deadlines import in_words
 from bench.plan.assignment import parse_assignment
 from bench.results.writer import BESIDES
 from bench.rig.check import overloads
-from bench.rig.distance_check import distance_warnings
+from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from bench.oracles.distance.stability import mean_limit, surface_limit
-from bench.rig.telegram_log import Sent
+from bench.rig.distance.telegrams import Sent
 from bench.tune.advice import Advice, advise
 from bench.tune.identify import Path, identify, renewal_cycles
 from bench.tune.loop import Floats, Law, Loop, both_encoders, const_dist, set_pos, trimmed

@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from bench.plan.assignment import parse_assignment
+from bench.rig.distance.telegrams import SECOND, TARGET, Sent
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.settings import Settings, as_written, read_settings
-from bench.rig.telegram_log import SECOND, TARGET, Sent
 from bench.tune.loop import Floats, Law
 from kernel.channel import Channel
 from kernel.cosim.fmu import PlantError

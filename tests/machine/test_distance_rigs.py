@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.rig.distance_check import describe_distance
+from bench.rig.distance.check import describe_distance
 from bench.rig.file import read_rig
 from bench.rig.settings import read_settings
 

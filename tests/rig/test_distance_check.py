@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from bench.plan.assignment import parse_assignment
-from bench.rig.distance_check import describe_distance, distance_warnings
+from bench.rig.distance.check import describe_distance, distance_warnings
 from bench.rig.file import read_rig
 from bench.rig.settings import Settings, as_written, read_settings
 from bench.run.campaign import check_file

@@ -19,7 +19,7 @@ from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from bench.oracles.distance.smoothing import of_control
 from bench.oracles.distance.stability import kp_limit
 from bench.results.writer import Event
-from bench.rig.distance_log import Change
+from bench.rig.distance.log import Change
 from bench.run.distance import stretches
 from bench.run.distance.stretches import Stretch
 from bench.run.distance.truth import (

@@ -15,9 +15,9 @@ from bench.oracles.distance.lists import Listed, as_written
 from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from bench.oracles.distance.model import first_order_drive
 from bench.oracles.distance.smoothing import Smoothing, none, of_control
+from bench.rig.distance.telegrams import SECOND, TARGET
 from bench.rig.machine import Machine
 from bench.rig.plc.sensors import PlcSensorTable
-from bench.rig.telegram_log import SECOND, TARGET
 from bench.run.fixed_stop.truth import PlantValues
 from kernel.channel.distance.sensor import VariableSensor
 from kernel.clock import S
