@@ -11,13 +11,20 @@ comma := ,
 EXTRAS := dev$(if $(shell command -v cc 2>/dev/null),,$(comma)cc)
 JOBS ?= 2
 
-.PHONY: demo test lint wheelhouse clean needs
+PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
+
+.PHONY: demo test test-rest test-all lint wheelhouse clean needs
 
 demo: $(STAMP)
 	@$(BIN)/axisrig demo -j $(JOBS)
 
 test: $(STAMP) lint
-	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile tests testplans
+	@$(PYTEST) --stage quick tests testplans
+
+test-rest: $(STAMP)
+	@$(PYTEST) --stage rest tests testplans
+
+test-all: test test-rest
 
 lint: $(STAMP)
 	@$(BIN)/ruff check .

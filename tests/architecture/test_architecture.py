@@ -2,6 +2,7 @@
 
 import ast
 import csv
+import functools
 import re
 import sys
 import tempfile
@@ -363,6 +364,7 @@ def test_home_folders_are_recognised(line: str, hit: bool) -> None:
     assert (HOME.search(line) is not None) is hit
 
 
+@functools.cache
 def _texts(package: str) -> set[str]:
     """The string constants in the code of a package, docstrings excepted."""
     found: set[str] = set()

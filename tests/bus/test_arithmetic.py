@@ -100,6 +100,7 @@ def simulated(
     return ends
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("offset", [200, 400, 600, 700])
 @pytest.mark.parametrize("drives", [1, 2, 3])
 def test_no_moment_of_the_events_is_worse_than_the_arithmetic(drives: int, offset: int) -> None:

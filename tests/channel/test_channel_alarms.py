@@ -126,6 +126,7 @@ def test_the_window_may_be_reached_late(channel_bench: Make, words: Any) -> None
     assert bench.links[0].actual_mm == pytest.approx(5.0, abs=0.011)
 
 
+@pytest.mark.long
 def test_settling_time_0_is_not_watched(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z", droop_mm=0.05, window_mm=0.01, settling_ns=0))
     bench.prepare([words.move(1, 3000.0, Z=2.0), words.end()])

@@ -181,6 +181,7 @@ def test_a_simulated_probe_in_a_run_to_a_fixed_stop_is_refused(
     assert (bench.alarm_ids, bench.channel.records) == ([900100], [])
 
 
+@pytest.mark.long
 def test_the_dead_time_of_a_probe_does_not_shift_a_stop(channel_bench: Make, words: Any) -> None:
     """P-AXIS-00487 of 10 ms would lead Y back by 0.07 mm."""
     values = []

@@ -221,6 +221,7 @@ ELSEWHERE = {
 }  # fmt: skip
 
 
+@pytest.mark.long(but=1)
 @_table("name old new fragments", RIGS, named=True)
 def test_rig_is_rejected(
     place: Path, rejected: Reject, name: str, old: str, new: str, fragments: list[str]

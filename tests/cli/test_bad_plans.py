@@ -146,6 +146,7 @@ CELLS = [
 NAMES_THE_RIG = {"plant:probe.normal_z"}
 
 
+@pytest.mark.long(but=1)
 @_table("column cell fragments", [(f"{row[0]} = {row[1]}", *row) for row in CELLS])
 def test_cell_is_rejected_with_its_place(
     place: Path, rejected: Reject, column: str, cell: str, fragments: list[str]

@@ -290,6 +290,7 @@ def test_perf_of_the_axis_fmu_compares_python_with_c(axisrig: Call) -> None:
     assert "slave / (loop + call) = " in axisrig("perf", "--fmu", "--repeats", "1")[1]
 
 
+@pytest.mark.long
 def test_perf_of_the_nc_text_reads_two_programs(axisrig: Call) -> None:
     code, out, err = axisrig("perf", "--parse", "--json", "--repeats", "1")
     assert (code, err) == (0, "")

@@ -113,6 +113,7 @@ def test_nc_and_check_take_force_too(place: Path, axisrig: Call) -> None:
     assert "over" in out
 
 
+@pytest.mark.long
 def test_perf_of_the_bus_sets_it_beside_python_can_and_canopen(axisrig: Call) -> None:
     code, out, err = axisrig("perf", "--bus", "--json", "--repeats", "1")
     assert (code, err) == (0, "")

@@ -63,6 +63,7 @@ def _wait_for_rows(folder: Path, rows: int) -> None:
 posix = pytest.mark.skipif(os.name != "posix", reason="signals and pipes of POSIX")
 
 
+@pytest.mark.long
 @posix
 @pytest.mark.parametrize("words", [["nc", "many.nc", "--rig", "rig.toml"], ["check", "rig.toml"]])
 def test_reader_that_goes_away_is_no_rejection(place: Path, words: list[str]) -> None:
@@ -79,6 +80,7 @@ def test_reader_that_goes_away_is_no_rejection(place: Path, words: list[str]) ->
     assert ended.returncode not in (1, 2)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("encoding", ["latin-1", "cp1252", "ascii"])
 def test_terminal_that_lacks_the_signs(place: Path, encoding: str) -> None:
     plan = write_plan(place, "a,part.nc,rig.toml,3000,== 0,")
@@ -95,6 +97,7 @@ def test_terminal_that_lacks_the_signs(place: Path, encoding: str) -> None:
     assert (place / "out" / "report.html").is_file()
 
 
+@pytest.mark.long
 @posix
 @pytest.mark.parametrize("jobs", ["1", "2"])
 def test_ctrl_c_keeps_what_is_there_and_stops_the_rest(place: Path, jobs: str) -> None:

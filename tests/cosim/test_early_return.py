@@ -107,6 +107,7 @@ def test_both_edges_of_a_narrow_beam_are_known_to_a_nanosecond(place: Make) -> N
     assert record.latched_mm["Z"] == pytest.approx(expected_mm, abs=0.51 * INCREMENT_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("version", [2, 3], ids=["FMI2", "FMI3"], indirect=True)
 def test_without_the_offer_a_fine_step_is_the_uncertainty(place: Make) -> None:
     """The gate would return early, but nobody allows what its description does not offer."""

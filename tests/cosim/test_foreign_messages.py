@@ -54,6 +54,7 @@ a,part.nc,rig.toml,<= {limit},<= 1
 """
 
 
+@pytest.mark.long
 def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
     place: Place, capsys: pytest.CaptureFixture[str]
 ) -> None:

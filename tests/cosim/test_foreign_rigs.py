@@ -47,6 +47,7 @@ def latched_mm(machine: Machine) -> float:
     return record.latched_mm["Z"]
 
 
+@pytest.mark.long
 def test_edge_is_enclosed_where_the_state_can_be_saved(place: Place) -> None:
     """The switch closes at 100 mm; the drive latches 4 us later, at 500 mm/min."""
     machine = run(place())
@@ -58,6 +59,7 @@ def test_edge_is_enclosed_where_the_state_can_be_saved(place: Place) -> None:
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=INCREMENT_MM + held_mm)
 
 
+@pytest.mark.long
 def test_without_saved_states_a_fine_step_is_the_recorded_uncertainty(place: Place) -> None:
     machine = run(place(saves=False))
     probe = machine.plant.probes["switch"]
@@ -89,6 +91,7 @@ def held_lag_mm(hold_s: float) -> float:
     return -50.0 * hold_s / (1 - math.exp(-GAIN_PER_S * hold_s))
 
 
+@pytest.mark.long
 def test_lag_is_that_of_a_demand_held_between_drive_ticks(place: Place) -> None:
     """Without the hold it were v/gain, 1.6 um less."""
     lag_mm, speed_mm_s = steady_motion(place(FAR))
@@ -97,6 +100,7 @@ def test_lag_is_that_of_a_demand_held_between_drive_ticks(place: Place) -> None:
     assert speed_mm_s == pytest.approx(-50.0, abs=50.0 * GAIN_PER_S * TICK_S)
 
 
+@pytest.mark.long
 def test_fmu_that_takes_one_step_size_only_is_stepped_on_its_grid(
     place: Place, version: int
 ) -> None:
@@ -117,6 +121,7 @@ def test_edge_on_a_table_with_a_grid_is_enclosed_as_well(place: Place) -> None:
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=2 * INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_switch_with_a_grid_knows_its_edge_to_a_step(place: Place) -> None:
     fixed = {"canHandleVariableCommunicationStepSize": False, "stepSize": "0.001"}
     machine = run(place(switch=fixed))
@@ -125,6 +130,7 @@ def test_switch_with_a_grid_knows_its_edge_to_a_step(place: Place) -> None:
     assert latched_mm(machine) == pytest.approx(expected_mm, abs=FEED_MM_S * 1e-3 + INCREMENT_MM)
 
 
+@pytest.mark.long
 def test_encoder_on_the_screw_and_on_the_table_latch_the_same(place: Place) -> None:
     motor = (
         'position = "table.s"\n',
@@ -145,6 +151,7 @@ def test_inverted_switch_gives_the_falling_edge(place: Place) -> None:
     assert level is False
 
 
+@pytest.mark.long
 def test_same_run_gives_the_same_frames(place: Place) -> None:
     folder = place()
     first, second = run(folder), run(folder)

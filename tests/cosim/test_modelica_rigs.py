@@ -152,6 +152,7 @@ def machine(place: Path) -> Machine:
     return machine
 
 
+@pytest.mark.long
 def test_beam_is_measured_where_the_screw_is_four_microseconds_later(machine: Machine) -> None:
     """The carriage breaks the beam at 100 mm in steady motion; the encoder sits on the screw."""
     assert machine.channel.alarms == []

@@ -56,6 +56,7 @@ def curves(script: ModuleType) -> Any:
     return lambda picture, panel: Curves(script, picture, panel)
 
 
+@pytest.mark.long
 def test_the_sensor_crossed_the_obstacle(script: ModuleType) -> None:
     _, values = script.recorded()
     assert np.percentile(values, 50) - np.percentile(values, 2) == pytest.approx(2.8, abs=0.02)

@@ -59,6 +59,7 @@ def _impulse(settings: FilterSettings, length: int = 3000) -> np.ndarray:
     return _run(settings, np.eye(1, length)[0])
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("settings", "character"), CASES, ids=str)
 def test_delay_behind_a_ramp_and_noise_gain(
     settings: FilterSettings, character: oracle.Character

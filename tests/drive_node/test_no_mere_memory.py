@@ -254,6 +254,7 @@ def test_every_object_that_can_be_written_has_an_effect_or_a_reason() -> None:
     assert sorted(named) == sorted(writable)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("key", EFFECTS, ids=lambda key: f"{key[0]:04X}_{key[1]}")
 def test_a_write_changes_what_the_axis_is_told_or_what_the_drive_says(
     drive_bench: Make, key: tuple[int, int]

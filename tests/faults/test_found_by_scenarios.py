@@ -6,6 +6,8 @@ from bench.scenarios.campaign import run_scenario, run_scenarios
 from bench.scenarios.oracle import DEFECTS, Judgement
 from bench.scenarios.scenario import Scenario
 
+pytestmark = pytest.mark.long
+
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 SCENARIOS = 200
 

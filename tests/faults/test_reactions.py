@@ -25,6 +25,7 @@ MISSING_CYCLES = 3
 """`missing_cycles` of the rig, its default."""
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['kind']} {row['example']}")
 def test_the_reaction_is_the_documented_one(row: dict[str, str]) -> None:
     """The last alarm is one of the row, or none; values are right, or there is none."""

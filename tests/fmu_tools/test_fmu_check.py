@@ -79,6 +79,7 @@ def test_a_good_fmu(checked: Check, ideal_axis: Build) -> None:
     assert _warned(rows)["units"] == "without a unit: way"
 
 
+@pytest.mark.long
 def test_the_library_of_this_project_is_good(checked: Check) -> None:
     _, rows = checked(Path("TouchProbe"))
     assert _failed(rows) == {}
@@ -95,6 +96,7 @@ FLAWS = [
 ]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("flaw", "area", "text"), FLAWS)
 def test_a_flaw_is_a_fail_of_its_own(
     checked: Check, ideal_axis: Build, flaw: str, area: str, text: str
@@ -105,6 +107,7 @@ def test_a_flaw_is_a_fail_of_its_own(
     assert set(failed) == {area}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("flaw", "texts"),
     [
@@ -134,6 +137,7 @@ def test_instances_that_know_of_each_other(
         assert failed[area].startswith(text)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("flaw", "area", "text"),
     [
@@ -151,6 +155,7 @@ def test_what_the_bench_can_live_with_is_a_warning(
     assert text in _warned(rows)[area]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("crash_in", "area", "function"),
     [
@@ -334,6 +339,7 @@ def test_the_table_names_area_level_and_remedy(axisrig: Call, ideal_axis: Build)
     assert "leave canGetAndSetFMUState out" in " ".join(out.split())
 
 
+@pytest.mark.long
 def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> None:
     fmu = ideal_axis(FLAW="PRINTS")
     ended = subprocess.run(
@@ -347,6 +353,7 @@ def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> N
     assert "a step" in ended.stderr
 
 
+@pytest.mark.long
 def test_several_files_are_checked_one_after_the_other(axisrig: Call, ideal_axis: Build) -> None:
     good, bad = ideal_axis("good.fmu"), ideal_axis("bad.fmu", CRASH_IN="LOAD")
     code, out, _ = axisrig("fmu", "check", good, bad, "--json")

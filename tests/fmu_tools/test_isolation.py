@@ -78,6 +78,7 @@ def _plan(place: Path, *rigs: str) -> str:
     return "plan.csv"
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("crash_in", "function"), CRASHES.items())
 def test_a_crash_is_told_with_file_instance_and_call(
     place: Path, axisrig: Call, ideal_axis: Build, crash_in: str, function: str
@@ -96,6 +97,7 @@ def test_a_crash_is_told_with_file_instance_and_call(
         assert 4.9 < time_ms < 20
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("how", [*SIGNALS, "EXIT"])
 def test_finished_cases_stay_and_the_others_go_on(
     place: Path, axisrig: Call, ideal_axis: Build, how: str
@@ -132,6 +134,7 @@ def test_several_processes_name_the_fmu_too(place: Path, axisrig: Call, ideal_ax
     )
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("crash_in", "options"), [("STEP", ["--isolate"]), ("STEP", []), ("INITIALIZE", [])]
 )
@@ -216,6 +219,7 @@ def test_check_of_a_rig_may_be_isolated_too(place: Path, axisrig: Call, ideal_ax
     assert err.startswith("error: bad.toml: FMU bad.fmu (plant z) crashed in fmi3ExitInit")
 
 
+@pytest.mark.long
 def test_of_a_crash_stays_one_message_and_nothing_on_the_disk(
     place: Path, ideal_axis: Build
 ) -> None:

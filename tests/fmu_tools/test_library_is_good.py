@@ -22,6 +22,7 @@ def failed(findings: list[Finding]) -> list[str]:
     return [f"{found.area}: {found.text}" for found in findings if found.level is Level.FAIL]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("model", MODELS)
 def test_model_passes_every_trial(model: str) -> None:
     path = ensure_built(model)
@@ -34,6 +35,7 @@ def test_model_passes_every_trial(model: str) -> None:
         assert failed(outcome.findings) == []
 
 
+@pytest.mark.long
 def test_models_do_the_same_in_a_process_with_another_memory_layout() -> None:
     paths: Mapping[str, Path] = {model: ensure_built(model) for model in MODELS}
     here = {m: stages.run_stage("determinism", path).digest for m, path in paths.items()}

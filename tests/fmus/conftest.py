@@ -3,6 +3,7 @@
 import re
 import shutil
 from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import pytest
 from fmpy.fmi3 import FMU3Slave
 
 import fmus.build as building
-from fmus import ensure_built
+from fmus import compiler, ensure_built
 
 SERVO = "AxisRig.Drives.ServoAxis"
 PROBE = "AxisRig.Sensors.TouchProbe"
@@ -85,6 +86,26 @@ class Fmu:
         """Step to an instant without gathering rounding errors."""
         self.slave.doStep(self.time, instant - self.time)
         self.time = instant
+
+
+@contextmanager
+def _unoptimised() -> Iterator[None]:
+    """Compile small models without optimisation: nearly all time of a build is the C compiler's.
+
+    The shipped models and those of test_versions.py are built as users get them.
+    """
+    flags = compiler.FLAGS
+    compiler.FLAGS = tuple("-O0" if flag == "-O2" else flag for flag in flags)
+    try:
+        yield
+    finally:
+        compiler.FLAGS = flags
+
+
+@pytest.fixture(scope="session")
+def unoptimised() -> Callable[[], AbstractContextManager[None]]:
+    """What small models are built in."""
+    return _unoptimised
 
 
 @pytest.fixture(scope="session")
@@ -166,7 +187,9 @@ class Plants:
         fixed = "true" if x_fixed and "der(x)" in equation else "false"
         text = MODEL.format(**locals())
         (folder / "Small" / "package.mo").write_text(text, encoding="utf-8")
-        return building.build("Small.Plant", folder / "plant.fmu", folder / "Small", step_s=step_s)
+        with _unoptimised():
+            path, library = folder / "plant.fmu", folder / "Small"
+            return building.build("Small.Plant", path, library, step_s=step_s)
 
     def __call__(self, equation: str, *args: Any, **options: Any) -> Fmu:
         """An instance after initialization; options that `build` does not have are values."""

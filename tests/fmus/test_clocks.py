@@ -22,6 +22,7 @@ def test_ticks_at_start_and_every_interval_without_drift(plant):
     assert fmu.last == pytest.approx(1000 / 3, abs=1e-13)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("step_s", [1e-3, 2.5e-3, 0.1, 0.7])
 def test_ticks_do_not_depend_on_the_communication_step(plant, step_s):
     fmu = plant(COUNTER.format(start=0.0123, interval=0.0017), DECLARATION)
@@ -32,6 +33,7 @@ def test_ticks_do_not_depend_on_the_communication_step(plant, step_s):
     assert fmu.last == pytest.approx(0.0123 + ticks * 0.0017, abs=1e-15)
 
 
+@pytest.mark.long
 def test_tick_at_the_end_of_a_step_is_part_of_it_however_the_time_is_rounded(plant):
     fmu = plant(COUNTER.format(start=0.1, interval=0.1), DECLARATION)
     for k in range(1, 101):
@@ -39,6 +41,7 @@ def test_tick_at_the_end_of_a_step_is_part_of_it_however_the_time_is_rounded(pla
         assert fmu.n == k
 
 
+@pytest.mark.long
 def test_interval_follows_the_parameter_of_the_instance(plant):
     declaration = DECLARATION + ' parameter Real ts(unit="s") = 0.1;'
     equation = COUNTER.format(start="ts/2", interval="ts")
@@ -47,6 +50,7 @@ def test_interval_follows_the_parameter_of_the_instance(plant):
     assert (fmu.n, fmu.last) == (4, 0.875)
 
 
+@pytest.mark.long
 def test_each_component_has_the_interval_of_its_own_parameter(plant):
     """Two blocks with the same default, one of which is bound to another parameter."""
     classes = """block Counter
@@ -61,6 +65,7 @@ def test_each_component_has_the_interval_of_its_own_parameter(plant):
     assert fmu.n == 104
 
 
+@pytest.mark.long
 def test_interval_that_is_not_above_zero_is_an_error_with_the_place(plant):
     declaration = DECLARATION + ' parameter Real ts(unit="s") = 0.1;'
     fmu = plant(COUNTER.format(start=0, interval="ts"), declaration)
@@ -77,6 +82,7 @@ def test_interval_that_could_not_follow_its_parameter_stops_the_build(plant):
         plant(COUNTER.format(start=0, interval="sqrt(ts)"), declaration)
 
 
+@pytest.mark.long
 def test_sampled_value_is_that_of_the_instant(plant):
     """x = sin t, sampled every 0.1 s and held."""
     declaration = "Real v(start=1); discrete output Real held(start=0, fixed=true);"
@@ -87,6 +93,7 @@ def test_sampled_value_is_that_of_the_instant(plant):
         assert fmu.held == pytest.approx(math.sin(0.1 * k), abs=1e-12)
 
 
+@pytest.mark.long
 def test_random_numbers_are_exact_and_repeat(plant):
     """Schrage's 16807 generator by its definition in whole numbers; the product passes 2^45."""
     equation = "when sample(0, 0.001) then n = mod(16807*pre(n), 2147483647); end when;"
@@ -98,6 +105,7 @@ def test_random_numbers_are_exact_and_repeat(plant):
         fmu.step((k + 1) / 1000 - fmu.time)
 
 
+@pytest.mark.long
 def test_clock_and_relation_of_one_instant_are_one_event(plant):
     """The relation and the tick both come at t = 0.5; pre(n) is that of before both."""
     declaration = "Integer m(start=0, fixed=true); Real ramp(start=0, fixed=true);"

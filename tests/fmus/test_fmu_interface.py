@@ -26,6 +26,7 @@ def run(axis, count=80):
     return results
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("fmi", FMI_VERSIONS)
 @pytest.mark.parametrize("model", MODELS)
 def test_validator_finds_no_problem(model, fmi):

@@ -98,6 +98,7 @@ def test_array_of_components_and_states(plant):
     assert fmu.x == pytest.approx((1 - s[0]) + 2 * (s[0] - s[1]) + 0.5 * (s[1] - s[2]), abs=1e-12)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("a", "b"), [(7, 3), (-7, 3), (7, -3), (-7, -3), (6, 3), (-6, 3)])
 def test_whole_number_division_has_the_signs_of_the_language(plant, a, b):
     """mod has the sign of the divisor, rem that of the dividend; div cuts towards zero."""

@@ -116,6 +116,7 @@ def validation(load) -> Callable[[str], Beside]:
     return get
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("model", MODELS)
 def test_model_is_within_its_tolerances(model, validation):
     outside = [
@@ -179,6 +180,7 @@ def test_a_parameter_that_is_zero_in_one_model_is_a_number_in_another(validation
     assert not {name for name, found in values.items() if found == {0.0}}
 
 
+@pytest.mark.long
 def test_stored_references_are_those_that_the_scripts_make(tmp_path):
     command = [sys.executable, str(VALIDATION / "make_references.py"), "--into", str(tmp_path)]
     shares = [MODELS[k::2] for k in (0, 1)]

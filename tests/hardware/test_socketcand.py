@@ -86,6 +86,7 @@ def test_frames_that_come_in_pieces_and_in_heaps_are_put_together(
     assert (third.arbitration_id, third.is_extended_id) == (1, True)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     "text",
     [

@@ -66,6 +66,7 @@ def on_the_circle(trace: dict[str, Any]) -> Any:
     return np.arange(len(angle))[(angle > 1.0) & (angle < 5.9) & (np.arange(len(angle)) > begins)]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kv", [10.0, 40.0])
 def test_radius_of_the_axes_is_smaller_as_the_gain_says(kv: float) -> None:
     """A position loop of first order without feed-forward: r / sqrt(1 + (w / Kv)²).
@@ -82,6 +83,7 @@ def test_radius_of_the_axes_is_smaller_as_the_gain_says(kv: float) -> None:
     assert RADIUS_MM - expected > 1000 * NM
 
 
+@pytest.mark.long
 def test_axes_follow_behind_by_the_angle_that_the_gain_says() -> None:
     """arctan(w / Kv) of the loop and the way from SYNC to SYNC: set in cycle k, there at k + 2."""
     kv = 10.0
@@ -96,6 +98,7 @@ def test_axes_follow_behind_by_the_angle_that_the_gain_says() -> None:
     assert behind == pytest.approx([expected] * len(behind), abs=1e-6)
 
 
+@pytest.mark.long
 def test_set_positions_begin_and_end_at_the_programmed_point_at_constant_speed() -> None:
     """With friction the axes leave the circle at its quadrants; what is sent does not."""
     _, trace = circled(40.0, friction=True)

@@ -79,6 +79,7 @@ def _bytes(folder: Path) -> dict[str, str]:
     }
 
 
+@pytest.mark.long
 def test_processes_and_hash_seeds_do_not_show_in_any_file(folders: list[Path]) -> None:
     first, *others = folders
     known = _bytes(first)

@@ -133,6 +133,7 @@ FAST = [
 BY_VARIABLE = "N1 Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]\n"
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("grows", [False, True])
 @pytest.mark.parametrize(
     ("rig", "what", "place"),

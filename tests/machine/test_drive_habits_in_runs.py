@@ -29,6 +29,7 @@ N60 G100 Z80 F60
 """
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("profile", profile_names())
 @pytest.mark.parametrize("edge", ["POS", "NEG"])
 def test_three_runs_at_one_surface_with_every_profile(run_nc: Run, profile: str, edge: str) -> None:
@@ -46,6 +47,7 @@ def test_three_runs_at_one_surface_with_every_profile(run_nc: Run, profile: str,
         assert out.printed(name) == pytest.approx([expected], rel=0, abs=INCREMENT_MM)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("probe_input", [1, 2])
 @pytest.mark.parametrize("source", ["CNC_DEFINED", "DRIVE_DEFINED"])
 def test_the_trigger_source_of_either_input(run_nc: Run, probe_input: int, source: str) -> None:
@@ -66,6 +68,7 @@ def test_the_trigger_source_of_either_input(run_nc: Run, probe_input: int, sourc
     assert out.printed("THIRD") == pytest.approx([100.0], rel=0, abs=2 * INCREMENT_MM)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("downwards", [True, False])
 def test_backlash_lies_between_motor_and_load(run_nc: Run, downwards: bool) -> None:
     """10 um of backlash; 120 N and 800 N s/m at 10 mm/s through 120 N/um: 5 + 128/120 um ahead."""
@@ -143,6 +146,7 @@ def test_a_fine_encoder_at_full_speed_does_not_overflow(run_nc: Run, latch: str)
     assert late_mm == pytest.approx(speed_mm_s * (DELAY_S - age_s), abs=0.5e-3)
 
 
+@pytest.mark.long
 def test_jitter_belongs_to_the_seed(run_nc: Run) -> None:
     """Up to 200 us at 25 mm/s: values between 0.1 and 5.1 um behind the surface, drawn per edge."""
     rig = "[drive.servo]\ninput_jitter_us = 200.0"
@@ -156,6 +160,7 @@ def test_jitter_belongs_to_the_seed(run_nc: Run) -> None:
         assert drawn_s != 0
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("compensation_us", [4, 1000, 7000])
 @pytest.mark.parametrize("latch", ["interpolated", "linear"])
 def test_compensation_looks_back_as_far_as_it_is_told(

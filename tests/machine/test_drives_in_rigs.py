@@ -77,6 +77,7 @@ def test_the_drive_begins_with_what_the_program_restores(run_own: Callable[..., 
     assert outcome.printed("window before") == outcome.printed("window after") == [1048575.0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("program", "faults"), [("drive-functions.nc", 0), ("fixed-stop-watched.nc", 1)]
 )

@@ -88,6 +88,7 @@ def test_axes_beside_the_path_go_on(run_nc: RunNc) -> None:
     assert out.alarms == []
 
 
+@pytest.mark.long
 def test_the_probe_touches_on_the_ramp_of_a_feedhold(run_nc: RunNc) -> None:
     """The run ends in the feedhold, with the place of the edge; nothing waits for its end."""
     program = 'N10 G100 Z80 F3000\nN20 #MSG SYN["z=%f", V.A.MESS.Z]\nN30 G1 Z110'
@@ -111,6 +112,7 @@ def test_the_probe_touches_on_the_ramp_of_a_feedhold(run_nc: RunNc) -> None:
         assert set_mm[-1] == 110.0
 
 
+@pytest.mark.long
 def test_a_run_that_stands_in_a_feedhold_measures_as_without(run_nc: RunNc) -> None:
     program = 'N10 G100 Z80 F600\nN20 #MSG SYN["z=%f", V.A.MESS.Z]'
     (free,) = run_nc(program, "", base=BASE).printed("z")

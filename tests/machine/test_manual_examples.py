@@ -15,6 +15,8 @@ import pytest
 
 from fmus import MODELS, ensure_built
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).parents[2]
 PROGRAMS = ROOT / "testplans" / "programs"
 RIGS = ROOT / "testplans" / "rigs"

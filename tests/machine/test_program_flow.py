@@ -22,6 +22,7 @@ def mean() -> tuple[list[str], list[str]]:
     return run(PLANS / "programs" / "probe-mean.nc", "plc:V.E.MEAN=0")
 
 
+@pytest.mark.long
 def test_three_touches_meet_the_top_of_the_workpiece(mean: tuple[list[str], list[str]]) -> None:
     """The rig's workpiece ends at Z = 100 mm; the latch sees it to 0.1 um."""
     (text,), _ = mean

@@ -94,6 +94,7 @@ class Setting:
         return out
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     "setting",
     [
@@ -165,6 +166,7 @@ def test_steady_lag_of_the_drive(run_nc: Run, kv: float, feed_forward: float, v:
     assert np.ptp(steady["drive_lag_mm"]) <= 2 * INCREMENT_MM
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("buffer", [0, 3])
 @pytest.mark.parametrize("delay_cycles", [0, 1, 2, 3, 4])
 def test_the_two_lags_differ_by_the_dead_time_of_the_bus(
@@ -200,6 +202,7 @@ def _steady(out: Any, v: float) -> dict[str, Any]:
     return {name: out.column(f"Z.{name}")[last] for name in ("drive_lag_mm", "cnc_lag_mm")}
 
 
+@pytest.mark.long
 def test_metrics_are_of_the_last_run_and_of_the_axis_that_goes_farthest(run_nc: Run) -> None:
     """Two runs on an inclined plane, the second with X and Z along a 4-3 line.
 

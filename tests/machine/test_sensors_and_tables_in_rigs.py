@@ -81,6 +81,7 @@ start = {{ electrode_radius_mm = {RADIUS_MM}, "workpiece.inclined.angle_deg" = 2
 """
 
 
+@pytest.mark.long
 def test_what_sensors_tell_at_each_sync_is_recorded(run_own: Run, tmp_path: Path) -> None:
     """The filter of first order at a steady speed; the mean of 1/d over a disc above a plane."""
     axes = {"X": "screw", "Z": "screw"}

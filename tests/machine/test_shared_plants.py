@@ -40,6 +40,7 @@ def test_a_side_that_moves_alone_pulls_at_the_other(run_nc: RunNc) -> None:
     assert np.ptp(alone.column("X2.truth_mm")) < 1e-9
 
 
+@pytest.mark.long
 def test_the_stop_of_one_side_carries_what_both_drives_push(run_nc: RunNc) -> None:
     """At rest the motors' forces less dry friction are the force of the stop."""
     out = run_nc(

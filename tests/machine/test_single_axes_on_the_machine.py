@@ -40,6 +40,7 @@ def run_of(out: Any, axis: str) -> Any:
     return next(record for record in out.machine.channel.records if record.axes == (axis,))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("feed_x", "feed_y"), [(500, 1000), (2000, 4000)])
 def test_each_axis_measures_and_stops_for_itself(run_nc: Run, feed_x: int, feed_y: int) -> None:
     """FCT-C4 section 2, %Independent_measurement_path."""
@@ -68,6 +69,7 @@ def test_each_axis_measures_and_stops_for_itself(run_nc: Run, feed_x: int, feed_
     assert out.printed("merf") == [1.0]
 
 
+@pytest.mark.long
 def test_an_axis_measures_beside_a_run_of_the_path(run_nc: Run) -> None:
     out = run_nc(
         "N10 X[INDP_ASYN G100 G90 POS=100 FEED=600]\n"
@@ -107,6 +109,7 @@ def test_both_sides_of_a_gantry_stay_together(run_nc: Run) -> None:
     )
 
 
+@pytest.mark.long
 def test_a_side_that_is_blocked_ends_the_program_at_the_first_limit(run_nc: Run) -> None:
     """X2 is blocked at 50 mm, 20 mm behind its start; it is 15 mm short when X has made 35 mm."""
     out = run_nc(

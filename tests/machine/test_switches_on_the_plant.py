@@ -112,6 +112,7 @@ def test_home_is_where_the_plant_has_it(
     assert found_mm == pytest.approx(home_mm, abs=max(seen_mm, 1.01 / UNITS_PER_MM))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("method", "home_mm"), [(-3, None), (-1, 62.5)])
 def test_home_is_the_stop_of_the_plant(
     master: Callable[..., Master], method: int, home_mm: float | None
@@ -256,6 +257,7 @@ def test_homing_on_a_limit_switch_is_no_emergency(master: Callable[..., Master])
     assert made.emergencies == []
 
 
+@pytest.mark.long
 def test_a_program_that_runs_into_a_limit_switch_ends_with_an_alarm(
     run_own: Callable[..., Any], tmp_path: Path
 ) -> None:

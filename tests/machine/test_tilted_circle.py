@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import pytest
 
 RADIUS_MM = 20.0
 # An angle B of 15 degrees tilts Z of the system from (0, 0, 1) to this
@@ -20,6 +21,7 @@ N70 #CS OFF
 """
 
 
+@pytest.mark.long
 def test_set_positions_of_a_full_circle_lie_on_the_tilted_circle(
     run_nc: Callable[..., Any],
 ) -> None:

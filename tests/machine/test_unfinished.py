@@ -29,6 +29,7 @@ def give_up(tmp_path: Path) -> GiveUp:
     return run
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("text", "line", "waits"),
     [
@@ -46,6 +47,7 @@ def test_the_block_and_what_it_waits_for_are_named(
     assert waits in said
 
 
+@pytest.mark.long
 def test_the_loop_around_it_is_named(give_up: GiveUp) -> None:
     said = give_up(
         "N10 $WHILE V.E.GO == 0\nV.E.SEEN = 1\nN20 $ENDWHILE\nM30",

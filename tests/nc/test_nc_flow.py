@@ -189,6 +189,7 @@ def test_900120_for_a_loop_that_never_ends(run):
     assert "line 2 (N10 $WHILE 1)" in str(caught.value.values["loop"])
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     "text",
     [

@@ -185,6 +185,7 @@ def test_a_variable_that_the_plc_side_does_not_have_is_refused(run):
     assert caught.value.hint == "did you mean V.E.DONE"
 
 
+@pytest.mark.long
 def test_a_loop_that_asks_the_plc_side_takes_cycles(run):
     """Each turn waits for a cycle of the machine, so it is no endless loop of the decoder."""
     waits = 0

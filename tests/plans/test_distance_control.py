@@ -87,6 +87,7 @@ def test_dead_time_of_every_kind_of_rig() -> None:
 # Stability
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("case", having(LIMIT))
 def test_limit_of_kp_and_growth(case: str) -> None:
     setup = ROWS[case]
@@ -104,6 +105,7 @@ def test_limit_of_kp_and_growth(case: str) -> None:
         assert limit < setup.kp < 1.035 * limit
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("case", [name for name in having(LIMIT) if "-above" in name])
 def test_each_limit_is_met_from_both_sides(case: str) -> None:
     below = ROWS[case.replace("-above", "-below")]
@@ -192,6 +194,7 @@ def _lifted(setup: Setup) -> np.ndarray:
     return np.where(after, setup.number("plant:gap.lift_mm"), 0.0)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("case", [*having(SETTLING), *having(OVERSHOOT)])
 def test_step(case: str) -> None:
     """Settling to the cycle; overshoot to an increment of the sensor, 10 % with a real drive."""
@@ -251,6 +254,7 @@ def test_overshoot_of_the_manuals_sample_set() -> None:
 # Alarms
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("case", having(AFTER))
 def test_cycle_of_an_alarm_that_a_wrong_sign_or_the_defaults_bring(case: str) -> None:
     setup = ROWS[case]

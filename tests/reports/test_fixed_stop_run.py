@@ -3,6 +3,7 @@
 import json
 from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
 from bench.cli import app
@@ -23,6 +24,7 @@ CELLS = {
 }
 
 
+@pytest.mark.long
 def test_the_timeline_shows_what_the_bench_tells(tmp_path: Path) -> None:
     """A gantry whose slave meets the stop; the instants of the bench are those of the page."""
     plan, out = tmp_path / "plan.csv", tmp_path / "out"

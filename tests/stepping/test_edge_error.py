@@ -17,6 +17,7 @@ def errors(edge_error: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> 
     return {name: edge_error.errors_ns(name, folder) for name in NAMES}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
 def test_edge_is_within_a_nanosecond_of_scipy_at_any_step(errors: Any, name: str) -> None:
     assert errors[name]["axisrig"].max() < 1.0

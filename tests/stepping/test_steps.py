@@ -67,6 +67,7 @@ def test_probe_without_clearance_is_followed_all_the_time(plant: Make) -> None:
     assert made.probes["probe"].signal.edges == [(50 * MS, True)]
 
 
+@pytest.mark.long
 def test_several_edges_in_a_fine_step_are_all_found(plant: Make) -> None:
     """The contact opens and closes every 8 us: five edges within 32 us."""
     made = plant(BENT, BOUNCER, probe_start={"surface": -0.0003})

@@ -39,6 +39,7 @@ def advice(loop: Loop) -> Advice:
     return found
 
 
+@pytest.mark.long
 def test_suggested_law_is_calm(loop: Loop, advice: Advice) -> None:
     assert loop.is_stable(advice.law)
     assert loop.step_answer(advice.law, 8000).max() <= 1 + OVERSHOOT

@@ -21,6 +21,7 @@ def _identified(answer: Floats, sigma_mm: float) -> Path:
     return identify(offset, 7.0 + np.convolve(answer, offset)[: len(offset)] + noise, BEGIN, 300)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("cycles", [1, 2, 7])
 @pytest.mark.parametrize("sigma_mm", [0.0, 1e-5, 1e-3])
 def test_a_dead_time_is_found_as_one(cycles: int, sigma_mm: float) -> None:
@@ -32,6 +33,7 @@ def test_a_dead_time_is_found_as_one(cycles: int, sigma_mm: float) -> None:
     assert path.gain == pytest.approx(1.0, abs=uncertainty + 1e-9)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("answer", [SLOW, RINGING], ids=["slow", "ringing"])
 @pytest.mark.parametrize(("sigma_mm", "error"), [(0.0, 1e-6), (1e-5, 2e-3), (1e-3, 0.06)])
 def test_step_answer_of_a_drive_is_found(answer: Floats, sigma_mm: float, error: float) -> None:
@@ -41,6 +43,7 @@ def test_step_answer_of_a_drive_is_found(answer: Floats, sigma_mm: float, error:
     assert path.misfit_mm == pytest.approx(sigma_mm, rel=0.1, abs=1e-7)
 
 
+@pytest.mark.long
 def test_centre_and_gain_of_a_slow_path() -> None:
     path = _identified(SLOW, 0.0)
     assert path.mean_cycle == pytest.approx(float(np.arange(300) @ SLOW / SLOW.sum()), rel=1e-4)

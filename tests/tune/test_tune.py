@@ -42,6 +42,7 @@ def mode(found: Tuning, name: str) -> Mode:
     return next(mode for mode in found.modes if mode.name == name)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("is_optimized", "dead"), [(0, 2), (1, 1)])
 def test_dead_time_is_that_of_the_scheduling(tuned: Tune, is_optimized: int, dead: int) -> None:
     found = tuned(*DEFAULTS, f"optimized_scheduling={is_optimized}")
@@ -88,10 +89,12 @@ def test_the_suggested_law_does_what_was_predicted(tuned: Tune) -> None:
     assert found.trial.seen.max() < 1.021
 
 
+@pytest.mark.long
 def test_a_stable_list_gives_no_warning(tuned: Tune) -> None:
     assert list(warnings_of(tuned("kp=0.1"))) == []
 
 
+@pytest.mark.long
 def test_noise_is_told_and_does_not_hide_the_dead_time(tuned: Tune) -> None:
     """At 2 mm the noise of the plant is 4 times that at 1 mm."""
     noise = ("plant:gap.noise_um=1",)
@@ -102,6 +105,7 @@ def test_noise_is_told_and_does_not_hide_the_dead_time(tuned: Tune) -> None:
     assert mode(found, CONST_DIST).stable_kp[1] == pytest.approx(mean_limit(4, 1), rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("bandwidth_hz", [20, 100])
 def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
     """Its first-order lag at the SYNC, e^-wT, over the ramp of the drive: exact in closed form."""
@@ -118,6 +122,7 @@ def test_a_slow_sensor_lowers_the_limit(tuned: Tune, bandwidth_hz: int) -> None:
     assert np.abs(answer - np.cumsum(expected)[: len(answer)]).max() < 2e-3
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("rig", "variable", "dead", "renewal"),
     [
@@ -157,6 +162,7 @@ def _stepped(servo: Tuning, kp: float) -> Signals:
     return run.signals
 
 
+@pytest.mark.long
 def test_below_the_limit_of_a_real_axis_a_step_dies_away(servo: Tuning) -> None:
     signals = _stepped(servo, 0.8 * mode(servo, CONST_DIST).stable_kp[1])
     began = int(np.flatnonzero(np.abs(np.diff(signals.wanted_mm)) > 0)[0])
@@ -217,6 +223,7 @@ def _invoke(*arguments: str) -> Any:
     return CliRunner().invoke(app, ["tune", "distance", "--rig", str(RIG), *arguments])
 
 
+@pytest.mark.long
 def test_command_writes_picture_and_json(tmp_path: Path) -> None:
     picture = tmp_path / "loop.svg"
     ended = _invoke("--json", "--picture", str(picture), "--set", "set:Z.kenngr.distc.kp=1")

@@ -53,6 +53,7 @@ def test_type_2_stops_within_the_stroke_of_its_probe(channel_bench: Make, words:
     assert _top_speed_mm_s(bench) == pytest.approx(sqrt(40.0), rel=1e-4)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("kind", "programmed", "alarms"),
     [(1, None, []), (1, True, [900004]), (2, None, [900004]), (2, False, [900004])],

@@ -29,6 +29,7 @@ STARTS = {
 }
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("method", "start_mm"), [(m, s) for m in EDGES for s in STARTS[m]])
 def test_home_is_the_edge_of_the_switch(method: int, start_mm: float) -> None:
     """Within slow speed times tick, from wherever it begins."""
@@ -38,6 +39,7 @@ def test_home_is_the_edge_of_the_switch(method: int, start_mm: float) -> None:
     assert found_mm == pytest.approx(EDGES[method], abs=SEEN_MM)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("method", "start_mm"), [(m, s) for m in MARKS for s in STARTS[m][::2]])
 def test_home_is_the_zero_pulse_beside_the_switch(method: int, start_mm: float) -> None:
     """To the increment: whole revolutions from the mark of the encoder."""

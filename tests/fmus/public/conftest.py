@@ -2,6 +2,7 @@
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,7 +18,10 @@ FOLDER = Path(__file__).parent
 
 
 @pytest.fixture(scope="session")
-def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+def built(
+    tmp_path_factory: pytest.TempPathFactory,
+    unoptimised: Callable[[], AbstractContextManager[None]],
+) -> Callable[..., Path]:
     """The FMU of a public model; each is built once."""
     folder = tmp_path_factory.mktemp("public")
     done: dict[tuple[str, float | None], Path | BuildError] = {}
@@ -27,7 +31,8 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         library = FOLDER / model.partition(".")[0]
         if key not in done:
             try:
-                done[key] = building.build(model, folder / f"{len(done)}.fmu", library, step_s)
+                with unoptimised():
+                    done[key] = building.build(model, folder / f"{len(done)}.fmu", library, step_s)
             except BuildError as error:
                 done[key] = error
         result = done[key]

@@ -82,6 +82,7 @@ CASES = [
 ]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("model", "end_s", "interval_s", "step_s", "tolerance", "reference"),
     CASES,

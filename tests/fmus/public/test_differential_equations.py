@@ -186,6 +186,7 @@ CASES = [
 ]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("model", "end_s", "interval_s", "tolerance", "reference"), CASES, ids=[c[0] for c in CASES]
 )

@@ -217,6 +217,7 @@ CASES = [
 ]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("model", "end_s", "interval_s", "reference"), CASES, ids=[case[0] for case in CASES]
 )

@@ -24,6 +24,7 @@ FAULTS = [
 ]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("model", "start", "time_s", "words"), FAULTS, ids=[f[0] for f in FAULTS])
 def test_fault_is_told_with_place_and_time(built, load, model, start, time_s, words):
     """Steps of 1 ms: the first that fails holds the fault, and the message tells its instant."""

@@ -27,6 +27,7 @@ def walk(plant, sizes):
     return plant.outputs()
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("model", SEVERAL)
 @pytest.mark.parametrize("size_s", [1e-4, 1e-2, 1.0])
 def test_result_does_not_depend_on_the_communication_step(built, load, model, size_s):

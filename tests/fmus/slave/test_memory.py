@@ -41,6 +41,7 @@ def life_cycle(fmu: Path, folder: Path, fmi: str, build: Path) -> list[str]:
     return [str(program), str(library), token, LIVES, str(reference.valueReference), "321.5"]
 
 
+@pytest.mark.long
 @linux
 @pytest.mark.skipif(shutil.which("valgrind") is None, reason="valgrind is not installed")
 def test_lives_leave_no_memory_behind_and_touch_none_that_is_not_theirs(servo_fmu, fmi, tmp_path):
@@ -53,6 +54,7 @@ def test_lives_leave_no_memory_behind_and_touch_none_that_is_not_theirs(servo_fm
     assert "ERROR SUMMARY: 0 errors" in done.stderr
 
 
+@pytest.mark.long(but=1)
 @linux
 @pytest.mark.parametrize("model", MODELS)
 def test_sources_compile_without_a_warning_and_share_no_memory(model, fmi, unpack, tmp_path):

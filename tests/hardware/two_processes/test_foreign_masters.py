@@ -7,7 +7,10 @@ from pathlib import Path
 from typing import Any
 
 import can
+import pytest
 from both_sides import LIMIT_S, RIG, ROOT, axisrig, drives_at, serving
+
+pytestmark = pytest.mark.long
 
 STRANGER = '''
     """A master as somebody writes it who has canopen and a manual."""

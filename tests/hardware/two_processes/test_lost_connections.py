@@ -5,7 +5,10 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
 from both_sides import LIMIT_S, PLAN, ROOT, drives_at, rows, socketcand
+
+pytestmark = pytest.mark.long
 
 
 def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None:

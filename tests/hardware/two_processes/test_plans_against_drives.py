@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any
 
 import pyarrow.parquet as pq
+import pytest
 from both_sides import (
     INCREMENTS_PER_MM,
     RIG,
@@ -51,6 +52,7 @@ def test_plan_against_drives_over_tcp(tmp_path: Path) -> None:
         assert what in text
 
 
+@pytest.mark.long
 def test_plan_against_drives_over_a_serial_line(
     tmp_path: Path, slcan_pair: tuple[str, str, Any]
 ) -> None:
@@ -62,6 +64,7 @@ def test_plan_against_drives_over_a_serial_line(
         _check_latch_plan(drives, tmp_path / "out", *quick, "--channel", right)
 
 
+@pytest.mark.long
 def test_nc_program_against_drives_outside(tmp_path: Path) -> None:
     program, rig = tmp_path / "part.nc", patient_plan(tmp_path).parent / "rigs" / RIG.name
     program.write_text(
@@ -122,6 +125,7 @@ start = {{ position_start_mm = 5 }}
 '''
 
 
+@pytest.mark.long
 def test_one_axis_simulated_and_one_outside_move_together(tmp_path: Path) -> None:
     rig, program, plan = tmp_path / "rig.toml", tmp_path / "part.nc", tmp_path / "plan.csv"
     rig.write_text(TWO_AXES, encoding="utf-8")

@@ -60,6 +60,7 @@ def test_never_switched_on(told: Any) -> None:
     assert of("distance_state_end").value == "INACTIVE"
 
 
+@pytest.mark.long
 def test_a_level_surface_has_no_step_to_measure_dead_cycles_with(told: Any) -> None:
     of = told(LEVEL)
     assert text_of(of("distance_dead_cycles"))

@@ -84,6 +84,7 @@ def test_the_table_of_the_control_is_this_one():
     }
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("state", "command", "after"), PAIRS)
 def test_the_program_commands(run_distance, state, command, after):
     watched = run_distance(f"{WAY[state]}\nN50 {WORDS[command]}\nN60 G4 0.3", *SWAY)
@@ -121,6 +122,7 @@ class Asks:
         unit.enable_w = unit.command_semaphor_rw = True
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("state", "command", "after"), PAIRS)
 def test_the_plc_commands(run_distance, state, command, after):
     asks = Asks(command)

@@ -28,6 +28,7 @@ STOP_MM, FEED_MM_S, KV = 120.0, 10.0, 40.0
 IN_FRONT = "plant:z.position_start_mm=100"
 
 
+@pytest.mark.long
 def test_a_run_with_limits_of_the_plc_side_is_that_with_limits_of_the_program(
     run_stop: RunStop, tmp_path: Path
 ) -> None:
@@ -53,6 +54,7 @@ def test_a_run_with_limits_of_the_plc_side_is_that_with_limits_of_the_program(
     assert by_plc.record.end_ns < third < fourth
 
 
+@pytest.mark.long
 def test_restoring_the_limit_behind_the_run_moves_nothing(run_stop: RunStop) -> None:
     """The lag is gone: 1 s behind the run the drive gets its full torque, and the axis stays.
 

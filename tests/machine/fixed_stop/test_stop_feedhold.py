@@ -20,6 +20,7 @@ def feedhold_ns(found: StopOutcome) -> tuple[int, int]:
     return on_ns, off_ns
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("for_ms", [300, 9])  # it stands; it goes on out of the ramp
 def test_the_window_finds_no_stop_in_a_feedhold_in_free_space_and_the_right_one_later(
     run_stop: RunStop, for_ms: int
@@ -52,6 +53,7 @@ def test_the_lag_goes_on_counting_in_a_feedhold(run_stop: RunStop) -> None:
     assert held.alarms == []
 
 
+@pytest.mark.long
 def test_a_lag_that_stays_below_its_limit_in_a_feedhold_is_no_stop(run_stop: RunStop) -> None:
     """50 ms behind the contact the set value is 0.5 mm too far; it is held there, then goes on."""
     free = run_stop(120, **LAG)
@@ -66,6 +68,7 @@ def test_a_lag_that_stays_below_its_limit_in_a_feedhold_is_no_stop(run_stop: Run
     assert held.alarms == []
 
 
+@pytest.mark.long
 def test_a_feedhold_on_the_way_back_lets_the_run_end_later(run_stop: RunStop) -> None:
     free = run_stop(120, **LAG)
     at_ms = (free.stop.relax_begin_ns - free.record.begin_ns) // MS + 40  # type: ignore[operator]

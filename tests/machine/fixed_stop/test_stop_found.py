@@ -25,6 +25,7 @@ def test_900240_without_a_stop_says_what_was_looked_for(run_stop: RunStop) -> No
     assert "Z lag > 1.5 mm, no window, min_time 100 ms, largest lag 0.25" in str(alarm)
 
 
+@pytest.mark.long
 def test_without_a_stop_the_program_goes_on_by_p_chan_00266(run_stop: RunStop) -> None:
     wanted = "set:channel.meas_fixed_stop_no_error=1"
     missed = run_stop(None, wanted, pos_lag_limit=LAG_LIMIT, min_time=MIN_TIME)

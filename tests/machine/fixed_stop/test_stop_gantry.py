@@ -102,6 +102,7 @@ def test_the_master_measures_and_both_sides_are_relieved(gantry: Run) -> None:
         assert abs(watch.lag_mm[axis][on]) < 0.01
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("stop_mm", "start_mm"), [(29.95, 25.0), (30.05, 25.0), (20.0, 17.0)])
 def test_stops_that_are_not_in_line_leave_the_slave_its_difference(
     gantry: Run, stop_mm: float, start_mm: float
@@ -141,6 +142,7 @@ def test_a_stop_of_the_slave_alone_ends_at_the_limit_of_the_gantry(gantry: Run) 
     assert [watch.watching[axis][-1] for axis in ("X", "X2")] == [True, True]
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("lag_mm", [0.5, 0.35, 1.5])
 def test_with_p_axis_00835_the_stop_of_the_slave_is_found(gantry: Run, lag_mm: float) -> None:
     """By the criteria of the slave; the value is where the master has come to meanwhile."""
@@ -159,6 +161,7 @@ def test_with_p_axis_00835_the_stop_of_the_slave_is_found(gantry: Run, lag_mm: f
     assert out.stand_mm("X2") == pytest.approx(30.0 + PRESSED_MM, abs=0.001)
 
 
+@pytest.mark.long
 @pytest.mark.provokes(70082, 5, axis="X2")
 def test_70082_when_the_program_waits_with_the_slave_still_at_its_stop(gantry: Run) -> None:
     """The end of a program is an exact stop of all axes."""

@@ -54,6 +54,7 @@ def is_found_in_time(out: Any, axis: str, feed_mm_s: float) -> None:
     assert 0 <= taken_s - wanted_s <= 2 * T_S
 
 
+@pytest.mark.long
 def test_each_axis_finds_its_own_stop(axes: Run) -> None:
     """Both at once, each with its own feed, detection and motion back to its own place."""
     out = axes(
@@ -81,6 +82,7 @@ def test_the_relaxing_motion_of_an_axis_has_its_feed(axes: Run) -> None:
     assert np.diff(sets_mm[inside]).min() == pytest.approx(-10.0 * T_S, rel=1e-6)
 
 
+@pytest.mark.long
 def test_an_axis_runs_to_its_stop_beside_a_run_of_the_path(axes: Run) -> None:
     """The path is not asked about the other axis, nor the other way round."""
     out = axes(
@@ -98,6 +100,7 @@ def test_an_axis_runs_to_its_stop_beside_a_run_of_the_path(axes: Run) -> None:
 MISSED = 'X[INDP_SYN G100 G90 POS=128 FEED=600]\n#MSG SYN["merf=%d", V.A.MERF.X]'
 
 
+@pytest.mark.long
 @pytest.mark.provokes(900240, 4, axes="X")
 def test_900240_for_an_axis_that_finds_no_stop(axes: Run) -> None:
     out = axes(MISSED)

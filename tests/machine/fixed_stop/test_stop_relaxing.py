@@ -31,6 +31,7 @@ def test_behind_the_run_there_is_no_lag_and_no_jump_when_the_limit_is_restored(
     assert force_n.max() <= 0.4 * RATED_N * 1.001
 
 
+@pytest.mark.long
 def test_without_enough_lag_the_axis_is_led_to_where_it_is(run_stop: RunStop) -> None:
     """P-CHAN-00266 = 1: 30 mm of lag are too little for 50; no value, no lag in the end."""
     missed = run_stop(
@@ -53,6 +54,7 @@ def test_a_following_error_window_left_on_ends_the_run_without_a_value(run_stop:
     assert failed.stop.watch_on_ns is not None
 
 
+@pytest.mark.long
 def test_a_stop_before_the_arming_is_found_when_the_path_has_got_there(run_stop: RunStop) -> None:
     """Pressed for 2 s before 30 mm of the path are travelled; 100 ms later it is found."""
     found = run_stop(110, start_distance=300_000, **LAG)

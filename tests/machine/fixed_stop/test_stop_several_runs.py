@@ -90,6 +90,7 @@ def judge_both(judge: Judge) -> Judge:
     return go
 
 
+@pytest.mark.long
 def test_each_axis_is_judged_in_the_last_run_that_it_takes_part_in(judge_both: Judge) -> None:
     """Lag beyond 0.5 mm at t_c + (L - v/Kv + F/k)/v, then 100 ms; X 10 mm/s, Y 5 mm/s."""
     values, _, result = judge_both({})
@@ -105,6 +106,7 @@ def test_each_axis_is_judged_in_the_last_run_that_it_takes_part_in(judge_both: J
     assert values["contact_to_detection_ms"] == values["contact_to_detection_ms:Y"]
 
 
+@pytest.mark.long
 def test_a_false_trigger_in_an_earlier_run_is_not_hidden_by_a_good_last_one(
     judge_both: Judge,
 ) -> None:
@@ -184,6 +186,7 @@ def test_a_contact_that_is_over_at_the_detection_is_none(judge: Judge) -> None:
     assert result.fixed_stop[0]["broken_contacts"]["Z"]["since_ns"] is None
 
 
+@pytest.mark.long
 def test_bounces_at_the_first_touch_are_one_contact(judge: Judge) -> None:
     """An undamped stop throws the axis off: the contact is the first touch all the same."""
     hard = {"plant:z.stop_damping": "0"}

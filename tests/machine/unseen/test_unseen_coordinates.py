@@ -8,6 +8,7 @@ import pytest
 from unseen_geometry import ONE_AXIS_MM, PATH_MM, Run, meets, near, plane, show, starts, turned
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("nested", [False, True])
 def test_a_coordinate_system_with_two_rotations_and_one_inside_it(
     run_nc: Run, nested: bool
@@ -65,6 +66,7 @@ def test_relative_programming_and_shifts(run_nc: Run) -> None:
         assert out.printed(name) == near([value]), name
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("factor", [1.0, 0.5, -1.0, 0.0])
 def test_the_measurement_offset_acts_by_its_factor(run_nc: Run, factor: float) -> None:
     wall = 244.4
@@ -82,6 +84,7 @@ def test_the_measurement_offset_acts_by_its_factor(run_nc: Run, factor: float) -
     assert out.column("Z.truth_mm")[-1] == pytest.approx(248, abs=2e-4)
 
 
+@pytest.mark.long
 def test_a_second_run_inside_the_offset_measures_the_same_workpiece(run_nc: Run) -> None:
     """With MEIN m active MESS stays, MEAS.PCS loses m, and MOFFS does not (FCT-C4 section 5)."""
     wall = 240.25
@@ -98,6 +101,7 @@ def test_a_second_run_inside_the_offset_measures_the_same_workpiece(run_nc: Run)
     assert out.printed("MOFFS.Z") == near([first, wall - 230], two)
 
 
+@pytest.mark.long
 def test_runs_at_two_points_of_an_inclined_plane(run_nc: Run) -> None:
     """Retract, measure the same point slower, then another one 6 mm beside it."""
     slope, d = math.radians(20), 90.0

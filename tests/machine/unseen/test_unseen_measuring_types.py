@@ -13,6 +13,7 @@ DOWN = starts(*START) + "\n" + plane((0, 0, 1), WALL)
 HERE = "N10 G1 G90 X20 Y30 Z60 F3000\n"
 
 
+@pytest.mark.long
 def test_type_3_latches_on_the_way_and_ends_at_its_target(run_nc: Run) -> None:
     out = run_nc(
         "#MEAS MODE[3]\n"
@@ -56,6 +57,7 @@ def test_type_4_stops_a_path_of_three_axes_within_the_smallest_stroke(run_nc: Ru
     assert way == pytest.approx(0.2, abs=3 * v * 1e-3)  # SYNCs beside the cycle that brakes
 
 
+@pytest.mark.long
 def test_type_5_goes_on_from_where_the_axes_are(run_nc: Run) -> None:
     """X was not named: its target becomes its actual position too. G91 counts from there."""
     out = run_nc(

@@ -7,6 +7,7 @@ import pytest
 from unseen_geometry import PATH_MM, Run, meets, near, plane, show, starts
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(
     ("begin", "target", "normal", "surface_mm"),
     [

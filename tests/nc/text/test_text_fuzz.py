@@ -1,5 +1,6 @@
 """Whatever a file holds: it is read, or refused at a place inside it; nothing else happens."""
 
+import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -91,6 +92,7 @@ def test_any_text_is_accepted_or_refused(text):
     check_any_text(text)
 
 
+@pytest.mark.long
 @settings(max_examples=1000, deadline=None)
 @given(st.lists(PIECES, max_size=25).map("".join))
 def test_any_mix_of_words_is_accepted_or_refused(text):

@@ -36,6 +36,7 @@ def outcome(text):
     return program
 
 
+@pytest.mark.long
 @settings(max_examples=400, deadline=None)
 @given(st.lists(LINES, min_size=1, max_size=6))
 def test_the_short_way_gives_the_same_as_the_grammar(lines):

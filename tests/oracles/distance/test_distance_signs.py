@@ -22,6 +22,7 @@ PERIOD_NS = 1_000_000
 LIMITS = Limits(50.0, 1e6, 3.0, 1e9, -5.0, 5.0)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("signs", TABLE, ids=str)
 def test_only_the_documented_signs_converge(signs: Signs) -> None:
     """Half of the twelve; the others end at a limit, later with a smaller kp."""

@@ -131,6 +131,7 @@ def test_the_settings_of_the_manual() -> None:
     assert not is_stable(Loop(CONST_DIST, 1, moving_average(4)), 1.0)
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
 @pytest.mark.parametrize("smoothing", [FILTERS["none"], FILTERS["mean 4"], FILTERS["cascade"]])
 @pytest.mark.parametrize(("reaction", "skew"), [(0, 0), (1, 2)])
