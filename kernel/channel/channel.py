@@ -78,7 +78,7 @@ class Channel:
             clock,
             self.path,
             by_axis,
-            period_ns=timing.period_ns,
+            timing=timing,
             error_no_signal=error_no_signal,
             warn=self.warn,
         )
