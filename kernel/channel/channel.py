@@ -316,6 +316,10 @@ class Channel:
         """Tell whether the axis' last run had a signal (V.A.MERF)."""
         return self.measurement.measured_acs_mm(axis) is not None
 
+    def is_measuring(self, axis: str) -> bool:
+        """Tell whether a run of an axis is under way."""
+        return self._measuring_state(axis) is not None
+
     def actual_acs_mm(self, axis: str) -> float:
         """Return the actual position of an axis."""
         return next(link.actual_mm for link in self.links if link.name == axis)

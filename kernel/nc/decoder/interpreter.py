@@ -7,7 +7,7 @@ from kernel.errors import UserError
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import GeometryError, OffsetTables
-from kernel.nc.decoder import axes, circles, motion, registry, technology
+from kernel.nc.decoder import axes, circles, measuring, motion, registry, technology
 from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.frames import Flow
@@ -138,6 +138,8 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
     if waits is None:
         waits = frame.routine.waits[frame.place] = registry.waits_of(statement)
     context.part(Waiting).note(statement, waits)
+    if measuring.asks_beside(context, statement):
+        waits = "cycle"  # a loop that asks for the end of a run takes time
     commands = _decode_statement(context, block, statement)
     if waits:
         yield canon.Wait(block, for_cycle=waits == "cycle")
