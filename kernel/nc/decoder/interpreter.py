@@ -21,7 +21,7 @@ from kernel.nc.text.parser import read_text
 from kernel.nc.text.source import Source
 from kernel.nc.text.words import words as known_words
 
-# How many blocks may be decoded in a row that give the machine nothing to do
+# How many blocks may come again in a row that give the machine nothing to do
 IDLE_BLOCKS_MAX = 100_000
 
 
@@ -109,7 +109,7 @@ class Interpreter:
                 yield command
                 takes_time = canon.takes_time(command)
                 if takes_time or (isinstance(command, canon.Wait) and command.for_cycle):
-                    flow.idle_blocks = 0
+                    flow.give_work()
             if flow.frame.turned is not None:
                 self._waiting.turn(context, block)
         yield canon.EndOfProgram(block)
