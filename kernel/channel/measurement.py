@@ -197,8 +197,13 @@ class Measurement:
             delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
         )
         run.record.inputs.update({name: self._links[name].probe_input for name in axes})
-        self.records.append(run.record)
+        self._note(run.record)
         return run
+
+    def _note(self, record: RunRecord) -> None:
+        """Note a run that begins: what its axes have measured before is gone."""
+        self.records.append(record)
+        self._measured.update(dict.fromkeys(record.axes))
 
     def arm_stop(
         self,
@@ -233,7 +238,7 @@ class Measurement:
             slaves=[links[name] for name in slaves],
         )
         run = FixedStopRun(plan, motion, str(block), self._clock.now_ns, self._period_ns)
-        self.records.append(run.record)
+        self._note(run.record)
         return run
 
     def _with_settings(self, names: Iterable[str]) -> list[tuple[AxisSettings, AxisLink]]:

@@ -136,3 +136,25 @@ def test_an_edge_within_the_overtravel_is_a_measurement(channel_bench: Make, wor
             measured = bench.channel.measured_acs_mm("Z")
             assert measured == pytest.approx(plane_mm, abs=1 / INCREMENTS_PER_MM)
             assert measured - TARGET_MM == pytest.approx(-0.5, abs=1 / INCREMENTS_PER_MM)
+
+
+def test_a_second_run_without_a_signal_leaves_nothing_of_the_first(
+    channel_bench: Make, words: Any
+) -> None:
+    """P-CHAN-00176 = 0. Also while it is under way the axis has no result."""
+    bench = channel_bench(words.axis("Z", start_mm=130.0), plane_mm=120.0)
+    known: dict[str, set[float | None]] = {}
+
+    def note(channel: Any) -> None:
+        runs = [r for r in channel.records if r.begin_ns < bench.scheduler.now_ns]
+        if runs and (runs[-1].end_ns is None or len(runs) == 2):
+            known.setdefault(str(len(runs)), set()).add(channel.measured_acs_mm("Z"))
+
+    bench.channel.observers.append(note)
+    first, second = words.probe(1, 600.0, Z=110.0), words.probe(3, 600.0, Z=125.0)
+    back = words.move(2, 6000.0, Z=130.0)
+    bench.run([first, words.wait(1), back, second, words.wait(3), words.end()])
+    assert [record.has_signal for record in bench.channel.records] == [True, False]
+    assert bench.alarm_ids == []
+    assert not bench.channel.measurement_ok("Z")
+    assert known == {"1": {None}, "2": {None}}
