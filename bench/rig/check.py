@@ -33,7 +33,8 @@ TRIGGER_SOURCE = "antr.canopen.probing_trigger_source"
 _AXIS_NAME = re.compile(r"[ABCUVWXYZ][0-9]{0,3}")
 
 
-def _latch_object(settings: Settings, name: str) -> int:
+def latch_object_of(settings: Settings, name: str) -> int:
+    """Return the latch object (60BA to 60BD) of input and edge that an axis measures with."""
     parameters = settings.axis[name]
     return latch_object(drive_input(parameters), parameters.word("kenngr.measure.edge"))
 
@@ -52,7 +53,7 @@ def _has_object(settings: Settings, name: str, index: int) -> bool:
 
 
 def _knows_counter(settings: Settings, name: str) -> bool:
-    return _has_object(settings, name, _latch_object(settings, name) + FROM_LATCH_TO_COUNTER)
+    return _has_object(settings, name, latch_object_of(settings, name) + FROM_LATCH_TO_COUNTER)
 
 
 def has_latch_counter(settings: Settings, name: str) -> bool:
@@ -93,7 +94,7 @@ def axis_telegrams(settings: Settings, name: str) -> dict[str, Telegram]:
 
 def _telegrams(settings: Settings, name: str, *, counter: bool) -> dict[str, Telegram]:
     return telegrams(
-        _latch_object(settings, name),
+        latch_object_of(settings, name),
         _drive_of(settings, name).pdo_map,
         counter=counter,
         inputs=has_inputs(settings, name),

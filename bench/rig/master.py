@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
+from bench.rig.arrival import stamp_clock
 from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_sdo_room, has_second
 from bench.rig.lists import drive_input
 from bench.rig.settings import Settings
@@ -38,6 +39,8 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             lag_limit_mm=drive.lag_limit_mm or float("inf"),
             fault_reset=drive.fault_reset,
             jump_mm=jump_mm or float("inf"),
+            status_delay_cycles=drive.make().status_delay_cycles,
+            stamps=stamp_clock(settings, name),
             trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
             has_counter=has_latch_counter(settings, name),
             has_inputs=has_inputs(settings, name),

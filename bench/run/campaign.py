@@ -19,6 +19,7 @@ from bench.plan.select import matches
 from bench.plan.table import SUFFIXES
 from bench.plan.verdict import Verdict, exit_code, worst
 from bench.results.writer import CaseResult, ResultsWriter, build_manifest
+from bench.rig.arrival import describe_arrival
 from bench.rig.check import check_rig, describe_schedules
 from bench.rig.describe import describe_axes
 from bench.rig.distance.check import describe_distance, distance_warnings, drive_lags_s
@@ -249,7 +250,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     told_lists = [f"warning: {warning}" for warning in settings.warnings]
     told_lists += [f"note: {note}" for note in settings.notes]
     told_lists += [f"warning: {warning}" for warning in distance_warnings(settings)]
-    axes = "\n".join([*describe_axes(settings), *told_lists])
+    axes = "\n".join([*describe_axes(settings), *describe_arrival(settings), *told_lists])
     return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])
 
 

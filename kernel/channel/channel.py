@@ -78,7 +78,7 @@ class Channel:
             clock,
             self.path,
             by_axis,
-            period_ns=timing.period_ns,
+            timing=timing,
             error_no_signal=error_no_signal,
             warn=self.warn,
         )
@@ -315,6 +315,10 @@ class Channel:
     def measurement_ok(self, axis: str) -> bool:
         """Tell whether the axis' last run had a signal (V.A.MERF)."""
         return self.measurement.measured_acs_mm(axis) is not None
+
+    def is_measuring(self, axis: str) -> bool:
+        """Tell whether a run of an axis is under way."""
+        return self._measuring_state(axis) is not None
 
     def actual_acs_mm(self, axis: str) -> float:
         """Return the actual position of an axis."""

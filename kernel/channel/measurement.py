@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from math import dist
 
 from kernel.channel.path import Path
-from kernel.channel.settings import AxisSettings
-from kernel.channel.settling import Rest
+from kernel.channel.settings import AxisSettings, CycleTiming
+from kernel.channel.settling import Rest, Standstill
 from kernel.channel.slaves import PathWithSlaves
-from kernel.clock import Clock, TimeNs
+from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
 from kernel.measuring.fixed_stop.run import FixedStopRun, StopMotion, StopPlan, Watched
@@ -38,7 +38,7 @@ class _Order:
 class Measurement:
     """Runs one measurement on the path at a time.
 
-    links: by axis. period_ns: of the NC cycle. error_no_signal: P-CHAN-00176. warn: takes alarms
+    links: by axis. error_no_signal: P-CHAN-00176. warn: takes alarms
     of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
     named; with the signal of the drive nothing is to be made ready, so that it stays a note.
     stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on. slaves_of:
@@ -52,15 +52,16 @@ class Measurement:
         path: Path,
         links: Mapping[str, AxisLink],
         *,
-        period_ns: TimeNs,
+        timing: CycleTiming,
         error_no_signal: bool,
         warn: Callable[[Alarm], None],
     ) -> None:
-        self._clock, self._path, self._links = clock, path, links
-        self._period_ns, self._error_no_signal, self._warn = period_ns, error_no_signal, warn
+        self._clock, self._path, self._links, self._timing = clock, path, links, timing
+        self._period_ns, self._error_no_signal, self._warn = timing.period_ns, error_no_signal, warn
         self._run: MeasuringRun | FixedStopRun | None = None
         self._order: _Order | None = None
         self._simulated: tuple[SimulatedProbe, ...] = ()
+        self._standstill: Standstill | None = None
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
@@ -196,8 +197,13 @@ class Measurement:
             delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
         )
         run.record.inputs.update({name: self._links[name].probe_input for name in axes})
-        self.records.append(run.record)
+        self._note(run.record)
         return run
+
+    def _note(self, record: RunRecord) -> None:
+        """Note a run that begins: what its axes have measured before is gone."""
+        self.records.append(record)
+        self._measured.update(dict.fromkeys(record.axes))
 
     def arm_stop(
         self,
@@ -232,7 +238,7 @@ class Measurement:
             slaves=[links[name] for name in slaves],
         )
         run = FixedStopRun(plan, motion, str(block), self._clock.now_ns, self._period_ns)
-        self.records.append(run.record)
+        self._note(run.record)
         return run
 
     def _with_settings(self, names: Iterable[str]) -> list[tuple[AxisSettings, AxisLink]]:
@@ -318,6 +324,7 @@ class Measurement:
         ordered = self._order
         order = self._evaluate(self._run)
         if order is Order.START:
+            self._standstill = self.standstill(self._run.record.axes)
             self._path.begin(
                 ordered.target_acs_mm,
                 ordered.speed_mm_s,
@@ -331,7 +338,14 @@ class Measurement:
             self._relax(self._run.targets_mm, ordered.speed_mm_s)
         if self._run.is_done:
             self.keep(self._run.record)
-            self._run = self._order = None
+            self._forget()
+
+    def _forget(self) -> None:
+        self._run = self._order = self._standstill = None
+
+    def standstill(self, axes: Iterable[str]) -> Standstill:
+        """Make the watch over measuring axes that are about to move."""
+        return Standstill(self._clock, self._timing, self._with_settings(axes))
 
     def _evaluate(self, run: MeasuringRun | FixedStopRun) -> Order:
         now_ns = self._clock.now_ns
@@ -341,7 +355,9 @@ class Measurement:
             here_mm = self._here_mm()
             for probe in self._simulated:
                 probe.look(here_mm)
-        return run.evaluate(now_ns, self._path.is_in_position())
+        standstill = self._standstill
+        rest_ns = None if standstill is None else standstill.look(self._path.has_stopped)
+        return run.evaluate(now_ns, self._path.is_in_position(), rest_ns)
 
     def _relax(self, targets_mm: Mapping[str, float], speed_mm_s: float) -> None:
         """Lead the axes straight to where they are to stand, no faster than the run."""
@@ -355,4 +371,4 @@ class Measurement:
         """End a run without a result: its probes are switched off."""
         if self._run is not None:
             self._run.abort()
-        self._run = self._order = None
+        self._forget()

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from kernel.channel.settings import AxisSettings
+from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.clock import Clock, S, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
@@ -11,6 +11,7 @@ SETTLED_CYCLES = 10
 REST_INCREMENTS = 2  # an encoder at rest flickers by one to either side
 REST_CYCLES = 50  # longer than friction holds an axis that swings about its place
 REST_LIMIT_NS = 5 * S
+STANDSTILL_INCREMENTS = 1  # from one SYNC to the next
 
 
 class Settling:
@@ -56,6 +57,55 @@ class Settling:
                 window_mm=f"{axis.window_mm:.4f}",
                 ms=waited_ns // 1_000_000,
             )
+
+
+class Standstill:
+    """Sees the SYNC in which axes come to rest at the end of their set path.
+
+    An axis has come to rest in the first SYNC after that end with 6064 inside its exact-stop window
+    (P-AXIS-00236) and changed by no more than STANDSTILL_INCREMENTS since the SYNC before. One that
+    has swayed inside its window for REST_LIMIT_NS counts as at rest. The last axis decides.
+    """
+
+    def __init__(
+        self, clock: Clock, timing: CycleTiming, axes: Iterable[tuple[AxisSettings, AxisLink]]
+    ) -> None:
+        self._clock, self._timing, self._axes = clock, timing, tuple(axes)
+        self._places = [link.actual_increments for _, link in self._axes]
+        self._begin_anew()
+
+    def _begin_anew(self) -> None:
+        self._ended_ns: TimeNs | None = None  # the set path
+        self._resting: set[str] = set()
+        self.rest_ns: TimeNs | None = None
+
+    def look(self, has_ended: bool) -> TimeNs | None:
+        """Return the SYNC in which the axes came to rest, None before; once per cycle.
+
+        has_ended: the same set positions are sent again and again.
+        """
+        if not has_ended:
+            self._begin_anew()
+        elif self._ended_ns is None:
+            self._ended_ns = self._clock.now_ns
+        for at, (axis, link) in enumerate(self._axes):
+            if not link.has_actual:
+                continue
+            change, self._places[at] = (
+                abs(link.actual_increments - self._places[at]),
+                link.actual_increments,
+            )
+            if has_ended and self._is_at_rest(axis, link, change):
+                self._resting.add(axis.name)
+        if self.rest_ns is None and len(self._resting) == len(self._axes):
+            self.rest_ns = self._clock.now_ns - self._timing.offset_ns
+        return self.rest_ns
+
+    def _is_at_rest(self, axis: AxisSettings, link: AxisLink, change: int) -> bool:
+        assert self._ended_ns is not None
+        sways_for_ns = self._clock.now_ns - self._ended_ns
+        is_still = change <= STANDSTILL_INCREMENTS or sways_for_ns > REST_LIMIT_NS
+        return is_still and abs(link.lag_mm) <= axis.window_mm
 
 
 class Rest:

@@ -30,6 +30,7 @@ from kernel.drives.process_data import ProcessData
 from kernel.drives.sdo import SdoClient
 from kernel.drives.sparse import SparseData
 from kernel.errors import Alarm
+from kernel.measuring.latest_edge import Arrival, StampClock
 
 # Cyclic telegrams may stay out this often before the drive counts as lost
 MISSING_CYCLES = 3
@@ -48,7 +49,9 @@ class LinkSettings:
     lag_limit_mm: of the CNC's position lag while a program runs. fault_reset: a fault that stands
     when the drive is switched on is acknowledged.
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
-    drive names. has_counter, has_inputs, has_second: of the kernel's own mapping.
+    drive names. status_delay_cycles: SYNCs by which 60B9 may be old when it is sent. stamps: the
+    clock of the drive, None where it is not known. has_counter, has_inputs, has_second: of the
+    kernel's own mapping.
     """
 
     axis: str
@@ -63,6 +66,8 @@ class LinkSettings:
     lag_limit_mm: float = float("inf")
     fault_reset: bool = False
     trigger_source: str = "CNC_DEFINED"
+    status_delay_cycles: int = 0
+    stamps: StampClock | None = None
     has_counter: bool = False
     has_inputs: bool = True
     has_second: bool = False
@@ -86,6 +91,9 @@ class AxisLink:
             counter=settings.has_counter,
             inputs=settings.has_inputs,
             second=settings.has_second,
+        )
+        self.arrival = Arrival(
+            settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
         )
         self._checked_by: SdoClient | None = None
         self._watches: dict[tuple[int, str], LatchWatch] = {}
@@ -153,13 +161,16 @@ class AxisLink:
         """
         pdos = self._pdos
         self._has_sent = False
-        word, actual, probe, latch, count, inputs, second = pdos.take()
+        word, actual, probe, latch, count, inputs, second, stamp = pdos.take()
         if word is not None and word != self.statusword:
             self.statusword, self.state = word, state_of(word)
         if actual is not None:
             self._take_actual(actual)
         elif self._actual_age is not None:
             self._actual_age += 1
+        self.arrival.is_new = probe is not None
+        if stamp is not None:
+            self.arrival.stamp = stamp
         if probe is None:
             self._latch.miss()
         else:
@@ -229,6 +240,11 @@ class AxisLink:
         self._is_held_back = self.stops_quickly = True
 
     @property
+    def has_actual(self) -> bool:
+        """Whether this cycle's SYNC has brought 0x6064."""
+        return self._actual_age == 0
+
+    @property
     def actual_mm(self) -> float:
         """Actual position 0x6064."""
         return self.actual_increments / self._per_mm
@@ -273,6 +289,7 @@ class AxisLink:
 
     def _take_up(self, probe_input: int, edge: str) -> None:
         self.probe_input, self.edge = probe_input, edge
+        self.arrival.stamp = None
         source = "object" if self.settings.trigger_source == "DRIVE_DEFINED" else "input"
         self._function = probe_function(probe_input, edge, source=source)
         self._input_bit = input_bit(probe_input)

@@ -23,8 +23,10 @@ COB_ID_BASE = {
 _FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
            (32, False): "I", (32, True): "i", (64, False): "Q", (64, True): "q"}  # fmt: skip
 BITS_MAX: Final = 64  # of a PDO
-LATCH, COUNTER = "latch", "counter"
+LATCH, COUNTER, STAMP = "latch", "counter", "stamp"
 FROM_LATCH_TO_COUNTER: Final = 0x60D5 - 0x60BA  # 60BA to 60BD, 60D5 to 60D8
+FROM_LATCH_TO_STAMP: Final = 0x60D1 - 0x60BA  # 60BA to 60BD, 60D1 to 60D4
+_FROM_LATCH: Final = {LATCH: 0, COUNTER: FROM_LATCH_TO_COUNTER, STAMP: FROM_LATCH_TO_STAMP}
 NO_FIELD = ""
 # What the link works with: field -> whether the kernel sends it. The first four must be mapped,
 # the rest is what measuring and distance control need; an object without a field is for drive
@@ -184,9 +186,8 @@ def telegrams(
 
 
 def _index(text: str, latch_object: int) -> int:
-    if text == LATCH:
-        return latch_object
-    return latch_object + FROM_LATCH_TO_COUNTER if text == COUNTER else int(text, 16)
+    from_latch = _FROM_LATCH.get(text)
+    return int(text, 16) if from_latch is None else latch_object + from_latch
 
 
 def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
@@ -232,11 +233,11 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
             fits = False
         if not fits:
             raise wrong(column, f"{low} .. {high}")
-    if row["index"] not in (LATCH, COUNTER):
+    if row["index"] not in _FROM_LATCH:
         try:
             int(row["index"], 16)
         except ValueError:
-            raise wrong("index", "an index such as 0x6064, `latch` or `counter`") from None
+            raise wrong("index", "an index such as 0x6064, `latch`, `counter` or `stamp`") from None
     if row["signed"] not in ("yes", "no"):
         raise wrong("signed", "yes or no")
     if row["field"] not in (NO_FIELD, *FIELDS):

@@ -11,11 +11,13 @@ from operator import itemgetter
 from typing import Any, Final
 
 from kernel.drives.ds402 import find_state
-from kernel.drives.mapping import MappedObject, Telegram
+from kernel.drives.mapping import FROM_LATCH_TO_STAMP, MappedObject, Telegram
 from kernel.drives.sdo import Network
 
 # The fields that `take` gives, in this order
-TAKEN: Final = ("statusword", "actual", "probe_status", "latch", "latch_count", "inputs", "second")
+TAKEN: Final = (
+    "statusword", "actual", "probe_status", "latch", "latch_count", "inputs", "second", "stamp",
+)  # fmt: skip
 # Why a telegram could not be used: alarm IDs
 STAYED_OUT, CONTRADICTED, NO_STATE = 900006, 900080, 900081
 
@@ -37,6 +39,9 @@ class ProcessData:
         self.names = [t.name for t in self._cyclic]
         self._count = len(self._cyclic)
         self._places = [self._place(_of_field(field)) for field in TAKEN]
+        latch = self._places[TAKEN.index("latch")]
+        if latch is not None:
+            self._find_stamp(self._cyclic[latch[0]].objects[latch[1]].index)
         self._pick = self._picker()
         self._unpack_all = _joined([t.codec for t in self._cyclic])
         self._data: list[bytes | None] = [None] * self._count
@@ -84,8 +89,15 @@ class ProcessData:
         self._places[TAKEN.index("latch")] = latch
         count = self._place(lambda mapped: mapped.index == counter_object)
         self._places[TAKEN.index("latch_count")] = count
+        self._find_stamp(latch_object)
         self._pick = self._picker()
         return True
+
+    def _find_stamp(self, latch_object: int) -> None:
+        """Take the time stamp (60D1 to 60D4) that belongs to a latch object, where it is mapped."""
+        wanted = latch_object + FROM_LATCH_TO_STAMP
+        place = self._place(lambda mapped: mapped.index == wanted)
+        self._places[TAKEN.index("stamp")] = place
 
     def _place(self, wanted: Callable[[MappedObject], bool]) -> Place | None:
         """Return where an object stands: number of its cyclic TPDO, position in it."""

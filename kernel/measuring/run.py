@@ -7,8 +7,9 @@ The run is a small state machine that is evaluated once per NC cycle with this c
     ARMING      latch control word set until every drive has acknowledged
     MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go,
                 unless the run goes on to its target (type 3 with G106)
-    COLLECTING  the axes stand; every measuring axis must deliver a value that is proved, and
-                confirm it by SDO
+    COLLECTING  the axes stand; it is waited for what tells whether an edge came before they had
+                come to rest (`latest_edge.py`). Then every measuring axis must deliver a value that
+                is proved, and confirm it by SDO
     DONE        results are final
 
 It touches the machine through `LatchPort` only, one per measuring axis: the latch in a drive
@@ -23,15 +24,18 @@ from typing import Protocol
 from kernel.clock import TimeNs
 from kernel.errors import Alarm
 from kernel.measuring.fixed_stop.record import FixedStopRecord
+from kernel.measuring.latest_edge import LatestEdge, StatusPort
 
-# Cycles that a drive may take to show a changed latch control word, and a latch to arrive after
-# standstill: four times the two to four cycles of known drives (docs/architecture.md).
+# Cycles that a drive may take to show a changed latch control word: four times the two to four
+# cycles of known drives (docs/touch-probe.md).
 HANDSHAKE_CYCLES_MAX = 16
+# Cycles that the proof of a value may take once the edge is told and the axes stand
+PROOF_CYCLES_MAX = 16
 # Cycles that a drive may take to tell counter and latch by SDO: some answer after tens of ms
 CHECK_CYCLES_MAX = 200
 
 
-class LatchPort(Protocol):
+class LatchPort(StatusPort, Protocol):
     """The latch of one measuring axis.
 
     latched_speed_mm: travel of the axis in one cycle at the speed that it had at the latch.
@@ -43,10 +47,6 @@ class LatchPort(Protocol):
     def is_clear(self) -> bool: ...  # noqa: D102
     @property
     def is_armed(self) -> bool: ...  # noqa: D102
-    @property
-    def has_latched(self) -> bool: ...  # noqa: D102
-    @property
-    def latched_mm(self) -> float | None: ...  # noqa: D102
     @property
     def latched_speed_mm(self) -> float: ...  # noqa: D102
     @property
@@ -129,6 +129,7 @@ class MeasuringRun:
         delay_cycles: Mapping[str, float] | None = None,
     ) -> None:
         self._ports = tuple(ports)
+        self._edges = {port.name: LatestEdge(port, now_ns) for port in ports}
         self._error_no_signal = error_no_signal
         self._delay_cycles = delay_cycles or {}
         self._waited = 0
@@ -136,6 +137,7 @@ class MeasuringRun:
         self.record = RunRecord(
             tuple(p.name for p in ports), block, goes_on=goes_on, begin_ns=now_ns
         )
+        self._rest_ns: TimeNs | None = None
         self._steps: dict[RunState, Callable[[TimeNs, bool], Order]] = {
             RunState.CLEARING: self._clearing,
             RunState.ARMING: self._arming,
@@ -156,11 +158,13 @@ class MeasuringRun:
         """Whether the results are final."""
         return self.state is RunState.DONE
 
-    def evaluate(self, now_ns: TimeNs, is_standing: bool) -> Order:
+    def evaluate(self, now_ns: TimeNs, is_standing: bool, rest_ns: TimeNs | None) -> Order:
         """Advance the run with this cycle's values.
 
         is_standing: the interpolation has ended and every axis is within its exact-stop window.
+        rest_ns: the SYNC in which the measuring axes came to rest there, None before that.
         """
+        self._rest_ns = rest_ns
         step = self._steps.get(self.state)
         return step(now_ns, is_standing) if step else Order.NONE
 
@@ -208,43 +212,63 @@ class MeasuringRun:
 
     def _moving(self, now_ns: TimeNs, is_standing: bool) -> Order:
         self._check_still_armed()
-        if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
-            self.record.signal_ns = now_ns
-            if not self.record.goes_on:
-                return Order.BRAKE
+        if self._is_first_signal(now_ns) and not self.record.goes_on:
+            return Order.BRAKE
         if is_standing:
             self._enter(RunState.COLLECTING)
             return self._collecting(now_ns, is_standing)
         return Order.NONE
 
+    def _is_first_signal(self, now_ns: TimeNs) -> bool:
+        """Judge the edges of this cycle; whether one of them is the first that counts."""
+        for edge in self._edges.values():
+            edge.look(now_ns, self._rest_ns)
+        if self.record.signal_ns is None and any(e.counts for e in self._edges.values()):
+            self.record.signal_ns = now_ns
+            return True
+        return False
+
     def _collecting(self, now_ns: TimeNs, _is_standing: bool) -> Order:
         self._check_still_armed()
+        self._is_first_signal(now_ns)
         for port in self._ports:
             value, is_open = port.latched_mm, port.name not in self.record.latched_mm
-            if value is not None and is_open and port.is_confirmed():
+            is_wanted = is_open and self._edges[port.name].counts
+            if value is not None and is_wanted and port.is_confirmed():
                 late_mm = self._delay_cycles.get(port.name, 0.0) * port.latched_speed_mm
                 self.record.latched_mm[port.name] = value - late_mm
-        if self.record.signal_ns is None and any(p.has_latched for p in self._ports):
-            self.record.signal_ns = now_ns
         if self.record.has_signal:
             return self._finish(now_ns)
-        self._waited += 1
-        is_told = all(port.latched_mm is not None for port in self._ports)
-        if self._waited > (CHECK_CYCLES_MAX if is_told else HANDSHAKE_CYCLES_MAX):
-            self._judge_missing()
-            return self._finish(now_ns)
-        return Order.NONE
+        if any(e.is_open and not e.waits_for_stamp for e in self._edges.values()):
+            return Order.NONE  # an edge may still be told
+        late = self._without_proof()
+        if late:
+            self._waited += 1
+            is_told = all(self._is_proved(port) for port in late)
+            if self._waited <= (CHECK_CYCLES_MAX if is_told else PROOF_CYCLES_MAX):
+                return Order.NONE
+        self._judge_missing()
+        return self._finish(now_ns)
+
+    def _without_proof(self) -> list[LatchPort]:
+        """Return the latches whose edge is told, and its value or its time not proved."""
+        return [
+            port
+            for port in self._ports
+            if port.name not in self.record.latched_mm and not self._edges[port.name].is_over
+        ]
+
+    def _is_proved(self, port: LatchPort) -> bool:
+        return port.latched_mm is not None and self._edges[port.name].counts
 
     def _judge_missing(self) -> None:
         """Values are missing for good: tell which of the four reasons it is."""
-        signalled = [p for p in self._ports if p.has_latched]
-        for port in signalled:
-            if port.name not in self.record.latched_mm:
-                is_unconfirmed = port.latched_mm is not None
-                if is_unconfirmed:
-                    raise Alarm(900083, axis=port.name, cycles=self._waited - 1)
-                raise Alarm(900001, axis=port.name, cycles=self._waited - 1)
-        silent = [p.name for p in self._ports if not p.has_latched]
+        for port in self._without_proof():
+            if self._is_proved(port):
+                raise Alarm(900083, axis=port.name, cycles=self._waited - 1)
+            raise Alarm(900001, axis=port.name, cycles=self._waited - 1)
+        signalled = [p for p in self._ports if self._edges[p.name].counts]
+        silent = [p.name for p in self._ports if not self._edges[p.name].counts]
         if signalled:
             others = " ".join(p.name for p in signalled)
             raise Alarm(900003, axis=" ".join(silent), others=others)

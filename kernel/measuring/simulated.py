@@ -14,6 +14,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import dist
 
+from kernel.measuring.latest_edge import Arrival
+
 PER_MM = 10_000  # 0.1 um, of P-AXIS-00145
 POSITION, CYCLES, REST, ALL, FIRST = 1, 2, 3, 4, 5
 ACTS = (POSITION, CYCLES, REST, ALL, FIRST)
@@ -52,6 +54,7 @@ class SimulatedProbe:
     latched_speed_mm: float = field(default=0.0, init=False)
     is_actuated: bool | None = field(default=None, init=False)
     is_prepared: bool = field(default=True, init=False)
+    arrival: Arrival = field(default_factory=Arrival, init=False)
     _cycles: int = field(default=0, init=False)
 
     def arm(self) -> None:

@@ -27,6 +27,7 @@ from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
 from kernel.drives.watch import WatchSettings
 from kernel.measuring.fixed_stop.settings import FixedStopSettings
+from kernel.measuring.latest_edge import StampClock
 from kernel.measuring.rules import MeasuringAxis
 from kernel.motion.dynamics import Dynamics, Motion
 from kernel.motion.profile import Slope
@@ -140,6 +141,8 @@ class ChannelBench:
         pdo_map: str | None = None,
         watches: tuple[WatchSettings, ...] = (),
         start_up: StartUpSettings | None = None,
+        profile: DriveProfile | None = None,
+        stamps: StampClock | None = None,
     ) -> None:
         self.bus = BusSettings(sync_counter=sync_counter)
         self.start_up = start_up or StartUpSettings()
@@ -160,7 +163,7 @@ class ChannelBench:
             axis = self.axes[specs[-1].name]
             self.world.probe = PlaneProbe(axis, plane_mm / 1e3)
             self.world.probe.level = self.world.probe.is_deflected(0)
-        self.profile = DriveProfile(input_delay_ns=input_delay_ns)
+        self.profile = profile or DriveProfile(input_delay_ns=input_delay_ns)
         self.nodes = {s.name: self._node(n, s) for n, s in enumerate(specs, 1)}
         self.network = SimNetwork(self.segment.port("cnc")).connect()
         self.links = [
@@ -176,6 +179,8 @@ class ChannelBench:
                     pdo_map=pdo_map,
                     jump_mm=2 * s.speed_max_mm_s * 1e-3,
                     has_second=s.height_mm is not None,
+                    status_delay_cycles=self.profile.status_delay_cycles,
+                    stamps=stamps,
                 ),
                 self.network,
             )

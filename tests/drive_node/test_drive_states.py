@@ -32,6 +32,7 @@ STANDARD = {
     "SWITCH_ON_DISABLED": {"shutdown": (2, "READY_TO_SWITCH_ON")},
     "READY_TO_SWITCH_ON": {
         "switch on": (3, "SWITCHED_ON"),
+        "enable operation": (4, "OPERATION_ENABLED"),  # 3 before it: switch on + enable operation
         "disable voltage": (7, "SWITCH_ON_DISABLED"),
         "quick stop": (7, "SWITCH_ON_DISABLED"),
     },
@@ -109,6 +110,17 @@ def test_every_controlword_in_every_state(state: str, before: int) -> None:
         image.controlword = word
         told = machine.command(), machine.state.name
         assert told == by_bits[word & 0x8F], f"0x{word:04X}"
+
+
+@pytest.mark.parametrize("before", [0x06, 0x0F])
+def test_switch_on_and_enable_operation_in_one_word(before: int) -> None:
+    """CiA 402-2, commands in the controlword: 0xxx 1111 takes transition 3, then 4 by itself."""
+    machine, image = machine_in("READY_TO_SWITCH_ON", before)
+    seen: list[State] = []
+    machine.on_change = seen.append
+    image.controlword = 0x0F
+    assert machine.command() == 4
+    assert seen == [State.SWITCHED_ON, State.OPERATION_ENABLED]
 
 
 @pytest.mark.parametrize("code", range(9))

@@ -12,7 +12,7 @@ COLUMNS = ("SHUTDOWN", "SWITCH_ON", "ENABLE_OPERATION", "DISABLE_VOLTAGE", "QUIC
 MATRIX = {
     "NOT_READY_TO_SWITCH_ON": ". . . . . .",
     "SWITCH_ON_DISABLED": "2 . . . . .",
-    "READY_TO_SWITCH_ON": ". 3 . 7 7 .",
+    "READY_TO_SWITCH_ON": ". 3 3 7 7 .",
     "SWITCHED_ON": "6 . 4 10 10 .",
     "OPERATION_ENABLED": "8 5 . 9 11 .",
     "QUICK_STOP_ACTIVE": ". . 16 12 . .",

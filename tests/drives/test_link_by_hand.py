@@ -2,9 +2,11 @@
 
 import struct
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from kernel.drives.link import AxisLink, LinkSettings
+from kernel.measuring.latest_edge import StampClock
 
 OPERATION_ENABLED, FAULT = 0x1237, 0x0218
 
@@ -65,3 +67,37 @@ def test_a_fault_is_acknowledged_by_edges_until_it_is_gone() -> None:
         link.send(0.0)
         words.append(wire.sent[0x203][0] & 0x80)
     assert words == [0x80, 0, 0x80, 0]
+
+
+STAMPED = (
+    "pdo,transmission,inhibit_100us,index,sub,bits,signed,field\n"
+    "RPDO1,1,0,0x6040,0,16,no,controlword\nRPDO1,1,0,0x607A,0,32,yes,target\n"
+    "RPDO1,1,0,0x60B8,0,16,no,probe_function\nTPDO1,1,0,0x6041,0,16,no,statusword\n"
+    "TPDO1,1,0,0x6064,0,32,yes,actual\nTPDO1,1,0,0x60B9,0,16,no,probe_status\n"
+    "TPDO2,1,0,{latch},0,32,yes,latch\nTPDO2,1,0,{stamp},0,32,no,\n"
+)
+
+
+def test_the_time_stamp_is_that_of_the_latch_in_use(tmp_path: Path) -> None:
+    """60D1 belongs to 60BA; by the words `latch` and `stamp` 60D4 to 60BD. It needs no field."""
+    for latch, stamp, chosen, is_there in (
+        ("0x60BA", "0x60D1", (1, "POS"), True),
+        ("0x60BA", "0x60D2", (1, "POS"), False),
+        ("latch", "stamp", (2, "NEG"), True),
+    ):
+        table = tmp_path / f"{latch}{stamp}.csv"
+        table.write_text(STAMPED.format(latch=latch, stamp=stamp))
+        link, wire = _link(
+            pdo_map=str(table),
+            probe_input=chosen[0],
+            edge=chosen[1],
+            stamps=StampClock(),
+        )
+        wire.status(OPERATION_ENABLED, 0)
+        wire._bring(0x283, struct.pack("<iI", 0, 4711))
+        link.take()
+        assert link.arrival.stamp == (4711 if is_there else None)
+        assert (link.arrival.is_new, link.arrival.is_stamped) == (True, is_there)
+        wire._bring(0x283, struct.pack("<iI", 0, 4712))
+        link.take()  # without 60B9
+        assert link.arrival.is_new is False

@@ -88,6 +88,34 @@ def test_an_axis_measures_beside_a_run_of_the_path(run_nc: Run) -> None:
     assert alone.start_ns < path.signal_ns < path.end_ns < alone.signal_ns
 
 
+def test_a_run_beside_the_program_leaves_nothing_of_the_one_before(run_nc: Run) -> None:
+    """The stop is at 60 mm: the second run ends before it, the third meets it again."""
+    ask = '#MSG SYN["{}=%d", V.A.MERF.X]\n'
+    out = run_nc(
+        "N10 X[INDP_SYN G100 G90 POS=100 FEED=3000]\n"
+        + ask.format("first")
+        + "N20 G0 X40\nN30 X[INDP_ASYN G100 G90 POS=50 FEED=3000]\n"
+        + ask.format("under way")
+        + "N40 #FLUSH WAIT\nN50 G4 2\n"
+        + ask.format("without")
+        + "N60 X[INDP_ASYN G100 G90 POS=100 FEED=3000]\nP1 = 0\n"
+        "N70 $WHILE V.A.MERF.X == 0\nP1 = P1 + 1\n$ENDWHILE\n"
+        + ask.format("third")
+        + '#MSG SYN["X=%f", V.A.MESS.X]\n#MSG SYN["asked=%d", P1]\n'
+        "N80 G0 X40\nN90 X[INDP_ASYN G100 G90 POS=50 FEED=3000]\nN100 G4 2\n"
+        '#MSG SYN["X=%f", V.A.MESS.X]',
+        "",
+        base="independent-xy.toml",
+    )
+    told = [out.printed(name)[0] for name in ("first", "under way", "without", "third")]
+    assert told == [1.0, 0.0, 0.0, 1.0]
+    assert out.printed("X") == [pytest.approx(60.0, abs=INCREMENT_MM)]
+    assert out.alarms == [900101]
+    run = [record for record in out.machine.channel.records if record.axes == ("X",)][2]
+    # every cycle of the run is asked once, from its begin to its end
+    assert abs(out.printed("asked")[0] - (run.end_ns - run.begin_ns) / 1e6) < 20
+
+
 def test_both_sides_of_a_gantry_stay_together(run_nc: Run) -> None:
     out = run_nc(
         "N10 G0 X100 X2=0\nN20 #SET AX LINK[1, [X2=X,G,15,20]]\nN30 #ENABLE AX LINK[1]\n"

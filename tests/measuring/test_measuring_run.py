@@ -5,9 +5,11 @@ from dataclasses import dataclass, field
 import pytest
 
 from kernel.errors import Alarm
+from kernel.measuring.latest_edge import Arrival, StampClock
 from kernel.measuring.run import (
     CHECK_CYCLES_MAX,
     HANDSHAKE_CYCLES_MAX,
+    PROOF_CYCLES_MAX,
     MeasuringRun,
     Order,
     RunState,
@@ -29,6 +31,7 @@ class FakeLatch:
     is_actuated: bool | None = None
     is_prepared: bool = True
     confirms: bool = True
+    arrival: Arrival = field(default_factory=Arrival)
     orders: list[str] = field(default_factory=list)
 
     def arm(self) -> None:
@@ -45,20 +48,30 @@ class FakeLatch:
 
 
 class Stage:
-    """A run with its latches and the cycles it has seen; cycle k is at k ms."""
+    """A run with its latches and the cycles it has seen; cycle k and its SYNC are at k ms."""
 
     def __init__(self, *ports: FakeLatch, error_no_signal: bool = False) -> None:
         self.ports = ports
         self.orders: list[Order] = []
         self.run = MeasuringRun(ports, "block N20", 0, error_no_signal)
+        self.rest_ns: int | None = None
 
-    def cycle(self, standing: bool = False) -> RunState:
-        self.orders.append(self.run.evaluate((len(self.orders) + 1) * MS, standing))
+    @property
+    def now_ns(self) -> int:
+        return (len(self.orders) + 1) * MS
+
+    def cycle(self, standing: bool = False, resting: bool | None = None) -> RunState:
+        """Standing axes rest, unless it is said that they creep inside their windows."""
+        is_resting = standing if resting is None else resting
+        has_moved = self.run.state in (RunState.MOVING, RunState.COLLECTING)
+        if is_resting and self.rest_ns is None and has_moved:
+            self.rest_ns = self.now_ns
+        self.orders.append(self.run.evaluate(self.now_ns, standing, self.rest_ns))
         return self.run.state
 
-    def cycles(self, count: int, standing: bool = False) -> None:
+    def cycles(self, count: int, standing: bool = False, resting: bool | None = None) -> None:
         for _ in range(count):
-            self.cycle(standing)
+            self.cycle(standing, resting)
 
     def move(self) -> "Stage":
         """Go through the handshake with drives that answer at once."""
@@ -166,7 +179,7 @@ def test_a_drive_that_does_not_tell_the_level_gives_no_50052() -> None:
     """Domain notes B.4: without 60FD there is no 50052 and the run ends without signal."""
     stage = Stage(FakeLatch(is_actuated=None)).move()
     stage.cycle()
-    stage.cycles(HANDSHAKE_CYCLES_MAX + 1, standing=True)
+    stage.cycle(standing=True)
     assert stage.run.state is RunState.DONE
     assert not stage.run.record.has_signal
 
@@ -262,9 +275,9 @@ def test_900001_for_an_edge_whose_value_is_never_proved() -> None:
     stage = Stage(latch).move()
     latch.latch(None)
     stage.cycle()
-    alarm, number = _alarm(stage, HANDSHAKE_CYCLES_MAX + 5, standing=True)
-    assert (alarm.id, number) == (900001, HANDSHAKE_CYCLES_MAX + 1)
-    assert alarm.values == {"axis": "Z", "cycles": HANDSHAKE_CYCLES_MAX}
+    alarm, number = _alarm(stage, PROOF_CYCLES_MAX + 5, standing=True)
+    assert (alarm.id, number) == (900001, PROOF_CYCLES_MAX + 1)
+    assert alarm.values == {"axis": "Z", "cycles": PROOF_CYCLES_MAX}
 
 
 def test_a_proved_value_may_come_later_than_the_edge() -> None:
@@ -272,7 +285,7 @@ def test_a_proved_value_may_come_later_than_the_edge() -> None:
     stage = Stage(latch).move()
     latch.latch(None)
     stage.cycle()
-    stage.cycles(HANDSHAKE_CYCLES_MAX, standing=True)
+    stage.cycles(PROOF_CYCLES_MAX, standing=True)
     latch.latched_mm = 12.5
     assert stage.cycle(standing=True) is RunState.DONE
     assert stage.run.record.latched_mm == {"Z": 12.5}
@@ -301,7 +314,7 @@ def test_axes_that_latch_in_different_cycles_brake_once_at_the_first() -> None:
     stage.cycle()  # 4: brakes
     x.latch(1.0)
     stage.cycle()
-    stage.cycle(standing=True)
+    stage.cycle(standing=True, resting=False)
     assert stage.run.state is RunState.COLLECTING
     z.latch(3.0)
     assert stage.cycle(standing=True) is RunState.DONE
@@ -316,8 +329,8 @@ def test_900003_names_the_silent_axes_and_the_others() -> None:
     stage = Stage(x, y, z).move()
     y.latch(2.0)
     stage.cycle()
-    alarm, number = _alarm(stage, HANDSHAKE_CYCLES_MAX + 5, standing=True)
-    assert (alarm.id, number) == (900003, HANDSHAKE_CYCLES_MAX + 1)
+    alarm, number = _alarm(stage, 5, standing=True)
+    assert (alarm.id, number) == (900003, 1)
     assert alarm.values == {"axis": "X Z", "others": "Y"}
 
 
@@ -330,10 +343,10 @@ def test_no_signal_is_an_error_only_with_p_chan_00176(error_no_signal: bool) -> 
     stage = Stage(latch, error_no_signal=error_no_signal).move()
     stage.cycle()
     if error_no_signal:
-        alarm, _ = _alarm(stage, HANDSHAKE_CYCLES_MAX + 5, standing=True)
+        alarm, _ = _alarm(stage, 5, standing=True)
         assert (alarm.id, alarm.values) == (900004, {"axis": "Z"})
         return
-    stage.cycles(HANDSHAKE_CYCLES_MAX + 1, standing=True)
+    stage.cycle(standing=True)
     assert stage.run.state is RunState.DONE
     assert Order.BRAKE not in stage.orders
     record = stage.run.record
@@ -342,13 +355,13 @@ def test_no_signal_is_an_error_only_with_p_chan_00176(error_no_signal: bool) -> 
 
 
 def test_an_edge_in_the_last_moment_still_counts() -> None:
-    """Delay and filter of the input let the edge appear when the axes stand at the target."""
+    """The axes creep inside their windows when it appears."""
     latch = FakeLatch()
     stage = Stage(latch).move()
     stage.cycle()
-    stage.cycles(3, standing=True)
+    stage.cycles(3, standing=True, resting=False)
     latch.latch(None)
-    stage.cycle(standing=True)  # 7 ms
+    stage.cycle(standing=True, resting=False)  # 7 ms
     latch.latched_mm = 80.0
     assert stage.cycle(standing=True) is RunState.DONE
     assert stage.run.record.signal_ns == 7 * MS
@@ -359,10 +372,47 @@ def test_an_edge_that_comes_with_its_value_while_standing_has_an_instant() -> No
     latch = FakeLatch()
     stage = Stage(latch).move()
     stage.cycle()
-    stage.cycles(3, standing=True)
+    stage.cycles(3, standing=True, resting=False)
     latch.latch(80.0)
     assert stage.cycle(standing=True) is RunState.DONE  # 7 ms
     assert stage.run.record.signal_ns == 7 * MS
+
+
+@pytest.mark.parametrize("error_no_signal", [False, True])
+def test_an_edge_after_the_axes_have_come_to_rest_is_no_signal(error_no_signal: bool) -> None:
+    latch = FakeLatch()
+    stage = Stage(latch, error_no_signal=error_no_signal).move()
+    stage.cycle()
+    stage.cycle(resting=True)
+    latch.latch(80.0)
+    if error_no_signal:
+        alarm, _ = _alarm(stage, 5, standing=True)
+        assert alarm.id == 900004
+        return
+    stage.cycles(3, standing=True)
+    assert stage.run.state is RunState.DONE
+    record = stage.run.record
+    assert (record.signal_ns, record.latched_mm, Order.BRAKE in stage.orders) == (None, {}, False)
+
+
+def test_one_axis_that_latches_after_the_standstill_is_silent() -> None:
+    x, z = FakeLatch("X"), FakeLatch("Z")
+    stage = Stage(x, z).move()
+    x.latch(1.0)
+    stage.cycle()
+    stage.cycle(resting=True)
+    z.latch(2.0)
+    alarm, number = _alarm(stage, 5, standing=True)
+    assert (alarm.id, number, alarm.values) == (900003, 1, {"axis": "Z", "others": "X"})
+
+
+def test_a_stamp_that_never_comes_is_no_proof() -> None:
+    latch = FakeLatch(arrival=Arrival(0, 3, StampClock(start=1), stamp=0))
+    stage = Stage(latch).move()
+    stage.cycle(resting=True)
+    latch.latch(80.0)
+    alarm, number = _alarm(stage, PROOF_CYCLES_MAX + 5, standing=True)
+    assert (alarm.id, number) == (900001, PROOF_CYCLES_MAX + 1)
 
 
 @pytest.mark.provokes(900083, 4, axis="Z", cycles=200)

@@ -45,6 +45,9 @@ class PlaneMachine:
     def measurement_ok(self, axis: str) -> bool:
         return self.latched.get(axis) is not None
 
+    def is_measuring(self, axis: str) -> bool:
+        return False
+
     def actual_acs_mm(self, axis: str) -> float:
         return self.acs_mm[axis] + self.lag_mm
 

@@ -3,7 +3,8 @@
 import pytest
 
 from kernel.errors import Alarm, UserError
-from kernel.nc.canon import LinearMove
+from kernel.nc.canon import LinearMove, Message
+from kernel.nc.decoder import interpreter
 
 
 def path(run, text, **options):
@@ -181,7 +182,7 @@ def test_structures_too_deep_are_refused(run):
 # ---- loops without end
 
 
-@pytest.mark.provokes(900120, 2, blocks=100_000, turns=33333)
+@pytest.mark.provokes(900120, 2, blocks=100_000, turns=33334)
 def test_900120_for_a_loop_that_never_ends(run):
     with pytest.raises(Alarm) as caught:
         run("G0 X1\nN10 $WHILE 1\nP1=1\n$ENDWHILE")
@@ -203,6 +204,46 @@ def test_900120_for_a_loop_that_never_ends(run):
 def test_every_kind_of_loop_without_end_is_found(run, text):
     with pytest.raises(Alarm) as caught:
         run(f"G0\n{text}")
+    assert caught.value.id == 900120
+
+
+SUBPROGRAM = "%L SUB\n" + "P1=P1+1\n" * 300 + "M17\n%MAIN\nP1=0\n"
+
+
+@pytest.mark.long
+def test_a_straight_program_is_no_endless_loop(run):
+    (message,) = [
+        c
+        for c in run("P1=0\n" + "P1=P1+1\n" * 100_100 + '#MSG ["%d", P1]\n')
+        if isinstance(c, Message)
+    ]
+    assert message.text == "100100"
+
+
+def test_a_straight_program_of_blocks_and_calls_is_no_endless_loop(run, monkeypatch):
+    """900 blocks in three calls, none of which comes from a loop."""
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    loop = "$FOR P2=1,5,1\n$ENDFOR\n"
+    text = "P1=0\n" + loop + "P1=P1+1\n" * 300 + '#MSG ["%d", P1]\n'
+    (message,) = [c for c in run(text) if isinstance(c, Message)]
+    assert message.text == "300"
+    text = SUBPROGRAM + "LL SUB\n" * 3 + '#MSG ["%d", P1]\nM30\n'
+    (message,) = [c for c in run(text) if isinstance(c, Message)]
+    assert message.text == "900"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        SUBPROGRAM + "$WHILE 1\nLL SUB\n$ENDWHILE\nM30\n",
+        "X1 F100 G1\n" + "P1=1\n" * 40 + "$WHILE 1\nP1=1\n$ENDWHILE",
+    ],
+    ids=["calls", "behind a motion"],
+)
+def test_blocks_that_come_again_are_counted_wherever_they_are(run, monkeypatch, text):
+    monkeypatch.setattr(interpreter, "IDLE_BLOCKS_MAX", 250)
+    with pytest.raises(Alarm) as caught:
+        run(text)
     assert caught.value.id == 900120
 
 

@@ -52,6 +52,15 @@ def test_g91_goes_on_from_the_target_after_g106(run, plane_machine) -> None:
     assert machine.acs_mm["X"] == 10
 
 
+def test_a_second_run_without_a_signal_leaves_nothing_of_the_first(run, plane_machine) -> None:
+    program = 'G100 X9 F100\nG1 X0\nG100 X3 F100\n#MSG["%d", V.A.MERF.X]\n'
+    machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+    assert _texts(run(program, machine)) == ["0"]
+    for asks in ('#MSG["%g", V.A.MESS.X]', '#MSG["%g", V.A.MOFFS.X]', "G101 X1"):
+        machine = plane_machine(dict.fromkeys(XYZ, 0.0), ("X", 4.0))
+        assert _alarm(run, program + asks, machine=machine).id == 900101
+
+
 @pytest.mark.parametrize("type_", [1, 2, 4])
 @pytest.mark.provokes(20772, 2, g_function="G106")
 def test_20772_g106_with_another_type(run, type_: int) -> None:

@@ -76,6 +76,7 @@ class StateMachine:
     def command(self) -> int | None:
         """Take the controlword; return the number of the transition that begins now, if any.
 
+        Of two that follow each other (3 and 4 by one word) the last one is returned.
         A transition that brakes first stays `waiting` and is carried out by `arrive`; a
         controlword that asks for operation again calls it off, which is told as transition 4.
         """
@@ -98,6 +99,14 @@ class StateMachine:
         self.waiting = None
         if number == QUICK_STOP:
             self.option = OPTIONS[0x605A, self._image.quick_stop_option]
+        self._enter(target)
+        return self._enable_at_once(word) or number
+
+    def _enable_at_once(self, word: int) -> int | None:
+        """Take transition 4 behind 3 where one word asks for both."""
+        if self.state is not State.SWITCHED_ON:
+            return None
+        target, number = transition(self.state, word, word)
         self._enter(target)
         return number
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from kernel.channel.measurement import Measurement
 from kernel.channel.path import Path
 from kernel.channel.settings import AxisSettings, CycleTiming
-from kernel.channel.settling import Settling
+from kernel.channel.settling import Settling, Standstill
 from kernel.clock import Clock
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
@@ -30,6 +30,7 @@ NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664
 @dataclass
 class Mover:
     """One axis on its way; run: its measurement, None without. waits: until it stands for one.
+    standstill: when it comes to rest in its run.
 
     speed_mm_s: of its motion, and of the one that takes the lag away behind a fixed stop.
     """
@@ -42,6 +43,7 @@ class Mover:
     settling: Settling
     run: MeasuringRun | FixedStopRun | None = None
     waits: bool = False
+    standstill: Standstill | None = None
     speed_mm_s: float = 0.0
 
     @property
@@ -179,7 +181,9 @@ class IndependentAxes:
             if order is Order.RELAX:
                 _go(mover, run.targets_mm[axis] - self._path.superposed_mm(axis))
         else:
-            order = run.evaluate(now_ns, self.stands(mover))
+            watch = mover.standstill
+            rest_ns = None if watch is None else watch.look(self.has_stopped(mover))
+            order = run.evaluate(now_ns, self.stands(mover), rest_ns)
         if order is Order.START:
             self._start_run(mover)
         elif order is Order.BRAKE:
@@ -191,6 +195,7 @@ class IndependentAxes:
     def _start_run(self, mover: Mover) -> None:
         """Begin the motion of a run with what its type says about speed and overtravel."""
         command, axes = mover.command, (mover.command.axis,)
+        mover.standstill = self._measurement.standstill(axes)
         assert command.measuring_type is not None
         type_ = command.measuring_type
 

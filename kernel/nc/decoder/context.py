@@ -31,6 +31,10 @@ class MachineView(Protocol):
         """Tell whether the signal of the last run came before the target."""
         ...
 
+    def is_measuring(self, axis: str) -> bool:
+        """Tell whether a run of the axis is under way."""
+        ...
+
     def actual_acs_mm(self, axis: str) -> float:
         """Give the actual position of an axis."""
         ...

@@ -22,7 +22,9 @@ class Frame:
     last value and step of the $FOR loops that run, by place. turns: how often each place was
     jumped back to. turning: the loop that has just been jumped back to. turned: the same for any
     jump back, until somebody has looked. seen: what had been changed at the last turn, by place.
-    local: the V.L variables that were made in this call.
+    local: the V.L variables that were made in this call. decoded: the places that have come
+    since the machine last got something to do. again: the block under decoding has come before
+    since then. called_again: the call of this frame has.
     """
 
     routine: Routine
@@ -35,6 +37,9 @@ class Frame:
     turned: int | None = None
     seen: dict[int, int] = field(default_factory=dict)
     local: Store = field(default_factory=dict)
+    decoded: set[int] = field(default_factory=set)
+    again: bool = False
+    called_again: bool = False
 
     @property
     def place(self) -> int:
@@ -65,7 +70,8 @@ class Frame:
 class Flow:
     """The open calls, the main program first.
 
-    idle_blocks: how many blocks were decoded since the machine last got something to do.
+    idle_blocks: how many blocks have come again since the machine last got something to do; those
+    of a straight program come once.
     """
 
     def __init__(self, main: Routine) -> None:
@@ -87,12 +93,24 @@ class Flow:
         while True:
             frame = self.frames[-1]
             if frame.following < len(frame.routine.blocks):
+                place = frame.following
                 frame.following += 1
-                self.idle_blocks += 1
-                return frame.part(frame.place)
+                frame.again = frame.called_again or place in frame.decoded
+                if frame.again:
+                    self.idle_blocks += 1
+                else:
+                    frame.decoded.add(place)
+                return frame.part(place)
             if len(self.frames) == 1:
                 return None
             self.frames.pop()
+
+    def give_work(self) -> None:
+        """Know that the machine has something to do: what comes from here on comes first."""
+        self.idle_blocks = 0
+        for frame in self.frames:
+            frame.decoded.clear()
+            frame.again = frame.called_again = False
 
     def jump(self, label: str) -> None:
         """Jump to a label of the routine under decoding."""
@@ -106,7 +124,7 @@ class Flow:
 
     def call(self, routine: Routine) -> None:
         """Go on with the first block of a subprogram."""
-        self.frames.append(Frame(routine))
+        self.frames.append(Frame(routine, called_again=self.frame.again))
 
     def leave(self) -> bool:
         """Go back behind the call; False in the main program, which was not called."""

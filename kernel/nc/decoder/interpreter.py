@@ -7,7 +7,7 @@ from kernel.errors import UserError
 from kernel.nc import canon
 from kernel.nc.canon import Block
 from kernel.nc.coordinates import GeometryError, OffsetTables
-from kernel.nc.decoder import axes, circles, motion, registry, technology
+from kernel.nc.decoder import axes, circles, measuring, motion, registry, technology
 from kernel.nc.decoder.cells import Store
 from kernel.nc.decoder.context import Context, MachineView
 from kernel.nc.decoder.frames import Flow
@@ -21,7 +21,7 @@ from kernel.nc.text.parser import read_text
 from kernel.nc.text.source import Source
 from kernel.nc.text.words import words as known_words
 
-# How many blocks may be decoded in a row that give the machine nothing to do
+# How many blocks may come again in a row that give the machine nothing to do
 IDLE_BLOCKS_MAX = 100_000
 
 
@@ -109,7 +109,7 @@ class Interpreter:
                 yield command
                 takes_time = canon.takes_time(command)
                 if takes_time or (isinstance(command, canon.Wait) and command.for_cycle):
-                    flow.idle_blocks = 0
+                    flow.give_work()
             if flow.frame.turned is not None:
                 self._waiting.turn(context, block)
         yield canon.EndOfProgram(block)
@@ -138,6 +138,8 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
     if waits is None:
         waits = frame.routine.waits[frame.place] = registry.waits_of(statement)
     context.part(Waiting).note(statement, waits)
+    if measuring.asks_beside(context, statement):
+        waits = "cycle"  # a loop that asks for the end of a run takes time
     commands = _decode_statement(context, block, statement)
     if waits:
         yield canon.Wait(block, for_cycle=waits == "cycle")

@@ -9,8 +9,9 @@ from kernel.nc.coordinates import Measured
 from kernel.nc.decoder import pauses
 from kernel.nc.decoder.context import Context
 from kernel.nc.decoder.topic import Reader, Topic, silent
+from kernel.nc.decoder.walk import read_by
 from kernel.nc.measuring_types import MeasuringType, measuring_types
-from kernel.nc.syntax import Command, Expression, Words
+from kernel.nc.syntax import Command, Expression, Statement, Words
 
 TO_THE_TARGET = 3  # the type that goes on after the signal
 
@@ -20,7 +21,9 @@ class Measurements:
     """What measuring keeps from run to run.
 
     chosen_type: by #MEAS MODE, None for the default of the channel. error_no_signal: by #MEAS,
-    None for P-CHAN-00176. simulated_offset_mm: by #MEAS. results, signalled: by axis.
+    None for P-CHAN-00176. simulated_offset_mm: by #MEAS. results, signalled: by axis. beside: axes
+    that measure beside the program (INDP_SYN, INDP_ASYN) and whose results are not known yet, with
+    the radius of the ball of their run, mm.
     """
 
     chosen_type: int | None = None
@@ -28,6 +31,7 @@ class Measurements:
     simulated_offset_mm: float = 0.0
     results: dict[str, Measured] = field(default_factory=dict)
     signalled: dict[str, bool] = field(default_factory=dict)
+    beside: dict[str, float] = field(default_factory=dict)
 
 
 def measuring_type(context: Context) -> int:
@@ -147,15 +151,51 @@ def take_results(
     kept.results.update(context.coordinates.measured(latched_mm, ball_radius_mm=radius_mm))
 
 
+def begin_beside(context: Context, axis: str) -> None:
+    """Know that an axis measures beside the program from here on: what it had is gone.
+
+    A D before the end of the run is not the tool of the run.
+    """
+    kept = context.part(Measurements)
+    kept.results.pop(axis, None)
+    kept.signalled[axis] = False
+    kept.beside[axis] = ball_of_tool_mm(context)
+
+
+def end_beside(context: Context, axis: str) -> None:
+    """Take what the run of an axis beside the program has brought, once it is over."""
+    ball_mm = context.part(Measurements).beside.pop(axis, None)
+    if ball_mm is not None:
+        take_results(context, (axis,), (axis,), moved=(axis,), ball_radius_mm=ball_mm)
+
+
+def _take_ended(context: Context) -> None:
+    """Take the results of the runs beside the program that have ended meanwhile."""
+    for axis in list(context.part(Measurements).beside):
+        if not context.machine.is_measuring(axis):
+            end_beside(context, axis)
+
+
+def asks_beside(context: Context, statement: Statement) -> bool:
+    """Whether a statement reads a variable of an axis that may measure beside the program."""
+    beside = context.part(Measurements).beside
+    return bool(beside) and any(
+        variable.name.rpartition(".")[2] in beside for variable in read_by(statement)
+    )
+
+
 def ball_of_tool_mm(context: Context) -> float:
     """Give the radius of the tool in use as far as it counts in results (P-CHAN-00311)."""
     counts = context.tables.ball_radius_counts
     return context.coordinates.tool.radius_mm if counts else 0.0
 
 
-def _include_offset(context: Context, block: Block, words: Words) -> None:
+def _include_offset(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     factors = context.axis_factors(block, words)
     _require_offset_type(context, block, "G101")
+    if any(axis in context.part(Measurements).beside for axis, _ in factors):
+        yield canon.Wait(block)
+        _take_ended(context)
     shifts_mm = {
         axis: factor * _measured(context, block, axis, "G101").offset_mm for axis, factor in factors
     }
@@ -194,6 +234,7 @@ def choose_type(context: Context, block: Block, value: float) -> None:
 
 
 def _measured(context: Context, block: Block, axis: str, asked_by: str) -> Measured:
+    _take_ended(context)
     results = context.part(Measurements).results
     if axis not in results:
         raise context.alarm(900101, block, axis=axis, name=asked_by)
@@ -209,6 +250,7 @@ def _result(stem: str, value_of: Callable[[Measured], float]) -> Reader:
 
 
 def _signalled(context: Context, block: Block, axis: str) -> float:
+    _take_ended(context)
     return float(context.part(Measurements).signalled.get(context.axis(axis), False))
 
 
@@ -228,7 +270,7 @@ TOPIC = Topic(
         "G100": _measure,
         "G210": _interruptible,
         "G310": _interruptible,
-        "G101": silent(_include_offset),
+        "G101": _include_offset,
         "G102": silent(_drop_offset),
     },
     readers={

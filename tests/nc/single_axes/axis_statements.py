@@ -25,12 +25,17 @@ class Machine:
     def __init__(self) -> None:
         self.acs_mm = dict.fromkeys(AXES, 0.0)
         self.measured: dict[str, float] = {}
+        self.measuring: set[str] = set()
         self.homes: dict[str, float] = {}
         self.queue: list[canon.Command] = []
 
     def position_acs_mm(self, axis: str) -> float:
         assert not self.queue, "position read before everything was executed"
         return self.acs_mm[axis]
+
+    def is_measuring(self, axis: str) -> bool:
+        assert not self.queue, "asked before everything was executed"
+        return axis in self.measuring
 
     def actual_acs_mm(self, axis: str) -> float:
         return self.position_acs_mm(axis)

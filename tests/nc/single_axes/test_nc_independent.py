@@ -121,6 +121,80 @@ def test_the_measured_value_of_an_independent_axis() -> None:
     assert targets[-1] == {"X": 41.0}
 
 
+class Later(Machine):
+    """The second run of X is under way for `cycles` waits; brings: what it measures."""
+
+    def __init__(self, cycles: int, brings: float | None) -> None:
+        super().__init__()
+        self.measured, self._cycles, self._brings = {"X": 40.0}, cycles, brings
+
+    def execute(self) -> None:
+        if any(c.target_acs_mm == 90.0 for c in moves(self.queue)):
+            self.measuring = {"X"}
+        if self.measuring:
+            self._cycles -= 1
+        if self._cycles < 0 and self.measuring:
+            self.measuring = set()
+            self.measured = {} if self._brings is None else {"X": self._brings}
+        super().execute()
+
+
+FIRST = single(alone("X", "G100", "G90", POS=100, FEED=500))
+SECOND = single(alone("X", "G100", "G90", POS=90, FEED=500, name="INDP_ASYN"))
+
+
+def read(name: str) -> Words:
+    """Let C show a variable of X."""
+    variable = Variable(f"V.A.{name}.X")
+    return Words(g=("G1",), axes=(("C", variable),), addresses=(("F", Number(60.0)),))
+
+
+def shown(commands: list[canon.Command]) -> list[float]:
+    return [c.target_acs_mm["C"] for c in commands if isinstance(c, canon.LinearMove)]
+
+
+def test_from_the_start_of_a_run_its_axis_has_no_result() -> None:
+    aside = Words(g=("G1",), axes=(("C", Number(7.0)),), addresses=(("F", Number(60.0)),))
+    text = [FIRST, read("MERF"), aside, SECOND, read("MERF")]
+    commands = decode(*text, machine=Later(99, 50.0))
+    assert shown(commands) == [1.0, 7.0, 0.0]
+
+
+INCLUDE = Words(g=("G101",), axes=(("X", Number(1.0)),))
+
+
+@pytest.mark.parametrize("asks", [read("MESS"), read("MOFFS"), INCLUDE])
+def test_what_is_not_measured_yet_is_refused(asks: Words) -> None:
+    with pytest.raises(Alarm) as caught:
+        decode(FIRST, SECOND, asks, machine=Later(99, 50.0))
+    assert (caught.value.id, caught.value.values["axis"]) == (900101, "X")
+
+
+def test_the_result_is_there_as_soon_as_the_run_has_ended() -> None:
+    """Without #WAIT INDP; asking takes a cycle as long as the run is under way."""
+    asks = [read("MERF"), read("MESS"), read("MOFFS")]
+    commands = decode(FIRST, SECOND, *asks, machine=Later(0, 50.0))
+    assert shown(commands) == [1.0, 50.0, -40.0]
+    waits = [c.for_cycle for c in commands if isinstance(c, canon.Wait)]
+    assert waits == [False, True, False, False]
+
+
+def test_a_run_that_ended_without_a_signal_leaves_nothing_of_the_one_before() -> None:
+    aside = Words(g=("G1",), axes=(("C", Number(7.0)),), addresses=(("F", Number(60.0)),))
+    commands = decode(FIRST, SECOND, aside, read("MERF"), machine=Later(0, None))
+    assert shown(commands) == [7.0, 0.0]
+    with pytest.raises(Alarm, match="900101"):
+        decode(FIRST, SECOND, aside, read("MESS"), machine=Later(0, None))
+
+
+def test_g101_takes_the_run_that_has_ended_and_waits_for_none() -> None:
+    commands = decode(FIRST, SECOND, INCLUDE, path(X=1.0), machine=Later(0, 50.0))
+    (move,) = [c for c in commands if isinstance(c, canon.LinearMove)]
+    assert move.target_acs_mm == {"X": pytest.approx(1.0 - 40.0)}
+    waits = [type(c).__name__ for c in commands[commands.index(moves(commands)[1]) + 1 :]]
+    assert waits == ["Wait", "WaitIndependent", "LinearMove", "EndOfProgram"]
+
+
 REFUSED = [
     (21068, alone("X", "G3", "G90", POS=1, FEED=1), {"g_function": "G3", "axis": "X"}),
     (50603, alone("X", "G90", "G0", POS=1, FEED=1), {"option": "FEED with G00"}),

@@ -21,6 +21,7 @@ from kernel.nc.syntax import AxisCommand, Command, Name, Option, Words
 
 SYNCHRONOUS: Final = "INDP_SYN"
 MEASURING_TYPES: Final = (1, 2, 7)
+OFFSET: Final = "G101"
 MOTIONS: Final = ("G0", "G1", "G100")
 DIMENSIONS: Final = ("G90", "G91")
 SPEEDS: Final = {"FEED": "feed_mm_min", "TIME": "time_s", "FEED_MAX_WEIGHT": "speed_share"}
@@ -44,13 +45,15 @@ def before_block(context: Context, block: Block, words: Words) -> Iterator[canon
             raise context.alarm(20203, block, axis=twice)
     if known.is_plain:
         return
+    measured = context.part(measuring.Measurements).beside
     controlled = [c.axis for c in words.axis_commands if c.axis in known.away]
     for axis in dict.fromkeys((*(axis for axis, _ in words.axes), *commanded, *controlled)):
         alarm = forbidden(context, block, axis)
         if alarm is not None:
             raise alarm
         # Where an axis ends that measures is not known, and a moving one cannot begin anew
-        if axis in known.under_way and (known.under_way[axis] is not None or axis in commanded):
+        measures = axis in measured and OFFSET not in words.g
+        if axis in known.under_way and (measures or axis in commanded):
             yield from _wait_for(context, block, (axis,))
 
 
@@ -100,13 +103,13 @@ def _wait_for(context: Context, block: Block, axes: tuple[str, ...]) -> Iterator
     """Wait for axes; those that measured bring their results."""
     known = states(context)
     yield canon.WaitIndependent(block, axes)
-    balls_mm = {axis: known.under_way.pop(axis, None) for axis in axes}
-    measured = {axis: ball_mm for axis, ball_mm in balls_mm.items() if ball_mm is not None}
+    for axis in axes:
+        known.under_way.pop(axis, None)
+    measured = [axis for axis in axes if axis in context.part(measuring.Measurements).beside]
     if measured:
         yield canon.Wait(block)
-    for axis, ball_mm in measured.items():
-        one = (axis,)
-        measuring.take_results(context, one, one, moved=one, ball_radius_mm=ball_mm)
+    for axis in measured:
+        measuring.end_beside(context, axis)
 
 
 def wait_for_all(context: Context, block: Block, axes: tuple[str, ...]) -> Iterator[canon.Command]:
@@ -154,9 +157,9 @@ def move(context: Context, block: Block, command: AxisCommand) -> Iterator[canon
         error_no_signal=context.part(measuring.Measurements).error_no_signal,
         **speed,
     )
-    # A D before the end of the run is not the tool of the run
-    ball_mm = measuring.ball_of_tool_mm(context) if measures else None
-    states(context).under_way[axis] = ball_mm
+    if measures:
+        measuring.begin_beside(context, axis)
+    states(context).under_way[axis] = None
 
 
 def _check(

@@ -9,14 +9,13 @@ from kernel.nc.decoder.context import Context
 
 @dataclass
 class AxisStates:
-    """under_way: axes that move beside the program (INDP_ASYN); of one that measures the radius of
-    its probe, mm, else None.
+    """under_way: axes that move beside the program (INDP_ASYN), in the order of their commands.
 
     groups: coupling groups as defined. active: groups that are on, in the order of switching on.
     away: axes that have been given away. offsets_mm: of coupled slaves to their masters.
     """
 
-    under_way: dict[str, float | None] = field(default_factory=dict)
+    under_way: dict[str, None] = field(default_factory=dict)
     groups: dict[int, tuple[AxisPair, ...]] = field(default_factory=dict)
     active: list[int] = field(default_factory=list)
     away: set[str] = field(default_factory=set)

@@ -1,0 +1,14 @@
+%measuring_path
+; A run of X and Z together, 45 degrees down, to X 20 and Z 110
+N05 #MEAS MODE[1]
+N10 G01 G90 X0 Y0 Z130 F3000
+N20 G100 X20 Z110 F600
+N30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]
+N40 #MSG SYN["V.A.ABS.X=%f", V.A.ABS.X]
+N50 #MSG SYN["V.A.ABS.Z=%f", V.A.ABS.Z]
+N60 $IF V.A.MERF.Z == 1
+N70 #MSG SYN["V.A.MOFFS.Z=%f", V.A.MOFFS.Z]
+N80 #MSG SYN["V.A.MESS.X=%f", V.A.MESS.X]
+N90 $ENDIF
+N100 G01 Z150 F3000
+N110 M30

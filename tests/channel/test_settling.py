@@ -1,0 +1,111 @@
+"""When axes stand in their exact-stop windows, and when they come to rest there."""
+
+from dataclasses import dataclass
+
+import pytest
+
+from kernel.channel.settings import AxisSettings, CycleTiming
+from kernel.channel.settling import REST_LIMIT_NS, SETTLED_CYCLES, Settling, Standstill
+from kernel.errors import Alarm
+
+MS, OFFSET_NS, WINDOW_MM = 1_000_000, 600_000, 0.01
+TIMING = CycleTiming(MS, OFFSET_NS)
+
+
+@dataclass
+class FakeLink:
+    """1000 increments make a millimetre; the set position is 0."""
+
+    name: str = "Z"
+    actual_increments: int = 0
+    has_actual: bool = True
+
+    @property
+    def lag_mm(self) -> float:
+        return -self.actual_increments / 1000
+
+
+class Bench:
+    """Cycle k is at k ms and OFFSET_NS behind its SYNC."""
+
+    def __init__(self, *links: FakeLink, settling_ns: int = 0) -> None:
+        self.now_ns, self.links = 0, links or (FakeLink(),)
+        self.axes = [
+            (AxisSettings(link.name, True, WINDOW_MM, settling_ns, {}), link) for link in self.links
+        ]
+        self.settling = Settling(self, MS)  # type: ignore[arg-type]
+        self.standstill = Standstill(self, TIMING, self.axes)  # type: ignore[arg-type]
+
+    def next(self, *places: int | None) -> None:
+        """Let the next SYNC bring these places; None for a telegram that stays out."""
+        self.now_ns += MS
+        for link, place in zip(self.links, places, strict=True):
+            link.has_actual = place is not None
+            link.actual_increments = link.actual_increments if place is None else place
+
+    def stands(self, place: int) -> bool:
+        self.next(place)
+        return self.settling.judge(self.axes)  # type: ignore[arg-type]
+
+    def rest_cycle(self, *places: tuple[int | None, ...], ended: int = 0) -> int | None:
+        """The cycle of the SYNC in which all rest; the set path ends before cycle `ended`."""
+        for cycle, row in enumerate(places):
+            self.next(*row)
+            rest_ns = self.standstill.look(cycle >= ended)
+            if rest_ns is not None:
+                assert (rest_ns + OFFSET_NS) % MS == 0
+                return (rest_ns + OFFSET_NS) // MS - 1
+        return None
+
+
+def test_an_axis_that_leaves_its_window_once_stands_10_cycles_after_it_has_come_back() -> None:
+    """Inside for 5 cycles, outside for 1, inside again: the first 5 do not count."""
+    bench = Bench()
+    told = [bench.stands(place) for place in [5] * 5 + [11] + [5] * 20]
+    second_entry = 6
+    assert told.index(True) == second_entry + SETTLED_CYCLES == 16
+    assert all(told[16:])
+
+
+def test_the_settling_time_goes_on_while_the_axis_goes_in_and_out() -> None:
+    bench = Bench(settling_ns=5 * MS)
+    for place in [11, 5, 11, 5, 11, 5]:
+        bench.stands(place)
+    with pytest.raises(Alarm, match="70082"):
+        bench.stands(11)
+
+
+def rows(*places: int | None) -> list[tuple[int | None, ...]]:
+    return [(place,) for place in places]
+
+
+@pytest.mark.parametrize(
+    ("places", "ended", "rests"),
+    [
+        ((9, 6, 4, 3, 3), 0, 3),  # 4 to 3: one increment
+        ((30, 20, 13, 12, 11, 10, 9), 0, 5),  # creeping, but outside until 10
+        ((5, 5, 5, 5, 5), 3, 3),  # the set path ends
+        ((5, 5, 4, None, 3, 3), 4, 4),  # one telegram is missing: 4 to 3 in two cycles
+        ((8, 6, None, 4, 4), 0, 4),  # 6 to 4 are two increments
+        ((8, 6, 4, None, None), 0, None),
+    ],
+)
+def test_an_axis_comes_to_rest_in_the_first_sync_with_one_increment_at_most(
+    places: tuple[int | None, ...], ended: int, rests: int | None
+) -> None:
+    bench = Bench(FakeLink(actual_increments=40))
+    assert bench.rest_cycle(*rows(*places), ended=ended) == rests
+
+
+def test_the_last_of_several_axes_decides_and_a_new_path_begins_anew() -> None:
+    bench = Bench(FakeLink("X"), FakeLink("Z", 8))
+    assert bench.rest_cycle((0, 6), (5, 4), (9, 3), (9, 3)) == 2
+    bench.next(9, 3)
+    assert bench.standstill.look(False) is None
+
+
+def test_an_axis_that_sways_inside_its_window_rests_after_5_s() -> None:
+    bench = Bench()
+    cycles = REST_LIMIT_NS // MS + 10
+    sways = [((-1) ** n * 5,) for n in range(cycles)]
+    assert bench.rest_cycle(*sways) == REST_LIMIT_NS // MS + 1

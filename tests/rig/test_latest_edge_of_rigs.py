@@ -1,0 +1,62 @@
+"""What a rig says of the arrival of an edge, and the clock of its drives' time stamps."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from bench.rig.arrival import describe_arrival, stamp_clock
+from bench.rig.master import build_link
+from bench.rig.settings import Settings
+from kernel.measuring.latest_edge import StampClock
+
+RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
+SettingsOf = Callable[..., Settings]
+
+
+class Wire:
+    """Takes subscriptions and frames."""
+
+    def subscribe(self, can_id: int, callback: object) -> None: ...
+    def send_message(self, can_id: int, data: bytes) -> None: ...
+
+
+@pytest.mark.parametrize(
+    ("rig", "changes", "told"),
+    [
+        ("probe-z", (), "up to 3.6 ms after that SYNC (update delay 0 SYNCs, PDO taken after 600"),
+        ("probe-z", ("drive:servo.profile=late-status",), "up to 5.6 ms after that SYNC (update 2"),
+        ("probe-z", ("drive:servo.missing_cycles=1",), "up to 1.6 ms"),
+        ("probe-z-latches", (), "up to 6.6 ms"),
+        ("probe-z", (), "no time stamp of the latch is mapped"),
+        ("probe-z-stamps", (), "its time stamp 60D1 decides"),
+        ("probe-z-stamps", ("set:Z.kenngr.measure.edge=NEG",), "its time stamp 60D2 decides"),
+        ("probe-z-stamps", ("set:Z.kenngr.messachse=0",), ""),
+    ],
+)
+def test_check_tells_how_late_a_status_may_be(
+    settings_of: SettingsOf, rig: str, changes: tuple[str, ...], told: str
+) -> None:
+    """(update delay + missing telegrams) periods, and the cycle offset until it is taken."""
+    lines = describe_arrival(settings_of(RIGS / f"{rig}.toml", *changes))
+    assert len(lines) == bool(told)
+    assert all(told.replace("update 2", "update delay 2") in line for line in lines)
+
+
+@pytest.mark.parametrize(("bitrate", "sync_us"), [(1_000_000, 48), (500_000, 96)])
+def test_the_clock_of_a_drive(settings_of: SettingsOf, bitrate: int, sync_us: int) -> None:
+    """A SYNC without data has 44 bits, 4 stuff bits and 3 of intermission."""
+    settings = settings_of(
+        RIGS / "probe-z-latches.toml",
+        "drive:servo.timestamp_unit=us",
+        "drive:servo.timestamp_start=7",
+        f"bus:can1.bitrate={bitrate}",
+    )
+    assert stamp_clock(settings, "Z") == StampClock(1000, 7, sync_us * 1000)
+
+
+def test_a_link_knows_delay_and_clock_of_its_drive(settings_of: SettingsOf) -> None:
+    settings = settings_of(RIGS / "probe-z.toml", "drive:servo.profile=late-status")
+    arrival = build_link(settings, "Z", Wire()).arrival
+    assert (arrival.delay_cycles, arrival.missing_cycles) == (2, 3)
+    assert (arrival.clock, arrival.is_stamped) == (StampClock(1, 0, 48_000), False)
