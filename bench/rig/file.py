@@ -111,10 +111,12 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
 
     profile: name of a set of habits; every key of `bench/drive/profiles.csv` that the rig does not
     give has the profile's value. position_unit_um: length of a position unit on the bus, for drives
-    whose unit is a length; not said = an encoder increment. How it is started: `StartUpKeys`.
+    whose unit is a length; not said = an encoder increment. as_canopen: it stands for the drive of
+    another type that a list names (P-AXIS-00020). How it is started: `StartUpKeys`.
     """
 
     position_unit_um: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    as_canopen: bool = False
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="wrap")

@@ -18,6 +18,7 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import BESIDES, CaseResult, no_values
 from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
+from bench.rig.lists import substituted_in_words
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
@@ -167,6 +168,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         wall_s=wall_s,
         alarms=[alarm.id for alarm in machine.channel.alarms],
         frame_log_sha256=machine.frame_hash.hexdigest(),
+        drive_substituted=substituted_in_words(machine.settings.axis),
         trace=observed.trace,
         events=observed.events(),
         messages=[message.shown for message in machine.messages],
