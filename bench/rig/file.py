@@ -217,7 +217,8 @@ class PlantTable(Table):
     fmu: name of a model of the library, or path of an .fmu beside the rig file. kind: what it is,
     where its variables leave that open. map: role -> variable; false leaves a role out.
     shares: the axis plant whose instance of this FMU this one is a further axis of; suffix: ends
-    the names of the variables of one axis of several (`_1`).
+    the names of the variables of one axis of several (`_1`). stroke_mm: how far a probe may be
+    deflected; breaks: beyond it the probe breaks, which ends the program.
     """
 
     fmu: str
@@ -227,6 +228,8 @@ class PlantTable(Table):
     start: dict[str, StartValue] = Field(default_factory=dict)
     wire: dict[Name, Name] = Field(default_factory=dict)
     map: dict[Name, MapEntry] = Field(default_factory=dict)
+    stroke_mm: Annotated[float, Field(gt=0, le=1000)] | None = None
+    breaks: bool = False
 
 
 class RigFile(Table):

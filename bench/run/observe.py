@@ -282,6 +282,7 @@ class Observed:
                 marks.append(Event(record.signal_ns, "brake", label, None))
             if record.end_ns is not None:
                 marks.append(Event(record.end_ns, "standstill", "measurement run ended", None))
+        marks += [Event(t, "fault", text, None) for t, text in self.machine.deflections.beyond()]
         marks += stop_events(self.stop_runs)
         for name, segment in self.machine.segments.items():
             for time_ns, port, state in segment.state_changes:

@@ -177,6 +177,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *machine.settings.notes,
             *distance_warnings(machine.settings),
             *plant_log(machine.plant),
+            *(text for _, text in machine.deflections.beyond()),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
             *(fault.in_words() for fault in machine.faults),
