@@ -210,8 +210,8 @@ class Machine:
         self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
         self.distance_log = DistanceLog()
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
-        logs = [self.torque_limits, self.distance_log, self.deflections]
-        self.channel.observers += [self.recorder, *logs]
+        self.channel.observers += [self.recorder, self.torque_limits]
+        self.channel.observers += [self.distance_log, self.deflections]
 
     def _build_recorder(self) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}
