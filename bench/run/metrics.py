@@ -13,6 +13,7 @@ from bench.run.distance.metrics import DISTANCE_METRICS
 from bench.run.fixed_stop.metrics import STOP_METRICS
 from bench.run.observation import Observation
 from bench.run.observe import Observed, Touch
+from bench.run.turned import TORQUE, in_newton_metres, turned
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact
 
@@ -39,7 +40,12 @@ def observe(observed: Observed, check: Check) -> Observation:
     hidden = observed.hides(check.definition, check.axis)
     if hidden:
         return Observation(None, note=hidden, is_hidden=True)
-    return _METRICS[check.name](observed, check.axis)
+    refused = turned(observed, check)
+    if refused:
+        return Observation(None, note=refused)
+    metric = check.definition
+    found = _METRICS[metric.linear or metric.name](observed, check.axis)
+    return in_newton_metres(found, observed, check) if metric.unit == TORQUE else found
 
 
 def _printed(observed: Observed, check: Check) -> Observation:

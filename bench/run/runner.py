@@ -29,6 +29,7 @@ from bench.run.distance.told import told
 from bench.run.fixed_stop.marks import as_data
 from bench.run.metrics import observe
 from bench.run.observe import Observed
+from bench.run.turned import turned_trace
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.syntax import Command, Program
@@ -169,7 +170,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         alarms=[alarm.id for alarm in machine.channel.alarms],
         frame_log_sha256=machine.frame_hash.hexdigest(),
         drive_substituted=substituted_in_words(machine.settings.axis),
-        trace=observed.trace,
+        trace=turned_trace(observed),
         events=observed.events(),
         messages=[message.shown for message in machine.messages],
         log=[
