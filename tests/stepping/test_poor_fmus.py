@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -61,6 +62,20 @@ def test_an_uncertainty_stays_the_worst(plant: Make) -> None:
     rest = -SURFACE - v * bend_s  # below 0: so far back
     back_s = bend_s + (v + math.sqrt(v * v - 2 * a * rest)) / a
     assert abs(off_ns - back_s * 1e9) <= 1
+
+
+def test_an_edge_in_a_shorter_step_does_not_better_the_one_before(plant: Make) -> None:
+    """An axis without velocity: the step is the uncertainty, 50 us and then a part of it."""
+    without = ("velocity", "motor_velocity")
+    made = plant(BENT, probe_start={"surface": SURFACE}, without=without, can_save=False)
+    for time_ns in range(MS, 80 * MS + 1, MS):
+        made.advance_to(time_ns)
+        probe = made.probes["probe"]
+        if len(probe.signal.edges) == 1:
+            assert probe.edge_uncertainty_ns == 50 * US
+            probe.slave.can = replace(probe.slave.can, can_save_state=True)
+    assert [level for _, level in probe.signal.edges] == [True, False]
+    assert probe.edge_uncertainty_ns == 50 * US
 
 
 @pytest.mark.parametrize("fine_us", [10, 50, 200])
