@@ -24,6 +24,7 @@ from bench.list_commands import LISTINGS
 from bench.options import (
     CALL_LIMIT_S,
     EXIT_REJECTED,
+    AsCanopenOption,
     BitrateOption,
     BusOption,
     CallTimeoutOption,
@@ -72,11 +73,14 @@ def _to_stderr(text: str) -> None:
     print(text, file=sys.stderr, flush=True)
 
 
-def _inputs(assignments: list[str] | None, is_forced: bool) -> list[str]:
-    """Return the inputs of the command line; `--force` is one of them, so a replay has it too."""
-    from bench.rig.settings import FORCED
+def _inputs(assignments: list[str] | None, is_forced: bool, as_canopen: bool) -> list[str]:
+    """Return the inputs of the command line; what `--force` and `--as-canopen` stand for is among
+    them, so a replay has it too.
+    """
+    from bench.rig.settings import AS_CANOPEN, FORCED
 
-    return [*(assignments or []), *([FORCED] if is_forced else [])]
+    said = [*([FORCED] if is_forced else []), *([AS_CANOPEN] if as_canopen else [])]
+    return [*(assignments or []), *said]
 
 
 def _logs(path: Path | None) -> list[Path]:
@@ -104,6 +108,7 @@ def run(
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
     is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
     interface: InterfaceOption = None,
     channel: ChannelOption = None,
     options: BusOption = None,
@@ -130,7 +135,7 @@ def run(
         select=select,
         jobs=jobs,
         timeout_s=timeout_s,
-        assignments=_inputs(assignments, is_forced),
+        assignments=_inputs(assignments, is_forced, as_canopen),
         command=["axisrig", *sys.argv[1:]],
         started=datetime.now(UTC).isoformat(timespec="seconds"),
         stopwatch=time.perf_counter,
@@ -182,6 +187,7 @@ def nc(
     call_limit_s: CallTimeoutOption = None,
     assignments: SetOption = None,
     is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
     interface: InterfaceOption = None,
     channel: ChannelOption = None,
     options: BusOption = None,
@@ -207,7 +213,7 @@ def nc(
     inputs = (
         program,
         rig,
-        _inputs(assignments, is_forced),
+        _inputs(assignments, is_forced, as_canopen),
         _logs(bus_log),
         partial(print, flush=True),
     )
@@ -281,13 +287,14 @@ def check(
     is_isolated: IsolateOption = False,
     call_limit_s: CallTimeoutOption = None,
     is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
     from bench.run.apart import do_apart
     from bench.run.campaign import check_file
 
     for file in files:
-        what = (file, _inputs(None, is_forced))
+        what = (file, _inputs(None, is_forced, as_canopen))
         if is_isolated or call_limit_s:
             print(do_apart(check_file, *what, file=file, call_limit_s=call_limit_s or CALL_LIMIT_S))
         else:

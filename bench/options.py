@@ -30,6 +30,13 @@ ForceOption = Annotated[
         "--force", help="Run although a cycle does not fit on its bus, and report the overload."
     ),
 ]
+AsCanopenOption = Annotated[
+    bool,
+    typer.Option(
+        "--as-canopen",
+        help="Run drives of other types (P-AXIS-00020) on CANopen drives, and say so.",
+    ),
+]
 IsolateOption = Annotated[
     bool,
     typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),

@@ -6,7 +6,8 @@ Equal result folders give equal bytes: the page holds no clock and no path of th
 import math
 import re
 import shlex
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from decimal import Decimal
 from importlib import resources
@@ -99,12 +100,19 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
         "axisrig": manifest.get("axisrig"),
         "Python": manifest.get("python"),
         "platform": manifest.get("platform"),
+        "CANopen drive in place of": "; ".join(_substituted(runs)),
         "rigs": ", ".join(dict.fromkeys(run.case.get("rig", "") for run in runs)),
         "simulated": _time_of([run for run in runs if not run.info.get("real_time")]),
         "on a real bus": _time_of([run for run in runs if run.info.get("real_time")]),
         "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
     }
     return [(name, str(value)) for name, value in facts.items() if value]
+
+
+def _substituted(runs: Sequence[StoredRun]) -> list[str]:
+    """What drives stood for that the lists do not name, and in how many runs."""
+    told = Counter(run.case["drive_substituted"] for run in runs if run.case["drive_substituted"])
+    return [f"{text} ({count} run{'s' if count > 1 else ''})" for text, count in told.items()]
 
 
 def _time_of(runs: list[StoredRun]) -> str:
@@ -131,13 +139,17 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         controls = sections(info, trace, told)
     description, packed = ({}, "") if trace is None else chart(trace, info)
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
+    replaced = case["drive_substituted"]
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
         "id": run.run,
         "case": run.run.removeprefix(f"{case['plan']}-"),
         "verdict": _verdict(run.verdict),
         "title": case.get("title", ""),
-        "about": [(n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)],
+        "about": [
+            *((n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)),
+            *([("CANopen drive in place of", replaced)] if replaced else []),
+        ],
         "inputs": inputs,
         "seed": case["seed"],
         "clock": "ran" if info.get("real_time") else "simulated",

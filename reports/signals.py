@@ -96,7 +96,7 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
     if stops:
         description["opens"] = len(stop_signals.windows(stops[:-1]))
         description["bands"] = stop_signals.bands(stops)
-        description["ranges"] = {"change": stop_signals.ranges(stops)}
+        description["ranges"] = stop_signals.ranges(stops)
     return description, pack(parts)
 
 
@@ -178,7 +178,7 @@ def _first_axis(
         axis: float(np.ptp(content.column(name).to_numpy()))
         for axis in axes
         for name in content.column_names
-        if name == f"{axis}.actual_mm"
+        if name in (f"{axis}.actual_mm", f"{axis}.actual_deg")
     }
     return max(travel, key=lambda axis: travel[axis]) if travel else next(iter(axes), None)
 

@@ -4,7 +4,7 @@ import csv
 import math
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from functools import cache
 from importlib import resources
@@ -42,6 +42,7 @@ class Metric:
         or "bus" when only a simulated one can tell it; empty when the kernel can.
     judged: of several measurement runs the "last" (of the axis, where one is named) or the worst
         of "every" one; empty: the whole program. words: all that a text can be; empty: any.
+    linear: of a metric of `rotary_metrics.csv`, the one that tells the same of linear axes.
     """
 
     name: str
@@ -54,13 +55,35 @@ class Metric:
     words: str
     meaning: str
     source: str
+    linear: str = ""
 
 
 @cache
 def known_metrics() -> Mapping[str, Metric]:
-    """Read `metrics.csv`, keyed by name."""
-    text = resources.files(__package__).joinpath("metrics.csv").read_text(encoding="utf-8")
-    return {row["name"]: Metric(**row) for row in csv.DictReader(text.splitlines())}
+    """Read `metrics.csv`, with the twins for rotary axes of `rotary_metrics.csv`, keyed by name."""
+    known = {row["name"]: Metric(**row) for row in _table("metrics.csv")}
+    for row in _table("rotary_metrics.csv"):
+        own = known[row["metric"]]
+        known[row["name"]] = replace(
+            own,
+            name=row["name"],
+            unit=row["unit"],
+            plot=row["plot"],
+            meaning=f"{own.name} of a rotary axis: {own.meaning}",
+            linear=own.name,
+        )
+    return known
+
+
+def rotary_twin(metric: str) -> str | None:
+    """Return the metric that tells of rotary axes what another one tells of linear ones."""
+    known = known_metrics().values()
+    return next((twin.name for twin in known if twin.linear == metric), None)
+
+
+def _table(name: str) -> list[dict[str, str]]:
+    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
 
 
 @dataclass(frozen=True)

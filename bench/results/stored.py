@@ -16,7 +16,7 @@ RESULT_COLUMNS = (
 )
 CASE_COLUMNS = (
     *("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed"),
-    *("alarms", "frame_log_sha256"),
+    *("alarms", "frame_log_sha256", "drive_substituted"),
 )
 
 

@@ -71,6 +71,7 @@ class CaseResult:
     messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
     error: why the run ended in `error` or `aborted`.
     real_time: how well real time was kept (`bench.bus.deadlines`), None in simulated time.
+    drive_substituted: axes whose lists name another drive than the CANopen one they ran on.
     fixed_stop: the runs to a fixed stop beside their oracle (`bench.run.fixed_stop.marks`).
     distance: the distance controls beside their closed forms (`bench.run.distance.told`).
     """
@@ -82,6 +83,7 @@ class CaseResult:
     wall_s: float = 0.0
     alarms: list[int] = field(default_factory=list)
     frame_log_sha256: str = ""
+    drive_substituted: str = ""
     trace: pa.Table | None = None
     events: list[Event] = field(default_factory=list)
     messages: list[str] = field(default_factory=list)
@@ -126,6 +128,7 @@ class ResultsWriter:
             dict.fromkeys(c for plan in plans for c in plan.columns if _is_carried(c))
         )
         self._written: set[str] = set()
+        self._substituted: dict[str, str] = {}
         self._manifest = dict(manifest)
         _clear(folder)
         for name in _FOLDERS:
@@ -171,6 +174,8 @@ class ResultsWriter:
         # The rows come last: a row in cases.csv says that everything else of the run is there.
         self._append("results.csv", [_check_row(case, item) for item in checks])
         self._append("cases.csv", [self._case_row(result, verdict)])
+        if result.drive_substituted:
+            self._substituted[case.run] = result.drive_substituted
 
     def close(self) -> None:
         """Put the rows into plan order, write junit.xml, and finish the manifest.
@@ -206,6 +211,7 @@ class ResultsWriter:
             str(case.seed),
             value_text(result.alarms),
             result.frame_log_sha256,
+            result.drive_substituted,
             *(own.get(column, "") for column in self._carried),
         ]
 
@@ -228,6 +234,7 @@ class ResultsWriter:
         state = {
             "runs_planned": len(self._order),
             "finished": len(self._written) == len(self._order),
+            "drive_substituted": self._substituted,
         }
         _write_json(self.folder / "manifest.json", {**self._manifest, **state})
 

@@ -8,7 +8,7 @@ from bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arit
 from bench.drive.profiles import DEFAULT_PROFILE
 from bench.rig.blame import blamed
 from bench.rig.file import LOAD, DriveTable, rig_error
-from bench.rig.lists import check_numbers, drive_input
+from bench.rig.lists import check_drive_types, check_numbers, drive_input
 from bench.rig.outside import check_outside, is_real
 from bench.rig.settings import Settings
 from bench.rig.startup import drive_dictionary, drive_steps
@@ -281,6 +281,7 @@ def _check_rig(settings: Settings) -> None:
     _check_nodes(settings)
     _check_names(settings)
     check_numbers(settings.axis)
+    check_drive_types(settings.rig, settings.axis)
     check_outside(settings)
     _check_drives(settings)
     _check_latches(settings)

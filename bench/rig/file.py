@@ -111,10 +111,12 @@ class DriveTable(_HabitTable):  # type: ignore[misc]
 
     profile: name of a set of habits; every key of `bench/drive/profiles.csv` that the rig does not
     give has the profile's value. position_unit_um: length of a position unit on the bus, for drives
-    whose unit is a length; not said = an encoder increment. How it is started: `StartUpKeys`.
+    whose unit is a length; not said = an encoder increment. as_canopen: it stands for the drive of
+    another type that a list names (P-AXIS-00020). How it is started: `StartUpKeys`.
     """
 
     position_unit_um: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    as_canopen: bool = False
     _given: dict[str, Any] = PrivateAttr(default_factory=dict)
 
     @model_validator(mode="wrap")
@@ -215,7 +217,8 @@ class PlantTable(Table):
     fmu: name of a model of the library, or path of an .fmu beside the rig file. kind: what it is,
     where its variables leave that open. map: role -> variable; false leaves a role out.
     shares: the axis plant whose instance of this FMU this one is a further axis of; suffix: ends
-    the names of the variables of one axis of several (`_1`).
+    the names of the variables of one axis of several (`_1`). stroke_mm: how far a probe may be
+    deflected; breaks: beyond it the probe breaks, which ends the program.
     """
 
     fmu: str
@@ -225,6 +228,8 @@ class PlantTable(Table):
     start: dict[str, StartValue] = Field(default_factory=dict)
     wire: dict[Name, Name] = Field(default_factory=dict)
     map: dict[Name, MapEntry] = Field(default_factory=dict)
+    stroke_mm: Annotated[float, Field(gt=0, le=1000)] | None = None
+    breaks: bool = False
 
 
 class RigFile(Table):

@@ -1,6 +1,6 @@
 """The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from bench.rig.file import RigFile, rig_error
@@ -11,6 +11,7 @@ from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
 from kernel.nc.coordinates.tables import Lists
 from kernel.parameters import ParameterSet, read_list, start_up, written
 from kernel.parameters.lists import NEXT_AXIS
+from kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type
 
 # Keys of `[channel]` and targets of `set:` columns -> the lists they stand for
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
@@ -85,6 +86,37 @@ def check_numbers(axes: dict[str, ParameterSet]) -> None:
                 value=number,
             )
         seen[number] = name
+
+
+def substituted(axes: Mapping[str, ParameterSet]) -> dict[str, str]:
+    """Return the axes whose lists name no CANopen drive (P-AXIS-00020), each with the type."""
+    types = {name: drive_type(parameters) for name, parameters in axes.items()}
+    return {name: f"{word} ({code})" for name, (code, word) in types.items() if code != CANOPEN}
+
+
+def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
+    """Tell which axes run on a CANopen drive though their lists name another; empty for none."""
+    return ", ".join(f"{name}: {word}" for name, word in substituted(axes).items())
+
+
+def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
+    """Refuse a drive type that is not simulated, unless the rig lets a CANopen drive stand for it.
+
+    Raises UserError with file and line of the setting.
+    """
+    for name, word in substituted(axes).items():
+        if rig.drive[rig.axis[name].drive].as_canopen:
+            continue
+        place = axes[name].origin(DRIVE_TYPE)
+        assert place is not None, "the default is CANopen"
+        raise place.error(
+            f"axis {name} has a drive of the type {word} (P-AXIS-00020): only CANopen drives run"
+            " here",
+            value=axes[name].get(DRIVE_TYPE),
+            allowed=f"{CANOPEN}, or not said",
+            hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"
+            " does as_canopen = true of its [drive.D]; the results show it",
+        )
 
 
 def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[str]:

@@ -16,6 +16,7 @@ from bench.bus.outside import OutsideSegment
 from bench.bus.paced import PacedScheduler
 from bench.bus.record import FrameHash
 from bench.rig.check import check_rig, segment_schedules
+from bench.rig.deflection import DeflectionLog
 from bench.rig.distance.log import DistanceLog
 from bench.rig.distance.telegrams import TelegramLog
 from bench.rig.injection import inject
@@ -121,11 +122,7 @@ class Machine:
             self.channel = self._build_channel()
             self._connect_plc_sensors()
             self._inject_faults(seed)
-            self.recorder = self._build_recorder()
-            self.channel.observers.append(self.recorder)
-            self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
-            self.distance_log = DistanceLog()
-            self.channel.observers += [self.torque_limits, self.distance_log]
+            self._observe()
             self._interpreter = self._build_interpreter(program)
             self.channel.load(self._noted(self._interpreter.commands()))
             guard.pop_all()
@@ -206,6 +203,15 @@ class Machine:
 
     def _note_state(self, axis: str, state: State) -> None:
         self.drive_states.append((self.scheduler.now_ns, axis, state))
+
+    def _observe(self) -> None:
+        """Build what looks at every cycle and keeps what the run leaves behind."""
+        self.recorder = self._build_recorder()
+        self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
+        self.distance_log = DistanceLog()
+        self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
+        self.channel.observers += [self.recorder, self.torque_limits]
+        self.channel.observers += [self.distance_log, self.deflections]
 
     def _build_recorder(self) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}

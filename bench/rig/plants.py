@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Literal
 
 from bench.rig.check import check_rig
+from bench.rig.deflection import check_strokes
 from bench.rig.file import LOAD, MapTable, PlantTable, rig_error
 from bench.rig.outside import outside_axes, simulated_plants
 from bench.rig.settings import Settings
@@ -313,6 +314,7 @@ def check_plants(settings: Settings, plant: Plant) -> None:
     Raises UserError with file, line and key of the rig.
     """
     outside = outside_axes(settings)
+    check_strokes(settings, plant.probes)
     for variable, entry in settings.rig.plc.items():
         if entry.sensor not in plant.distances:
             raise rig_error(

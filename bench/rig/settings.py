@@ -4,7 +4,7 @@
 a wrong value is told with the place where it was written.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -34,11 +34,14 @@ from kernel.parameters import Origin, ParameterSet
 PER_MILLE = 1000
 SIMULATED_LIMIT_NS = 600 * S
 
-EVERY_SEGMENT = "all"
-"""Stands for all segments in a `bus:` column."""
+EVERY_ONE = "all"
+"""Stands for all segments in a `bus:` column, for all drives in a `drive:` column."""
 
-FORCED = f"bus:{EVERY_SEGMENT}.overload=run"
+FORCED = f"bus:{EVERY_ONE}.overload=run"
 """The assignment that `--force` stands for."""
+
+AS_CANOPEN = f"drive:{EVERY_ONE}.as_canopen=true"
+"""The assignment that `--as-canopen` stands for."""
 
 Located = Callable[[UserError, Assignment], UserError]
 """Turns an error of an assignment into one that names the place it was written at."""
@@ -145,10 +148,11 @@ class Settings:
         self.start.setdefault(item.target, []).append((item, located))
 
     def _drive(self, item: Assignment, _located: Located) -> None:
-        drives = self.rig.drive
-        if item.target not in drives:
-            raise UserError("the rig has no such drive", value=item.target, allowed=drives)
-        fields = DriveTable.model_fields
+        for name in _meant(item, "drive", self.rig.drive):
+            self._drive_key(name, item)
+
+    def _drive_key(self, name: str, item: Assignment) -> None:
+        drives, fields = self.rig.drive, DriveTable.model_fields
         if item.name not in fields:
             raise UserError(
                 "a drive has no such key",
@@ -157,20 +161,16 @@ class Settings:
             )
         value = value_of(item.name, item.value)
         try:
-            table = drives[item.target].changed(item.name, value)
+            table = drives[name].changed(item.name, value)
         except ValidationError as error:
             raise UserError(
                 f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
             ) from error
-        self.rig = self.rig.model_copy(update={"drive": {**drives, item.target: table}})
+        self.rig = self.rig.model_copy(update={"drive": {**drives, name: table}})
 
     def _bus(self, item: Assignment, _located: Located) -> None:
-        known = [*self.segment, EVERY_SEGMENT]
-        if item.target not in known:
-            raise UserError("the rig has no such segment", value=item.target, allowed=known)
-        one = item.target in self.segment
-        for segment in [item.target] if one else list(self.segment):
-            self._bus_key(segment, item)
+        for name in _meant(item, "segment", self.segment):
+            self._bus_key(name, item)
 
     def _bus_key(self, segment: str, item: Assignment) -> None:
         fields = SegmentTable.model_fields
@@ -218,6 +218,15 @@ class Settings:
 
     def _fault(self, item: Assignment, _located: Located) -> None:
         self.faults += read_faults(item.name, item.value, self.rig)
+
+
+def _meant(item: Assignment, what: str, known: Iterable[str]) -> list[str]:
+    """Return the names that an assignment is about; one that is called `all` is just itself."""
+    names = list(known)
+    if item.target not in (*names, EVERY_ONE):
+        allowed = [*names, EVERY_ONE]
+        raise UserError(f"the rig has no such {what}", value=item.target, allowed=allowed)
+    return [item.target] if item.target in names else names
 
 
 def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigned]) -> Settings:

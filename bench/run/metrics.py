@@ -13,6 +13,7 @@ from bench.run.distance.metrics import DISTANCE_METRICS
 from bench.run.fixed_stop.metrics import STOP_METRICS
 from bench.run.observation import Observation
 from bench.run.observe import Observed, Touch
+from bench.run.turned import TORQUE, in_newton_metres, turned
 from kernel.clock import TimeNs
 from kernel.cosim.probe import Contact
 
@@ -22,6 +23,8 @@ INSTANT_NS = 1.0
 # docs/architecture.md
 HERMITE, ACCELERATION_JUMP_MM_S2 = 0.0162, 1000.0
 REST = "lag and v/Kv that are left at the end of the run"
+BETWEEN = "speed at the farthest cycle times half a cycle"
+NO_CONTACTS = "the FMU of the probe tells no contact (contact_count in docs/rigs.md)"
 
 
 MetricFunction = Callable[[Observed, str | None], Observation]
@@ -37,7 +40,12 @@ def observe(observed: Observed, check: Check) -> Observation:
     hidden = observed.hides(check.definition, check.axis)
     if hidden:
         return Observation(None, note=hidden, is_hidden=True)
-    return _METRICS[check.name](observed, check.axis)
+    refused = turned(observed, check)
+    if refused:
+        return Observation(None, note=refused)
+    metric = check.definition
+    found = _METRICS[metric.linear or metric.name](observed, check.axis)
+    return in_newton_metres(found, observed, check) if metric.unit == TORQUE else found
 
 
 def _printed(observed: Observed, check: Check) -> Observation:
@@ -87,7 +95,7 @@ def _of_contact(
         if touch.contact is None:
             note = f"the {touch.what} met nothing during the measurement run"
             if not touch.tells_contacts:
-                note = "the FMU of the probe tells no contact (contact_count in docs/rigs.md)"
+                note = NO_CONTACTS
             return Observation(None, note=note)
         return function(observed, touch, touch.contact, axis)
 
@@ -170,6 +178,23 @@ def _largest(column: str) -> MetricFunction:
 _METRICS["lag_mm_max"] = _largest("cnc_lag_mm")
 _METRICS["drive_lag_mm_max"] = _largest("drive_lag_peak_mm")
 _METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")
+
+
+@_of_program
+def probe_deflection_mm_max(observed: Observed, axis: str | None) -> Observation:
+    """Largest deflection of the probes, of one axis or of all, in any contact of the program."""
+    tables = observed.machine.settings.rig.axis
+    wired = [name for a in ([axis] if axis else tables) for name in tables[a].signals.values()]
+    probes = [name for name in observed.machine.plant.probes if name in wired]
+    if not probes:
+        return Observation(None, note="no probe is wired to the axis")
+    found = observed.machine.deflections.of(probes)
+    if found is None:
+        return Observation(None, note=NO_CONTACTS)
+    if not found:
+        return Observation(0.0, note="the probe touched nothing")
+    largest = max(found, key=lambda deflection: deflection.mm)
+    return Observation(largest.mm, largest.doubt_mm, f"{largest.probe}: {BETWEEN}")
 
 
 # The last measurement run

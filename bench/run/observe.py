@@ -11,6 +11,7 @@ from bench.bus.confinement import ErrorState
 from bench.plan.checks import Metric
 from bench.results.writer import BESIDES, WARNING, Event
 from bench.rig.machine import Machine
+from bench.rig.rotary import is_rotary, torque_arm_m
 from bench.run.bus_figures import BusFigures, bus_figures
 from bench.run.distance.told import distance_events
 from bench.run.distance.truth import DistanceTruth
@@ -199,6 +200,21 @@ class Observed:
         }
         return max(travels, key=lambda axis: travels[axis])
 
+    def about(self, metric: Metric, axis: str | None) -> list[str]:
+        """Return the axes that a metric is about, the axis it names or those of what it judges."""
+        records = self.machine.channel.records
+        judged = {"every": records, "last": records[-1:]}.get(metric.judged, [])
+        named = [axis] if axis else [name for record in judged for name in record.axes]
+        return list(dict.fromkeys(named)) or list(self.machine.links)
+
+    def is_rotary(self, axis: str) -> bool:
+        """Whether the positions of an axis are degrees."""
+        return is_rotary(self.machine.settings, axis)
+
+    def torque_arm_m(self, axis: str) -> float | None:
+        """Return what makes torques (N.m) of the forces (N) at a rotary axis, None for none."""
+        return torque_arm_m(self.machine.settings, axis)
+
     def hides(self, metric: Metric, axis: str | None) -> str:
         """Say why a value cannot be known here, empty when it can.
 
@@ -207,11 +223,7 @@ class Observed:
         needs = metric.needs
         if needs == "bus" and self.machine.real_time() is not None:
             return "a bus is real: what happens on its wire is not seen here"
-        records = self.machine.channel.records
-        judged = records if metric.judged == "every" else records[-1:]
-        about = [axis] if axis else [name for record in judged for name in record.axes]
-        about = list(dict.fromkeys(about)) or list(self.machine.links)
-        away = [name for name in about if name in self.machine.outside]
+        away = [name for name in self.about(metric, axis) if name in self.machine.outside]
         if needs == "plant" and away:
             return f"the drive of axis {' '.join(away)} stands outside: no plant tells the truth"
         return ""
@@ -282,6 +294,7 @@ class Observed:
                 marks.append(Event(record.signal_ns, "brake", label, None))
             if record.end_ns is not None:
                 marks.append(Event(record.end_ns, "standstill", "measurement run ended", None))
+        marks += [Event(t, "fault", text, None) for t, text in self.machine.deflections.beyond()]
         marks += stop_events(self.stop_runs)
         for name, segment in self.machine.segments.items():
             for time_ns, port, state in segment.state_changes:

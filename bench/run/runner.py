@@ -18,6 +18,7 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import BESIDES, CaseResult, no_values
 from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
+from bench.rig.lists import substituted_in_words
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
@@ -28,6 +29,7 @@ from bench.run.distance.told import told
 from bench.run.fixed_stop.marks import as_data
 from bench.run.metrics import observe
 from bench.run.observe import Observed
+from bench.run.turned import turned_trace
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
 from kernel.nc.syntax import Command, Program
@@ -167,7 +169,8 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         wall_s=wall_s,
         alarms=[alarm.id for alarm in machine.channel.alarms],
         frame_log_sha256=machine.frame_hash.hexdigest(),
-        trace=observed.trace,
+        drive_substituted=substituted_in_words(machine.settings.axis),
+        trace=turned_trace(observed),
         events=observed.events(),
         messages=[message.shown for message in machine.messages],
         log=[
@@ -175,6 +178,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *machine.settings.notes,
             *distance_warnings(machine.settings),
             *plant_log(machine.plant),
+            *(text for _, text in machine.deflections.beyond()),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
             *(fault.in_words() for fault in machine.faults),

@@ -88,6 +88,7 @@ def run_program(
         for name, text in overloads(settings).items()
     ]
     notes += [Ended(text, False) for text in plant_log(machine.plant)]
+    notes += [Ended(text, False) for _, text in machine.deflections.beyond()]
     notes += [Ended(text, False) for text in in_words(machine.real_time())]
     notes += [Ended(text, False) for text in plc_log(machine)]
     ended = [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]

@@ -18,10 +18,11 @@ DRIVE_TYPES = {
     1: "conventional", 2: "SERCOS", 3: "PROFIDRIVE MC", 4: "simulation", 5: "Lightbus",
     6: "terminal", 7: "RT-Ethernet", 8: "CANopen", 16: "virtual", 32: "CAN",
 }  # fmt: skip
-SERCOS = 2
-WITH_DISTANCE_CONTROL = (SERCOS, 3, 8)  # FCT-M3 2
+SERCOS, CANOPEN = 2, 8
+DRIVE_TYPE = "kenngr.antr_typ"
+WITH_DISTANCE_CONTROL = (SERCOS, 3, CANOPEN)  # FCT-M3 2
 WITH_EDGE_BANDING_INPUT = (SERCOS, 3)  # P-AXIS-00539
-WITH_TWO_INPUTS = (SERCOS, 3, 8)  # FCT-C4 8.2.2, P-AXIS-00517
+WITH_TWO_INPUTS = (SERCOS, 3, CANOPEN)  # FCT-C4 8.2.2, P-AXIS-00517
 
 SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
 NO_BIT, REALTIME_BITS = -1, (6, 7)
@@ -89,8 +90,9 @@ def _warning(item: Corrected, owner: str, name: str) -> Alarm:
     return Alarm(item.alarm_id, owner=owner, axis=name, place=item.origin.short, **values)
 
 
-def _drive_type(parameters: ParameterSet) -> tuple[int, str]:
-    number = parameters.integer("kenngr.antr_typ")
+def drive_type(parameters: ParameterSet) -> tuple[int, str]:
+    """Return number and word of the drive type of an axis (P-AXIS-00020)."""
+    number = parameters.integer(DRIVE_TYPE)
     return number, DRIVE_TYPES.get(number, str(number))
 
 
@@ -109,7 +111,7 @@ def _check_input(parameters: ParameterSet) -> None:
 
 
 def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
-    number, drive = _drive_type(parameters)
+    number, drive = drive_type(parameters)
     on = "lr_param.distance_control_on"
     if parameters.flag(on) and number not in WITH_DISTANCE_CONTROL:
         parameters.correct(on, False)

@@ -10,8 +10,15 @@ import pyarrow as pa
 
 from reports.fixed_stop.timeline import Span, span_of
 
-CHANGE = "change_um"
+CHANGE, CHANGE_TURNED = "change_um", "change_mdeg"
 """Suffix of the column that this module adds: way of an axis within the minimum time."""
+
+# Columns and plots of a linear axis, and those of a rotary one
+_TURNED = {
+    **{"cnc_lag_mm": "cnc_lag_deg", "truth_mm": "truth_deg", "stop_mm": "stop_deg"},
+    **{"stop_force_n": "stop_torque_nm", "actual_mm": "actual_deg", "set_mm": "set_deg"},
+    **{"lag": "angular_lag", "change": "turned", "position": "angle", CHANGE: CHANGE_TURNED},
+}
 
 _NS_PER_MS = 1e6
 _CHANGE_SHOWN = 5.0
@@ -49,14 +56,25 @@ def stops_of(info: Mapping[str, Any], columns: Sequence[str]) -> list[Stop]:
             **dict.fromkeys(("values", "notes"), ()),
             "prediction": "",
             "broken_contacts": {},
+            "rotary": {},
             **stop,
             "signals": {
-                axis: {name: f"{axis}.{name}" for name in _SIGNALS if f"{axis}.{name}" in columns}
+                axis: {
+                    name: column
+                    for name in _SIGNALS
+                    for column in (f"{axis}.{name}", f"{axis}.{_TURNED[name]}")
+                    if column in columns
+                }
                 for axis in dict.fromkeys((*stop["axes"], *stop["watched"]))
             },
         }
         for stop in info.get("fixed_stop") or ()
     ]
+
+
+def of_axis(stop: Stop, axis: str, name: str) -> str:
+    """Return the column or plot of an axis, as a linear or a rotary one has it."""
+    return _TURNED[name] if axis in stop["rotary"] else name
 
 
 def mark(stop: Stop, key: str, axis: str | None = None) -> int | None:
@@ -123,11 +141,13 @@ def with_changes(trace: pa.Table, stops: Sequence[Stop]) -> pa.Table:
     added: dict[str, Signal] = {}
     for stop in stops:
         for axis, limits in stop["limits"].items():
-            actual = f"{axis}.actual_mm"
+            actual = f"{axis}.{of_axis(stop, axis, 'actual_mm')}"
             if limits["window_mm"] is None or actual not in trace.column_names:
                 continue
             inside = (times >= stop["begin_ns"]) & (times <= stop["end_ns"])
-            column = added.setdefault(f"{axis}.{CHANGE}", np.full(len(times), np.nan))
+            column = added.setdefault(
+                f"{axis}.{of_axis(stop, axis, CHANGE)}", np.full(len(times), np.nan)
+            )
             change = _change_um(times, trace.column(actual).to_numpy(), limits["min_time_ms"])
             column[inside] = change[inside]
     for name, values in added.items():
@@ -160,7 +180,8 @@ def shortfall(trace: pa.Table | None, stop: Stop, axis: str) -> Shortfall:
         if limits["lag_limit_mm"] is not None:
             over = np.abs(lag[inside]) > limits["lag_limit_mm"]
             beyond = _longest_ms(times[inside], over)
-    way, lead = _column(trace, f"{axis}.{CHANGE}"), _column(trace, f"{axis}.set_mm")
+    way = _column(trace, f"{axis}.{of_axis(stop, axis, CHANGE)}")
+    lead = _column(trace, f"{axis}.{of_axis(stop, axis, 'set_mm')}")
     if way is not None and lead is not None:
         moving = inside & (np.diff(lead, prepend=lead[:1]) != 0.0) & np.isfinite(way)
         change = float(way[moving].min()) if moving.any() else None
@@ -216,15 +237,22 @@ def limits(trace: pa.Table, stops: Sequence[Stop]) -> list[dict[str, Any]]:
             names = stop["signals"].get(axis, {})
             lag, way = told["lag_limit_mm"], told["window_mm"]
             if lag is not None:
-                found.append(_limit("lag", axis, _sign(trace, stop, axis) * lag, "L"))
+                found.append(
+                    _limit(of_axis(stop, axis, "lag"), axis, _sign(trace, stop, axis) * lag, "L")
+                )
             if way is not None:
-                found.append(_limit("change", axis, 1000.0 * way, "W"))
+                found.append(_limit(of_axis(stop, axis, "change"), axis, 1000.0 * way, "W"))
             place = value_at(trace, names.get("truth_mm"), mark(stop, "contact", axis))
             if place is not None and not names.get("stop_mm"):
-                found.append(_limit("position", axis, round(place, 4), "contact at"))
+                found.append(
+                    _limit(of_axis(stop, axis, "position"), axis, round(place, 4), "contact at")
+                )
             force = told.get("force_limit_n")
             if force is not None:
                 found.append(_limit("force", axis, round(force, 1), "torque limit"))
+            torque = told.get("torque_limit_nm")
+            if torque is not None:
+                found.append(_limit("torque", axis, round(torque, 3), "torque limit"))
     return [limit for i, limit in enumerate(found) if limit not in found[:i]]
 
 
@@ -242,15 +270,15 @@ def _sign(trace: pa.Table, stop: Stop, axis: str) -> float:
     return float(np.sign(lag[inside][np.nanargmax(np.abs(lag[inside]))])) or 1.0
 
 
-def ranges(stops: Sequence[Stop]) -> dict[str, list[float]]:
-    """What the plot of the way within the minimum time shows per axis, in um."""
-    tops = {
-        axis: _CHANGE_SHOWN * 1000.0 * told["window_mm"]
-        for stop in stops
-        for axis, told in stop["limits"].items()
-        if told["window_mm"]
-    }
-    return {axis: [0.0, top] for axis, top in tops.items()}
+def ranges(stops: Sequence[Stop]) -> dict[str, dict[str, list[float]]]:
+    """What the plots of the way within the minimum time show per axis, in um (mdeg)."""
+    tops: dict[str, dict[str, list[float]]] = {}
+    for stop in stops:
+        for axis, told in stop["limits"].items():
+            if told["window_mm"]:
+                top = _CHANGE_SHOWN * 1000.0 * told["window_mm"]
+                tops.setdefault(of_axis(stop, axis, "change"), {})[axis] = [0.0, top]
+    return tops
 
 
 def bands(stops: Sequence[Stop]) -> list[dict[str, Any]]:

@@ -1,6 +1,6 @@
 """A run to a fixed stop in words: why it was found here, whether that is true, what it pressed."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import pyarrow as pa
@@ -75,12 +75,12 @@ def _why(stop: Stop) -> str:
     if limits is None:
         return f"{axis}: {decided['criterion']}"
     tau = f"{limits['min_time_ms']:g} ms"
-    lag, window = limits["lag_limit_mm"], limits["window_mm"]
+    lag, window, way = limits["lag_limit_mm"], limits["window_mm"], _way_of(stop, axis)
     told = []
     if lag is not None:
-        told.append(f"lag beyond {length(lag)} for {tau}")
+        told.append(f"lag beyond {way(lag)} for {tau}")
     if window is not None:
-        told.append(f"moved no more than {length(window)} in {tau}")
+        told.append(f"moved no more than {way(window)} in {tau}")
     text = f"{axis}: " + " and ".join(told)
     beyond, still = mark(stop, "beyond", axis), mark(stop, "window", axis)
     if len(told) == 2 and beyond is not None and still is not None:
@@ -93,32 +93,34 @@ def _missing(stop: Stop, trace: pa.Table | None) -> list[tuple[str, str]]:
     """How far each watched axis came towards its criteria."""
     if mark(stop, "armed") is None:
         ways = {limits["arming_mm"] for limits in stop["limits"].values()} - {None}
-        words = " or ".join(length(way) for way in sorted(ways)) or "their part"
+        way = _way_of(stop, stop["main_axis"])
+        words = " or ".join(way(each) for each in sorted(ways)) or "their part"
         return [("what was missing", f"the criteria are armed after {words} of the path only")]
     texts = [
-        f"{axis}: " + _short_of(stop["limits"][axis], shortfall(trace, stop, axis))
+        f"{axis}: "
+        + _short_of(stop["limits"][axis], shortfall(trace, stop, axis), _way_of(stop, axis))
         for axis in stop["watched"]
         if axis in stop["limits"]
     ]
     return [("what was missing", "; ".join(texts))]
 
 
-def _short_of(limits: Mapping[str, Any], seen: Shortfall) -> str:
-    """How far one axis came; both criteria off is told as such."""
+def _short_of(limits: Mapping[str, Any], seen: Shortfall, way: Callable[[float], str]) -> str:
+    """How far one axis came; both criteria off is told as such. way: writes one of the axis."""
     lag, window, tau = limits["lag_limit_mm"], limits["window_mm"], limits["min_time_ms"]
     told = []
     if lag is not None:
-        text = f"lag limit {length(lag)}"
+        text = f"lag limit {way(lag)}"
         if seen.largest_lag_mm is not None:
-            text = f"largest lag {length(seen.largest_lag_mm)} of {length(lag)}"
+            text = f"largest lag {way(seen.largest_lag_mm)} of {way(lag)}"
         if seen.beyond_ms:
             text += f", beyond it for {seen.beyond_ms:g} of {tau:g} ms"
         told.append(text)
     if window is not None:
-        text = f"window {length(window)}"
+        text = f"window {way(window)}"
         if seen.change_um is not None:
-            moved = length(seen.change_um / 1000.0)
-            text = f"moved {moved} or more in {tau:g} ms, window {length(window)}"
+            moved = way(seen.change_um / 1000.0)
+            text = f"moved {moved} or more in {tau:g} ms, window {way(window)}"
         told.append(text)
     return ", ".join(told) or "both criteria are off"
 
@@ -165,8 +167,8 @@ def _pressed(stop: Stop, trace: pa.Table | None) -> str:
             texts.append(f"{axis}: nothing")
         elif most is not None or last is not None:
             parts = [
-                *([f"at most {most:.4g} N"] if most is not None else []),
-                *([f"{last:.4g} N at the end"] if last is not None else []),
+                *([f"at most {most:.4g} {_unit(stop, axis)}"] if most is not None else []),
+                *([f"{last:.4g} {_unit(stop, axis)} at the end"] if last is not None else []),
             ]
             texts.append((f"{axis}: " if len(stop["watched"]) > 1 else "") + ", ".join(parts))
     if texts and all(text.endswith("nothing") for text in texts):
@@ -182,9 +184,9 @@ def _left(stop: Stop, trace: pa.Table | None) -> str:
     lag, force = (value_at(trace, names.get(name), end) for name in ("cnc_lag_mm", "stop_force_n"))
     told = []
     if lag is not None:
-        told.append(f"lag {length(lag)}")
+        told.append(f"lag {_way_of(stop, axis)(lag)}")
     if force is not None:
-        told.append(f"{force:.4g} N")
+        told.append(f"{force:.4g} {_unit(stop, axis)}")
     return ", ".join(told)
 
 
@@ -197,6 +199,21 @@ def _value(stop: Stop, key: str, axis: str) -> float | None:
         if row["key"] == key and row["axis"] == axis and row["measured"] is not None:
             return float(row["measured"])
     return None
+
+
+def _unit(stop: Stop, axis: str) -> str:
+    """Of what an axis presses with."""
+    return "N.m" if stop["rotary"].get(axis) else "N"
+
+
+def _way_of(stop: Stop, axis: str) -> Callable[[float], str]:
+    """Return what writes a way of an axis."""
+    return angle if axis in stop["rotary"] else length
+
+
+def angle(value_deg: float) -> str:
+    """Write the amount of an angle."""
+    return f"{abs(value_deg):.4g}°"
 
 
 def length(value_mm: float) -> str:

@@ -127,3 +127,40 @@ def test_a_stop_that_comes_to_an_axis_at_rest_pushes_it(make) -> None:
             assert row[STOP_FORCE] == pytest.approx(force, rel=1e-9, abs=1e-6)
     assert rows[105][STOP_FORCE] == 0.0
     assert rows[-1][STOP_FORCE] > 100.0
+
+
+@pytest.mark.parametrize("speed_m_s", [0.5, 1.0])
+@pytest.mark.parametrize("step_ns", [1 * MS, 2 * MS, 20 * MS])
+def test_a_fast_stop_meets_a_resting_axis_as_in_fine_steps(make, speed_m_s, step_ns) -> None:
+    """It comes from 20 mm: contact to a fine step, peak of the force as in steps of 5 us."""
+    begin_s = 0.0108  # the contact lies inside a ms
+    moving = {
+        "stop_position": 0.02, "stop_speed": -speed_m_s, "stop_begin": begin_s, "stop_end": 1.0,
+        "stop_stiffness": 200e6, "stop_damping": 0.0,
+    }  # fmt: skip
+    met_ns = round((begin_s + 0.02 / speed_m_s) * 1e9)
+    end_ns = met_ns // (20 * MS) * 20 * MS + 20 * MS
+    axes = make(**moving), make(**moving)
+    for axis in axes:
+        axis.command(0, 0.0, 0.0, 0, enabled=True)
+        axis.advance_to(end_ns - 20 * MS)
+    axis, witness = axes
+    run_from(axis, step_ns, end_ns)
+    fine = run_from(witness, 5 * US, end_ns)
+    touched = next(time_ns for time_ns, row in fine if row[STOP_FORCE] > 0.0)
+    assert abs(touched - met_ns) <= 10 * US, "the axis rests until then"
+    before, after = touched - 50 * US, touched + 50 * US
+    assert axis.stop_force_peak_n(0, before) == 0.0
+    assert axis.stop_force_peak_n(before + 1, after) > 0.0, "a step ends just behind the contact"
+    largest = max(row[STOP_FORCE] for _, row in fine)
+    assert largest == pytest.approx(speed_m_s * math.sqrt(200e6 * MASS), rel=0.02)
+    assert axis.stop_force_peak_n(0, end_ns) == pytest.approx(largest, rel=2e-4)
+
+
+def run_from(axis: PlantAxis, step_ns: int, end_ns: int) -> list[tuple[int, list[float]]]:
+    """The motion at each step from where the axis is."""
+    rows = []
+    for time_ns in range(axis.slave.time_ns + step_ns, end_ns + 1, step_ns):
+        axis.advance_to(time_ns)
+        rows.append((time_ns, axis.motion))
+    return rows

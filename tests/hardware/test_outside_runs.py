@@ -213,6 +213,8 @@ def test_the_report_says_in_words_what_was_late() -> None:
     counts = {row["range"]: row["count"] for row in section["histogram"]}
     assert counts["20 µs to 50 µs"] == "999"
     assert counts["200 µs to 500 µs"] == "1"
+    shares = {row["range"]: row["share"] for row in section["histogram"]}
+    assert (shares["20 µs to 50 µs"], shares["200 µs to 500 µs"]) == ("99.90", "0.10")
     words = " ".join(section["words"])
     assert "does not move a latch" in words
     assert "3.0 ms" in words

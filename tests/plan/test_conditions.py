@@ -252,15 +252,33 @@ def test_the_words_of_a_metric_are_taken(condition: str) -> None:
     assert parse_check("detection_criterion", condition, "").condition.text == condition
 
 
+TURNED = ("angle", "angular_velocity", "angular_lag")
+ANGULAR = {"mm": "deg", "um": "mdeg", "mm/s": "deg/s", "N": "N.m"}
+
+
+def test_a_metric_of_rotary_axes_tells_what_its_linear_twin_tells() -> None:
+    """Every length and force of a measurement run or of the lag has one, in degrees or N.m."""
+    known = known_metrics()
+    twins = {metric.linear: metric for metric in known.values() if metric.linear}
+    for name, twin in twins.items():
+        own = known[name]
+        assert twin.unit == ANGULAR[own.unit]
+        assert (twin.scope, twin.type, twin.judged) == (own.scope, own.type, own.judged)
+        assert bool(twin.plot) == bool(own.plot)
+    told = {name for name, metric in known.items() if metric.unit in ANGULAR and not metric.linear}
+    others = {name for name in told if name.startswith(("distance_", "offset_", "freeze_"))}
+    assert told - others - twins.keys() == {"probe_deflection_mm_max"}, "probes meet lengths only"
+
+
 def test_the_metrics_table_is_sound() -> None:
     for name, metric in known_metrics().items():
         assert metric.name == name
         assert metric.scope in {"run", "axis", "block"}
         assert metric.type in {"number", "text", "alarms", "any"}
-        assert metric.plot in {"", "position", "velocity", "lag"}
+        assert metric.plot in {"", "position", "velocity", "lag", *TURNED}
         assert metric.judged in {"", "last", "every"}
         assert not metric.words or metric.type == "text"
         assert metric.meaning
         assert metric.source
-        spelled = metric.unit.replace("/", "_").lower()
+        spelled = metric.unit.replace("/", "_").replace(".", "").lower()
         assert not spelled or f"_{spelled}" in name, "the name ends in the unit"

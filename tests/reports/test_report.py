@@ -13,7 +13,7 @@ import pytest
 from bench.results.writer import WARNING
 from kernel.errors import Alarm, UserError
 from reports.bar import WIDTH, bar, scale
-from reports.build import _alarms, build_report
+from reports.build import _alarms, _events, build_report
 from reports.signals import chart, signals, table, windows
 
 VOID = {"meta", "link", "input", "br", "img", "hr"}
@@ -200,6 +200,42 @@ def test_the_bar_puts_a_value_between_its_limits() -> None:
 def test_the_bar_shows_a_value_far_outside_as_an_arrow() -> None:
     assert "<path" in bar(99.0, 0.0, 66.99, 67.01, "fail", "99 mm")
     assert "bar-inconclusive" in bar(0.4, 0.05, None, 0.5, "marginal", "0.4 um")
+
+
+def test_the_bands_of_the_bar_lie_where_the_verdict_changes() -> None:
+    """Marginal between the limits, from one to two uncertainties inside of each; inconclusive
+    within one of it on both sides.
+    """
+    lower, upper, uncertainty = 66.0, 68.0, 0.2
+    svg = bar(67.0, uncertainty, lower, upper, "pass", "67 mm")
+    area = scale(67.0, uncertainty, lower, upper)
+    rects = re.findall(
+        r'class="bar-(marginal|inconclusive)" x="([\d.]+)"[^>]*? width="([\d.]+)"', svg
+    )
+    found = sorted((kind, float(x), float(x) + float(width)) for kind, x, width in rects)
+    wanted = [
+        ("inconclusive", lower - uncertainty, lower + uncertainty),
+        ("inconclusive", upper - uncertainty, upper + uncertainty),
+        ("marginal", lower + uncertainty, lower + 2 * uncertainty),
+        ("marginal", upper - 2 * uncertainty, upper - uncertainty),
+    ]
+    for (kind, left, right), (word, low, high) in zip(found, wanted, strict=True):
+        assert kind == word
+        assert (left, right) == pytest.approx((area.x(low), area.x(high)), abs=0.11)
+
+
+def test_times_of_events_count_from_the_contact() -> None:
+    """Also those behind an edge that comes later, until the next contact."""
+    kinds = [("mark", 1), ("contact", 10), ("edge", 12), ("latch", 13), ("edge", 40), ("mark", 50)]
+    kinds += [("contact", 60), ("edge", 62)]
+    events = [
+        {"kind": kind, "time_ns": ms * 1_000_000, "label": kind, "axis": None} for kind, ms in kinds
+    ]
+    told = [row["since"] and float(row["since"]) for row in _events({"events": events})]
+    assert told == ["", 0.0, 2.0, 3.0, 30.0, 40.0, 0.0, 2.0]
+    without = [event for event in events if event["kind"] != "contact"]
+    told = [row["since"] and float(row["since"]) for row in _events({"events": without})]
+    assert told == ["", 0.0, 1.0, 28.0, 38.0, 50.0], "else from the first edge"
 
 
 @pytest.mark.parametrize(

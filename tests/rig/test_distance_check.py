@@ -142,7 +142,8 @@ def test_a_drive_type_without_distance_control(tmp_path: Path) -> None:
     text = (RIGS / "lists" / "axis-z-distance.lst").read_text()
     other = re.sub(r"(kenngr.antr_typ +)8", r"\g<1>4", text)
     (tmp_path / "z.lst").write_text(other)
-    settings = settings_of(tmp_path, '[axis.Z]\nlist = "z.lst"')
+    stand_in = "[drive.servo]\nas_canopen = true\n"
+    settings = settings_of(tmp_path, stand_in + '[axis.Z]\nlist = "z.lst"')
     assert [alarm.id for alarm in settings.warnings] == [110547]
     assert distance_warnings(settings) == []
     assert "warning: ID 110547" in check_file(tmp_path / "rig.toml")

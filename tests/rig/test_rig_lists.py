@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from bench.rig.check import check_rig
-from bench.rig.lists import drive_input
-from bench.rig.settings import Settings
+from bench.rig.lists import drive_input, substituted
+from bench.rig.settings import AS_CANOPEN, Settings
 from bench.run.campaign import check_file
 from kernel.errors import UserError
 
@@ -158,6 +158,40 @@ def test_an_input_of_external_hardware_is_none_of_the_drive(
     settings = settings_of(listed(rig_file(), text))
     assert drive_input(settings.axis["Z"]) == used
     check_rig(settings)
+
+
+SERCOS = "kopf.log_achs_name Z\nkenngr.antr_typ 2\n"
+
+
+def test_a_drive_type_that_is_not_simulated_is_refused(rig_file: Write, settings_of: Read) -> None:
+    """In the list with file and line, in a cell with its place; 8 and nothing said are CANopen."""
+    rig = listed(rig_file(), SERCOS)
+    with pytest.raises(UserError, match=r"axis Z .* SERCOS \(2\).*only CANopen") as caught:
+        check_rig(settings_of(rig))
+    assert (Path(str(caught.value.file)).name, caught.value.line) == ("axis-z.lst", 2)
+    assert "--as-canopen" in str(caught.value)
+    with pytest.raises(UserError, match=r"kenngr.antr_typ.*does not act"):
+        settings_of(rig, "set:Z.kenngr.antr_typ=5")
+    canopen = settings_of(rig, "set:Z.kenngr.antr_typ=8")
+    check_rig(canopen)
+    assert substituted(canopen.axis) == {}
+
+
+@pytest.mark.parametrize("key", [AS_CANOPEN, "drive:servo.as_canopen=true"])
+def test_a_drive_may_stand_for_one_of_another_type(
+    rig_file: Write, settings_of: Read, key: str
+) -> None:
+    settings = settings_of(listed(rig_file(), SERCOS), key)
+    check_rig(settings)
+    assert substituted(settings.axis) == {"Z": "SERCOS (2)"}
+    assert any("kenngr.antr_typ = 2" in note for note in settings.notes)
+
+
+def test_every_drive_is_meant_by_all(rig_file: Write, settings_of: Read) -> None:
+    drives = settings_of(rig_file(), "drive:all.lead_mm=5").rig.drive
+    assert {drive.lead_mm for drive in drives.values()} == {5.0}
+    with pytest.raises(UserError, match=r"no such drive.*servo, all"):
+        settings_of(rig_file(), "drive:sevro.lead_mm=5")
 
 
 DETECT = "kenngr.measure.fixed_stop_detect."

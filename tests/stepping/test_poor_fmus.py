@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -30,6 +31,51 @@ def test_level_is_enclosed_to_a_nanosecond_where_the_state_can_be_saved(plant: M
     edge_ns, uncertainty_ns = edge_of(plant(BENT, LEVEL, probe_start={"surface": SURFACE}))
     assert uncertainty_ns == 1
     assert abs(edge_ns - EDGE_NS) <= 1
+
+
+def test_level_is_enclosed_in_accelerated_motion(plant: Make) -> None:
+    """x = v t + a t^2/2 also inside the parts of a step, 3 us: a straight line through their ends
+    is up to a h^2/8 off, 8 ns here.
+    """
+    v, a = 0.001, 100.0
+    start = {"velocity_start": -v, "acceleration_first": -a}
+    for surface in (-1e-6, -2.3e-6, -0.000312345):
+        made = plant(BENT, LEVEL, axis_start=start, probe_start={"surface": surface})
+        edge_ns, uncertainty_ns = edge_of(made, 20 * MS)
+        assert uncertainty_ns == 1
+        assert abs(edge_ns - (math.sqrt(v * v - 2 * a * surface) - v) / a * 1e9) <= 1
+
+
+def test_an_uncertainty_stays_the_worst(plant: Make) -> None:
+    """The first edge is late and known to a fine step, the second one enclosed to a nanosecond:
+    x = v t until the bend, then v t + a (t - b)^2/2 with the way back through the surface.
+    """
+    probe = "SteppingTest.LateOnLevelProbe"
+    made = plant(BENT, probe, probe_start={"surface": SURFACE})
+    for time_ns in range(MS, 80 * MS + 1, MS):
+        made.advance_to(time_ns)
+        known_ns = made.probes["probe"].edge_uncertainty_ns
+        assert known_ns == (1 if time_ns <= 15 * MS else 50 * US)
+    (_, on), (off_ns, off) = made.probes["probe"].signal.edges
+    assert (on, off) == (True, False)
+    v, a, bend_s = 0.02, 1.0, 0.0234567
+    rest = -SURFACE - v * bend_s  # below 0: so far back
+    back_s = bend_s + (v + math.sqrt(v * v - 2 * a * rest)) / a
+    assert abs(off_ns - back_s * 1e9) <= 1
+
+
+def test_an_edge_in_a_shorter_step_does_not_better_the_one_before(plant: Make) -> None:
+    """An axis without velocity: the step is the uncertainty, 50 us and then a part of it."""
+    without = ("velocity", "motor_velocity")
+    made = plant(BENT, probe_start={"surface": SURFACE}, without=without, can_save=False)
+    for time_ns in range(MS, 80 * MS + 1, MS):
+        made.advance_to(time_ns)
+        probe = made.probes["probe"]
+        if len(probe.signal.edges) == 1:
+            assert probe.edge_uncertainty_ns == 50 * US
+            probe.slave.can = replace(probe.slave.can, can_save_state=True)
+    assert [level for _, level in probe.signal.edges] == [True, False]
+    assert probe.edge_uncertainty_ns == 50 * US
 
 
 @pytest.mark.parametrize("fine_us", [10, 50, 200])

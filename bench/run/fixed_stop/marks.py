@@ -4,13 +4,13 @@ Each mark has the instant that was measured beside the one that the closed form 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from bench.oracles.fixed_stop.timing import Instant, seen
 from bench.results.writer import Event
 from bench.run.fixed_stop.run import StopRun
-from bench.run.fixed_stop.values import prediction, values
+from bench.run.fixed_stop.values import Value, prediction, values
 
 PLANT, KERNEL = "plant", "kernel"
 
@@ -56,6 +56,7 @@ _LABELS = {
 }
 # What Observed marks itself, for runs of every type
 _MARKED_ELSEWHERE = frozenset({"end"})
+_AS_SLIDE = "; as a slide with 1 mm for 1 degree"
 _KINDS = {"contact": "contact", "detected": "brake"}
 
 
@@ -170,15 +171,16 @@ def as_data(run: StopRun) -> dict[str, Any]:
                 "window_mm": limits.window_mm,
                 "min_time_ms": limits.min_time_ns / 1e6,
                 "arming_mm": run.arming_mm,
-                "force_limit_n": _force_limit_n(run, axis),
+                **_force_limit(run, axis),
             }
             for axis, limits in run.limits.items()
         },
+        "rotary": {axis: run.torque_arm_m(axis) is not None for axis in run.rotary},
         "begin_ns": run.record.begin_ns,
         "end_ns": run.end_ns,
         "broken_contacts": _broken(run),
         "marks": [asdict(mark) for mark in marks(run)],
-        "values": [asdict(value) for value in values(run)],
+        "values": [asdict(_turned(run, value)) for value in values(run)],
         "prediction": prediction(run),
         "notes": list(dict.fromkeys(_notes(run))),
     }
@@ -198,10 +200,28 @@ def _broken(run: StopRun) -> dict[str, dict[str, int | None]]:
     }
 
 
-def _force_limit_n(run: StopRun, axis: str) -> float | None:
+def _force_limit(run: StopRun, axis: str) -> dict[str, float | None]:
     """Return the limit of the motor towards the stop, with the sign of its direction."""
-    pressing = run.pressing(axis)
-    return None if pressing is None else pressing.stop.direction * pressing.limit_n
+    pressing, arm_m = run.pressing(axis), run.torque_arm_m(axis)
+    limit_n = None if pressing is None else pressing.stop.direction * pressing.limit_n
+    if arm_m is None or limit_n is None:
+        return {"force_limit_n": limit_n}
+    return {"torque_limit_nm": limit_n * arm_m}
+
+
+def _turned(run: StopRun, value: Value) -> Value:
+    """Return a value of a rotary axis in degrees or N.m; its note names the parts in mm and N."""
+    arm_m = run.torque_arm_m(value.axis)
+    if value.axis in run.rotary and value.unit == "mm":
+        return replace(value, unit="deg", note=f"{value.note}{_AS_SLIDE}")
+    if arm_m is None or value.unit != "N":
+        return value
+    told = (value.measured, value.expected, value.low, value.high)
+    measured, expected, low, high = (None if n is None else n * arm_m for n in told)
+    return Value(
+        *(value.key, value.label, "N.m", value.axis, measured, expected, low, high),
+        f"{value.note}{_AS_SLIDE}",
+    )
 
 
 def _notes(run: StopRun) -> Iterator[str]:

@@ -19,6 +19,7 @@ from bench.oracles.fixed_stop.lists import arming_mm, delay_cycles, limits_as_wr
 from bench.oracles.fixed_stop.pressing import Pressing
 from bench.oracles.fixed_stop.timing import Cycles
 from bench.rig.machine import Machine
+from bench.rig.rotary import is_rotary, torque_arm_m
 from bench.run.fixed_stop.truth import AxisTruth, Times
 from kernel.clock import MS
 from kernel.measuring.fixed_stop.record import FixedStopRecord
@@ -78,6 +79,17 @@ class StopRows:
         Lags that are judged take its `judged`.
         """
         return replace(self.cycles, delay_cycles=delay_cycles(self.truths[axis].written))
+
+    # Axes that turn
+
+    @cached_property
+    def rotary(self) -> list[str]:
+        """Axes of the run whose positions are degrees."""
+        return [axis for axis in self.truths if is_rotary(self.machine.settings, axis)]
+
+    def torque_arm_m(self, axis: str) -> float | None:
+        """Return what makes torques of the forces at an axis; None where they are forces."""
+        return torque_arm_m(self.machine.settings, axis)
 
     # Rows of the trace
 

@@ -1,5 +1,6 @@
 """What the plant tells of an axis and its stop, for the closed forms of a run to a fixed stop."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,10 +13,12 @@ from bench.oracles.fixed_stop.following import Course
 from bench.oracles.fixed_stop.lists import Written
 from bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop
 from bench.rig.machine import Machine
+from bench.rig.rotary import arm_m
 from kernel.clock import TimeNs
 from kernel.cosim.axis import PlantAxis
-from kernel.cosim.units import find_unit, unit_name
+from kernel.cosim.units import Exponents, find_unit, unit_name
 
+_INERTIA: Exponents = (1, 2, 0, 0, 0, 0, 0, 0)
 Signal = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
 
@@ -26,12 +29,15 @@ FAR_AWAY_MM = 100_000.0
 class PlantValues:
     """Parameters of the FMU of an axis by their names in the library, SI units.
 
-    An FMU of two axes (`position_1`, `position_2`) names those of each with the same ending.
+    An FMU of two axes (`position_1`, `position_2`) names those of each with the same ending. Those
+    of one that turns are given as a slide has them that moves by `arm_m` per radian: its positions
+    and forces are.
     """
 
-    def __init__(self, plant: PlantAxis) -> None:
+    def __init__(self, plant: PlantAxis, arm_m: float | None = None) -> None:
         self._slave = plant.slave
         bound = plant.roles.bound.get("position")
+        self.arm_m = arm_m
         variable = bound.variable if bound is not None else ""
         self._ending = variable.removeprefix("position") if "position_" in variable else ""
 
@@ -52,7 +58,22 @@ class PlantValues:
         value = self._slave.get(name)
         told = unit_name(self._slave.variable(name))
         unit = find_unit(self._slave.description, told) if told else None
-        return value if unit is None else unit.to_si(value)
+        if unit is None:
+            return value
+        si = unit.to_si(value)
+        return si if self.arm_m is None else si * self.arm_m ** power_of_arm(unit.exponents)
+
+
+def power_of_arm(exponents: Exponents) -> int:
+    """Return the power of the arm r that makes a quantity of a rotation one of a slide.
+
+    x = r phi, F = M/r, and of them k = K/r^2, m = J/r^2, d = D/r^2; a J does not name the rad of
+    its N.m/(rad/s2).
+    """
+    kg, m, *_, rad = exponents
+    if exponents == _INERTIA:
+        return -2
+    return rad - 1 if (kg, m) == (1, 2) else rad
 
 
 @dataclass(frozen=True)
@@ -85,7 +106,9 @@ class AxisTruth:
     @cached_property
     def values(self) -> PlantValues:
         """What its FMU tells beside the roles."""
-        return PlantValues(self.machine.plant.axes[self.machine.settings.rig.axis[self.name].plant])
+        settings = self.machine.settings
+        plant = self.machine.plant.axes[settings.rig.axis[self.name].plant]
+        return PlantValues(plant, arm_m(settings, self.name))
 
     @cached_property
     def stop_path(self) -> StopPath | None:
@@ -126,17 +149,25 @@ class AxisTruth:
     def axis(self) -> Axis | None:
         """What presses, None where the plant tells no mass."""
         get = self.values.number
-        mass = self.values.get("effective_mass")
+        mass = self.values.get("effective_mass", "effective_inertia")
         if mass is None:
             return None
         return Axis(
             mass_kg=mass,
-            weight_n=get("weight"),
+            weight_n=get("weight") + self._imbalance_n,
             friction_n=get("coulomb_friction", "friction.coulomb"),
             viscous_n_s_m=get("viscous_friction", "friction.viscous"),
             joint_n_m=self.values.get("screw_stiffness"),
             backlash_mm=get("backlash") * 1e3,
         )
+
+    @property
+    def _imbalance_n(self) -> float:
+        """Return what the imbalance of a turning axis pulls with where its stop is, M_u sin phi."""
+        place_m, radius_m = self.values.get("stop_position"), self.values.arm_m
+        if place_m is None or radius_m is None:
+            return 0.0
+        return self.values.number("imbalance") * math.sin(place_m / radius_m)
 
     def pressed_encoder_mm(self, row: int) -> float:
         """Return where the encoder must be by the force at the stop in a row: x_stop + F/k.
@@ -166,7 +197,7 @@ class AxisTruth:
         if self.stop is None or self.axis is None:
             return None
         told_n = self.machine.torque_limits.at(self.name, time_ns, self.stop.direction)
-        limits_n = [told_n, self.values.get("force_limit_motor")]
+        limits_n = [told_n, self.values.get("force_limit_motor", "torque_limit_motor")]
         known_n = [limit for limit in limits_n if limit is not None]
         return Pressing(self.stop, self.axis, min(known_n)) if known_n else None
 

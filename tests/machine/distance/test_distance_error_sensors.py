@@ -2,6 +2,8 @@
 
 import pytest
 
+from bench.rig.settings import AS_CANOPEN
+
 ON = "Z[DIST_CTRL ON SET_POS=30]"
 VARIABLE = "SENSOR_SOURCE=VARIABLE"
 
@@ -153,5 +155,5 @@ def test_a_list_with_a_value_out_of_its_range(run_distance, alarm_id, newer, lin
 @pytest.mark.provokes(110547, 1, axis="Z")
 @pytest.mark.provokes(70336, 7, owner="axis Z")
 def test_a_drive_type_without_distance_control_loses_its_release(run_distance):
-    watched = run_distance(f"N10 {ON}", lines=["kenngr.antr_typ 4"])
+    watched = run_distance(f"N10 {ON}", AS_CANOPEN, lines=["kenngr.antr_typ 4"])
     assert [alarm.id for alarm in watched.channel.alarms] == [110547, 70336]

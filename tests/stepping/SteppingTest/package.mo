@@ -94,4 +94,20 @@ package SteppingTest "Axes and probes that a rig may meet"
     end when;
     signal = time >= due;
   end LateLevelProbe;
+
+  model LateOnLevelProbe "Tells it later, and at once that it is over"
+    input Position z_position;
+    parameter Position surface = 0;
+    parameter Time delay = 130e-6;
+    output Boolean signal(start = false, fixed = true);
+  protected
+    Boolean touched;
+    Time due(start = 1e60, fixed = true);
+  equation
+    touched = z_position <= surface;
+    when touched then
+      due = time + delay;
+    end when;
+    signal = touched and time >= due;
+  end LateOnLevelProbe;
 end SteppingTest;

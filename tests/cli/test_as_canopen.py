@@ -1,0 +1,54 @@
+"""A list that names a drive of another type (P-AXIS-00020): refused, or run and shown."""
+
+import csv
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from cli_plan import write_plan
+
+Call = Callable[..., tuple[int, str, str]]
+NC = ("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FEED=3000")
+
+
+@pytest.fixture(autouse=True)
+def sercos(place: Path) -> int:
+    """Let the list of Z name a SERCOS drive; return its line there."""
+    path = place / "lists" / "axis-z.lst"
+    lines = path.read_text(encoding="utf-8").splitlines()
+    path.write_text("\n".join([*lines, "kenngr.antr_typ 2", ""]), encoding="utf-8")
+    return len(lines) + 1
+
+
+def test_each_command_refuses_it_and_takes_it_when_told(
+    place: Path, axisrig: Call, sercos: int
+) -> None:
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,1,")
+    for words in (("run", plan, "-o", "out"), ("check", plan), ("check", "rig.toml"), NC):
+        code, out, err = axisrig(*words)
+        assert (code, out) == (2, "")
+        assert f"axis-z.lst:{sercos}" in err
+        assert "SERCOS (2)" in err
+        assert "--as-canopen" in err
+    assert not (place / "out").exists()
+    assert axisrig("check", plan, "--as-canopen")[0] == 0
+    assert axisrig("check", "rig.toml", "--as-canopen")[0] == 0
+    code, _, err = axisrig(*NC, "--as-canopen")
+    assert code == 0
+    assert "kenngr.antr_typ = 2" in err
+
+
+def test_results_show_the_substitution_and_replay_repeats_it(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, "a,part.nc,rig.toml,3000,1,")
+    assert axisrig("run", plan, "-o", "out", "--as-canopen")[0] == 0
+    with (place / "out" / "cases.csv").open(newline="", encoding="utf-8") as file:
+        (row,) = csv.DictReader(file)
+    assert row["drive_substituted"] == "Z: SERCOS (2)"
+    manifest = json.loads((place / "out" / "manifest.json").read_text(encoding="utf-8"))
+    assert manifest["drive_substituted"] == {"plan-a": "Z: SERCOS (2)"}
+    report = (place / "out" / "report.html").read_text(encoding="utf-8")
+    assert report.count("CANopen drive in place of") == 2, "heading, and the run"
+    assert "Z: SERCOS (2) (1 run)" in report
+    code, out, _ = axisrig("replay", "out", "plan-a")
+    assert (code, out.splitlines()[-1]) == (0, "frame_log_sha256 equal")

@@ -1,0 +1,134 @@
+"""How far a probe gives way: followed from each contact, beyond the stroke told, broken once."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from bench.rig.deflection import DeflectionLog
+from bench.rig.file import PlantTable
+from bench.rig.plants import check_plant
+from bench.rig.settings import Settings
+from kernel.clock import MS
+from kernel.cosim.probe import Contact
+from kernel.errors import Alarm, UserError
+
+Write = Callable[..., Path]
+Read = Callable[..., Settings]
+STROKE_MM = 0.3
+
+
+class Bench:
+    """Axes x and z with a probe, moved by hand in cycles of 1 ms; positions in mm."""
+
+    def __init__(self, tells_contact: bool = True, **keys: Any) -> None:
+        self.axes = [
+            SimpleNamespace(motion=[0.0, 0.0], slave=SimpleNamespace(name=name)) for name in "xz"
+        ]
+        roles = SimpleNamespace(has_group=lambda group: tells_contact and group == "contact")
+        self.probe: Any = SimpleNamespace(sources=self.axes, contacts=[], roles=roles)
+        self.plant: Any = SimpleNamespace(probes={"tip": self.probe}, now_ns=0)
+        tables = {"tip": PlantTable(fmu="own.fmu", **keys)}
+        settings: Any = SimpleNamespace(rig=SimpleNamespace(plant=tables))
+        self.log = DeflectionLog(settings, self.plant, MS)
+        self.alarms: list[Alarm] = []
+        self.channel: Any = SimpleNamespace(stop=self.alarms.append)
+
+    def cycle(self, x_mm: float, z_mm: float, contact_mm: Sequence[float] | None = None) -> None:
+        """Move to a place within one cycle, through a contact on the way if one is given."""
+        self.plant.now_ns += MS
+        if contact_mm is not None:
+            places = dict(zip("xz", contact_mm, strict=True))
+            self.probe.contacts.append(Contact(self.plant.now_ns - 1, places))
+        for axis, place_mm in zip(self.axes, (x_mm, z_mm), strict=True):
+            axis.motion = [place_mm * 1e-3, place_mm * 1e-3 - axis.motion[0]]
+            axis.motion[1] /= 1e-3
+        self.log(self.channel)
+
+    def approach(self) -> None:
+        """Come down along z to 0.1 mm above the workpiece, in two cycles."""
+        self.cycle(0.0, 0.2)
+        self.cycle(0.0, 0.1)
+
+    @property
+    def ways_mm(self) -> list[float]:
+        found = self.log.of(["tip"])
+        assert found is not None
+        return [each.mm for each in found]
+
+
+def test_the_way_counts_in_the_direction_of_the_contact() -> None:
+    """Obliquely by 0.3 and 0.4 per cycle; a contact half way; sidewards is no deflection."""
+    bench = Bench()
+    bench.cycle(0.0, 0.0)
+    bench.cycle(0.3, 0.4)
+    bench.cycle(0.6, 0.8, contact_mm=(0.45, 0.6))
+    assert bench.ways_mm == pytest.approx([0.25])
+    bench.cycle(0.6 - 0.4, 0.8 + 0.3)
+    assert bench.ways_mm == pytest.approx([0.25])
+    bench.cycle(0.6 - 0.4 + 0.03, 0.8 + 0.3 + 0.04)
+    assert bench.ways_mm == pytest.approx([0.3])
+
+
+def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:
+    bench = Bench(stroke_mm=STROKE_MM)
+    bench.approach()
+    bench.cycle(0.0, -0.1, contact_mm=(0.0, 0.0))
+    bench.cycle(0.0, 0.2)
+    bench.cycle(0.0, -5.0)  # beside the workpiece: no contact
+    bench.cycle(0.0, -5.5, contact_mm=(0.0, -5.1))
+    assert bench.ways_mm == pytest.approx([0.1, 0.4])
+    assert bench.alarms == []
+    ((time_ns, told),) = bench.log.beyond()
+    assert time_ns == 6 * MS
+    assert told == "tip: deflected by 0.4000 mm, beyond its stroke of 0.3 mm"
+
+
+def test_the_stroke_itself_is_borne() -> None:
+    bench = Bench(stroke_mm=STROKE_MM)
+    bench.approach()
+    bench.cycle(0.0, -STROKE_MM + 1e-9, contact_mm=(0.0, 0.0))
+    assert bench.ways_mm == pytest.approx([STROKE_MM])
+    assert bench.log.beyond() == []
+
+
+@pytest.mark.provokes(900072, 4, probe="tip", deflection_mm="0.3100", stroke_mm="0.3")
+def test_a_probe_breaks_once() -> None:
+    bench = Bench(stroke_mm=STROKE_MM, breaks=True)
+    bench.approach()
+    bench.cycle(0.0, -0.31, contact_mm=(0.0, 0.0))
+    bench.cycle(0.0, -0.5)
+    bench.cycle(0.0, 0.5)
+    bench.cycle(0.0, -0.5, contact_mm=(0.0, 0.0))
+    assert [alarm.id for alarm in bench.alarms] == [900072]
+    assert "it is broken" in bench.log.beyond()[0][1]
+
+
+def test_a_contact_at_rest_counts_every_way() -> None:
+    bench = Bench()
+    bench.cycle(0.0, 0.0)
+    bench.cycle(0.0, 0.0, contact_mm=(0.0, 0.0))
+    bench.cycle(0.3, 0.4)
+    assert bench.ways_mm == pytest.approx([0.5])
+
+
+def test_without_contacts_of_the_probe_nothing_is_known() -> None:
+    assert Bench(tells_contact=False).log.of(["tip"]) is None
+
+
+@pytest.mark.parametrize(
+    ("plant", "keys", "why"),
+    [
+        ("z", "stroke_mm = 1", "plant z: only a probe has a stroke"),
+        ("probe", "breaks = true", "plant probe: a probe that breaks has a stroke"),
+    ],
+)
+def test_a_stroke_that_nothing_can_watch_is_refused(
+    rig_file: Write, settings_of: Read, plant: str, keys: str, why: str
+) -> None:
+    path = rig_file((f"[plant.{plant}]\n", f"[plant.{plant}]\n{keys}\n"))
+    with pytest.raises(UserError, match=why) as caught:
+        check_plant(settings_of(path))
+    assert path.read_text().splitlines()[(caught.value.line or 0) - 1] == keys
