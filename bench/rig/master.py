@@ -42,6 +42,7 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             has_counter=has_latch_counter(settings, name),
             has_inputs=has_inputs(settings, name),
             has_second=has_second(settings, name),
+            sensor_age_limit_ms=axis.sensor_age_limit_ms,
         ),
         network,
     )

@@ -24,6 +24,7 @@ from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
+from bench.run.distance.acting import acting_warnings
 from bench.run.distance.told import told
 from bench.run.fixed_stop.marks import as_data
 from bench.run.metrics import observe
@@ -174,6 +175,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
             *machine.settings.notes,
             *distance_warnings(machine.settings),
+            *acting_warnings(machine),
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),

@@ -49,6 +49,7 @@ class LinkSettings:
     when the drive is switched on is acknowledged.
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
     drive names. has_counter, has_inputs, has_second: of the kernel's own mapping.
+    sensor_age_limit_ms: of the sensor of distance control, None = three of its periods.
     """
 
     axis: str
@@ -66,6 +67,7 @@ class LinkSettings:
     has_counter: bool = False
     has_inputs: bool = True
     has_second: bool = False
+    sensor_age_limit_ms: float | None = None
 
 
 class AxisLink:
@@ -74,6 +76,7 @@ class AxisLink:
     mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
     itself (homing), so that there is no lag and its position may jump to a new reference.
     watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
+    second_age_cycles: since a telegram has brought the second encoder.
     """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
@@ -102,6 +105,7 @@ class AxisLink:
         self._actual_age: int | None = None  # cycles since the last actual position
         self._inputs: int | None = None
         self._second: int | None = None
+        self.second_age_cycles = 0
         self.emergency: Emergency | None = None
         self.controlword = 0
         self.power = False
@@ -166,8 +170,7 @@ class AxisLink:
             self._latch.take(probe, latch, count, self.actual_increments)
         if inputs is not None:
             self._inputs = inputs
-        if second is not None:
-            self._second = second
+        self._note_second(second)
         if pdos.wrong_length is not None:
             name, length, expected = pdos.wrong_length
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
@@ -175,6 +178,14 @@ class AxisLink:
             self._judge_missing()
         if self._sparse.is_watched:
             self._sparse.step(self.name, self.settings.missing_cycles)
+
+    def _note_second(self, second: int | None) -> None:
+        news = self._sparse.news
+        has_come = "second" in news
+        if second is not None:
+            self._second, has_come = second, True
+        news.clear()
+        self.second_age_cycles = 0 if has_come else self.second_age_cycles + 1
 
     def _take_actual(self, increments: int) -> None:
         moved, age = abs(increments - self.actual_increments), self._actual_age
@@ -241,7 +252,15 @@ class AxisLink:
     @property
     def has_second(self) -> bool:
         """Whether a telegram carries the second encoder."""
-        return any(o.field == "second" for t in self.telegrams.values() for o in t.objects)
+        return self.second_telegram is not None
+
+    @property
+    def second_telegram(self) -> Telegram | None:
+        """The telegram that carries the second encoder."""
+        for telegram in self.telegrams.values():
+            if any(mapped.field == "second" for mapped in telegram.objects):
+                return telegram
+        return None
 
     @property
     def lag_mm(self) -> float:
