@@ -144,6 +144,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "sim_s": f"{float(case['sim_s']):.3f}",
         "alarms": alarms,
         "hash": case["frame_log_sha256"],
+        "unproved": case.get("unproved_latches", ""),
         "checks": checks,
         # A run that ended before it could be judged needs one line, not one for each check.
         "unjudged": bool(info.get("error")) and not any(row["value"] for row in run.checks),

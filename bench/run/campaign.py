@@ -28,6 +28,7 @@ from bench.rig.distance.check import (
     drive_lags_s,
 )
 from bench.rig.file import read_rig
+from bench.rig.latches import describe_latches
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S
@@ -255,7 +256,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     told_lists += [f"note: {note}" for note in settings.notes]
     lacking = [*distance_warnings(settings), *age_warnings(settings)]
     told_lists += [f"warning: {warning}" for warning in lacking]
-    axes = "\n".join([*describe_axes(settings), *told_lists])
+    axes = "\n".join([*describe_axes(settings), *describe_latches(settings), *told_lists])
     return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])
 
 

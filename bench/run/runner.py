@@ -18,6 +18,7 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import BESIDES, CaseResult, no_values
 from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
+from bench.rig.latches import unproved_axes, unproved_notes
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
@@ -168,6 +169,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         wall_s=wall_s,
         alarms=[alarm.id for alarm in machine.channel.alarms],
         frame_log_sha256=machine.frame_hash.hexdigest(),
+        unproved_latches=unproved_axes(machine.links),
         trace=observed.trace,
         events=observed.events(),
         messages=[message.shown for message in machine.messages],
@@ -176,6 +178,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *machine.settings.notes,
             *distance_warnings(machine.settings),
             *acting_warnings(machine),
+            *unproved_notes(machine.links),
             *plant_log(machine.plant),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),

@@ -10,6 +10,7 @@ from bench.results.writer import BESIDES
 from bench.rig.check import overloads
 from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
+from bench.rig.latches import unproved_notes
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
@@ -83,6 +84,7 @@ def run_program(
     finally:
         machine.close()
     told = [*settings.notes, *distance_warnings(settings), *acting_warnings(machine)]
+    told += unproved_notes(machine.links)
     notes = [Ended(text, False) for text in told]
     notes += [
         Ended(f"segment {name} is overloaded: {text}", False)

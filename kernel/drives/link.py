@@ -24,7 +24,7 @@ from kernel.drives.ds402 import (
 )
 from kernel.drives.emergency import Emergency
 from kernel.drives.latch import LatchWatch
-from kernel.drives.latch_check import LatchCheck
+from kernel.drives.latch_check import LatchCheck, StandstillRoom
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.drives.process_data import ProcessData
 from kernel.drives.sdo import SdoClient
@@ -76,7 +76,9 @@ class AxisLink:
     mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
     itself (homing), so that there is no lag and its position may jump to a new reference.
     watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
-    second_age_cycles: since a telegram has brought the second encoder.
+    second_age_cycles: since a telegram has brought the second encoder. unproved_latches: how many
+    latches were believed by telegrams alone. doubt_mm: how far the last of them may be wrong, None
+    where SDO has proved it.
     """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
@@ -91,6 +93,9 @@ class AxisLink:
             second=settings.has_second,
         )
         self._checked_by: SdoClient | None = None
+        self._room: StandstillRoom | None = None
+        self.unproved_latches = 0
+        self.doubt_mm: float | None = None
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
         self._per_mm = settings.increments_per_mm
@@ -118,6 +123,7 @@ class AxisLink:
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
         self._has_sent = False  # in this cycle
+        self.is_still = False  # its last two set positions were the same
         self._sparse = SparseData(
             self.telegrams.values(), settings.node_id, network, self._note_length
         )
@@ -180,12 +186,16 @@ class AxisLink:
             self._sparse.step(self.name, self.settings.missing_cycles)
 
     def _note_second(self, second: int | None) -> None:
-        news = self._sparse.news
-        has_come = "second" in news
+        has_come = second is not None or "second" in self._sparse.news
+        self._sparse.news.clear()
         if second is not None:
-            self._second, has_come = second, True
-        news.clear()
+            self._second = second
         self.second_age_cycles = 0 if has_come else self.second_age_cycles + 1
+
+    @property
+    def is_disturbed(self) -> bool:
+        """Whether a telegram of the last SYNC is missing."""
+        return self._pdos.is_disturbed
 
     def _take_actual(self, increments: int) -> None:
         moved, age = abs(increments - self.actual_increments), self._actual_age
@@ -257,10 +267,8 @@ class AxisLink:
     @property
     def second_telegram(self) -> Telegram | None:
         """The telegram that carries the second encoder."""
-        for telegram in self.telegrams.values():
-            if any(mapped.field == "second" for mapped in telegram.objects):
-                return telegram
-        return None
+        found = (t for t in self.telegrams.values() if any(o.field == "second" for o in t.objects))
+        return next(found, None)
 
     @property
     def lag_mm(self) -> float:
@@ -314,16 +322,21 @@ class AxisLink:
             stored_bit(probe, edge),
             latch_object(probe, edge),
             counter_object(probe, edge),
+            self._room,
         )
 
-    def check_latches(self, sdo: SdoClient) -> None:
-        """Believe a latch only when the drive tells it by SDO too; else telegrams are enough."""
-        self._checked_by = sdo
+    def check_latches(self, sdo: SdoClient, room: StandstillRoom | None = None) -> None:
+        """Believe a latch only when the drive tells it by SDO too; else telegrams are enough.
+
+        room: where a cycle has none for SDO, see `LatchCheck`.
+        """
+        self._checked_by, self._room = sdo, room
         self._check = self._checker()
 
     def arm(self) -> None:
         """Enable the touch probe with the next telegram."""
         self._function_word = self._function
+        self.doubt_mm = None
         self._latch.arm()
         if self._check is not None:
             self._check.begin()
@@ -370,11 +383,18 @@ class AxisLink:
         return self._check is None or self._check.is_ready
 
     def is_confirmed(self) -> bool:
-        """Whether the drive has told the proved latch by SDO too; asks when it has not."""
+        """Whether SDO has told the latch too, or cannot: asks, or notes the latch as unproved."""
         increments = self._latch.increments
         if increments is None:
             return False
-        return self._check is None or self._check.agrees(increments)
+        if self._check is not None and self._check.agrees(increments):
+            return True
+        if self._check is not None and self._check.is_possible:
+            return False
+        self.unproved_latches += 1
+        low, high = self._latch.plausible_increments
+        self.doubt_mm = max(increments - low, high - increments) / self._per_mm
+        return True
 
     @property
     def is_actuated(self) -> bool | None:
@@ -411,7 +431,9 @@ class AxisLink:
         values, position = self._control_out
         values[position] = self.controlword
         values, position = self._target_out
-        values[position] = round(set_mm * self._per_mm)
+        target = round(set_mm * self._per_mm)
+        self.is_still = target == values[position]
+        values[position] = target
         values, position = self._function_out
         values[position] = self._function_word
         self._pdos.send()
