@@ -111,7 +111,9 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
 
 def _substituted(runs: Sequence[StoredRun]) -> list[str]:
     """What drives stood for that the lists do not name, and in how many runs."""
-    told = Counter(run.case["drive_substituted"] for run in runs if run.case["drive_substituted"])
+    told = Counter(
+        run.case.get("drive_substituted") for run in runs if run.case.get("drive_substituted")
+    )
     return [f"{text} ({count} run{'s' if count > 1 else ''})" for text, count in told.items()]
 
 
@@ -139,7 +141,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         controls = sections(info, trace, told)
     description, packed = ({}, "") if trace is None else chart(trace, info)
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
-    replaced = case["drive_substituted"]
+    replaced = case.get("drive_substituted", "")
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
         "id": run.run,
@@ -156,6 +158,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "sim_s": f"{float(case['sim_s']):.3f}",
         "alarms": alarms,
         "hash": case["frame_log_sha256"],
+        "unproved": case.get("unproved_latches", ""),
         "checks": checks,
         # A run that ended before it could be judged needs one line, not one for each check.
         "unjudged": bool(info.get("error")) and not any(row["value"] for row in run.checks),

@@ -16,8 +16,10 @@ RESULT_COLUMNS = (
 )
 CASE_COLUMNS = (
     *("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed"),
-    *("alarms", "frame_log_sha256", "drive_substituted"),
+    *("alarms", "frame_log_sha256"),
 )
+LATER_COLUMNS = ("drive_substituted", "unproved_latches")
+"""Columns of `cases.csv` behind these that older results do not have."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class StoredResults:
     def input_columns(self) -> list[str]:
         """The columns of the plans that `cases.csv` carries on."""
         first = self.runs[0].case if self.runs else {}
-        return [column for column in first if column not in CASE_COLUMNS]
+        return [c for c in first if c not in (*CASE_COLUMNS, *LATER_COLUMNS)]
 
     @property
     def missing(self) -> int:

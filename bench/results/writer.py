@@ -33,7 +33,12 @@ from bench.plan.checks import CheckResult, value_text
 from bench.plan.plan import Case, Plan
 from bench.plan.verdict import Verdict, worst
 from bench.results.junit import write_junit
-from bench.results.stored import CASE_COLUMNS, RESULT_COLUMNS, is_results_folder
+from bench.results.stored import (
+    CASE_COLUMNS,
+    LATER_COLUMNS,
+    RESULT_COLUMNS,
+    is_results_folder,
+)
 from kernel.errors import UserError
 
 _FOLDERS = ("traces", "runs", "bus")
@@ -74,6 +79,7 @@ class CaseResult:
     drive_substituted: axes whose lists name another drive than the CANopen one they ran on.
     fixed_stop: the runs to a fixed stop beside their oracle (`bench.run.fixed_stop.marks`).
     distance: the distance controls beside their closed forms (`bench.run.distance.told`).
+    unproved_latches: axes with a measured value that rests on telegrams alone.
     """
 
     case: Case
@@ -93,6 +99,7 @@ class CaseResult:
     real_time: dict[str, Any] | None = None
     fixed_stop: list[dict[str, Any]] = field(default_factory=list)
     distance: list[dict[str, Any]] = field(default_factory=list)
+    unproved_latches: list[str] = field(default_factory=list)
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
@@ -135,7 +142,7 @@ class ResultsWriter:
             (folder / name).mkdir(parents=True)
         self._write_manifest()
         self._append("results.csv", [RESULT_COLUMNS])
-        self._append("cases.csv", [[*CASE_COLUMNS, *self._carried]])
+        self._append("cases.csv", [[*CASE_COLUMNS, *LATER_COLUMNS, *self._carried]])
 
     def __enter__(self) -> Self:
         return self
@@ -212,6 +219,7 @@ class ResultsWriter:
             value_text(result.alarms),
             result.frame_log_sha256,
             result.drive_substituted,
+            " ".join(result.unproved_latches),
             *(own.get(column, "") for column in self._carried),
         ]
 

@@ -24,7 +24,7 @@ from kernel.errors import UserError
 EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
 Rare = tuple[str, int]
 _EMCY: Rare = ("EMCY", EMCY)
-_SDO: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER), ("SDO request", SDO_REQUEST))
+SDO_FRAMES: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER), ("SDO request", SDO_REQUEST))
 
 DIGITAL_INPUTS = 0x60FD
 TRIGGER_SOURCE = "antr.canopen.probing_trigger_source"
@@ -63,14 +63,7 @@ def has_latch_counter(settings: Settings, name: str) -> bool:
     drives of the segment.
     """
     segment = settings.rig.axis[name].segment
-    return _knows_counter(settings, name) and _schedule(settings, segment, counters=True).fits
-
-
-def has_sdo_room(settings: Settings, name: str) -> bool:
-    """Whether the cycle still fits with an SDO transfer for each drive on the bus of the axis."""
-    segment = settings.rig.axis[name].segment
-    counters = _schedule(settings, segment, counters=True).fits
-    return _schedule(settings, segment, counters=counters, rare=_SDO).fits
+    return _knows_counter(settings, name) and schedule_of(settings, segment, counters=True).fits
 
 
 def has_inputs(settings: Settings, name: str) -> bool:
@@ -109,19 +102,23 @@ def segment_schedules(settings: Settings, *, with_rare: bool = False) -> dict[st
     drive. The others, heartbeat and guarding where they are configured, are always reckoned with.
     """
     return {
-        segment: _schedule(
+        segment: schedule_of(
             settings,
             segment,
-            counters=_schedule(settings, segment, counters=True).fits,
-            rare=(_EMCY, *_SDO) if with_rare else (),
+            counters=schedule_of(settings, segment, counters=True).fits,
+            rare=(_EMCY, *SDO_FRAMES) if with_rare else (),
         )
         for segment in settings.segment
     }
 
 
-def _schedule(
+def schedule_of(
     settings: Settings, segment: str, *, counters: bool, rare: Sequence[Rare] = ()
 ) -> CycleArithmetic:
+    """Return the worst-case cycle of a segment, with the counters of latches if asked for.
+
+    rare: what each drive may send, or be sent, besides.
+    """
     cycle = settings.rig.cycle
     frames: dict[str, list[PlannedFrame]] = {"TPDO": [], "RPDO": [], "event": []}
     if cycle.heartbeat_ms:

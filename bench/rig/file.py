@@ -156,7 +156,8 @@ class AxisTable(Table):
 
     probe_1 to home_switch: sensors wired to the inputs of the drive. encoder_2: "load", or the
     distance sensor that its second encoder is. outside: whether its drive stands outside this
-    process; not said = where its segment is real.
+    process; not said = where its segment is real. sensor_age_limit_ms: how old the value of the
+    sensor of distance control may be; not said = three of its periods.
     """
 
     list: str
@@ -171,6 +172,7 @@ class AxisTable(Table):
     home_switch: Name | None = None
     encoder_2: Name | None = None
     outside: bool | None = None
+    sensor_age_limit_ms: Annotated[float, Field(gt=0, le=600_000)] | None = None
 
     @property
     def signals(self) -> dict[str, str]:

@@ -160,7 +160,9 @@ class Machine:
 
         if self.settings.rig.plc:
             tables, distances = self.settings.rig.plc, self.plant.distances
-            plc.inputs.append(PlcSensors(tables, distances, plc.values, sync_ns).take)
+            period_ns = self.timing.period_ns
+            sensors = PlcSensors(tables, distances, plc.values, plc.refreshed, sync_ns, period_ns)
+            plc.inputs.append(sensors.take)
 
     def _expect_answers(self) -> None:
         """Tell real segments which telegrams their drives answer a SYNC with."""

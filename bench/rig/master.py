@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from bench.rig.arrival import stamp_clock
-from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_sdo_room, has_second
+from bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_second
+from bench.rig.latches import SdoRoom, sdo_room
 from bench.rig.lists import drive_input
 from bench.rig.settings import Settings
 from bench.rig.startup import start_up_settings, watch_settings
@@ -12,6 +13,7 @@ from kernel.channel.drive_functions import DriveAccess
 from kernel.channel.monitor import Monitor
 from kernel.clock import US, Clock, ns_to_seconds
 from kernel.drives.functions import read_functions
+from kernel.drives.latch_check import StandstillRoom
 from kernel.drives.link import AxisLink, LinkSettings
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
@@ -45,6 +47,7 @@ def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
             has_counter=has_latch_counter(settings, name),
             has_inputs=has_inputs(settings, name),
             has_second=has_second(settings, name),
+            sensor_age_limit_ms=axis.sensor_age_limit_ms,
         ),
         network,
     )
@@ -67,6 +70,12 @@ def build_accesses(
     """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
     accesses: dict[str, DriveAccess] = {}
     warnings: list[Alarm] = []
+    rooms = {
+        segment: StandstillRoom(
+            [links[name] for name, axis in settings.rig.axis.items() if axis.segment == segment]
+        )
+        for segment in settings.segment
+    }
     for name, axis in settings.rig.axis.items():
         declared = start_up_settings(settings.rig.drive[axis.drive])
         sdo = SdoClient(
@@ -77,8 +86,10 @@ def build_accesses(
             attempts=declared.sdo_attempts,
         )
         links[name].sdo = sdo
-        if settings.rig.drive[axis.drive].latch_check and has_sdo_room(settings, name):
-            links[name].check_latches(sdo)
+        room = sdo_room(settings, name)
+        if settings.rig.drive[axis.drive].latch_check and room is not SdoRoom.NONE:
+            shared = rooms[axis.segment] if room is SdoRoom.STANDSTILL else None
+            links[name].check_latches(sdo, shared)
         functions, found = read_functions(name, settings.axis[name])
         warnings += found
         accesses[name] = DriveAccess(links[name], sdo, functions)

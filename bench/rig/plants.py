@@ -422,9 +422,15 @@ def _what(plant: Plant, instance: str) -> tuple[FmuSlave, str]:
 
 def plant_log(plant: Plant) -> list[str]:
     """Tell what plants lack and, after a run, what their FMUs warned of."""
-    lines = [
+    lacking = [
         f"plant {instance}: {note}" for instance, notes in plant.notes.items() for note in notes
     ]
+    return lacking + plant_warnings(plant)
+
+
+def plant_warnings(plant: Plant) -> list[str]:
+    """Tell, after a run, how well edges are known and what FMUs warned of."""
+    lines = []
     for instance, probe in plant.probes.items():
         if probe.edge_uncertainty_ns > 1.0:
             lines.append(f"plant {instance}: edges are known to {probe.edge_uncertainty_ns:g} ns")

@@ -22,8 +22,14 @@ from bench.results.writer import CaseResult, ResultsWriter, build_manifest
 from bench.rig.arrival import describe_arrival
 from bench.rig.check import check_rig, describe_schedules
 from bench.rig.describe import describe_axes
-from bench.rig.distance.check import describe_distance, distance_warnings, drive_lags_s
+from bench.rig.distance.check import (
+    age_warnings,
+    describe_distance,
+    distance_warnings,
+    drive_lags_s,
+)
 from bench.rig.file import read_rig
+from bench.rig.latches import describe_latches
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.settings import as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S
@@ -249,8 +255,10 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     plants = ["\n".join(told)] if told else []
     told_lists = [f"warning: {warning}" for warning in settings.warnings]
     told_lists += [f"note: {note}" for note in settings.notes]
-    told_lists += [f"warning: {warning}" for warning in distance_warnings(settings)]
-    axes = "\n".join([*describe_axes(settings), *describe_arrival(settings), *told_lists])
+    lacking = [*distance_warnings(settings), *age_warnings(settings)]
+    told_lists += [f"warning: {warning}" for warning in lacking]
+    described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
+    axes = "\n".join([*described, *told_lists])
     return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])
 
 

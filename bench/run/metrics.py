@@ -9,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from bench.plan.checks import Check
+from bench.rig.latches import unproved_axes
 from bench.run.distance.metrics import DISTANCE_METRICS
 from bench.run.fixed_stop.metrics import STOP_METRICS
 from bench.run.observation import Observation
@@ -59,7 +60,9 @@ def _printed(observed: Observed, check: Check) -> Observation:
     ]
     if len(values) < index:
         return Observation(None, note=f"block {number} printed {len(values)} number(s)")
-    return Observation(values[index - 1])
+    unproved = " ".join(unproved_axes(observed.machine.links))
+    note = f"the program has measured with unproved latches of {unproved}" if unproved else ""
+    return Observation(values[index - 1], note=note)
 
 
 def _of_program(function: MetricFunction) -> MetricFunction:
@@ -206,10 +209,24 @@ def latch_mm(observed: Observed, touch: Touch, axis: str) -> Observation:
     value = touch.record.latched_mm.get(axis)
     if value is None:
         return Observation(None, note=f"no measured value of axis {axis}")
-    if touch.edge_ns is None or touch.edge_uncertainty_ns <= INSTANT_NS:
-        return Observation(value)
-    way_mm = abs(_speed_mm_s(observed, touch.edge_ns, axis)) * touch.edge_uncertainty_ns * 1e-9
-    return Observation(value, way_mm, f"edge known to {touch.edge_uncertainty_ns:g} ns")
+    uncertainty_mm, notes = _doubt(observed, axis)
+    if touch.edge_ns is not None and touch.edge_uncertainty_ns > INSTANT_NS:
+        way_mm = abs(_speed_mm_s(observed, touch.edge_ns, axis)) * touch.edge_uncertainty_ns * 1e-9
+        uncertainty_mm += way_mm
+        notes.append(f"edge known to {touch.edge_uncertainty_ns:g} ns")
+    return Observation(value, uncertainty_mm, ", ".join(notes))
+
+
+def _doubt(observed: Observed, axis: str) -> tuple[float, list[str]]:
+    """Return how far the last latch of an axis may be wrong, mm, and why; 0 where SDO proved it.
+
+    Altered alike in every telegram it is believed anywhere where the axis was
+    (docs/touch-probe.md).
+    """
+    doubt_mm = observed.machine.links[axis].doubt_mm
+    if doubt_mm is None:
+        return 0.0, []
+    return doubt_mm, [f"latch of axis {axis} unproved: believed within {doubt_mm:.6g} mm"]
 
 
 @_of_run
@@ -288,11 +305,15 @@ def latch_error_um(observed: Observed, touch: Touch, contact: Contact, axis: str
     fine_s = observed.machine.plant.fine_ns * 1e-9
     interpolation_um = HERMITE * ACCELERATION_JUMP_MM_S2 * fine_s**2 * 1e3
     events_ns = INSTANT_NS + touch.edge_uncertainty_ns
+    doubt_mm, notes = _doubt(observed, axis)
+    notes.append(
+        f"location of the events {events_ns:g} ns, interpolation inside a fine step"
+        f" {interpolation_um:.2g} um"
+    )
     return Observation(
         (latch.value - (truth.value - zero_mm)) * 1e3,
-        speed_um_s * events_ns * 1e-9 + interpolation_um,
-        f"location of the events {events_ns:g} ns, interpolation inside a fine step"
-        f" {interpolation_um:.2g} um",
+        speed_um_s * events_ns * 1e-9 + interpolation_um + doubt_mm * 1e3,
+        ", ".join(notes),
     )
 
 

@@ -18,6 +18,7 @@ from bench.plan.verdict import Verdict, worst
 from bench.results.writer import BESIDES, CaseResult, no_values
 from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
+from bench.rig.latches import unproved_axes, unproved_notes
 from bench.rig.lists import substituted_in_words
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
@@ -25,6 +26,7 @@ from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
+from bench.run.distance.acting import acting_warnings
 from bench.run.distance.told import told
 from bench.run.fixed_stop.marks import as_data
 from bench.run.metrics import observe
@@ -170,6 +172,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
         alarms=[alarm.id for alarm in machine.channel.alarms],
         frame_log_sha256=machine.frame_hash.hexdigest(),
         drive_substituted=substituted_in_words(machine.settings.axis),
+        unproved_latches=unproved_axes(machine.links),
         trace=turned_trace(observed),
         events=observed.events(),
         messages=[message.shown for message in machine.messages],
@@ -177,6 +180,8 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
             *machine.settings.notes,
             *distance_warnings(machine.settings),
+            *acting_warnings(machine),
+            *unproved_notes(machine.links),
             *plant_log(machine.plant),
             *(text for _, text in machine.deflections.beyond()),
             *(str(alarm) for alarm in machine.channel.alarms),

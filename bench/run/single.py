@@ -10,11 +10,13 @@ from bench.results.writer import BESIDES
 from bench.rig.check import overloads
 from bench.rig.distance.check import distance_warnings
 from bench.rig.file import read_rig
+from bench.rig.latches import unproved_notes
 from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
-from bench.rig.plants import check_plant, plant_log
+from bench.rig.plants import check_plant, plant_warnings
 from bench.rig.settings import as_written, read_settings
+from bench.run.distance.acting import acting_warnings
 from bench.run.outside import Outside, allow, refuse_processes
 from bench.run.plc import plc_log
 from kernel.cosim.fmu import PlantError
@@ -64,7 +66,7 @@ def run_program(
     put_out: Callable[[str], None],
     hardware: Hardware | None = None,
 ) -> list[Ended]:
-    """Run a program to its end; return what its plants lack, and its alarms in order.
+    """Run a program to its end; return what is to be noted of it, and its alarms in order.
 
     assignments: texts of `--set`. put_out: takes each message when it is due. hardware: for rigs
     with a real bus; how well real time was kept is among the notes then.
@@ -81,13 +83,14 @@ def run_program(
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    told = [*settings.notes, *distance_warnings(settings)]
+    told = [*settings.notes, *distance_warnings(settings), *acting_warnings(machine)]
+    told += unproved_notes(machine.links)
     notes = [Ended(text, False) for text in told]
     notes += [
         Ended(f"segment {name} is overloaded: {text}", False)
         for name, text in overloads(settings).items()
     ]
-    notes += [Ended(text, False) for text in plant_log(machine.plant)]
+    notes += [Ended(text, False) for text in plant_warnings(machine.plant)]
     notes += [Ended(text, False) for _, text in machine.deflections.beyond()]
     notes += [Ended(text, False) for text in in_words(machine.real_time())]
     notes += [Ended(text, False) for text in plc_log(machine)]

@@ -106,7 +106,13 @@ class Channel:
     def _distance_controls(self) -> DistanceControls:
         plc, single = self.plc, self.single
         distance = DistanceControls(
-            self.path, self.axes, self.links, plc.axis, plc.values, self.timing.period_ns
+            self.path,
+            self.axes,
+            self.links,
+            plc.axis,
+            plc.values,
+            plc.refreshed,
+            self.timing.period_ns,
         )
         distance.warn = self.warn
         distance.slaves_of = single.couplings.slaves_of

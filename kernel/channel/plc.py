@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from kernel.channel.distance.sensor import Refreshed
 from kernel.channel.distance.unit import AxisUnit
 from kernel.channel.path import Path
 from kernel.clock import Clock, TimeNs
@@ -41,6 +42,7 @@ class PlcInterface:
 
     values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
     one, when everything before it is executed. events: everything that passed, in order.
+    refreshed: variables that the PLC side promises to bring anew, by the same name.
     inputs: bring into `values` what the PLC side reads, in front of its turn.
     take_turn: the PLC side's own work of a cycle. feedhold: control unit of the path, True stops
     it. axis: control units of every axis. acknowledged_later: functions (M50) that the PLC side
@@ -51,6 +53,7 @@ class PlcInterface:
         self._clock, self._path = clock, path
         self.axis: Mapping[str, AxisUnit] = {axis: AxisUnit() for axis in axes}
         self.values: dict[str, float] = {}
+        self.refreshed: dict[str, Refreshed] = {}
         self.events: list[PlcEvent] = []
         self.inputs: list[Callable[[], None]] = []
         self.take_turn: Callable[[], None] = lambda: None

@@ -4,6 +4,7 @@ from kernel.distance.control import DistanceControl, Reading
 from kernel.distance.objects import CncObject, objects
 from kernel.distance.settings import DistanceSettings, names_newer
 from kernel.distance.states import FOLLOWING, DistanceCommand, DistanceState, Source, changes
+from kernel.distance.supervision import Silence
 
 __all__ = [
     "FOLLOWING",
@@ -13,6 +14,7 @@ __all__ = [
     "DistanceSettings",
     "DistanceState",
     "Reading",
+    "Silence",
     "Source",
     "changes",
     "names_newer",

@@ -11,12 +11,13 @@ and offset += limit(PID(e)). The surface law compares with the offset that alrea
 deviation stays when it is compensated (docs/ambiguities.md).
 """
 
+from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from kernel.clock import TimeNs
 from kernel.distance.controller import Controller
-from kernel.distance.filters import Filter, make_filter
+from kernel.distance.filters import Filter, make_filter, memory_cycles
 from kernel.distance.limiter import Limiter
 from kernel.distance.settings import DistanceSettings, field_name
 from kernel.distance.states import (
@@ -27,7 +28,7 @@ from kernel.distance.states import (
     Source,
     changes,
 )
-from kernel.distance.supervision import change_alarm, deviation_alarm, range_alarm
+from kernel.distance.supervision import Silence, change_alarm, deviation_alarm, range_alarm
 from kernel.errors import Alarm
 
 # Newer and older ID
@@ -35,6 +36,8 @@ NO_SET_VALUE: Mapping[DistanceState, tuple[int, ...]] = {
     DistanceState.ACTIVE: (310024, 70335),
     DistanceState.ACTIVE_CONST_DIST: (900311,),
 }
+# Values that REF looks back on at most: longer than any mean, and than a low-pass above 1 Hz
+STANDING_MAX = 1000
 ABSOLUTE_SENSOR, REFERENCED_WHILE_ON = (900312,), (900313,)
 
 
@@ -44,12 +47,14 @@ class Reading:
 
     sensor_mm: sensor value. actual_mm: actual position of the same SYNC. sent_mm: total set
     position that was sent in the cycle before. is_held: feedhold or override 0 of the axis.
+    silence: the sensor value is too old; None while it is not.
     """
 
     sensor_mm: float
     actual_mm: float
     sent_mm: float
     is_held: bool = False
+    silence: Silence | None = None
 
 
 class DistanceControl:
@@ -75,6 +80,10 @@ class DistanceControl:
         self._is_filter_new = False
         self._mode = DistanceState.ACTIVE  # the law that the filter works for
         self._zero_mm = 0.0  # sensor value that REF has made 0
+        # What the sensor has told, newest last, since the axis was last sent anywhere
+        self._standing: deque[float] = deque(maxlen=STANDING_MAX)
+        self._sent_mm: float | None = None
+        self._memory: tuple[DistanceSettings | None, int] = (None, 0)
         self._change_mm: float | None = None  # None while no value before counts
         self._has_reading = False
         self._known: set[DistanceState] = set()  # modes that have their set value
@@ -142,10 +151,12 @@ class DistanceControl:
 
     def _set_filter(self, settings: DistanceSettings, *, is_new: bool) -> None:
         """Put a filter in place: a new one begins with its first value, else with what it gave."""
-        kind = settings.filter.kind
-        found = make_filter(kind, settings.filter, self._period_ns, self.owner)
+        found = self._make_filter(settings)
         found.restart(self.filtered_mm)
         self._filter, self._is_filter_new = found, is_new
+
+    def _make_filter(self, settings: DistanceSettings) -> Filter:
+        return make_filter(settings.filter.kind, settings.filter, self._period_ns, self.owner)
 
     def _switch_off(self, after: DistanceState, *, no_move: bool) -> None:
         if no_move:
@@ -224,18 +235,42 @@ class DistanceControl:
         if alarm is not None:
             raise alarm
 
+    def may_reference(self) -> bool:
+        """Whether enough is known for REF: what the filter remembers, while the axis stands."""
+        is_refused = self.settings.has_absolute_sensor or self.state is not DistanceState.INACTIVE
+        return is_refused or len(self._standing) >= min(self._memory_cycles(), STANDING_MAX)
+
+    def _memory_cycles(self) -> int:
+        """Return what the filter remembers; 0 for one that cannot be, which `reference` tells."""
+        settings, cycles = self._memory
+        if settings is not self.settings:
+            try:
+                cycles = memory_cycles(self._make_filter(self.settings))
+            except Alarm:
+                cycles = 0
+            self._memory = self.settings, cycles
+        return cycles
+
+    def forget_readings(self) -> None:
+        """Forget what was read: another sensor tells from now on."""
+        self._standing.clear()
+
     def reference(self, sensor_mm: float) -> None:
-        """Make the present sensor value 0 (REF).
+        """Make the present sensor value 0 (REF), as the filter gives it: one value is noisy.
 
         Raises Alarm 900312 for an absolute sensor, whose zero is P-AXIS-00418, and 900313 while
-        control is not INACTIVE.
+        control is not INACTIVE; 310001 and 310003 for a filter that cannot be.
         """
         if self.settings.has_absolute_sensor:
             raise self.settings.alarm(ABSOLUTE_SENSOR, owner=self.owner)
         if self.state is not DistanceState.INACTIVE:
             state = self.state.name
             raise self.settings.alarm(REFERENCED_WHILE_ON, owner=self.owner, current=state)
-        self._zero_mm = sensor_mm
+        smooth = self._make_filter(self.settings)
+        told_mm = self._standing or [sensor_mm]
+        smooth.restart(told_mm[0])
+        for value_mm in told_mm:
+            self._zero_mm = smooth.step(value_mm)
 
     # Each cycle
 
@@ -258,6 +293,10 @@ class DistanceControl:
         return self.offset_mm
 
     def _take(self, reading: Reading) -> None:
+        if reading.sent_mm != self._sent_mm:
+            self._sent_mm = reading.sent_mm
+            self._standing.clear()
+        self._standing.append(reading.sensor_mm)
         sensor_mm = reading.sensor_mm - self._zero_mm
         self._change_mm = sensor_mm - self.sensor_mm if self._has_reading else None
         self._has_reading = True
@@ -266,7 +305,7 @@ class DistanceControl:
 
     def _follow(self, reading: Reading) -> None:
         if not reading.is_held:
-            self._supervise()
+            self._supervise(reading)
         self._compare(reading)
         self.delta_mm = self._controller.delta_mm(self.error_mm, self.settings)
         if reading.is_held or self.is_dry_run:
@@ -277,9 +316,11 @@ class DistanceControl:
         self._controller.settle(is_limited=step_mm != self.delta_mm)
         self._move(step_mm)
 
-    def _supervise(self) -> None:
+    def _supervise(self, reading: Reading) -> None:
         alarm = None
-        if self._change_mm is not None:
+        if reading.silence is not None:
+            alarm = reading.silence.alarm(self.owner, self.settings)
+        elif self._change_mm is not None:
             alarm = change_alarm(self.owner, self._change_mm, self._period_ns, self.settings)
         alarm = alarm or range_alarm(self.owner, self.sensor_mm, self.settings)
         if alarm is not None:

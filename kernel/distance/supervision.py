@@ -1,9 +1,12 @@
 """What distance control watches while it follows its sensor; each raises an alarm of class 7."""
 
+from dataclasses import dataclass
+
 from kernel.clock import TimeNs, ns_to_seconds
 from kernel.distance.settings import DistanceSettings
 from kernel.errors import Alarm
 
+SILENT = (900314,)
 # Newer and older ID
 CHANGE = (310018, 70329)
 ABOVE = (310019, 70330)
@@ -13,6 +16,28 @@ DEVIATION = (310017, 70331)
 # Far below any sensor: two values that should be equal differ by the rounding of floats
 ROUNDING_MM = 1e-9
 UM = 1000
+
+
+@dataclass(frozen=True)
+class Silence:
+    """A sensor that has been silent for too long.
+
+    source: in words. age_ms: of its value. limit_ms: what was allowed.
+    """
+
+    source: str
+    age_ms: float
+    limit_ms: float
+
+    def alarm(self, owner: str, settings: DistanceSettings) -> Alarm:
+        """Build Alarm 900314."""
+        return settings.alarm(
+            SILENT,
+            owner=owner,
+            source=self.source,
+            age_ms=f"{self.age_ms:g}",
+            limit_ms=f"{self.limit_ms:g}",
+        )
 
 
 def change_alarm(

@@ -14,7 +14,7 @@ value. Source: docs/touch-probe.md.
 
 from collections import deque
 from itertools import pairwise
-from math import copysign, sqrt
+from math import ceil, copysign, floor, sqrt
 from typing import Final
 
 from kernel.errors import Alarm
@@ -37,6 +37,7 @@ class LatchWatch:
     """One edge of one probe of a drive.
 
     enabled_bit, stored_bit: of 60B9. increments_per_mm: of 6064 and of the latch.
+    plausible_increments: between these a latch would have been believed.
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class LatchWatch:
 
     def _forget(self) -> None:
         self.increments: int | None = None
+        self.plausible_increments = (0, 0)
         self.speed_increments = 0.0  # per cycle, at the latch
         self._was_stored = False
         self._repeated: int | None = None
@@ -174,6 +176,7 @@ class LatchWatch:
         steps = [abs(b - a) for a, b in pairwise(places)]
         margin = max(steps, default=0) + TOLERANCE_MM * self._per_mm
         low, high = min(places) - margin, max(places) + margin
+        self.plausible_increments = (floor(low), ceil(high))
         if not low <= value <= high:
             raise Alarm(
                 900061,

@@ -24,7 +24,7 @@ from kernel.drives.ds402 import (
 )
 from kernel.drives.emergency import Emergency
 from kernel.drives.latch import LatchWatch
-from kernel.drives.latch_check import LatchCheck
+from kernel.drives.latch_check import LatchCheck, StandstillRoom
 from kernel.drives.mapping import Telegram, telegrams
 from kernel.drives.process_data import ProcessData
 from kernel.drives.sdo import SdoClient
@@ -51,7 +51,8 @@ class LinkSettings:
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
     drive names. status_delay_cycles: SYNCs by which 60B9 may be old when it is sent. stamps: the
     clock of the drive, None where it is not known. has_counter, has_inputs, has_second: of the
-    kernel's own mapping.
+    kernel's own mapping. sensor_age_limit_ms: of the sensor of distance control, None = three of
+    its periods.
     """
 
     axis: str
@@ -71,6 +72,7 @@ class LinkSettings:
     has_counter: bool = False
     has_inputs: bool = True
     has_second: bool = False
+    sensor_age_limit_ms: float | None = None
 
 
 class AxisLink:
@@ -79,6 +81,9 @@ class AxisLink:
     mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
     itself (homing), so that there is no lag and its position may jump to a new reference.
     watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
+    second_age_cycles: since a telegram has brought the second encoder. unproved_latches: how many
+    latches were believed by telegrams alone. doubt_mm: how far the last of them may be wrong, None
+    where SDO has proved it.
     """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
@@ -96,6 +101,9 @@ class AxisLink:
             settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
         )
         self._checked_by: SdoClient | None = None
+        self._room: StandstillRoom | None = None
+        self.unproved_latches = 0
+        self.doubt_mm: float | None = None
         self._watches: dict[tuple[int, str], LatchWatch] = {}
         self._take_up(settings.probe_input, settings.edge)
         self._per_mm = settings.increments_per_mm
@@ -110,6 +118,7 @@ class AxisLink:
         self._actual_age: int | None = None  # cycles since the last actual position
         self._inputs: int | None = None
         self._second: int | None = None
+        self.second_age_cycles = 0
         self.emergency: Emergency | None = None
         self.controlword = 0
         self.power = False
@@ -122,6 +131,7 @@ class AxisLink:
         self.set_mm = 0.0
         self._set_history: deque[float] = deque(maxlen=settings.lag_delay_cycles + 1)
         self._has_sent = False  # in this cycle
+        self.is_still = False  # its last two set positions were the same
         self._sparse = SparseData(
             self.telegrams.values(), settings.node_id, network, self._note_length
         )
@@ -177,8 +187,7 @@ class AxisLink:
             self._latch.take(probe, latch, count, self.actual_increments)
         if inputs is not None:
             self._inputs = inputs
-        if second is not None:
-            self._second = second
+        self._note_second(second)
         if pdos.wrong_length is not None:
             name, length, expected = pdos.wrong_length
             raise Alarm(900028, axis=self.name, pdo=name, length=length, expected=expected)
@@ -186,6 +195,18 @@ class AxisLink:
             self._judge_missing()
         if self._sparse.is_watched:
             self._sparse.step(self.name, self.settings.missing_cycles)
+
+    def _note_second(self, second: int | None) -> None:
+        has_come = second is not None or "second" in self._sparse.news
+        self._sparse.news.clear()
+        if second is not None:
+            self._second = second
+        self.second_age_cycles = 0 if has_come else self.second_age_cycles + 1
+
+    @property
+    def is_disturbed(self) -> bool:
+        """Whether a telegram of the last SYNC is missing."""
+        return self._pdos.is_disturbed
 
     def _take_actual(self, increments: int) -> None:
         moved, age = abs(increments - self.actual_increments), self._actual_age
@@ -257,7 +278,13 @@ class AxisLink:
     @property
     def has_second(self) -> bool:
         """Whether a telegram carries the second encoder."""
-        return any(o.field == "second" for t in self.telegrams.values() for o in t.objects)
+        return self.second_telegram is not None
+
+    @property
+    def second_telegram(self) -> Telegram | None:
+        """The telegram that carries the second encoder."""
+        found = (t for t in self.telegrams.values() if any(o.field == "second" for o in t.objects))
+        return next(found, None)
 
     @property
     def lag_mm(self) -> float:
@@ -312,16 +339,21 @@ class AxisLink:
             stored_bit(probe, edge),
             latch_object(probe, edge),
             counter_object(probe, edge),
+            self._room,
         )
 
-    def check_latches(self, sdo: SdoClient) -> None:
-        """Believe a latch only when the drive tells it by SDO too; else telegrams are enough."""
-        self._checked_by = sdo
+    def check_latches(self, sdo: SdoClient, room: StandstillRoom | None = None) -> None:
+        """Believe a latch only when the drive tells it by SDO too; else telegrams are enough.
+
+        room: where a cycle has none for SDO, see `LatchCheck`.
+        """
+        self._checked_by, self._room = sdo, room
         self._check = self._checker()
 
     def arm(self) -> None:
         """Enable the touch probe with the next telegram."""
         self._function_word = self._function
+        self.doubt_mm = None
         self._latch.arm()
         if self._check is not None:
             self._check.begin()
@@ -368,11 +400,18 @@ class AxisLink:
         return self._check is None or self._check.is_ready
 
     def is_confirmed(self) -> bool:
-        """Whether the drive has told the proved latch by SDO too; asks when it has not."""
+        """Whether SDO has told the latch too, or cannot: asks, or notes the latch as unproved."""
         increments = self._latch.increments
         if increments is None:
             return False
-        return self._check is None or self._check.agrees(increments)
+        if self._check is not None and self._check.agrees(increments):
+            return True
+        if self._check is not None and self._check.is_possible:
+            return False
+        self.unproved_latches += 1
+        low, high = self._latch.plausible_increments
+        self.doubt_mm = max(increments - low, high - increments) / self._per_mm
+        return True
 
     @property
     def is_actuated(self) -> bool | None:
@@ -409,7 +448,9 @@ class AxisLink:
         values, position = self._control_out
         values[position] = self.controlword
         values, position = self._target_out
-        values[position] = round(set_mm * self._per_mm)
+        target = round(set_mm * self._per_mm)
+        self.is_still = target == values[position]
+        values[position] = target
         values, position = self._function_out
         values[position] = self._function_word
         self._pdos.send()

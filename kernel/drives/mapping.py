@@ -13,6 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final
 
+from kernel.clock import MS, TimeNs
 from kernel.errors import UserError
 
 # Pre-defined connection set: CiA 301, COB-ID = base + node id
@@ -42,6 +43,9 @@ NEEDED: Final = ("controlword", "target", "statusword", "actual")
 COLUMNS: Final = (
     "pdo", "transmission", "inhibit_100us", "index", "sub", "bits", "signed", "field",
 )  # fmt: skip
+# A column that a table need not have: greatest time between two event-driven TPDOs, 0 = none
+EVENT_TIMER: Final = "event_ms"
+EVENT_DRIVEN: Final = (254, 255)
 
 
 @dataclass(frozen=True)
@@ -95,12 +99,16 @@ class BitCodec:
 
 @dataclass(frozen=True)
 class Telegram:
-    """One PDO: name, transmission type, inhibit time (100 us) and what it carries."""
+    """One PDO: name, transmission type, inhibit time (100 us) and what it carries.
+
+    event_ms: event timer of an event-driven TPDO, 0 = none.
+    """
 
     name: str
     transmission: int
     inhibit_100us: int
     objects: tuple[MappedObject, ...]
+    event_ms: int = 0
 
     @property
     def is_received(self) -> bool:
@@ -111,6 +119,16 @@ class Telegram:
     def is_cyclic(self) -> bool:
         """Whether the PDO is sent or taken at every SYNC (CiA 301 transmission types 1 to 240)."""
         return 1 <= self.transmission <= 240
+
+    def promised_ns(self, cycle_ns: TimeNs) -> TimeNs | None:
+        """Return the longest time from one telegram to the next, None where nothing promises one.
+
+        Type n is sent with every n-th SYNC; an event-driven TPDO promises a time only with its
+        event timer (CiA 301 section 7.5.2.37, sub-index 5).
+        """
+        if self.is_cyclic:
+            return self.transmission * cycle_ns
+        return self.event_ms * MS or None
 
     @property
     def length(self) -> int:
@@ -178,6 +196,7 @@ def telegrams(
                 )
                 for row in rows
             ),
+            event_ms=int(rows[0][EVENT_TIMER], 0),
         )
         for name, rows in grouped.items()
     }
@@ -206,7 +225,12 @@ def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
             allowed=" ".join(COLUMNS),
         )  # fmt: skip
     rows = [
-        (reader.line_num, {name: (row[name] or "").strip() for name in COLUMNS}) for row in reader
+        (
+            reader.line_num,
+            {name: (row.get(name) or "").strip() for name in COLUMNS}
+            | {EVENT_TIMER: (row.get(EVENT_TIMER) or "").strip() or "0"},
+        )
+        for row in reader
     ]
     for line, row in rows:
         _check_row(row, table, line)
@@ -226,6 +250,7 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
         raise wrong("pdo", " ".join(COB_ID_BASE))
     for column, low, high in (
         ("transmission", 0, 255), ("inhibit_100us", 0, 65535), ("sub", 0, 255), ("bits", 1, 64),
+        (EVENT_TIMER, 0, 65535),
     ):  # fmt: skip
         try:
             fits = low <= int(row[column], 0) <= high
@@ -238,6 +263,9 @@ def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
             int(row["index"], 16)
         except ValueError:
             raise wrong("index", "an index such as 0x6064, `latch`, `counter` or `stamp`") from None
+    is_event = not row["pdo"].startswith("R") and int(row["transmission"], 0) in EVENT_DRIVEN
+    if int(row[EVENT_TIMER], 0) and not is_event:
+        raise wrong(EVENT_TIMER, "0, or a TPDO of type 254 or 255: its event timer, ms")
     if row["signed"] not in ("yes", "no"):
         raise wrong("signed", "yes or no")
     if row["field"] not in (NO_FIELD, *FIELDS):
@@ -284,7 +312,7 @@ def _check_own_time(name: str, telegram: Telegram, table: str | None, line: int)
     """Raise UserError for what nobody sends by itself, or would not be a position."""
     if name != "second":
         return
-    if not telegram.is_cyclic and telegram.transmission not in (254, 255):
+    if not telegram.is_cyclic and telegram.transmission not in EVENT_DRIVEN:
         raise UserError(
             f"{telegram.name} carries second and must come by itself",
             file=table, line=line, value=telegram.transmission, allowed="1 .. 240, 254, 255",

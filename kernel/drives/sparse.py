@@ -21,7 +21,7 @@ class _Every:
 
 
 class SparseData:
-    """Keeps what such TPDOs bring; values: by field.
+    """Keeps what such TPDOs bring; values: by field. news: fields that came since they were taken.
 
     wrong_length: takes name, length and expected length of a PDO that does not fit its mapping.
     is_watched: whether any of them has to come again and again.
@@ -35,6 +35,7 @@ class SparseData:
         wrong_length: Callable[[tuple[str, int, int]], None],
     ) -> None:
         self.values: dict[str, int] = {}
+        self.news: set[str] = set()
         self._wrong_length = wrong_length
         self._every: list[_Every] = []
         for telegram in telegrams:
@@ -63,7 +64,9 @@ class SparseData:
                 every.has_come = True
             if fields:
                 values = telegram.codec.unpack(data)
-                self.values.update((field, values[position]) for position, field in fields)
+                for position, field in fields:
+                    self.values[field] = values[position]
+                    self.news.add(field)
 
         return take
 

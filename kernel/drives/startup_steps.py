@@ -250,6 +250,8 @@ def _telegram(
     yield write(communication, 2, telegram.transmission)
     if telegram.inhibit_100us:
         yield write(communication, 3, telegram.inhibit_100us)
+    if telegram.event_ms:
+        yield write(communication, 5, telegram.event_ms)
     watched = telegram.is_received and telegram.is_cyclic and rpdo_timeout_ms
     if watched and _can_write(od, communication, 5):
         yield write(communication, 5, rpdo_timeout_ms)

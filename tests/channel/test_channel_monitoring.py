@@ -147,6 +147,22 @@ def test_a_warning_of_one_drive_does_not_hide_what_another_one_tells(trouble: An
     assert case.bench.final_mm("Y") < 60.0
 
 
+def test_900005_and_not_900025_for_a_fault_after_a_warning(trouble: Any) -> None:
+    """The status word of the fault comes a cycle after its emergency, as after any other."""
+    case = trouble()
+    case.other.send_message(EMCY, struct.pack("<HB5x", 0x8120, 0x11))
+    run_to = case.bench.scheduler.run_until
+    for _ in range(10):
+        run_to(case.bench.scheduler.now_ns + MS)
+    assert case.bench.alarm_ids == [900035]
+    case.other.send_message(EMCY, struct.pack("<HB5x", 0x4310, 0x09))
+    run_to(case.bench.scheduler.now_ns + MS)
+    case.change(TPDO1, _alter(0, "<H", 0x0218))
+    case.bench.finish()
+    assert case.bench.alarm_ids == [900035, 900005]
+    assert "excess temperature" in case.bench.channel.alarms[1].values["emcy"]
+
+
 def test_an_emergency_that_says_error_reset_is_no_alarm(trouble: Any) -> None:
     case = trouble()
     case.other.send_message(EMCY, bytes(8))

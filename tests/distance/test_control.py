@@ -343,3 +343,20 @@ def test_what_is_not_compared_any_more_is_shown_as_0(make_loop: Make) -> None:
     assert loop.control.error_mm > 0
     loop.say(Command.OFF).run(500)
     assert (loop.control.filtered_mm, loop.control.error_mm) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("mode", [Command.ON, Command.ON_CONST_DIST])
+def test_an_error_that_stands_while_the_axis_is_held_does_not_wind_the_integral_up(
+    make_loop: Make, mode: Command
+) -> None:
+    """PI, 1 s of feedhold with 1 mm of error: the peak is that of a control without the hold."""
+
+    def peak(held_cycles: int) -> float:
+        loop = started(make_loop(lambda k: 1.0 * (k >= 50), kp=0.2, tn_s=0.02), mode).run(50)
+        loop.is_held = True
+        loop.run(held_cycles)
+        loop.is_held = False
+        return max(abs(offset) for offset in loop.run(500).offsets_mm)
+
+    assert peak(0) > 1.1  # the second integrator overshoots
+    assert peak(1000) == pytest.approx(peak(0), abs=1e-12)

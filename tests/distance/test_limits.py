@@ -147,6 +147,20 @@ def test_lowering_is_braked_with_all_there_is() -> None:
     assert changes[np.array(steps[:-1]) < 0] == pytest.approx(-CHANGE / 5)
 
 
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.9])
+@pytest.mark.parametrize("weight", [200, 500, 1500])
+def test_the_cycle_that_passes_speed_0_brakes_with_all_and_builds_up_with_the_weight(
+    share: float, weight: int
+) -> None:
+    """From share times a T^2 upwards: share of the cycle brakes with a, the rest has w a."""
+    limiter, settings = Limiter(MS), limited(a_weight_down_permille=weight)
+    limiter.limit(share * CHANGE, 0.0, settings)
+    assert limiter.step_mm == share * CHANGE
+    step_mm = limiter.limit(-STEP, 0.0, settings)
+    assert step_mm == pytest.approx(-(1.0 - share) * CHANGE * weight / 1000)
+    assert limiter.limit(-STEP, 0.0, settings) == pytest.approx(step_mm - CHANGE * weight / 1000)
+
+
 # Running out
 
 

@@ -1,6 +1,9 @@
 """A latch is asked for over SDO: stored, where, and the only one since the run began."""
 
-from kernel.drives.latch_check import LatchCheck
+from types import SimpleNamespace
+from typing import Any
+
+from kernel.drives.latch_check import LatchCheck, StandstillRoom
 from kernel.drives.sdo import Done, SdoError
 
 STATUS, LATCH, COUNTER = 0x60B9, 0x60BA, 0x60D5
@@ -129,3 +132,95 @@ def test_parts_of_two_questions_are_not_put_together() -> None:
     latch(sdo, 7)
     sdo.answer()
     assert not check.agrees(5)
+
+
+# Where only standstill has room
+
+
+def segment(count: int = 1) -> tuple[list[Any], StandstillRoom]:
+    """Drives that stand, all telegrams there, and the room of their segment."""
+    links = [SimpleNamespace(is_still=True, is_disturbed=False) for _ in range(count)]
+    return links, StandstillRoom(links)
+
+
+def in_room(sdo: FakeSdo, room: StandstillRoom) -> LatchCheck:
+    return LatchCheck(sdo, STORED, LATCH, COUNTER, room)  # type: ignore[arg-type]
+
+
+def cycles(check: LatchCheck, sdo: FakeSdo, units: int, most: int = 20) -> int:
+    """Cycles until the value is believed; each answers what was asked in the one before."""
+    for cycle in range(most):
+        sdo.answer(most=1)
+        if check.agrees(units):
+            return cycle
+    raise AssertionError("never believed")
+
+
+def test_at_standstill_one_transfer_at_a_time_proves_the_value() -> None:
+    sdo, (_, room) = FakeSdo(), segment()
+    check = in_room(sdo, room)
+    check.begin()
+    assert not check.is_ready
+    sdo.answer()
+    assert check.is_ready
+    latch(sdo, 42)
+    assert cycles(check, sdo, 42) >= 3  # status, position and counter, one in a cycle
+    assert check.is_possible
+
+
+def test_another_value_is_not_proved_at_standstill_either() -> None:
+    sdo, (_, room) = FakeSdo(), segment()
+    check = in_room(sdo, room)
+    check.begin()
+    for _ in range(3):
+        check.is_ready  # noqa: B018 - looked at in every cycle
+        sdo.answer()
+    latch(sdo, 1000)
+    for _ in range(20):
+        sdo.answer()
+        assert not check.agrees(1001)
+
+
+def test_nothing_is_asked_behind_a_cycle_without_all_telegrams() -> None:
+    """Of any drive of the segment: two telegrams in a row are the most that SDO takes."""
+    sdo, (links, room) = FakeSdo(), segment(2)
+    check = in_room(sdo, room)
+    check.begin()
+    links[1].is_disturbed = True
+    assert not check.is_ready
+    assert sdo.waiting == []
+    links[1].is_disturbed = False
+    assert not check.is_ready
+    assert len(sdo.waiting) == 1
+
+
+def test_two_axes_of_a_segment_ask_one_after_the_other() -> None:
+    first, second, (_, room) = FakeSdo(), FakeSdo(), segment(2)
+    checks = [in_room(first, room), in_room(second, room)]
+    for check in checks:
+        check.begin()
+    ready = [check.is_ready for check in checks]
+    assert ready == [False, False]
+    assert (len(first.waiting), len(second.waiting)) == (1, 0)
+    first.answer()
+    assert [check.is_ready for check in checks] == [True, False]
+    assert len(second.waiting) == 1
+
+
+def test_an_axis_that_moves_leaves_the_run_without_a_proof() -> None:
+    for moves_at in ("begin", "end"):
+        sdo, (links, room) = FakeSdo(), segment(2)
+        check = in_room(sdo, room)
+        links[1].is_still = moves_at != "begin"
+        check.begin()
+        for _ in range(3):
+            sdo.answer()
+            assert check.is_ready or moves_at == "end"
+        latch(sdo, 5)
+        links[1].is_still = False
+        for _ in range(2):
+            assert not check.agrees(5)
+        assert not check.is_possible
+        links[1].is_still = True
+        check.begin()
+        assert check.is_possible

@@ -25,7 +25,7 @@ MS = 1_000_000
 
 @pytest.fixture(scope="module")
 def rig() -> RigFile:
-    """Axes X and Y on bus can1, Z on can2."""
+    """Axes X, Y and Z on the buses can1, can2 and can3."""
     return read_rig(RIGS / "probe-xyz.toml")[0]
 
 

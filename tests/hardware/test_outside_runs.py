@@ -188,9 +188,9 @@ def test_one_axis_can_stand_outside_and_the_others_here() -> None:
     plants = simulated_plants(settings)
     for name in names:
         assert (rig.axis[name].plant in plants) is (name not in away)
-    # A probe that reads an axis outside cannot be simulated, and Z is wired to it
+    # A probe that reads an axis outside cannot be simulated, and Y is wired to it
     assert "probe" not in plants
-    with pytest.raises(UserError, match="axis Z: probe reads an axis outside") as caught:
+    with pytest.raises(UserError, match="axis Y: probe reads an axis outside") as caught:
         check_outside(settings)
     assert caught.value.file is not None
     assert caught.value.line is not None

@@ -90,7 +90,7 @@ def test_processes_and_hash_seeds_do_not_show_in_any_file(folders: list[Path]) -
     expected |= {f"runs/{run}.json" for run in runs}
     expected |= {f"bus/{run}{suffix}" for run in runs for suffix in (".blf", ".log")}
     for run in runs:
-        segments = ("@can1", "@can2") if "three" in run else ("",)
+        segments = ("@can1", "@can2", "@can3") if "three" in run else ("",)
         expected |= {f"bus/{run}{segment}.pcap" for segment in segments}
     assert set(known) == expected
     for other in others:

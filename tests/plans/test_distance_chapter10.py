@@ -59,6 +59,11 @@ def noise_of_offset() -> float:
     return white * float(np.sqrt(np.sum(np.convolve(kalman_weights(), loop) ** 2)))
 
 
+def noise_of_zero() -> float:
+    """Standard deviation of the zero that REF sets: of the sensor alone, as the filter gives it."""
+    return SENSOR_AT_1_MM * GAP**2 * float(np.sqrt(np.sum(kalman_weights() ** 2)))
+
+
 def offset(row: dict[str, str], part: int) -> float:
     """What the surface has moved by when the part ends; FREEZE keeps what was before."""
     first, second = float(row["plant:gap.lift_mm"]), float(row["plant:gap.lift_2_mm"])
@@ -75,14 +80,14 @@ def part_of(row: dict[str, str]) -> int:
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["case"])
 def test_offset_is_the_way_of_the_surface(row: dict[str, str]) -> None:
-    """With noise the zero of the sensor is one value of it: REF."""
+    """With noise the zero of the sensor is what the filter gave: REF."""
     middle, half = band(row["check:offset_end_mm"])
     part = part_of(row)
     if part == _OFF:
         assert (middle, half) == (0.0, 0.0)
         return
     assert middle == offset(row, part)
-    needed = DEVIATIONS * math.hypot(noise_of_offset(), SENSOR_AT_1_MM * GAP**2)
+    needed = DEVIATIONS * math.hypot(noise_of_offset(), noise_of_zero())
     assert half == 1e-5 if not is_noisy(row) else needed <= half <= 1.2 * needed
 
 
@@ -135,7 +140,7 @@ def test_the_program_sees_where_the_axis_is(row: dict[str, str]) -> None:
         middle, half = band(row[column])
         assert middle == SET_POS + place
         if is_noisy(row):
-            spread = math.hypot(ENCODER, noise_of_offset(), SENSOR_AT_1_MM * GAP**2)
+            spread = math.hypot(ENCODER, noise_of_offset(), noise_of_zero())
             needed = DEVIATIONS * (spread if place or part != _OFF else ENCODER)
             assert needed <= half <= 1.6 * needed
         else:

@@ -138,6 +138,15 @@ def test_errors_stand_beside_their_closed_form() -> None:
     assert (row["expected"], row["note"]) == ("–", "the transient needs 40 cycles")
 
 
+def test_measured_spread_and_closed_form_have_the_unit_of_their_column() -> None:
+    """0.4 um with a spread of 0.1 um, under headings in um."""
+    (row,) = shown("profile")["errors"]
+    assert (row["measured"], row["spread"]) == ("0.40", "0.10")
+    page = (Path(__file__).parents[2] / "reports" / "distance" / "section.html").read_text("utf-8")
+    head = page.split("Too near at the end of")[1].split("</tr>")[0]
+    assert [word in head for word in ("true µm", "± µm", "closed form µm")] == [True] * 3
+
+
 # Signals
 
 

@@ -154,6 +154,21 @@ def test_what_was_missing_shows_lag_and_way_beside_their_limits() -> None:
     )
 
 
+def test_the_longest_time_beyond_the_limit_is_told_not_the_last_or_the_sum() -> None:
+    """Beyond for 40 ms, below for 20, beyond for 10."""
+    sample = SAMPLES["stop-too-far-for-the-time"]
+    signals = trace(sample)
+    first = int(BEGIN / MS) + 200
+    lag = np.full(signals.num_rows, 0.25)
+    lag[first : first + 41] = 1.2
+    lag[first + 60 : first + 71] = -1.2
+    place = signals.column_names.index("Z.cnc_lag_mm")
+    signals = signals.set_column(place, "Z.cnc_lag_mm", pa.array(lag))
+    (found,) = timelines(info(sample), signals, sample.name, ALARMS)
+    missing = dict(found["answers"])["what was missing"]
+    assert "largest lag 1.2 mm of 1 mm, beyond it for 40 of 200 ms" in missing
+
+
 def test_how_hard_it_pressed_and_what_was_left() -> None:
     assert answers("found-by-lag")["pressed with"] == "at most 505 N, 498.2 N at the end"
     assert answers("found-by-lag")["left after relaxing"] == "lag 0 µm, 500 N"

@@ -5,11 +5,20 @@ from pathlib import Path
 
 import pytest
 
+from bench.oracles.distance.loop import CONST_DIST, SET_POS
 from bench.plan.assignment import parse_assignment
-from bench.rig.distance.check import describe_distance, distance_warnings
+from bench.rig.distance.check import (
+    age_warnings,
+    describe_distance,
+    distance_warnings,
+    listed_of,
+    sensors_of,
+    unstable,
+)
 from bench.rig.file import read_rig
 from bench.rig.settings import Settings, as_written, read_settings
 from bench.run.campaign import check_file
+from kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 RATE = "[drive.servo]\npdo_map = "
@@ -29,8 +38,15 @@ def limits(settings: Settings, lags_s: dict[str, float] | None = None) -> dict[s
     return {mode: float(kp) for kp, mode in re.findall(r"below kp ([\d.]+) +(.+?):", text)}
 
 
+def unstable_as_listed(settings: Settings, mode: str) -> str | None:
+    """What a run with the listed control in a mode would warn of."""
+    (sensor,) = sensors_of(settings, "Z")
+    return unstable(settings, "Z", sensor, mode, listed_of(settings.axis["Z"]).control)
+
+
 RUNS_AWAY = "distance-z-variable-gap"  # for the cases of the sign table
-SHIPPED = {path.stem for path in RIGS.glob("distance-*.toml")} - {RUNS_AWAY}
+SILENT = "distance-z-variable-silent"  # for the case of a sensor that stops
+SHIPPED = {path.stem for path in RIGS.glob("distance-*.toml")} - {RUNS_AWAY, SILENT}
 
 
 def test_the_rig_that_runs_away_is_warned_of() -> None:
@@ -41,7 +57,7 @@ def test_the_rig_that_runs_away_is_warned_of() -> None:
 @pytest.mark.parametrize("rig", sorted(SHIPPED))
 def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
-    assert distance_warnings(settings) == []
+    assert distance_warnings(settings) == age_warnings(settings) == []
     assert "distance control of axis Z: gap on 60E4:1" in check_file(RIGS / f"{rig}.toml")
 
 
@@ -56,7 +72,7 @@ def test_a_sensor_without_released_distance_control_is_told_and_no_warning(tmp_p
 def test_a_gain_at_its_limit_is_beyond_it(tmp_path: Path) -> None:
     """kp 2 has a pole at -1 in surface mode: it rings for ever (physics: 1 - kp)."""
     settings = settings_of(tmp_path, "", "set:Z.kenngr.distc.kp=2")
-    assert any(text.startswith("axis Z: SET_POS") for text in distance_warnings(settings))
+    assert str(unstable_as_listed(settings, SET_POS)).startswith("axis Z: SET_POS")
     assert "SET_POS: UNSTABLE as listed" in describe_distance(settings, {})[0]
 
 
@@ -171,7 +187,9 @@ def test_dead_cycles_and_limit_of_constant_distance(
 
 def test_default_gain_and_filter_are_unstable_in_constant_distance_only(tmp_path: Path) -> None:
     settings = settings_of(tmp_path, "", "set:Z.kenngr.distc.kp=1.0")
-    (warning,) = distance_warnings(settings)
+    assert distance_warnings(settings) == []  # whether anybody uses it only a run shows
+    assert unstable_as_listed(settings, SET_POS) is None
+    warning = str(unstable_as_listed(settings, CONST_DIST))
     assert warning.startswith("axis Z: CONST_DIST by gap on 60E4:1, TPDO4 with every SYNC is unst")
     assert "with kp 1 (P-AXIS-00759): its limit is 0.431 with 2 dead cycles" in warning
     (text,) = describe_distance(settings, {})
@@ -193,3 +211,60 @@ def test_a_value_with_every_second_sync(tmp_path: Path) -> None:
     settings = settings_of(tmp_path, "", base="distance-z-every-second")
     assert "n = 2 to 3" in describe_distance(settings, {})[0]
     assert 0.333 < limits(settings)["CONST_DIST"] < 0.431
+
+
+EVENT = "TPDO4,254,10,0x60E4,1,32,yes,second\n"
+
+
+@pytest.mark.parametrize(
+    ("table", "base", "sensor"),
+    [
+        (RATE + '"event.csv"', "distance-z", "gap on 60E4:1, TPDO4 when it changes"),
+        ('[plc]\n"V.E.OTHER" = { sensor = "gap" }', "distance-z", "gap in V.E.OTHER"),
+    ],
+)
+def test_a_sensor_without_an_age_is_told_by_check(
+    tmp_path: Path, table: str, base: str, sensor: str
+) -> None:
+    (tmp_path / "event.csv").write_text(MAP + EVENT)
+    settings = settings_of(tmp_path, table, base=base)
+    (warning,) = age_warnings(settings)
+    assert warning.startswith(f"axis Z: {sensor} promises no time for its next value")
+    text = check_file(tmp_path / "rig.toml")
+    assert f"warning: {warning}" in text
+    assert "silence      not noticed" in text
+
+
+@pytest.mark.parametrize(
+    ("table", "base", "words"),
+    [
+        ("", "distance-z", "every 1 ms is promised; control freezes when it is older than 3 ms"),
+        ("", "distance-z-every-second", "every 2 ms is promised; .* older than 6 ms"),
+        ("", "distance-z-event", "every 10 ms is promised; .* older than 30 ms"),
+        ("[axis.Z]\nsensor_age_limit_ms = 12.5", "distance-z", "older than 12.5 ms"),
+        ('[plc]\n"V.E.SENSOR" = { period_ms = 4 }', "distance-z-variable", "older than 12 ms"),
+    ],
+)
+def test_the_age_of_a_sensor_and_its_limit(
+    tmp_path: Path, table: str, base: str, words: str
+) -> None:
+    told = describe_distance(settings_of(tmp_path, table, base=base), {})
+    assert any(re.search(words, text) for text in told)
+
+
+@pytest.mark.parametrize(("row", "words"), [
+    ("TPDO4,1,0,10,0x60E4,1,32,yes,second\n", "event_ms"),
+    ("TPDO4,254,10,70000,0x60E4,1,32,yes,second\n", "event_ms"),
+])  # fmt: skip
+def test_an_event_timer_is_for_event_driven_telegrams(tmp_path: Path, row: str, words: str) -> None:
+    lines = [line.split(",") for line in MAP.splitlines()]
+    with_timer = [
+        [*line[:3], "event_ms" if n == 0 else "", *line[3:]] for n, line in enumerate(lines)
+    ]
+    (tmp_path / "map.csv").write_text("\n".join(",".join(c) for c in with_timer) + "\n" + row)
+    with pytest.raises(UserError, match=words):
+        check_file_of(tmp_path)
+
+
+def check_file_of(folder: Path) -> None:
+    distance_warnings(settings_of(folder, RATE + '"map.csv"'))

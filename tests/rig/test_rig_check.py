@@ -146,7 +146,8 @@ def test_three_drives_on_one_segment_are_refused_with_the_arithmetic(
     """SYNC and three drives take 55 + 3 * 365 = 1150 us of 1000 us."""
     path = tmp_path / "three.toml"
     path.write_text(
-        f'base = "{(RIGS / "probe-xyz.toml").as_posix()}"\n[axis.Z]\nsegment = "can1"\n'
+        f'base = "{(RIGS / "probe-xyz.toml").as_posix()}"\n'
+        f'{TWO_ON_CAN1}[axis.Z]\nsegment = "can1"\n'
     )
     error = _refused(settings_of(path))
     lines = error.message.splitlines()
@@ -167,12 +168,25 @@ def test_a_slower_segment_is_refused_where_a_plan_asks_for_it(
     assert "does not fit" in _refused(settings).message
 
 
-def test_busy_time_of_the_shipped_rigs(settings_of: Read) -> None:
-    schedules = segment_schedules(settings_of(RIGS / "probe-xyz.toml"))
+TWO_ON_CAN1 = '[axis.Y]\nsegment = "can1"\n'
+
+
+def _two_on_can1(folder: Path, more: str = "") -> Path:
+    """X and Y share a segment, Z has one of its own."""
+    path = folder / "shared.toml"
+    base = (RIGS / "probe-xyz.toml").as_posix()
+    path.write_text(f'base = "{base}"\n{TWO_ON_CAN1}{more}', encoding="utf-8")
+    return path
+
+
+def test_busy_time_of_one_drive_and_of_two(tmp_path: Path, settings_of: Read) -> None:
+    schedules = segment_schedules(settings_of(_two_on_can1(tmp_path)))
     assert schedules["can1"].busy_ns == 785_000
     assert schedules["can1"].busy_ns == (BITS[0] + 2 * PER_DRIVE_US) * 1000
     # Alone on its segment, a drive has room for the counter of its latch: two bytes more
-    assert schedules["can2"].busy_ns == (BITS[0] + PER_DRIVE_US + BITS[6] - BITS[4]) * 1000
+    assert schedules["can3"].busy_ns == (BITS[0] + PER_DRIVE_US + BITS[6] - BITS[4]) * 1000
+    shipped = segment_schedules(settings_of(RIGS / "probe-xyz.toml"))
+    assert {shipped[name].busy_ns for name in shipped} == {schedules["can3"].busy_ns}
     assert schedules["can1"].event_ns == 2 * BITS[4] * 1000
     # One event frame, SYNC and the TPDOs of two drives, delivered before the intermission
     last_us = BITS[4] + BITS[0] + 2 * (BITS[8] + BITS[4]) - 3
@@ -206,12 +220,10 @@ def test_the_counter_of_the_latch_comes_along_where_the_bus_has_room(
     tmp_path: Path, settings_of: Read
 ) -> None:
     """Two drives at 1 ms with counters end at 1015 us in the worst case; so they do without."""
-    settings = settings_of(RIGS / "probe-xyz.toml")
+    settings = settings_of(_two_on_can1(tmp_path))
     assert [has_latch_counter(settings, name) for name in "XYZ"] == [False, False, True]
     assert len(axis_telegrams(settings, "X")["TPDO2"].objects) == 1
-    path = tmp_path / "slower.toml"
-    base = (RIGS / "probe-xyz.toml").as_posix()
-    path.write_text(f'base = "{base}"\n[cycle]\nperiod_us = 2000\ncycle_offset_us = 700\n')
+    path = _two_on_can1(tmp_path, "[cycle]\nperiod_us = 2000\ncycle_offset_us = 700\n")
     assert all(has_latch_counter(settings_of(path), name) for name in "XYZ")
 
 

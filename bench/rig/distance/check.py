@@ -12,7 +12,7 @@ from typing import Literal
 
 from bench.oracles.distance.cycles import DeadCycles, predicted
 from bench.oracles.distance.held import held_growth, held_limit
-from bench.oracles.distance.lists import Listed, as_written
+from bench.oracles.distance.lists import Control, Listed, as_written
 from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from bench.oracles.distance.model import first_order_drive
 from bench.oracles.distance.smoothing import none, of_control
@@ -20,7 +20,8 @@ from bench.oracles.distance.stability import kp_limit
 from bench.rig.check import axis_telegrams
 from bench.rig.file import LOAD, MapTable
 from bench.rig.settings import Settings
-from kernel.clock import US, S
+from kernel.channel.distance.sensor import PERIODS_MAX, SECOND_ENCODER, VARIABLE
+from kernel.clock import MS, US, S, TimeNs
 from kernel.cosim.plant import Plant
 from kernel.drives.mapping import Telegram
 from kernel.parameters import ParameterSet
@@ -47,15 +48,18 @@ SIGNS = (
 class Sensor:
     """A way from a distance sensor to an axis.
 
-    words: what carries it. age: cycles by which it is older than 6064. every: it comes with every
-    so many SYNCs. sign: 1 when the value gets smaller as the tool lifts, -1 when it grows; 0:
-    not known.
+    source: as the control tells it (`axis.source_word`). words: what carries it. age: cycles by
+    which it is older than 6064. every: it comes with every so many SYNCs. sign: 1 when the value
+    gets smaller as the tool lifts, -1 when it grows; 0: not known. promised_ns: the longest time
+    from one value to the next, None where nothing promises one.
     """
 
+    source: str
     words: str
     age: int
     every: int
     sign: Literal[-1, 0, 1]
+    promised_ns: TimeNs | None
 
 
 def released_axes(settings: Settings) -> list[str]:
@@ -66,7 +70,7 @@ def released_axes(settings: Settings) -> list[str]:
 def sensors_of(settings: Settings, name: str) -> list[Sensor]:
     """Return what can tell an axis its distance: second encoder first, then V.E. variables."""
     rig = settings.rig
-    axis, found = rig.axis[name], []
+    axis, found, cycle_ns = rig.axis[name], [], rig.cycle.period_us * US
     telegram = second_telegram(settings, name)
     if (
         axis.encoder_2 not in (None, LOAD)
@@ -77,17 +81,23 @@ def sensors_of(settings: Settings, name: str) -> list[Sensor]:
         inverts = settings.axis[name].flag(INVERTS)
         found.append(
             Sensor(
+                SECOND_ENCODER,
                 f"{axis.encoder_2} on 60E4:1, {telegram.name} {_comes(telegram)}",
                 drive.second_delay_cycles,
                 _every(telegram, rig.cycle.period_us),
                 _sign(_grows_with(settings, str(axis.encoder_2), axis.plant), inverts=inverts),
+                telegram.promised_ns(cycle_ns),
             )
         )
     for variable, entry in rig.plc.items():
         grows = _grows_with(settings, entry.sensor, axis.plant)
         words = f"{entry.sensor} in {variable}"
         sign = _sign(grows, inverts=entry.sign == -1)
-        found.append(Sensor(words, entry.delay_cycles, 1, sign))
+        every = entry.every(cycle_ns)
+        words += f" every {every} cycles" if every > 1 else ""
+        promised_ns = None if entry.period_ms is None else round(entry.period_ms * MS)
+        source = f"{VARIABLE} {variable}"
+        found.append(Sensor(source, words, entry.delay_cycles, every, sign, promised_ns))
     return found
 
 
@@ -101,7 +111,8 @@ def second_telegram(settings: Settings, name: str) -> Telegram | None:
 
 def _comes(telegram: Telegram) -> str:
     if not telegram.is_cyclic:
-        return "when it changes"
+        timer = f", every {telegram.event_ms} ms at least" if telegram.event_ms else ""
+        return f"when it changes{timer}"
     number = telegram.transmission
     return "with every SYNC" if number == 1 else f"with every {number}. SYNC"
 
@@ -143,10 +154,20 @@ def dead_cycles(listed: Listed, sensor: Sensor) -> DeadCycles:
     return predicted(is_optimized=listed.is_optimized, sensor_age_cycles=sensor.age)
 
 
-def loop_of(settings: Settings, name: str, sensor: Sensor, mode: str, lag_s: float = 0.0) -> Loop:
-    """Return the loop of an axis in a mode, as listed; lag_s: of its drive, first order."""
+def loop_of(
+    settings: Settings,
+    name: str,
+    sensor: Sensor,
+    mode: str,
+    lag_s: float = 0.0,
+    control: Control | None = None,
+) -> Loop:
+    """Return the loop of an axis in a mode.
+
+    lag_s: of its drive, first order. control: None = as listed.
+    """
     listed, period_ns = listed_of(settings.axis[name]), settings.rig.cycle.period_us * US
-    control, dead = listed.control, dead_cycles(listed, sensor)
+    control, dead = control or listed.control, dead_cycles(listed, sensor)
     return Loop(
         mode,
         dead.dead - sensor.age,
@@ -169,7 +190,19 @@ def distance_warnings(settings: Settings) -> list[str]:
     return [
         f"axis {name}: {text}"
         for name in released_axes(settings)
-        for text in (*_missing(settings, name), *_wrong(settings, name), *_unstable(settings, name))
+        for text in (*_missing(settings, name), *_wrong(settings, name))
+    ]
+
+
+def age_warnings(settings: Settings) -> list[str]:
+    """Tell which sensors could fall silent without anybody noticing; a run tells it by 900315."""
+    return [
+        f"axis {name}: {sensor.words} promises no time for its next value: nobody notices when it"
+        " falls silent; give the TPDO an event timer (event_ms of its mapping table), the entry of"
+        " [plc] a period_ms"
+        for name in released_axes(settings)
+        for sensor in sensors_of(settings, name)
+        if sensor.promised_ns is None
     ]
 
 
@@ -226,22 +259,24 @@ def _resolution(settings: Settings, name: str) -> list[str]:
     ]
 
 
-def _unstable(settings: Settings, name: str) -> list[str]:
-    """Say in which mode kp is beyond what the loop bears."""
-    found = []
-    listed = listed_of(settings.axis[name])
-    for sensor in sensors_of(settings, name):
-        for mode in (SET_POS, BOTH if listed.uses_both else CONST_DIST):
-            loop, kp = loop_of(settings, name, sensor, mode), listed.control.kp
-            rate = growth(loop, kp) if sensor.every == 1 else held_growth(loop, sensor.every, kp)
-            limit = _limit(loop, sensor)
-            if rate > 1.0 or _is_beyond(kp, limit):
-                found.append(
-                    f"{mode} by {sensor.words} is unstable with kp {kp:g} (P-AXIS-00759): its limit"
-                    f" is {limit:.3g} with {dead_cycles(listed, sensor).dead} dead cycles and the"
-                    f" filter of the list ({loop.smoothing.name}); axisrig tune distance finds a kp"
-                )
-    return found
+def unstable(
+    settings: Settings, name: str, sensor: Sensor, mode: str, control: Control
+) -> str | None:
+    """Say why a control that acts cannot be stable, None when it can.
+
+    control: what acts, programmed and written values in it.
+    """
+    loop, kp = loop_of(settings, name, sensor, mode, control=control), control.kp
+    rate = growth(loop, kp) if sensor.every == 1 else held_growth(loop, sensor.every, kp)
+    limit = _limit(loop, sensor)
+    if rate <= 1.0 and not _is_beyond(kp, limit):
+        return None
+    dead = dead_cycles(listed_of(settings.axis[name]), sensor).dead
+    return (
+        f"axis {name}: {mode} by {sensor.words} is unstable with kp {kp:g} (P-AXIS-00759): its"
+        f" limit is {limit:.3g} with {dead} dead cycles and the filter that acts"
+        f" ({loop.smoothing.name}); axisrig tune distance finds a kp"
+    )
 
 
 def _is_beyond(kp: float, limit: float) -> bool:
@@ -292,6 +327,7 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
         f"  dead cycles  {_dead(dead, sensor)}: the offset goes out in {goes} cycle"
         f" (P-AXIS-00509 = {int(listed.is_optimized)}) and stands at the 2nd SYNC behind it;"
         f" the sensor value is {sensor.age} cycles old",
+        f"  silence      {_silence(settings, name, sensor)}",
     ]
     plant = settings.rig.plant[settings.rig.axis[name].plant]
     if plant.fmu != WITHOUT_LAG:
@@ -314,6 +350,17 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
             verdict, bound = "as listed not known", f"at best below kp {limit:.4g}"
         lines.append(f"  {bound:<24} {mode}: {verdict}")
     return lines
+
+
+def _silence(settings: Settings, name: str, sensor: Sensor) -> str:
+    if sensor.promised_ns is None:
+        return "not noticed: nothing promises when the next value comes"
+    limit_ms = settings.rig.axis[name].sensor_age_limit_ms
+    limit_ms = PERIODS_MAX * sensor.promised_ns / MS if limit_ms is None else limit_ms
+    return (
+        f"a value every {sensor.promised_ns / MS:g} ms is promised; control freezes when it is"
+        f" older than {limit_ms:g} ms (900314)"
+    )
 
 
 def _dead(dead: DeadCycles, sensor: Sensor) -> str:

@@ -3,24 +3,27 @@
 from dataclasses import dataclass
 
 from kernel.channel import Channel
+from kernel.channel.distance.axis import source_word
 from kernel.clock import TimeNs
 from kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
 
 
 @dataclass(frozen=True)
 class Change:
-    """What holds from a cycle on. time_ns: its SYNC."""
+    """What holds from a cycle on. time_ns: its SYNC. sensor: as `source_word` names it."""
 
     time_ns: TimeNs
+    sensor: str
     state: DistanceState
     source: Source
     is_dry_run: bool
     settings: DistanceSettings
 
-    def is_still(self, control: DistanceControl) -> bool:
-        """Whether it holds for a control."""
+    def is_still(self, control: DistanceControl, sensor: str) -> bool:
+        """Whether it holds for a control and its sensor."""
         return (
             self.state is control.state
+            and self.sensor == sensor
             and self.is_dry_run == control.is_dry_run
             and self.source is control.source
             and self.settings is control.settings
@@ -39,12 +42,13 @@ class DistanceLog:
     def __call__(self, channel: Channel) -> None:
         """Look at the controls of this cycle (step 7 of the cycle)."""
         for name, axis in channel.distance.axes.items():
-            control = axis.control
+            control, sensor = axis.control, source_word(axis.sensor)
             changes = self._changes.setdefault(name, [])
-            if not changes or not changes[-1].is_still(control):
+            if not changes or not changes[-1].is_still(control, sensor):
                 changes.append(
                     Change(
                         channel.sync_ns,
+                        sensor,
                         control.state,
                         control.source,
                         control.is_dry_run,

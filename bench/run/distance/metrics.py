@@ -428,7 +428,7 @@ def distance_alarm_after_cycles(truth: DistanceTruth) -> Observation:
 def _raised(truth: DistanceTruth) -> tuple[int, int] | None:
     """Return instant and ID of the first alarm of sensor or offset."""
     channel = truth.machine.channel
-    ids = [same_cause(cause) for cause in (70329, 70330, 70331, 70576)]
+    ids = [same_cause(cause) for cause in (70329, 70330, 70331, 70576, 900314)]
     for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
         if same_cause(alarm.id) in ids:
             return time_ns, alarm.id

@@ -96,7 +96,7 @@ def _parts(
         is_on = change.state in ON
         wanted = _set_values(truth, change, _rows(truth, change, end_ns))
         if is_on:
-            law = _law(truth, _mode(change), change.settings)
+            law = _law(truth, mode_of(change), change.settings)
             if law not in laws:
                 laws.append(law)
         found.append(
@@ -135,7 +135,8 @@ def _set_values(
     return (float(known[0]), float(known[-1])) if len(known) else (None, None)
 
 
-def _mode(change: Change) -> str:
+def mode_of(change: Change) -> str:
+    """Return the mode of the loop of a control that is on."""
     if change.state is DistanceState.ACTIVE:
         return SET_POS
     return BOTH if change.settings.both_encoders else CONST_DIST
@@ -226,7 +227,7 @@ def _errors(truth: DistanceTruth, changes: Sequence[Change]) -> list[dict[str, A
         rows = _rows(truth, change, end_ns)
         if change.state not in ON or change.is_dry_run or len(rows) < _LEAST_ROWS:
             continue
-        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, _mode(change))
+        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, mode_of(change))
         part, speed = _tail(truth, stretch)
         errors = behind[part.judged]
         expected, note = None, ""

@@ -9,6 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from functools import partial
 
 from kernel.channel.distance.axis import AxisDistance
+from kernel.channel.distance.sensor import Refreshed
 from kernel.channel.distance.unit import AxisUnit, DistanceUnit
 from kernel.channel.execution import Execution
 from kernel.channel.path import Path
@@ -37,7 +38,8 @@ SWITCHES_ON = (DistanceCommand.ON, DistanceCommand.ON_CONST_DIST)
 class DistanceControls:
     """The distance controls of a channel; axes: those that have one.
 
-    units: of every axis at the PLC's side. values: V.E. variables. measuring_state: tells how far
+    units: of every axis at the PLC's side. values: V.E. variables; refreshed: those of them that
+    come with a period. measuring_state: tells how far
     the measurement is in which an axis takes part, None without one. slaves_of: tells which axes
     follow others, each with its master. warn: takes alarms of class 1. further: what came up in a
     cycle besides the alarm that was raised. has_stepped: in this cycle.
@@ -50,13 +52,14 @@ class DistanceControls:
         links: Sequence[AxisLink],
         units: Mapping[str, AxisUnit],
         values: Mapping[str, float],
+        refreshed: Mapping[str, Refreshed],
         period_ns: TimeNs,
     ) -> None:
         self._path, self._units = path, units
         self._plc_units = [unit.distance for unit in units.values()]
         self._settings = {axis.name: axis for axis in settings}
         self.axes = {
-            axis.name: AxisDistance(link, axis.distance, values, period_ns)
+            axis.name: AxisDistance(link, axis.distance, values, refreshed, period_ns)
             for axis, link in zip(settings, links, strict=True)
             if axis.distance is not None
         }
@@ -147,6 +150,8 @@ class DistanceControls:
         def may_begin() -> bool:
             head = execution.head
             assert isinstance(head, canon.DistanceCommand)
+            if head.action == "ref" and head.axis in self.axes:
+                return self.axes[head.axis].may_reference()
             return not (head.no_move and self.is_led(head.axis))
 
         execution.register(canon.DistanceCommand, self._carry_out, ready=may_begin)
@@ -199,6 +204,9 @@ class DistanceControls:
                 raise control.settings.alarm(STILL_MEASURES, owner=control.owner, state=state)
         pending_mm = axis.pending_mm
         control.command(wanted, source, no_move=no_move, dry_run=dry_run)
+        warning = axis.age_warning() if wanted in SWITCHES_ON else None
+        if warning is not None:
+            self.warn(warning)
         if no_move and control.state is DistanceState.INACTIVE:
             for name in (axis.name, *self.slaves_of((axis.name,))):
                 self._path.take_offset(name, pending_mm)

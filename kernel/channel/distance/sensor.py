@@ -6,9 +6,12 @@ falls when the tool lifts. Sources: P-AXIS-00230, 00418, 00422 to 00424; FCT-M3 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
+from kernel.clock import TimeNs
 from kernel.drives.link import AxisLink
+from kernel.drives.mapping import Telegram
 from kernel.parameters import ParameterSet
 
 SECOND_ENCODER: Final = "SECOND_ENCODER"
@@ -16,6 +19,8 @@ VARIABLE: Final = "VARIABLE"
 UNITS_PER_MM: Final = 10_000  # 0.1 um
 COUNTS: Final = 1 << 32  # of 60E4:1, behind which it begins anew
 LINEAR, MODULO = 1, 2
+PERIODS_MAX: Final = 3
+"""So many of its periods a sensor may be silent, where the rig says no other limit."""
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,17 @@ class SensorSettings:
         )
 
 
+@dataclass
+class Refreshed:
+    """A variable that the PLC side promises to bring anew.
+
+    period_ns: after so long at the latest. age_cycles: NC cycles since it was.
+    """
+
+    period_ns: TimeNs
+    age_cycles: int = 0
+
+
 class EncoderSensor:
     """The second encoder: 60E4:1 of the SYNC that the actual position is of.
 
@@ -57,6 +73,20 @@ class EncoderSensor:
     def __init__(self, link: AxisLink, settings: SensorSettings) -> None:
         self._link, self._settings = link, settings
         self._count: int | None = None
+
+    @cached_property
+    def _telegram(self) -> Telegram | None:
+        return self._link.second_telegram
+
+    def period_ns(self, cycle_ns: TimeNs) -> TimeNs | None:
+        """Return how often the drive promises a value, None where it promises nothing."""
+        telegram = self._telegram
+        return None if telegram is None else telegram.promised_ns(cycle_ns)
+
+    @property
+    def age_cycles(self) -> int:
+        """NC cycles since a telegram has brought a value."""
+        return self._link.second_age_cycles
 
     @property
     def exists(self) -> bool:
@@ -81,13 +111,32 @@ class VariableSensor:
     """A V.E. variable in 0.1 um, which the PLC has normalised: it has its sign and resolution.
 
     name: as a program writes it, with or without `V.E.`. values: of the PLC, by the name behind it.
+    refreshed: those of them that come with a period.
     """
 
     source = VARIABLE
 
-    def __init__(self, name: str, values: Mapping[str, float], settings: SensorSettings) -> None:
+    def __init__(
+        self,
+        name: str,
+        values: Mapping[str, float],
+        settings: SensorSettings,
+        refreshed: Mapping[str, Refreshed] | None = None,
+    ) -> None:
         self.name = name.removeprefix("V.E.")
         self._values, self._ref_offset_mm = values, settings.ref_offset_mm
+        self._refreshed = refreshed or {}
+
+    def period_ns(self, _cycle_ns: TimeNs) -> TimeNs | None:
+        """Return how often the PLC promises a value, None where it promises nothing."""
+        found = self._refreshed.get(self.name)
+        return None if found is None else found.period_ns
+
+    @property
+    def age_cycles(self) -> int:
+        """NC cycles since the PLC has brought a value; 0 for one that has no age."""
+        found = self._refreshed.get(self.name)
+        return 0 if found is None else found.age_cycles
 
     @property
     def exists(self) -> bool:

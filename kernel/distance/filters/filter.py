@@ -1,6 +1,10 @@
 """What every filter of the sensor value can do."""
 
-from typing import Protocol
+from typing import Final, Protocol
+
+# Share of an old value that may be left for a filter to have forgotten it
+FORGOTTEN: Final = 0.01
+MEMORY_MAX: Final = 1000
 
 
 class Filter(Protocol):
@@ -13,3 +17,13 @@ class Filter(Protocol):
     def step(self, value_mm: float) -> float:
         """Take the value of this cycle and return the filtered one, both in mm."""
         ...
+
+
+def memory_cycles(smooth: Filter) -> int:
+    """Return after how many values a filter has forgotten what was before, to `FORGOTTEN`.
+
+    A mean of n values: n. At most `MEMORY_MAX`. The filter is not to be used any more.
+    """
+    smooth.restart(1.0)
+    left = [abs(smooth.step(0.0)) for _ in range(MEMORY_MAX)]
+    return next((n for n in range(MEMORY_MAX, 0, -1) if left[n - 1] > FORGOTTEN), 0) + 1
