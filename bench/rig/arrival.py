@@ -35,11 +35,11 @@ def describe_arrival(settings: Settings) -> list[str]:
         drive = settings.rig.drive[axis.drive]
         delay, missing = drive.make().status_delay_cycles, drive.missing_cycles
         late_ns = (delay + missing) * cycle.period_us * US + cycle.cycle_offset_us * US
-        lines.append(
-            f"axis {name}, an edge at standstill: its status is believed up to {late_ns / MS:g} ms"
-            f" after that SYNC (update delay {delay} SYNCs, PDO taken after"
-            f" {cycle.cycle_offset_us} us, missing_cycles {missing}); {_stamp(settings, name)}"
-        )
+        lines += [
+            f"axis {name}, edge at standstill: believed up to {late_ns / MS:g} ms after that SYNC",
+            f"  update delay {delay} SYNCs, PDO {cycle.cycle_offset_us} us,"
+            f" missing_cycles {missing}; {_stamp(settings, name)}",
+        ]
     return lines
 
 
@@ -52,7 +52,7 @@ def _stamp(settings: Settings, name: str) -> str:
         for mapped in telegram.objects
     )
     if not is_mapped:
-        return "no time stamp of the latch is mapped"
+        return "no time stamp mapped"
     if stamp_clock(settings, name) is None:
-        return f"time stamp {wanted:X} of a clock that is not known: not used"
-    return f"its time stamp {wanted:X} decides"
+        return f"{wanted:X} not used: unknown clock"
+    return f"time stamp {wanted:X} decides"
