@@ -18,6 +18,7 @@ from bench.fmu.trial import (
     not_finite,
     step_of,
 )
+from bench.rig.printed import printed_lines
 from kernel.clock import TimeNs
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
@@ -138,6 +139,10 @@ def sequence(path: Path) -> Outcome:
         text = f"{len(messages)} messages, the first: {messages[0].text}"
         found.findings.append(warn("call sequence", text))
     found.findings += _changes(before, _surroundings())
+    printed = printed_lines()
+    if printed:
+        text = f"{len(printed)} lines on standard output, the first: {printed[0]}"
+        found.findings.append(warn("call sequence", text, "a run has them in its log"))
     return found
 
 
@@ -294,11 +299,7 @@ REST: dict[str, Stage] = {
 
 
 def run_stage(area: str, path: Path) -> Outcome:
-    """Run one stage: what the FMU does wrong is a finding; what it prints is kept off the result.
-
-    Its standard output becomes standard error.
-    """
-    os.dup2(2, 1)
+    """Run one stage: what the FMU does wrong is a finding."""
     stage = (FIRST | REST)[area]
     try:
         return stage(path)

@@ -6,6 +6,7 @@ writes to it past Python, so that it is the process whose output goes to a file.
 
 import ctypes
 import os
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
@@ -34,31 +35,39 @@ def _flush() -> None:
         ctypes.CDLL(None).fflush(None)
 
 
-def printed_log(settings: Settings) -> list[str]:
-    """Say what the FMUs of a rig have written so far, and which plants it may have been.
+def printed_lines() -> list[str]:
+    """Return the lines that the FMUs of this process have written to standard output so far.
 
-    Nothing where standard output is not diverted.
+    None where it is not diverted.
     """
     if not _FILES:
         return []
     _flush()
+    return lines_in(_FILES[0])
+
+
+def printed_log(settings: Settings) -> list[str]:
+    """Say what the FMUs of a rig have written so far, and which plants it may have been."""
     plants = simulated_plants(settings).items()
-    names = [name for name, table in plants if table.fmu.endswith(".fmu")] or [
-        name for name, _ in plants
-    ]
-    return printed_in(_FILES[0], f"plant{'s' if len(names) > 1 else ''} {', '.join(names)}")
+    names = [name for name, table in plants if table.fmu.endswith(".fmu")]
+    who = f"plant{'s' if len(names) > 1 else ''} {', '.join(names)}" if names else "a plant"
+    return told(who, printed_lines())
 
 
-def printed_in(file: Path, who: str) -> list[str]:
-    """Say what a file of `divert` holds, its first 20 lines."""
+def told(who: str, lines: Sequence[str]) -> list[str]:
+    """Say what was written to standard output, the first 20 lines of it."""
+    more = len(lines) - _LINES_MAX
+    rest = [f"{who} wrote {more} more lines to standard output"] if more > 0 else []
+    return [*(f"{who} wrote to standard output: {line}" for line in lines[:_LINES_MAX]), *rest]
+
+
+def lines_in(file: Path) -> list[str]:
+    """Return the lines in a file of `divert`."""
     if not file.is_file():
         return []
     with file.open("rb") as stream:
         text = stream.read(BYTES_MAX).decode("utf-8", errors="replace")
-    lines = [printable(line)[:_LENGTH_MAX] for line in text.splitlines() if line.strip()]
-    told = [f"{who} wrote to standard output: {line}" for line in lines[:_LINES_MAX]]
-    more = len(lines) - _LINES_MAX
-    return [*told, *([f"{who} wrote {more} more lines"] if more > 0 else [])]
+    return [printable(line)[:_LENGTH_MAX] for line in text.splitlines() if line.strip()]
 
 
 def cut(file: Path) -> None:

@@ -22,7 +22,7 @@ from tempfile import mkdtemp
 from typing import Any, NamedTuple, TypeVar
 
 from bench.rig.foreign import foreign_rigs
-from bench.rig.printed import cut, divert, printed_in
+from bench.rig.printed import cut, divert, lines_in, told
 from kernel.cosim import journal
 from kernel.cosim.archive import session_folder, share_session_folder
 from kernel.errors import UserError
@@ -330,7 +330,7 @@ def do_apart(
 
 
 def _printed(worker: _Worker) -> list[str]:
-    return printed_in(_output(worker.note), "the process")
+    return told("the process", lines_in(_output(worker.note)))
 
 
 def _was_in(call: journal.LastCall | None) -> str:
