@@ -200,7 +200,7 @@ def nc(
     It may take 600 s of simulated time; --set plc:limit_s=5 changes that.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
-    from bench.run.apart import do_apart
+    from bench.run.apart import do_apart, say
     from bench.run.outside import Outside
     from bench.run.single import run_outside, run_program
 
@@ -210,22 +210,13 @@ def nc(
         raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
-    inputs = (
-        program,
-        rig,
-        _inputs(assignments, is_forced, as_canopen),
-        _logs(bus_log),
-        partial(print, flush=True),
-    )
+    inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
     said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
-    outside = Outside(_hardware, *said)
-    alarms = run_outside(outside, *inputs, is_apart=is_isolated or bool(call_limit_s))
-    if alarms is None and (is_isolated or call_limit_s):
-        alarms = do_apart(
-            run_program, *inputs, file=program, call_limit_s=call_limit_s or CALL_LIMIT_S
-        )
-    elif alarms is None:
-        alarms = run_program(*inputs)
+    is_apart = is_isolated or bool(call_limit_s)
+    alarms = run_outside(Outside(_hardware, *said), *inputs, is_apart=is_apart)
+    if alarms is None:
+        limits = (is_isolated, call_limit_s)
+        alarms = do_apart(run_program, *inputs, rigs=[rig], file=program, limits=limits)
     for alarm in alarms:
         print(alarm.text, file=sys.stderr)
     raise typer.Exit(1 if any(alarm.ends_program for alarm in alarms) else 0)
@@ -291,14 +282,12 @@ def check(
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
     from bench.run.apart import do_apart
-    from bench.run.campaign import check_file
+    from bench.run.campaign import check_file, rigs_of
 
     for file in files:
-        what = (file, _inputs(None, is_forced, as_canopen))
-        if is_isolated or call_limit_s:
-            print(do_apart(check_file, *what, file=file, call_limit_s=call_limit_s or CALL_LIMIT_S))
-        else:
-            print(check_file(*what))
+        what = (check_file, file, _inputs(None, is_forced, as_canopen))
+        limits = (is_isolated, call_limit_s)
+        print(do_apart(*what, rigs=rigs_of(file), file=file, limits=limits))
 
 
 @app.command()
@@ -319,13 +308,13 @@ def replay(
     from bench.plan.verdict import exit_code
     from bench.run.apart import do_apart
     from bench.run.campaign import show_verdicts
+    from bench.run.replay import recorded_case
     from bench.run.replay import replay as run_again
 
-    what = (folder, run_id, _logs(bus_log))
-    if is_isolated or call_limit_s:
-        again = do_apart(run_again, *what, file=folder, call_limit_s=call_limit_s or CALL_LIMIT_S)
-    else:
-        again = run_again(*what)
+    logs, limits = _logs(bus_log), (is_isolated, call_limit_s)
+    case, row = recorded_case(folder, run_id)
+    what = (run_again, case, row, logs)
+    again = do_apart(*what, rigs=[case.rig], file=folder, limits=limits)
     show_verdicts([again.result])
     print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
     raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)
@@ -428,10 +417,13 @@ def perf(
 
         print(show_fmu(measure_fmu(repeats, time.perf_counter_ns), as_json))
         return
+    from bench.run.apart import do_apart
+    from bench.run.campaign import rigs_of
     from bench.run.perf import measure, show
     from reports.build import build_report
 
-    result = measure(plan, case, repeats, time.perf_counter_ns, build_report)
+    what = (plan, case, repeats, time.perf_counter_ns, build_report)
+    result = do_apart(measure, *what, rigs=rigs_of(plan), file=plan)
     print(show(result, as_json))
 
 

@@ -1,12 +1,10 @@
 """The plant library as the command line shows it."""
 
 import os
-from collections.abc import Callable, Iterator, Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from pebble import ProcessPool
-
+from bench.run.apart import Died, run_apart
 from fmus import (
     CATALOGUE,
     COMPILERS,
@@ -15,6 +13,7 @@ from fmus import (
     PLATFORMS,
     BuildError,
     ensure_built,
+    is_ours,
     place_in_cache,
 )
 from kernel.errors import UserError, nearest
@@ -62,35 +61,22 @@ def _built(
         places = {name: place_in_cache(name, None, fmi, platforms, compiler) for name in names}
     except BuildError as error:
         raise UserError(f"nothing can be built: {error}") from error
-    missing = [name for name in names if not places[name].is_file()]
-    workers = min(len(missing), os.cpu_count() or 1)
-    if workers <= 1:
-        for name in names:
-            yield _told(name, partial(ensure_built, name, None, fmi, platforms, compiler))
-        return
-    pool = ProcessPool(max_workers=workers)
-    try:
-        waiting = {
-            name: pool.schedule(ensure_built, [name, None, fmi, platforms, compiler])
-            for name in missing
-        }
-        for name in names:
-            future = waiting.get(name)
-            yield _told(name, future.result if future else partial(places.__getitem__, name))
-        pool.close()  # type: ignore[no-untyped-call]
-    except BaseException:
-        pool.stop()  # type: ignore[no-untyped-call]  # nobody waits for what is left
-        raise
-    finally:
-        pool.join()
+    missing = [name for name in names if not is_ours(places[name])]
+    tasks = [[name, None, fmi, platforms, compiler] for name in missing]
+    building = run_apart(ensure_built, tasks, jobs=os.cpu_count() or 1, is_fresh=False)
+    for name in names:
+        yield f"{name}: {_next_of(building, name) if name in missing else places[name]}"
 
 
-def _told(name: str, built: Callable[[], Path]) -> str:
-    """The line of one model. Raises UserError when its build fails."""
+def _next_of(building: Iterator[Path | Died], name: str) -> Path:
+    """The next FMU that was built. Raises UserError when its build fails."""
     try:
-        return f"{name}: {built()}"
+        built = next(building)
     except BuildError as error:
         raise UserError(f"{name} cannot be built: {error}") from error
+    if isinstance(built, Died):
+        raise UserError(f"{name} cannot be built: {built.reason}")
+    return built
 
 
 def listing() -> str:
@@ -102,7 +88,7 @@ def listing() -> str:
         try:
             place = place_in_cache(row.name)
             places.add(f"built FMUs lie in {place.parent}")
-            built = "built" if place.is_file() else "-"
+            built = "built" if is_ours(place) else "-"
         except BuildError as error:
             places.add(f"nothing can be built: {error}")
             built = "?"

@@ -1,7 +1,8 @@
 """Plans as pytest items: every row is a test with its run id as name.
 
 Used by `testplans/conftest.py`; tables directly in the folder of that conftest are plans. A case
-that passes or is marginal passes, everything else fails with what its checks say.
+that passes or is marginal passes, everything else fails with what its checks say. A row whose rig
+names a foreign FMU runs in a process of its own, as in `axisrig run`.
 """
 
 from collections.abc import Iterator
@@ -15,7 +16,9 @@ from bench.plan.plan import Case, read_plan
 from bench.plan.table import SUFFIXES
 from bench.plan.verdict import Verdict
 from bench.results.writer import CaseResult
-from bench.run.runner import run_case
+from bench.rig.foreign import foreign_rigs
+from bench.run.apart import CALL_LIMIT_S
+from bench.run.runner import no_stopwatch, run_cases
 from kernel.errors import UserError
 
 
@@ -25,6 +28,17 @@ class CaseFailedError(Exception):
     def __init__(self, result: CaseResult) -> None:
         super().__init__(result.case.run)
         self.result = result
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the limit of one call into an FMU; the conftest of a plan folder hands it on."""
+    parser.getgroup("axisrig").addoption(
+        "--axisrig-call-timeout",
+        type=float,
+        metavar="S",
+        help="Wall time of one call into an FMU, s; 60 when not said. Every row of a plan then runs"
+        " in a process of its own.",
+    )
 
 
 class PlanFile(pytest.File):
@@ -51,7 +65,17 @@ class CaseItem(pytest.Item):
 
     def runtest(self) -> None:
         """Run the case and judge it."""
-        result = run_case(self.case, [])
+        call_limit_s = self.config.getoption("axisrig_call_timeout", default=None)
+        rigs = [self.case.rig]
+        (result,) = run_cases(
+            [self.case],
+            lambda _: [],
+            jobs=1,
+            timeout_s=None,
+            stopwatch=no_stopwatch,
+            apart=foreign_rigs(rigs) if call_limit_s is None else rigs,
+            call_limit_s=call_limit_s or CALL_LIMIT_S,
+        )
         self.user_properties += [
             ("verdict", result.verdict.word),
             ("seed", str(self.case.seed)),

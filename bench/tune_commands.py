@@ -44,6 +44,7 @@ def distance(
     """
     import json
 
+    from bench.run.apart import do_apart
     from bench.tune.distance import tune
     from bench.tune.measure import choose
     from bench.tune.picture import draw, kind_of
@@ -51,7 +52,7 @@ def distance(
 
     bench = choose(rig, axis, variable, assignments or [])
     target = kind_of(picture or Path(f"tune-{bench.axis}.svg"))
-    found = tune(bench, step_mm)
+    found = do_apart(tune, bench, step_mm, rigs=[rig], file=rig)
     draw(found, target)
     print(json.dumps(data_of(found), indent=2) if as_json else text_of(found))
     for warning in warnings_of(found):

@@ -1,6 +1,6 @@
 """Plant FMUs of axisrig: a Modelica library and the exporter that builds FMI FMUs from it."""
 
-from fmus.build import CATALOGUE, FMI_VERSIONS, MODELS, ensure_built, place_in_cache
+from fmus.build import CATALOGUE, FMI_VERSIONS, MODELS, ensure_built, is_ours, place_in_cache
 from fmus.compiler import COMPILERS, PLATFORMS
 from fmus.errors import BuildError
 
@@ -12,5 +12,6 @@ __all__ = [
     "PLATFORMS",
     "BuildError",
     "ensure_built",
+    "is_ours",
     "place_in_cache",
 ]

@@ -85,14 +85,35 @@ def ensure_built(
     platforms: Sequence[str] = (),
     compiler: str | None = None,
 ) -> Path:
-    """The FMU of one of `MODELS` from the cache; built first when the cache has none.
+    """The FMU of one of `MODELS` from the cache; built when the cache has none, or a damaged one.
 
     Arguments as `place_in_cache`. Raises BuildError when the model cannot be built.
     """
     path = place_in_cache(model, cache_dir, fmi, platforms, compiler)
-    if path.is_file():
-        return path
-    return build(model, path, fmi=fmi, platforms=platforms, compiler=compiler)
+    if not is_ours(path, path.parent):
+        build(model, path, fmi=fmi, platforms=platforms, compiler=compiler)
+        record = _record(path, path.parent)
+        record.parent.mkdir(exist_ok=True)
+        record.touch()
+    return path
+
+
+def is_ours(path: Path, cache_dir: Path | None = None) -> bool:
+    """Tell whether the file at `path` is byte for byte an FMU that `ensure_built` has made.
+
+    Wherever it lies: the cache keeps the hash of each one. cache_dir: as `place_in_cache`.
+    """
+    return path.is_file() and _record(path, _cache(cache_dir)).is_file()
+
+
+def _record(path: Path, folder: Path) -> Path:
+    """The file in a cache that says: an FMU with these bytes was built."""
+    with path.open("rb") as file:
+        return folder / "sha256" / hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _cache(cache_dir: Path | None) -> Path:
+    return cache_dir or Path(platformdirs.user_cache_dir("axisrig")) / "fmus"
 
 
 def place_in_cache(
@@ -112,9 +133,8 @@ def place_in_cache(
     """
     if model not in MODELS:
         raise BuildError(None, None, f"no model {model}; there are {', '.join(MODELS)}")
-    folder = cache_dir or Path(platformdirs.user_cache_dir("axisrig")) / "fmus"
     key = cache_key(model, fmi=fmi, platforms=platforms, compiler=compiler)
-    return folder / f"{model.rsplit('.', 1)[-1]}-{key[:24]}.fmu"
+    return _cache(cache_dir) / f"{model.rsplit('.', 1)[-1]}-{key[:24]}.fmu"
 
 
 def build(

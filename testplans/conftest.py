@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.pytest_plugin import PlanFile, collect_plan
+from bench.pytest_plugin import PlanFile, collect_plan, pytest_addoption
+
+__all__ = ["pytest_addoption"]
 
 
 def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> PlanFile | None:

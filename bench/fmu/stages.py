@@ -18,6 +18,7 @@ from bench.fmu.trial import (
     not_finite,
     step_of,
 )
+from bench.rig.printed import printed_lines
 from kernel.clock import TimeNs
 from kernel.cosim.fmu import PlantError
 from kernel.errors import UserError
@@ -112,7 +113,8 @@ def _changes(before: dict[str, object], after: dict[str, object]) -> Iterator[Fi
             text = "it switches denormal numbers or the rounding of the whole process"
             yield fail("call sequence", text, "it was built with -ffast-math; build it without")
         else:
-            yield warn("call sequence", f"it changes the {what} of the process", "use --isolate")
+            text = f"it changes the {what} of the process"
+            yield warn("call sequence", text, "its case alone feels it")
 
 
 def sequence(path: Path) -> Outcome:
@@ -138,6 +140,10 @@ def sequence(path: Path) -> Outcome:
         text = f"{len(messages)} messages, the first: {messages[0].text}"
         found.findings.append(warn("call sequence", text))
     found.findings += _changes(before, _surroundings())
+    printed = printed_lines()
+    if printed:
+        text = f"{len(printed)} lines on standard output, the first: {printed[0]}"
+        found.findings.append(warn("call sequence", text, "a run has them in its log"))
     return found
 
 
@@ -270,7 +276,7 @@ def instances(path: Path) -> Outcome:
         )
     if difference:
         text = f"two instances disturb each other: {difference}"
-        return Outcome([fail("instances", text, "use it once in a rig, with --isolate")])
+        return Outcome([fail("instances", text, "use it once in a rig")])
     return Outcome([ok("instances", "two stepped in turns run as each does alone")])
 
 
@@ -294,11 +300,7 @@ REST: dict[str, Stage] = {
 
 
 def run_stage(area: str, path: Path) -> Outcome:
-    """Run one stage: what the FMU does wrong is a finding; what it prints is kept off the result.
-
-    Its standard output becomes standard error.
-    """
-    os.dup2(2, 1)
+    """Run one stage: what the FMU does wrong is a finding."""
     stage = (FIRST | REST)[area]
     try:
         return stage(path)

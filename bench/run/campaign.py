@@ -29,8 +29,10 @@ from bench.rig.distance.check import (
     drive_lags_s,
 )
 from bench.rig.file import read_rig
+from bench.rig.foreign import foreign_rigs
 from bench.rig.latches import describe_latches
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
+from bench.rig.printed import printed_log
 from bench.rig.settings import as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S
 from bench.run.outside import Outside, allow, real_cases, refuse_processes
@@ -90,9 +92,9 @@ def run_campaign(  # noqa: PLR0913
 ) -> Campaign:
     """Run plans into a results folder; an interrupt ends the campaign with what it has.
 
-    is_isolated: each case in a process of its own, which an FMU may crash. call_limit_s: wall time
-    that one call into an FMU may take there. outside: interfaces for axes on real hardware.
-    bus_logs: kinds of `bench.bus.logs`.
+    is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
+    they drive real hardware. call_limit_s: wall time that one call into an FMU may take there.
+    outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`.
 
     Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
     case. Raises UserError before the results folder is touched.
@@ -105,7 +107,10 @@ def run_campaign(  # noqa: PLR0913
     real = real_cases(cases)
     if real:
         refuse_processes(jobs, is_isolated or timeout_s is not None)
-    prepare_all(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
+    apart = (
+        {case.rig for case in cases} if is_isolated else foreign_rigs(case.rig for case in cases)
+    )
+    prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
     folder = out or Path("out") / "-".join(plan.name for plan in plans)
     if real and outside is not None:
         allow(real, outside)
@@ -124,7 +129,7 @@ def run_campaign(  # noqa: PLR0913
             jobs=jobs,
             timeout_s=timeout_s,
             stopwatch=stopwatch,
-            is_isolated=is_isolated,
+            apart=apart,
             call_limit_s=call_limit_s,
             hardware=hardware,
         ):
@@ -208,6 +213,15 @@ LIST_SUFFIXES = (".lst", ".lis")
 PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
 
 
+def rigs_of(path: Path) -> list[Path]:
+    """Return the rigs that `check_file` loads for a file. Raises UserError for a bad plan."""
+    if path.suffix.lower() == ".toml":
+        return [path]
+    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
+        return []
+    return sorted({case.rig for case in read_plan(path).cases})
+
+
 def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     """Check a plan, a rig or a parameter list and describe it.
 
@@ -247,7 +261,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     try:
         check_plants(settings, plant)
         start_plant(settings, plant)
-        told = describe_plants(settings, plant)
+        told = [*describe_plants(settings, plant), *printed_log(settings)]
         loops = describe_distance(settings, drive_lags_s(settings, plant))
     finally:
         plant.close()

@@ -25,12 +25,8 @@ class Replay:
         return self.result.frame_log_sha256 == self.recorded_sha256
 
 
-def replay(folder: Path, run: str, bus_logs: Sequence[Path]) -> Replay:
-    """Run `run` of the results folder again, with the inputs that were recorded for it.
-
-    Raises UserError when the folder, the run or its plan cannot be found.
-    """
-    case, row = recorded_case(folder, run)
+def replay(case: Case, row: Mapping[str, str], bus_logs: Sequence[Path]) -> Replay:
+    """Run a case of a results folder again; arguments as of `recorded_case`."""
     return Replay(run_case(case, bus_logs), row["frame_log_sha256"])
 
 

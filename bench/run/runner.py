@@ -6,8 +6,9 @@ case is built from its row and its seed alone.
 
 import gc
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Collection, Iterator, Sequence
+from contextlib import closing, contextmanager
+from functools import partial
 from pathlib import Path
 
 from bench.bus.deadlines import in_words
@@ -24,6 +25,7 @@ from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
+from bench.rig.printed import printed_log
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from bench.run.distance.acting import acting_warnings
@@ -147,7 +149,9 @@ def _run_case(
             try:
                 sim_ns = machine.run()
             except (PlantError, SimulatedTimeoutError, UserError) as error:
-                return no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
+                row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
+                row.log += printed_log(settings)
+                return row
         return _judged(case, machine, sim_ns, stopwatch() - started)
     finally:
         machine.close()
@@ -184,6 +188,7 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
             *unproved_notes(machine.links),
             *plant_log(machine.plant),
             *(text for _, text in machine.deflections.beyond()),
+            *printed_log(machine.settings),
             *(str(alarm) for alarm in machine.channel.alarms),
             *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
             *(fault.in_words() for fault in machine.faults),
@@ -200,20 +205,24 @@ def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseRes
     )
 
 
-def prepare_all(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float) -> None:
-    """Prepare every case; isolated: in processes apart, and what dies there dies again as it runs.
+def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float) -> None:
+    """Prepare every case, in plan order.
 
+    apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
     call_limit_s: wall time that one call into an FMU may take there.
     Raises UserError as `prepare` does.
     """
-    if not is_isolated:
+    elsewhere = [case for case in cases if case.rig in apart]
+    with closing(
+        run_apart(
+            prepare, [[case] for case in elsewhere], is_fresh=False, call_limit_s=call_limit_s
+        )
+    ) as results:
         for case in cases:
-            prepare(case)
-        return
-    for _ in run_apart(
-        prepare, [[case] for case in cases], is_fresh=False, call_limit_s=call_limit_s
-    ):
-        pass
+            if case.rig in apart:
+                next(results)
+            else:
+                prepare(case)
 
 
 def run_cases(
@@ -223,34 +232,56 @@ def run_cases(
     jobs: int,
     timeout_s: float | None,
     stopwatch: Stopwatch,
-    is_isolated: bool = False,
+    apart: Collection[Path] = (),
     call_limit_s: float = CALL_LIMIT_S,
     hardware: Hardware | None = None,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
 
-    jobs: processes; 1 stays in this one unless there is a time-out or isolation. timeout_s: wall
-    time that one case may take, None = no limit. is_isolated: a new process for every case. A case
-    that hangs or kills its process costs its own row only. hardware: for rigs with a real bus,
-    one case after the other in this process, until the operator stops.
+    jobs: processes; 1 stays in this one unless there is a time-out. timeout_s: wall time that one
+    case may take, None = no limit. apart: rigs of which every case gets a new process. A case that
+    hangs or ends its process costs its own row only. hardware: for rigs with a real bus, one case
+    after the other, those with a real bus in this process whatever their FMUs are, until the
+    operator stops.
     """
-    if hardware is not None or (jobs == 1 and timeout_s is None and not is_isolated):
-        for case in cases:
-            yield run_case(case, bus_paths(case.run), stopwatch, hardware)
-            if hardware is not None and hardware.stop():
-                return
+    run_elsewhere = partial(
+        _run_apart, bus_paths, stopwatch, apart, timeout_s=timeout_s, call_limit_s=call_limit_s
+    )
+    if hardware is None and (jobs > 1 or timeout_s is not None):
+        yield from run_elsewhere(cases, jobs)
         return
+    for case in cases:
+        if case.rig in apart and (hardware is None or not is_paced(settings_of(case))):
+            yield from run_elsewhere([case], 1)
+            continue
+        yield run_case(case, bus_paths(case.run), stopwatch, hardware)
+        if hardware is not None and hardware.stop():
+            return
+
+
+def _run_apart(
+    bus_paths: Callable[[str], Sequence[Path]],
+    stopwatch: Stopwatch,
+    apart: Collection[Path],
+    cases: Sequence[Case],
+    jobs: int,
+    *,
+    timeout_s: float | None,
+    call_limit_s: float,
+) -> Iterator[CaseResult]:
     results = run_apart(
         run_case,
         [[case, bus_paths(case.run), stopwatch] for case in cases],
         jobs=jobs,
-        is_fresh=is_isolated,
+        is_fresh=[case.rig in apart for case in cases],
         timeout_s=timeout_s,
         call_limit_s=call_limit_s,
     )
     for case, result in zip(cases, results, strict=True):
         if isinstance(result, Died):
             wall_s = timeout_s if result.is_timeout and timeout_s is not None else 0.0
-            yield no_values(case, Verdict.ERROR, result.reason, wall_s=wall_s)
+            row = no_values(case, Verdict.ERROR, result.reason, wall_s=wall_s)
+            row.log += result.log
+            yield row
         else:
             yield result

@@ -15,6 +15,7 @@ from bench.rig.machine import Machine, SimulatedTimeoutError
 from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_warnings
+from bench.rig.printed import printed_log
 from bench.rig.settings import as_written, read_settings
 from bench.run.distance.acting import acting_warnings
 from bench.run.outside import Outside, allow, refuse_processes
@@ -92,6 +93,7 @@ def run_program(
     ]
     notes += [Ended(text, False) for text in plant_warnings(machine.plant)]
     notes += [Ended(text, False) for _, text in machine.deflections.beyond()]
+    notes += [Ended(text, False) for text in printed_log(settings)]
     notes += [Ended(text, False) for text in in_words(machine.real_time())]
     notes += [Ended(text, False) for text in plc_log(machine)]
     ended = [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]

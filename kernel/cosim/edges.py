@@ -180,7 +180,7 @@ class LevelProbe(PlantProbe):
         if self._trajectory is not None:
             self._trajectory.write_step(begin_ns, end_ns)
         level = self.signal.level
-        while self.slave.time_ns < end_ns:
+        for _ in self.slave.parts_to(end_ns):
             level = self._step_or_edge(end_ns, level)
         rising = sum(is_high for _, is_high, _ in self._new)
         return max(rising, len(self._new) - rising)
@@ -238,8 +238,8 @@ class LevelProbe(PlantProbe):
         return self.slave.step_towards(end_ns)
 
     def _go_to(self, end_ns: TimeNs) -> None:
-        while self._go(end_ns) < end_ns:
-            pass
+        for _ in self.slave.parts_to(end_ns):
+            self._go(end_ns)
 
     def _take_edges(self) -> None:
         for time_ns, level, uncertainty_ns in self._new:

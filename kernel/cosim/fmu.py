@@ -10,8 +10,8 @@ from fmpy.model_description import ModelDescription, ValidationError
 from kernel.cosim.archive import unpack
 from kernel.cosim.fmi2 import Fmi2Slave
 from kernel.cosim.fmi3 import Fmi3Slave
-from kernel.cosim.library import Capabilities
-from kernel.cosim.slave import EndedError, Exchange, FmuSlave, FmuState, PlantError
+from kernel.cosim.library import Capabilities, EndedError, FmuState, PlantError
+from kernel.cosim.slave import Exchange, FmuSlave
 from kernel.errors import UserError
 
 __all__ = [

@@ -1,5 +1,7 @@
-"""What an FMU promises and says, and its library with what it lacks."""
+"""What an FMU promises and says, how it fails, and its library with what it lacks."""
 
+import ctypes
+import math
 from dataclasses import dataclass
 from typing import Any
 
@@ -7,6 +9,28 @@ from fmpy.model_description import ModelDescription
 
 from kernel.clock import S, TimeNs
 from kernel.errors import UserError
+
+
+class PlantError(Exception):
+    """A plant model failed while running: instance, time and the FMU's own message."""
+
+    def __init__(self, instance: str, time_ns: TimeNs, message: str) -> None:
+        super().__init__(f"plant {instance} at t = {time_ns / 1e6:.6f} ms: {message}")
+        self.instance, self.time_ns, self.reason = instance, time_ns, message
+
+
+class EndedError(PlantError):
+    """An FMU ended the simulation by itself, as a model may by `terminate`."""
+
+
+class FmuState:
+    """A saved state of one instance; filled again by saving into it."""
+
+    def __init__(self) -> None:
+        self.handle = ctypes.c_void_p()
+        self.time_ns: TimeNs = 0
+        self.excess_s = 0.0
+        self.stands_ns: TimeNs = 0
 
 
 @dataclass(frozen=True)
@@ -17,6 +41,17 @@ class LogMessage:
     status: int
     category: str
     text: str
+
+
+# FMUs tell their time as a sum of floats; less than this is no progress
+TIME_RESOLUTION_S = 1e-12
+OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+STATUS_WORDS = {
+    DISCARD: "discard",
+    ERROR: "error",
+    FATAL: "fatal",
+    PENDING: "pending (asynchronous stepping is not supported)",
+}
 
 
 @dataclass(frozen=True)
@@ -52,17 +87,38 @@ class Capabilities:
         )
 
 
+def own_step_s(description: ModelDescription) -> float | None:
+    """Return the step in which an FMU goes on by itself, s: internal, else that of its experiment.
+
+    None when it tells neither.
+    """
+    told, experiment = description.coSimulation, description.defaultExperiment
+    step_s = told.fixedInternalStepSize or (experiment.stepSize if experiment else None)
+    return float(step_s) if step_s else None
+
+
+def standstill(last_s: float, end_s: float, own_step_s: float | None) -> str | None:
+    """Say why a step of status ok that should have come to `end_s` has not come there.
+
+    last_s: where it has come by its own account. It may wait for the end of a longer step of its
+    own where its description tells this step. None: nothing is wrong.
+    """
+    if math.isnan(last_s):
+        return "where the FMU has come (lastSuccessfulTime) is no number"
+    if end_s - last_s > (own_step_s or 0.0) + TIME_RESOLUTION_S:
+        return f"the FMU stands still (lastSuccessfulTime {last_s:.9g} s)"
+    return None
+
+
 def grid_of(description: ModelDescription) -> TimeNs | None:
     """Return the step of an FMU that cannot take steps of different length; None for others.
 
-    It is its internal step (FMI 3.0), else the step of its default experiment; an FMU that tells
-    neither gets the steps that the bench takes.
+    An FMU that tells no step of its own gets the steps that the bench takes.
     """
-    told, experiment = description.coSimulation, description.defaultExperiment
-    if told.canHandleVariableCommunicationStepSize:
+    step_s = own_step_s(description)
+    if step_s is None or description.coSimulation.canHandleVariableCommunicationStepSize:
         return None
-    step_s = told.fixedInternalStepSize or (experiment.stepSize if experiment else None)
-    return max(round(float(step_s) * S), 1) if step_s else None
+    return max(round(step_s * S), 1)
 
 
 class Missing:

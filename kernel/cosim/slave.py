@@ -10,7 +10,7 @@ import math
 import os
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn
@@ -20,46 +20,31 @@ from fmpy.model_description import ModelDescription, ModelVariable
 
 from kernel.clock import TimeNs, ns_to_seconds, seconds_to_ns
 from kernel.cosim.journal import watched
-from kernel.cosim.library import Capabilities, LogMessage, Missing, grid_of
+from kernel.cosim.library import (
+    DISCARD,
+    FATAL,
+    OK,
+    STATUS_WORDS,
+    TIME_RESOLUTION_S,
+    WARNING,
+    Capabilities,
+    EndedError,
+    FmuState,
+    LogMessage,
+    Missing,
+    PlantError,
+    grid_of,
+    own_step_s,
+    standstill,
+)
 from kernel.errors import UserError, nearest, printable
 
-OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
-STATUS_WORDS = {
-    DISCARD: "discard",
-    ERROR: "error",
-    FATAL: "fatal",
-    PENDING: "pending (asynchronous stepping is not supported)",
-}
 MESSAGES_MAX = 1000
 # One call of `step_to` may be answered in that many parts; an FMU that needs more does not advance
 PARTS_MAX = 1000
 IDLE_RETURNS_MAX = 10
-# FMUs tell their time as a sum of floats; less than this is no progress
-TIME_RESOLUTION_S = 1e-12
 
 POINTER, SIZE = ctypes.c_void_p, ctypes.c_size_t
-
-
-class PlantError(Exception):
-    """A plant model failed while running: instance, time and the FMU's own message."""
-
-    def __init__(self, instance: str, time_ns: TimeNs, message: str) -> None:
-        super().__init__(f"plant {instance} at t = {time_ns / 1e6:.6f} ms: {message}")
-        self.instance, self.time_ns, self.reason = instance, time_ns, message
-
-
-class EndedError(PlantError):
-    """An FMU ended the simulation by itself, as a model may by `terminate`."""
-
-
-class FmuState:
-    """A saved state of one instance; filled again by saving into it."""
-
-    def __init__(self) -> None:
-        self.handle = ctypes.c_void_p()
-        self.time_ns: TimeNs = 0
-        self.excess_s = 0.0
-        self.stands_ns: TimeNs = 0
 
 
 class Exchange:
@@ -138,6 +123,7 @@ class FmuSlave(ABC):
     _step: Any  # doStep of the library, and what follows its first four arguments
     _step_tail: tuple[int, ...] = ()
     _cut: Any = ctypes.c_uint16(0)  # FMI 3.0: not 0 when a step of status ok was cut short
+    _last_time: Any = ctypes.c_double(math.inf)  # FMI 3.0: where the FMU says that it has come
 
     def __init__(self, path: Path, name: str, description: ModelDescription, folder: str) -> None:
         self.path, self.name, self.description = path, name, description
@@ -150,6 +136,7 @@ class FmuSlave(ABC):
         for variable in description.modelVariables:
             self._names.setdefault(variable.causality, []).append(variable.name)
         self._excess_s = 0.0  # how far behind `time_ns` an early return left the FMU
+        self.own_step_s = own_step_s(description)
         self.grid_ns = grid_of(description)
         self._stands_ns: TimeNs = 0  # on a grid: the last point that the FMU has reached
         self._can_terminate, self._is_fatal = False, False
@@ -300,9 +287,16 @@ class FmuSlave(ABC):
         Raises PlantError when it fails, ends the simulation, or does not come to `end_ns`.
         """
         if self.step_towards(end_ns) < end_ns:
-            for _ in range(PARTS_MAX):
-                if self.step_towards(end_ns) >= end_ns:
-                    return
+            for _ in self.parts_to(end_ns):
+                self.step_towards(end_ns)
+
+    def parts_to(self, end_ns: TimeNs) -> Iterator[None]:
+        """Yield for each step up to `end_ns`; raise PlantError when it never comes there."""
+        for _ in range(PARTS_MAX):
+            if self.time_ns >= end_ns:
+                return
+            yield
+        if self.time_ns < end_ns:
             self._fail(f"doStep: not at {end_ns / 1e6:.6f} ms after {PARTS_MAX} steps")
 
     def step_towards(self, end_ns: TimeNs) -> TimeNs:
@@ -313,15 +307,20 @@ class FmuSlave(ABC):
         if self.grid_ns is not None:
             return self._step_on_grid(self.grid_ns, end_ns)
         begin_ns, excess_s = self.time_ns, self._excess_s
+        begin_s = begin_ns * 1e-9 + excess_s
         status = self._step(
             self.pointer,
-            begin_ns * 1e-9 + excess_s,
+            begin_s,
             (end_ns - begin_ns) * 1e-9 - excess_s,
             self._is_final,
             *self._step_tail,
         )
         if status > WARNING or self._cut.value:
             return self._not_there(status, end_ns)
+        if not self._last_time.value > begin_s:
+            lack = standstill(self._last_time.value, end_ns * 1e-9, self.own_step_s)
+            if lack is not None:
+                self._fail(f"doStep: ok, but {lack}")
         self.time_ns, self._excess_s = end_ns, 0.0
         return end_ns
 

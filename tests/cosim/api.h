@@ -13,7 +13,7 @@ enum { OK, WARNING, DISCARD, ERROR };
 typedef struct {
     double real[16];
     int32_t behaviour;
-    double time, last;
+    double time, last, own; /* own: where a model with steps of its own has come */
     bool ended, early_allowed;
     char text[64];
     const char *name;

@@ -2,7 +2,8 @@
 
    It follows the trajectory of a step, a cubic between its ends (m, s); dark is
    trip - beam < z <= trip. Where it is allowed to (FMI 3) it returns at the instant at which
-   the light changes. The light must last for 1 us to be seen inside a step. */
+   the light changes. The light must last for 1 us to be seen inside a step. With a behaviour it
+   stands still from 10 ms on, says ok, and that its time is what it was (1) or no number (2). */
 
 #include "api.h"
 
@@ -40,6 +41,10 @@ static double change(const Instance *gate, double begin, double end) {
 
 static int step(Instance *gate, double begin, double size, bool *early) {
     const double end = begin + size;
+    if (gate->behaviour && begin > 10e-3) {
+        gate->last = gate->behaviour == 2 ? NAN : gate->time;
+        return OK;
+    }
     gate->time = gate->early_allowed ? change(gate, begin, end) : end;
     *early = gate->time < end;
     gate->last = gate->time;

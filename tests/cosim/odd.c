@@ -17,7 +17,10 @@ enum {
     RETURNS_EARLY,         /* FMI 3: at the instant at which the level changes */
     RETURNS_AT_ONCE,       /* FMI 3: again and again without progress */
     CRASHES,
-    NOT_A_NUMBER
+    NOT_A_NUMBER,
+    STANDS_STILL,          /* from 5 ms on: ok, and nothing is done */
+    LOSES_ITS_TIME,        /* from 5 ms on: ok, and its time is no number */
+    WAITS                  /* goes on in whole milliseconds only */
 };
 
 static void defaults(Instance *odd) { odd->real[LIMIT] = odd->real[SCALE] = 1.0; }
@@ -85,6 +88,23 @@ static int step(Instance *odd, double begin, double size, bool *early) {
         return OK;
     case CRASHES:
         abort();
+    case STANDS_STILL:
+        if (begin > 5e-3 - 1e-9) return OK;
+        break;
+    case LOSES_ITS_TIME:
+        move(odd, size);
+        if (begin > 5e-3 - 1e-9) odd->last = NAN;
+        return OK;
+    case WAITS: {
+        const double end = floor((begin + size) * 1e3 + 1e-6) * 1e-3;
+        if (end > odd->own + 1e-9) {
+            odd->real[X] += odd->real[U] * (end - odd->own);
+            odd->own = end;
+        }
+        odd->time = begin + size;
+        odd->last = odd->own;
+        return OK;
+    }
     case NOT_A_NUMBER:
         move(odd, size);
         odd->real[X] = NAN;

@@ -15,6 +15,7 @@ from bench.cli import main
 from bench.rig.file import read_rig
 from bench.rig.machine import Machine
 from bench.rig.settings import read_settings
+from kernel.cosim.fmu import PlantError
 from kernel.nc.text.parser import read_program
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
@@ -118,6 +119,21 @@ def test_without_the_offer_a_fine_step_is_the_uncertainty(place: Make) -> None:
     ((edge_ns, _),) = probe.signal.edges
     assert probe.edge_uncertainty_ns == machine.plant.fine_ns
     assert 0.0 <= edge_ns - passes_ns(machine, TRIP_MM) <= probe.edge_uncertainty_ns
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+@pytest.mark.parametrize(("behaviour", "text"), [(1, "stands still"), (2, "is no number")])
+def test_gate_whose_time_stops_is_no_run_without_an_edge(
+    place: Make, behaviour: int, text: str
+) -> None:
+    """Nothing comes of it any more; the run must not say that the probe met nothing."""
+    folder = place()
+    stopped = WIDE.replace("beam_mm = 50", f"beam_mm = 50, behaviour = {behaviour}")
+    (folder / "rig.toml").write_text(stopped, encoding="utf-8")
+    with pytest.raises(
+        PlantError, match=rf"plant gate at t = 10\.\d+ ms: doStep: ok, but .*{text}"
+    ):
+        run(folder)
 
 
 PLAN = """\

@@ -171,6 +171,36 @@ def test_early_returns_without_progress_end_in_an_error(odd: Odd) -> None:
         slave.step_to(1 * MS)
 
 
+# ---- where the FMU says that it stands
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+@pytest.mark.parametrize(
+    ("behaviour", "text"),
+    [
+        ("stands still", r"the FMU stands still \(lastSuccessfulTime 0\.005 s\)"),
+        ("loses its time", r"where the FMU has come \(lastSuccessfulTime\) is no number"),
+    ],
+)
+def test_time_that_does_not_go_on_is_an_error(odd: Odd, behaviour: str, text: str) -> None:
+    """The status is ok, no flag is set: without a look at its time it would go on for ever."""
+    slave = odd(behaviour)
+    slave.step_to(5 * MS)
+    with pytest.raises(PlantError, match=rf"plant odd at t = 5\.0+ ms: doStep: ok, but {text}"):
+        slave.step_to(6 * MS)
+
+
+@pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
+def test_time_may_wait_for_a_longer_step_that_the_description_tells(odd: Odd) -> None:
+    slave = odd("waits", fixedInternalStepSize="1e-3")
+    for end_us in range(250, 4001, 250):
+        slave.step_to(end_us * US)
+        assert slave.get("slide.x") == pytest.approx(100.0 * (end_us // 1000) * 1e-3, abs=1e-9)
+    slave = odd("waits", name="silent")
+    with pytest.raises(PlantError, match="the FMU stands still"):
+        slave.step_to(250 * US)
+
+
 # ---- saved states
 
 

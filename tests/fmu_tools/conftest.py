@@ -1,6 +1,8 @@
 """FMU files written by hand, good and bad."""
 
+import shutil
 import subprocess
+import sys
 import warnings
 import zipfile
 from collections.abc import Callable
@@ -13,6 +15,10 @@ from bench.cli import main
 from fmus.compiler import find_compiler, this_platform
 from kernel.cosim.archive import inspect, session_folder, unpack
 from kernel.errors import UserError
+
+sys.path.insert(0, str(Path(__file__).parent))  # fmu_rigs.py
+
+from fmu_rigs import LISTS, PROGRAM
 
 Entry = tuple[str | zipfile.ZipInfo, bytes]
 Pack = Callable[..., Path]
@@ -113,7 +119,8 @@ def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         options = [f"-D{key}={value}" for key, value in defines.items()]
         subprocess.run(
             [
-                *(*find_compiler().command, "-shared", "-fPIC", "-fvisibility=hidden", *options),
+                *(*find_compiler().command, "-shared", "-fPIC", "-pthread", *options),
+                "-fvisibility=hidden",
                 *(f"-I{HEADERS}", "-o", str(library), str(SOURCE)),
             ],
             check=True,
@@ -125,6 +132,14 @@ def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         return path
 
     return build
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Path:
+    """A folder with a program and the parameter lists."""
+    shutil.copytree(LISTS, tmp_path / "lists")
+    (tmp_path / "move.nc").write_text(PROGRAM, encoding="utf-8")
+    return tmp_path
 
 
 @pytest.fixture

@@ -1,7 +1,11 @@
 /* An ideal axis as an FMI 3.0 co-simulation FMU with one fault that it is given when compiled.
    CRASH_IN, CRASH_HOW, CRASH_AT_S: in which call it ends its process, how, from which time on.
+   CRASH_FROM: the call itself, a thread that the call starts, or one that the call waits for.
+   EXIT_CODE: of exit() and _exit().
    FLAW: what it does wrong without a crash. */
+#include <pthread.h>
 #include <signal.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -12,15 +16,22 @@
 #include "fmi3Functions.h"
 
 enum { NOWHERE, LOAD, INSTANTIATE, INITIALIZE, SET, GET, STEP, TERMINATE, FREE };
-enum { SEGFAULT, ABORT, EXIT, HANG, KILL };
+enum { SEGFAULT, ABORT, EXIT, QUIT, HANG, KILL };
+enum { CALL, THREAD, AWAITED };
 enum { NONE, GLOBAL, ADDRESS, COUNTS, FORGETS, FORGETS_BYTES, NAN_OUTPUT, CHDIR, FLUSH, REFUSES,
-       STICKS, PRINTS };
+       STICKS, PRINTS, LIES };
 
 #ifndef CRASH_IN
 #define CRASH_IN NOWHERE
 #endif
 #ifndef CRASH_HOW
 #define CRASH_HOW SEGFAULT
+#endif
+#ifndef CRASH_FROM
+#define CRASH_FROM CALL
+#endif
+#ifndef EXIT_CODE
+#define EXIT_CODE 3
 #endif
 #ifndef FLAW
 #define FLAW NONE
@@ -37,15 +48,26 @@ typedef struct {
 static double everybodys_way; /* GLOBAL: shared by all instances */
 static int instances;         /* COUNTS: tells the first from the second */
 
-static void here(int call, double time) {
-  if (call != CRASH_IN || time < CRASH_AT_S) return;
+static void *die(void *unused) {
   switch (CRASH_HOW) {
     case SEGFAULT: *(volatile int *)8 = 1; break;
     case ABORT: abort();
-    case EXIT: exit(3);
+    case EXIT: exit(EXIT_CODE);
+    case QUIT: _exit(EXIT_CODE);
     case KILL: raise(SIGKILL); break;
-    case HANG: for (;;) sleep(1);
+    case HANG: for (volatile long turns = 0;; turns++);
   }
+  return unused;
+}
+
+static void here(int call, double time) {
+  static int begun;
+  if (call != CRASH_IN || time < CRASH_AT_S) return;
+  if (CRASH_FROM == CALL) die(NULL);
+  if (begun++) return; /* one thread is enough */
+  pthread_t thread;
+  if (pthread_create(&thread, NULL, die, NULL)) abort();
+  if (CRASH_FROM == AWAITED && CRASH_HOW != HANG) pthread_join(thread, NULL);
 }
 
 __attribute__((constructor)) static void load(void) {
@@ -82,6 +104,7 @@ EXPORT fmi3Instance fmi3InstantiateCoSimulation(
   here(INSTANTIATE, 1e9);
   Axis *a = calloc(1, sizeof *a);
   a->position_start = 0.13;
+  if (FLAW == LIES) printf("V.A.MESS.Z=1\n"); /* which the C library keeps for a while */
   everybodys_way = 0.0, instances++;
   return a;
 }

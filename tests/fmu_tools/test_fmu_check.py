@@ -349,8 +349,12 @@ def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> N
         text=True,
         check=True,
     )
-    assert json.loads(ended.stdout)["fmus"][0]["verdict"] == "warn"
-    assert "a step" in ended.stderr
+    (told,) = json.loads(ended.stdout)["fmus"]
+    assert told["verdict"] == "warn"
+    (found,) = [f for f in told["findings"] if "standard output" in f["text"]]
+    assert found["area"] == "call sequence"
+    assert found["text"] == "100 lines on standard output, the first: a step"
+    assert ended.stderr == ""
 
 
 @pytest.mark.long

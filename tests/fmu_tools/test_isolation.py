@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -10,37 +9,13 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from fmu_rigs import write_plan, write_rig
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
 Build = Callable[..., Path]
 
 ROOT = Path(__file__).parents[2]
-LISTS = ROOT / "testplans" / "rigs" / "lists"
-RIG = """\
-title = "one axis without a probe"
-
-[channel]
-list = "lists/channel.lst"
-
-[segment.can1]
-bitrate = 1_000_000
-
-[drive.servo]
-encoder_increments = 1_048_576
-lead_mm = 10.0
-
-[axis.Z]
-list = "lists/axis-z.lst"
-segment = "can1"
-node = 3
-drive = "servo"
-plant = "z"
-
-[plant.z]
-fmu = "{fmu}"
-"""
-PROGRAM = "N10 G90 G1 Z131 F6000\nN20 M30\n"
 CRASHES = {
     "LOAD": "load",
     "INSTANTIATE": "fmi3InstantiateCoSimulation",
@@ -58,26 +33,6 @@ pytestmark = pytest.mark.skipif(
 )
 
 
-@pytest.fixture
-def place(tmp_path: Path) -> Path:
-    """A folder with a program and the parameter lists."""
-    shutil.copytree(LISTS, tmp_path / "lists")
-    (tmp_path / "move.nc").write_text(PROGRAM, encoding="utf-8")
-    return tmp_path
-
-
-def _rig(place: Path, name: str, fmu: Path) -> str:
-    (place / name).write_text(RIG.format(fmu=fmu.as_posix()), encoding="utf-8")
-    return name
-
-
-def _plan(place: Path, *rigs: str) -> str:
-    rows = [f"{Path(rig).stem}{number},move.nc,{rig},none" for number, rig in enumerate(rigs)]
-    text = "\n".join(["case,program,rig,check:alarms", *rows, ""])
-    (place / "plan.csv").write_text(text, encoding="utf-8")
-    return "plan.csv"
-
-
 @pytest.mark.long(but=1)
 @pytest.mark.parametrize(("crash_in", "function"), CRASHES.items())
 def test_a_crash_is_told_with_file_instance_and_call(
@@ -85,7 +40,7 @@ def test_a_crash_is_told_with_file_instance_and_call(
 ) -> None:
     at_s = 0.005 if crash_in in ("SET", "GET", "STEP") else 0
     bad = ideal_axis("bad.fmu", CRASH_IN=crash_in, CRASH_AT_S=at_s)
-    rig = _rig(place, "bad.toml", bad)
+    rig = write_rig(place, "bad.toml", bad)
     code, out, err = axisrig("nc", "move.nc", "--rig", rig, "--isolate")
     assert (code, out) == (2, "")
     message = f"FMU bad.fmu (plant z) crashed in {function} at t = "
@@ -102,9 +57,9 @@ def test_a_crash_is_told_with_file_instance_and_call(
 def test_finished_cases_stay_and_the_others_go_on(
     place: Path, axisrig: Call, ideal_axis: Build, how: str
 ) -> None:
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
     bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_HOW=how, CRASH_AT_S=0.005)
-    plan = _plan(place, good, _rig(place, "bad.toml", bad), good)
+    plan = write_plan(place, good, write_rig(place, "bad.toml", bad), good)
     code, out, _ = axisrig("run", plan, "--isolate", "-o", "results")
     assert code == 4
     cases = pd.read_csv(place / "results" / "cases.csv")
@@ -122,9 +77,9 @@ def test_finished_cases_stay_and_the_others_go_on(
 
 
 def test_several_processes_name_the_fmu_too(place: Path, axisrig: Call, ideal_axis: Build) -> None:
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
     bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_AT_S=0.005)
-    plan = _plan(place, *[good, _rig(place, "bad.toml", bad)] * 3)
+    plan = write_plan(place, *[good, write_rig(place, "bad.toml", bad)] * 3)
     code, out, _ = axisrig("run", plan, "-j", "2", "-o", "results")
     assert code == 4
     cases = pd.read_csv(place / "results" / "cases.csv")
@@ -144,8 +99,8 @@ def test_a_call_that_does_not_come_back_is_ended(
     """A limit of a call wants a process apart, so that it is taken without being asked for."""
     at_s = 0.005 if crash_in == "STEP" else 0
     bad = ideal_axis("bad.fmu", CRASH_IN=crash_in, CRASH_HOW="HANG", CRASH_AT_S=at_s)
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
-    plan = _plan(place, _rig(place, "bad.toml", bad), good)
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = write_plan(place, write_rig(place, "bad.toml", bad), good)
     code, out, _ = axisrig("run", plan, *options, "--call-timeout", "1", "-o", "results")
     assert code == 4
     assert list(pd.read_csv(place / "results" / "cases.csv")["verdict"]) == ["error", "pass"]
@@ -157,7 +112,7 @@ def test_a_time_out_of_the_whole_case_names_the_call(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:
     bad = ideal_axis("bad.fmu", CRASH_IN="STEP", CRASH_HOW="HANG", CRASH_AT_S=0.005)
-    plan = _plan(place, _rig(place, "bad.toml", bad))
+    plan = write_plan(place, write_rig(place, "bad.toml", bad))
     code, out, _ = axisrig("run", plan, "--timeout", "1", "-o", "results")
     assert code == 4
     assert re.search(r"no end within 1 s of wall time: it was in fmi3DoStep at t = [5-9]\.", out)
@@ -166,8 +121,8 @@ def test_a_time_out_of_the_whole_case_names_the_call(
 def test_isolated_results_are_those_of_one_process(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
-    plan = _plan(place, good)
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = write_plan(place, good)
     hashes = []
     for number, options in enumerate([[], ["--isolate"], ["--isolate", "-j", "2"]]):
         assert axisrig("run", plan, *options, "-o", f"out{number}")[0] == 0
@@ -179,8 +134,8 @@ def test_isolated_results_are_those_of_one_process(
 def test_what_is_wrong_before_the_run_is_rejected_as_without_isolation(
     place: Path, axisrig: Call, ideal_axis: Build
 ) -> None:
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
-    plan = _plan(place, good, "none.toml")
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
+    plan = write_plan(place, good, "none.toml")
     plain = axisrig("run", plan, "-o", "results")
     assert axisrig("run", plan, "--isolate", "-o", "results") == plain
     assert plain[0] == 2
@@ -203,7 +158,7 @@ def _nc_apart(place: Path, rig: str, **environment: str) -> subprocess.Completed
 
 
 def test_nc_shows_messages_and_alarms_of_the_process_apart(place: Path, ideal_axis: Build) -> None:
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
     (place / "move.nc").write_text('N10 #MSG["%d",1+1]\nN20 G100 Z131 F6000\nN30 M30\n')
     ended = _nc_apart(place, good)
     assert (ended.returncode, ended.stdout) == (1, "2\n")
@@ -211,8 +166,8 @@ def test_nc_shows_messages_and_alarms_of_the_process_apart(place: Path, ideal_ax
 
 
 def test_check_of_a_rig_may_be_isolated_too(place: Path, axisrig: Call, ideal_axis: Build) -> None:
-    good = _rig(place, "good.toml", ideal_axis("good.fmu"))
-    bad = _rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
+    good = write_rig(place, "good.toml", ideal_axis("good.fmu"))
+    bad = write_rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
     assert axisrig("check", good, "--isolate") == axisrig("check", good)
     code, out, err = axisrig("check", bad, "--isolate")
     assert (code, out) == (2, "")
@@ -224,7 +179,7 @@ def test_of_a_crash_stays_one_message_and_nothing_on_the_disk(
     place: Path, ideal_axis: Build
 ) -> None:
     """Also where Python is told to print its stack at a crash: that of the bench helps nobody."""
-    rig = _rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
+    rig = write_rig(place, "bad.toml", ideal_axis("bad.fmu", CRASH_IN="INITIALIZE"))
     scratch = place / "scratch"
     scratch.mkdir()
     ended = _nc_apart(place, rig, TMPDIR=str(scratch), PYTHONFAULTHANDLER="1")

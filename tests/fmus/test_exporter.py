@@ -1,6 +1,8 @@
 """The exporter: repeatable bytes, a cache that is right, and no silently wrong FMU."""
 
 import math
+import os
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -12,7 +14,7 @@ import rumoca
 from fmpy.fmi1 import FMICallException
 
 import fmus.build as building
-from fmus import MODELS, BuildError, ensure_built
+from fmus import MODELS, BuildError, ensure_built, is_ours
 from fmus.compiler import find_compiler
 
 UNSUPPORTED = {
@@ -103,11 +105,63 @@ def test_cache_is_used_and_follows_the_sources(tmp_path, monkeypatch):
     assert building.cache_key("Small.Plant", root) != before
 
 
+def test_damaged_fmu_in_the_cache_is_built_again(tmp_path):
+    path = ensure_built(MODELS[-2], tmp_path)
+    good = path.read_bytes()
+    assert is_ours(path, tmp_path)
+    for bad in (b"", good + b"\0", good[: len(good) // 2]):
+        path.write_bytes(bad)
+        assert not is_ours(path, tmp_path)
+    assert ensure_built(MODELS[-2], tmp_path) == path
+    assert path.read_bytes() == good
+
+
+EXPORTER = Path(building.__file__).parent
+# What no FMU depends on: references and their makers, and what only people read
+ASIDE = ("validation", "__pycache__", "README.md", "package.order")
+FILES = sorted(
+    path.relative_to(EXPORTER)
+    for path in EXPORTER.rglob("*")
+    if path.is_file() and not set(ASIDE) & set(path.relative_to(EXPORTER).parts)
+)
+KEYS = """
+import sys
+from pathlib import Path
+import fmus
+from fmus.build import cache_key
+root = Path(fmus.__file__).parent
+assert root.parent == Path.cwd()
+print(cache_key("AxisRig.Drives.ServoAxis"))
+for name in sys.stdin.read().splitlines():
+    file = root / name
+    good = file.read_bytes()
+    file.write_bytes(good + b" ")
+    print(cache_key("AxisRig.Drives.ServoAxis"))
+    file.write_bytes(good)
+print(cache_key("AxisRig.Drives.ServoAxis"))
+"""
+
+
+def test_cache_key_changes_with_every_file_of_exporter_and_library(tmp_path):
+    """On a copy that is imported in its own place."""
+    shutil.copytree(EXPORTER, tmp_path / "fmus", ignore=shutil.ignore_patterns("__pycache__"))
+    ended = subprocess.run(
+        [sys.executable, "-c", KEYS], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        input="\n".join(path.as_posix() for path in FILES),
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    first, *changed, last = ended.stdout.split()
+    assert first == last
+    assert {path.suffix for path in FILES} == {".py", ".csv", ".c", ".h", ".jinja", ".toml", ".mo"}
+    assert [str(f) for f, key in zip(FILES, changed, strict=True) if key == first] == []
+    assert len(set(changed)) == len(FILES)
+
+
 def test_two_processes_may_build_at_once(tmp_path):
     with ProcessPoolExecutor(2) as pool:
         paths = list(pool.map(ensure_built, [MODELS[-2]] * 2, [tmp_path] * 2))
     assert paths[0] == paths[1]
-    assert [p.name for p in tmp_path.iterdir()] == [paths[0].name]
+    assert sorted(p.name for p in tmp_path.iterdir()) == [paths[0].name, "sha256"]
     assert zipfile.ZipFile(paths[0]).testzip() is None
 
 
