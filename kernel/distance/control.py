@@ -44,12 +44,14 @@ class Reading:
 
     sensor_mm: sensor value. actual_mm: actual position of the same SYNC. sent_mm: total set
     position that was sent in the cycle before. is_held: feedhold or override 0 of the axis.
+    override: of the axis, 1 = 100 %; it scales v_max.
     """
 
     sensor_mm: float
     actual_mm: float
     sent_mm: float
     is_held: bool = False
+    override: float = 1.0
 
 
 class DistanceControl:
@@ -273,7 +275,7 @@ class DistanceControl:
             self._rest()
             self._controller.settle(is_limited=True)
             return
-        step_mm = self._limiter.limit(self.delta_mm, self.error_mm, self.settings)
+        step_mm = self._limiter.limit(self.delta_mm, self.error_mm, self.settings, reading.override)
         self._controller.settle(is_limited=step_mm != self.delta_mm)
         self._move(step_mm)
 
@@ -325,7 +327,7 @@ class DistanceControl:
         if reading.is_held:
             self._rest()
             return
-        self.step_mm = self._limiter.run_out(self.offset_mm, self.settings)
+        self.step_mm = self._limiter.run_out(self.offset_mm, self.settings, reading.override)
         self.offset_mm += self.step_mm
         if self.offset_mm == 0.0:
             self.state = DistanceState.INACTIVE

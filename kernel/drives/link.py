@@ -228,6 +228,10 @@ class AxisLink:
         """Let the drive stop by itself: it does not follow what it is told."""
         self._is_held_back = self.stops_quickly = True
 
+    def let_go(self) -> None:
+        """Lead the drive again as `power` says, after a reset."""
+        self._is_held_back = self.stops_quickly = False
+
     @property
     def actual_mm(self) -> float:
         """Actual position 0x6064."""

@@ -24,7 +24,8 @@ class AxisDistance:
     """Distance control of one axis.
 
     values: V.E. variables, by the name behind `V.E.`. is_held: the offset stands, by feedhold or
-    override of the axis. output_mm: the offset that went out in the last cycle.
+    override 0 of the axis. override: of the axis, 1 = 100 %. output_mm: the offset that went out in
+    the last cycle.
     """
 
     def __init__(
@@ -40,7 +41,7 @@ class AxisDistance:
         self._encoder = EncoderSensor(link, settings.sensor)
         self.sensor: Sensor = self._encoder
         self.sensor_mm: float | None = None
-        self.is_held = False
+        self.is_held, self.override = False, 1.0
         self.output_mm = 0.0
         self._before_mm = 0.0  # offset of the cycle before, which goes out in this one
 
@@ -103,7 +104,9 @@ class AxisDistance:
         if self.sensor_mm is None:
             return
         link = self._link
-        self.control.step(Reading(self.sensor_mm, link.actual_mm, link.set_mm, self.is_held))
+        held, override = self.is_held, self.override
+        reading = Reading(self.sensor_mm, link.actual_mm, link.set_mm, held, override)
+        self.control.step(reading)
 
     @property
     def pending_mm(self) -> float:
