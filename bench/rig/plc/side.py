@@ -42,7 +42,7 @@ class PlcSide:
     """Carries out the rules of a run on one channel; accesses: the ways to its drives.
 
     A function that a rule waits for is acknowledged when everything that it brings about is done,
-    a value for a drive when the drive has taken it. With a reset, a program start, or a moment
+    a value for a drive when the drive has taken it; no function waits for a reset or a start. With a reset, a program start, or a moment
     behind one of them among the rules, the run goes on until nothing is left to do.
     program: gives the commands of the program of the run, or of a file beside it.
     Raises UserError for an object that an RPDO carries: the next telegram would overwrite it.
@@ -79,7 +79,7 @@ class PlcSide:
             self._refuse_object(rule)
         if rules:
             self._plc.take_turn = self.take_turn
-            words = {rule.moment.word for rule in rules}
+            words = {rule.moment.word for rule in rules if _is_awaited(rule)}
             self._plc.acknowledged_later = frozenset(w for w in words if w[1:].isdecimal())
             self._plc.outlives_program = any(_goes_beyond_program(rule) for rule in rules)
             self._plc.is_idle = self._is_idle
@@ -132,8 +132,9 @@ class PlcSide:
                 if rule.moment.fits(happening.word, happening.value):
                     self._come[number] += 1
                     if rule.nth in (None, self._come[number]):
-                        self._unacknowledged += happening.is_function
-                        action = partial(self._act, number, rule, happening.is_function)
+                        is_awaited = happening.is_function and _is_awaited(rule)
+                        self._unacknowledged += is_awaited
+                        action = partial(self._act, number, rule, is_awaited)
                         self._at(happening.time_ns + rule.moment.offset_ns, action)
                 until = rule.until
                 if until is not None and until.fits(happening.word, happening.value):
@@ -301,6 +302,11 @@ class PlcSide:
             self._unacknowledged -= 1
             if not self._unacknowledged:
                 self._plc.acknowledge()
+
+
+def _is_awaited(rule: Rule) -> bool:
+    """Whether a function waits for the action: no program waits for its own end, or the next."""
+    return not isinstance(rule.action, Reset | ProgramStart)
 
 
 def _goes_beyond_program(rule: Rule) -> bool:
