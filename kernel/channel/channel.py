@@ -230,7 +230,6 @@ class Channel(ChannelView):
     def cycle(self) -> None:
         """Run one NC cycle. The order is the design's; each step uses this cycle's values."""
         was_stopping = self.state is ChannelState.STOPPING
-        was_at_rest = self.state in AT_REST
         try:
             self._take()  # 1 what the bus delivered
             if self.start_ns is not None:
@@ -249,7 +248,7 @@ class Channel(ChannelView):
             observer(self)
         if was_stopping and self._has_stopped():
             self._stand_behind_alarm()
-        elif was_at_rest and self.state in AT_REST and self.plc.is_idle():
+        elif self.state in AT_REST and self.plc.is_idle():
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED

@@ -116,8 +116,9 @@ class Measurement:
             self.prepared.clear()
 
     def end_program(self) -> None:
-        """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
+        """Forget what the program has set and measured. Source: FCT-C4 7.2, PROG 207092107."""
         self.prepared.clear()
+        self._measured.clear()
         self.choose_default()
 
     def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
@@ -365,13 +366,12 @@ class Measurement:
             path.begin(targets_mm, speed_mm_s, dynamics)
 
     def reset(self) -> None:
-        """End every run without a result, and forget what the program has set."""
+        """End every run without a result, and forget what the program has set and measured."""
         self.abort()
         for record in self.records:
             if record.end_ns is None:
                 record.end_ns = self._clock.now_ns
                 record.latched_mm.clear()
-                self.keep(record)
         self.end_program()
 
     def abort(self) -> None:

@@ -86,6 +86,10 @@ class PlcSide:
 
     def _is_idle(self) -> bool:
         """Whether nothing is left to do, as nothing will come while no program runs."""
+        channel = self._channel
+        seen = self._ends_seen, self._resets_seen
+        if seen != (len(channel.program_ends_ns), len(channel.resets_ns)):
+            return False
         return not (self._due or self._open_writes or self._units.is_waiting)
 
     def _refuse_cyclic(self, rule: Rule) -> None:
