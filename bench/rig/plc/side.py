@@ -42,9 +42,9 @@ class PlcSide:
     """Carries out the rules of a run on one channel; accesses: the ways to its drives.
 
     A function that a rule waits for is acknowledged when everything that it brings about is done,
-    a value for a drive when the drive has taken it; no function waits for a reset or a start. With a reset, a program start, or a moment
-    behind one of them among the rules, the run goes on until nothing is left to do.
-    program: gives the commands of the program of the run, or of a file beside it.
+    a value for a drive when the drive has taken it; no function waits for a reset or a start.
+    With one of these, or a moment behind one, among the rules, the run goes on until nothing is
+    left to do. program: gives the commands of the program of the run, or of a file beside it.
     Raises UserError for an object that an RPDO carries: the next telegram would overwrite it.
     """
 
