@@ -404,6 +404,7 @@ class Channel(ChannelView):
         if program is None:
             return
         if self.state is ChannelState.READY:
+            self.measurement.begin_program()
             self.load(program)
             self.state = ChannelState.RUNNING
         else:

@@ -116,10 +116,13 @@ class Measurement:
             self.prepared.clear()
 
     def end_program(self) -> None:
-        """Forget what the program has set and measured. Source: FCT-C4 7.2, PROG 207092107."""
+        """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
         self.prepared.clear()
-        self._measured.clear()
         self.choose_default()
+
+    def begin_program(self) -> None:
+        """Forget what a program before has measured."""
+        self._measured.clear()
 
     def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
         """Measure with what the parameter lists say."""
@@ -366,7 +369,7 @@ class Measurement:
             path.begin(targets_mm, speed_mm_s, dynamics)
 
     def reset(self) -> None:
-        """End every run without a result, and forget what the program has set and measured."""
+        """End every run without a result, and forget what the program has set."""
         self.abort()
         for record in self.records:
             if record.end_ns is None:

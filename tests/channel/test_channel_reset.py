@@ -134,7 +134,6 @@ def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, w
     assert first.end_ns == bench.samples[begun(bench) + 100].time_ns
     assert (first.latched_mm, asked) == ({}, [False])
     assert second.latched_mm["Z"] == pytest.approx(30.0, abs=1e-4)
-    assert bench.channel.measured_acs_mm("Z") is None  # results end with their program
 
 
 @pytest.mark.provokes(900290, 1, state="RUNNING")
@@ -202,3 +201,16 @@ def test_without_anything_behind_it_a_program_ends_the_run_in_its_cycle(
     bench = channel_bench(words.axis("Z"))
     bench.run([words.end()])
     assert bench.channel.end_ns == bench.channel.program_ends_ns[0] == bench.samples[-1].time_ns
+
+
+def test_no_program_finds_what_another_one_has_measured(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=35.0)
+    found: list[float | None] = []
+
+    def ask() -> None:
+        found.append(bench.channel.measured_acs_mm("Z"))
+
+    after = start(bench, dwell(1, 100), words.end())
+    Side(bench, words, {1990: ask, 2000: after, 2010: ask})
+    bench.run([words.probe(1, 600.0, Z=0.0), words.wait(2), words.end()])
+    assert found == [pytest.approx(35.0, abs=1e-4), None]
