@@ -10,6 +10,8 @@ from typing import Any
 import pytest
 
 from kernel.channel.settings import OverrideMode
+from kernel.clock import MS
+from kernel.measuring.fixed_stop.settings import FixedStopSettings
 from kernel.nc import canon
 from tests.channel.conftest import ChannelBench
 
@@ -114,3 +116,24 @@ def test_an_override_of_0_holds_the_path_until_it_is_above(channel_bench: Make, 
     assert z[begin + 301] > 0.0
     assert max(speeds_mm_s(bench, "Z")) == 25.0
     assert z[-1] == 10.0
+
+
+def test_the_window_does_not_count_while_an_override_falls(channel_bench: Make, words: Any) -> None:
+    """From 10 to 1 mm/s within a second, back behind 0.2 mm: slower than W / tau for 300 ms.
+
+    The start distance of 2 mm counts again from the end of the fall; nothing is found in free air.
+    """
+    window = FixedStopSettings(window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
+    bench = channel_bench(words.axis("Z", source="FIXED_STOP", fixed_stop=window))
+    bench.channel.measurement.stop_may_be_missing = True
+    plc, turns = bench.channel.plc, iter(range(10**6))
+
+    def turn() -> None:
+        fallen = min(max(next(turns) - 500, 0), 1200)
+        plc.override_permille = 1000 - min(fallen, 1000) * 9 // 10 if fallen < 1200 else 1000
+
+    plc.take_turn = turn
+    bench.run([words.probe(1, 600.0, 7, Z=30.0), words.wait(2), words.end()])
+    assert bench.alarm_ids == []
+    assert bench.channel.records[0].latched_mm == {}
+    assert min(speeds_mm_s(bench, "Z")[1000:1600]) == 1.0
