@@ -17,6 +17,7 @@ import glob
 import hashlib
 import json
 import platform
+import re
 import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -264,7 +265,7 @@ def build_manifest(
     files = {
         _as_written(case, path): _sha256(path)
         for case in _cases(plans)
-        for path in (case.program, case.rig)
+        for path in (case.program, *_started(case), case.rig)
     }
     return {
         "axisrig": _version("axisrig"),
@@ -304,6 +305,12 @@ def write_trace(trace: pa.Table, path: Path) -> None:
 
 def _cases(plans: Sequence[Plan]) -> list[Case]:
     return [case for plan in plans for case in plan.cases]
+
+
+def _started(case: Case) -> list[Path]:
+    """Programs that the PLC side of a case starts beside its own."""
+    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
+    return [case.program.parent / file for file in files]
 
 
 def _is_carried(column: str) -> bool:

@@ -29,6 +29,7 @@ from bench.rig.parts import build_nodes, build_segments
 from bench.rig.plants import build_plant, check_plants, start_plant
 from bench.rig.plc.sensors import PlcSensors
 from bench.rig.plc.side import PlcSide
+from bench.rig.programs import programs_of
 from bench.rig.recorder import Recorder
 from bench.rig.rest import Rest
 from bench.rig.settings import Settings
@@ -80,6 +81,7 @@ class Machine:
         self._lost: set[str] = set()
         self._hardware = hardware if is_paced(settings) else None
         self.settings = settings
+        self._programs = programs_of(settings, program)
         self.messages: list[Message] = []
         self.measuring_targets: dict[str, Mapping[str, float]] = {}
         self.referenced: set[str] = set()
@@ -123,12 +125,15 @@ class Machine:
             self._connect_plc_sensors()
             self._inject_faults(seed)
             self._observe()
-            self._interpreter = self._build_interpreter(program)
-            self.channel.load(self._noted(self._interpreter.commands()))
+            self.channel.load(self._commands_of(None))
             guard.pop_all()
 
+    def _commands_of(self, file: str | None) -> Iterator[Command]:
+        """Begin to interpret the program of the run, or another one that the PLC side starts."""
+        self._interpreter = self._build_interpreter(self._programs[file])
+        return self._noted(self._interpreter.commands())
+
     def _build_interpreter(self, program: Program) -> Interpreter:
-        self.channel.plc.values.update(self.settings.external)
         return Interpreter(
             program,
             tuple(self.settings.rig.axis),
@@ -247,6 +252,7 @@ class Machine:
             channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
         channel.plc.values.update(self.settings.external)
+        channel.path.override_max_permille = self.settings.channel.integer("max_vb_override")
         halts = self.settings.channel.flag("independent_axis_error_stop")
         channel.reactions.each_axis_halts = halts
         may_be_missing = self.settings.channel.flag("meas_fixed_stop_no_error")
@@ -256,7 +262,12 @@ class Machine:
         for warning in [*self.settings.warnings, *warnings]:
             channel.warn(warning)
         self.plc_side = PlcSide(
-            channel, self._accesses, self.settings.plc, self.scheduler, self.timing.period_ns
+            channel,
+            self._accesses,
+            self.settings.plc,
+            self.scheduler,
+            self.timing.period_ns,
+            self._commands_of,
         )
         return channel
 

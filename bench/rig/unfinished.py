@@ -9,6 +9,9 @@ _NOT_RUNNING = {
     ChannelState.STARTING: "the drives have not started",
     ChannelState.POWERING: "the drives are not enabled",
     ChannelState.STOPPING: "the axes do not come to rest behind an alarm",
+    ChannelState.RESETTING: "the axes do not come to rest behind a reset",
+    ChannelState.READY: "the PLC side still has something to do",
+    ChannelState.ERROR: "the PLC side still has something to do behind an alarm",
 }
 _WAITS = {
     canon.ExactStop: "the axes in their exact-stop windows",

@@ -6,7 +6,7 @@ case is built from its row and its seed alone.
 
 import gc
 import traceback
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
@@ -26,6 +26,7 @@ from bench.rig.outside import is_paced
 from bench.rig.pacing import Hardware
 from bench.rig.plants import check_plant, plant_log
 from bench.rig.printed import printed_log
+from bench.rig.programs import programs_of
 from bench.rig.settings import Settings, read_settings
 from bench.run.apart import CALL_LIMIT_S, Died, run_apart
 from bench.run.distance.acting import acting_warnings
@@ -72,17 +73,19 @@ def prepare(case: Case) -> None:
     """
     settings = settings_of(case)
     program = read_program(case.program, tuple(settings.rig.axis))
-    _check_metrics(case, tuple(settings.rig.axis), program)
+    programs = programs_of(settings, program).values()
+    _check_metrics(case, tuple(settings.rig.axis), programs)
     if is_paced(settings):
         check_plant(settings)  # without the bus: nothing is sent before the run
     else:
         Machine(settings, program).close()
 
 
-def _check_metrics(case: Case, axes: Sequence[str], program: Program) -> None:
-    """Refuse checks of axes that the rig, and of blocks that the program, does not have."""
+def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:
+    """Refuse checks of axes that the rig, and of blocks that the programs, do not have."""
     blocks = [
         f"N{part.block.number}"
+        for program in programs
         for part in program.blocks
         if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
     ]

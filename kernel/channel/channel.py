@@ -6,7 +6,6 @@ brakes, its set position acts from the next SYNC on.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from enum import Enum, auto
 from typing import Any
 
 from kernel.channel.axes import SingleAxes
@@ -19,8 +18,11 @@ from kernel.channel.path import Path
 from kernel.channel.pauses import Pauses
 from kernel.channel.plc import PlcInterface
 from kernel.channel.reactions import Reactions, faulty_axes
+from kernel.channel.reset import Reset
 from kernel.channel.settings import AxisSettings, CycleTiming
 from kernel.channel.soft_limits import SoftLimitWatch
+from kernel.channel.state import AT_REST, CONTROLLED, FAILED, ChannelState
+from kernel.channel.view import ChannelView
 from kernel.clock import Clock, Phase, TimeNs
 from kernel.drives.link import AxisLink
 from kernel.drives.startup import StartUp
@@ -32,26 +34,15 @@ from kernel.nc import canon
 SYNC_COB_ID = 0x80
 
 
-class ChannelState(Enum):
-    """STARTING over SDO, POWERING until every drive is enabled, RUNNING, STOPPING after an alarm,
-    ENDED.
-    """
-
-    STARTING = auto()
-    POWERING = auto()
-    RUNNING = auto()
-    STOPPING = auto()
-    ENDED = auto()
-
-
-class Channel:
+class Channel(ChannelView):
     """A channel with its axes and drive links, in the same order.
 
     networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
     monitor: the watch over drives and buses; without one drives are watched by their telegrams.
     functions: what #DRIVE acts on; to be set before a program that has it is loaded.
     has_come_to_rest: asked in every cycle after an alarm once the set positions stand; SYNC and
-    cycles go on until it says so. end_ns: instant at which the program has ended.
+    cycles go on until it says so. end_ns: instant at which the last program has ended, or what the
+    PLC side did behind it. program_ends_ns, resets_ns: when a program or a reset was over.
     put_out: takes every message as soon as it is due. It is the `MachineView` of its own
     interpreter; the program is handed over by `load`.
     """
@@ -96,10 +87,28 @@ class Channel:
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
         self.end_ns: TimeNs | None = None
+        self.program_ends_ns: list[TimeNs] = []
+        self.resets_ns: list[TimeNs] = []
         self.has_come_to_rest: Callable[[], bool] = lambda: True
         self._monitor = monitor or Monitor(self.links, self._networks, clock)
         self.functions = DriveFunctions({})
         self._power_up = PowerUp(self.links, timing)
+        self._reset = Reset(
+            self.links,
+            timing,
+            self.path,
+            self.reactions,
+            [
+                self.execution.drop,
+                self.path.brake,
+                self.single.stop,
+                self.measurement.reset,
+                self.distance.reset,
+                self.pauses.reset,
+                lambda: self.functions.reset(),  # noqa: PLW0108 - `functions` is replaced
+                self.plc.acknowledge,
+            ],
+        )
         self._next_sync_ns, self._sync_count = 0, 0
         self._assign()
 
@@ -122,8 +131,12 @@ class Channel:
         if distance.axes:
             self.path.superposed_mm = distance.superposed_mm
             self.path.counted_mm = distance.counted_mm
-        single.independent.held_axes = plc.held_axes
+        single.independent.override_permille = plc.override_beside_permille
         return distance
+
+    def is_measuring(self, axis: str) -> bool:
+        """Tell whether a run of an axis is under way."""
+        return self._measuring_state(axis) is not None
 
     def _measuring_state(self, axis: str) -> str | None:
         return self.measurement.state_of(axis) or self.single.independent.measuring_state(axis)
@@ -192,7 +205,7 @@ class Channel:
 
     @property
     def has_ended(self) -> bool:
-        """Whether the program has ended, by its end or by an alarm."""
+        """Whether the program has ended, by its end or by an alarm, and the PLC side with it."""
         return self.state is ChannelState.ENDED
 
     @property
@@ -228,22 +241,11 @@ class Channel:
         """Run one NC cycle. The order is the design's; each step uses this cycle's values."""
         was_stopping = self.state is ChannelState.STOPPING
         try:
-            self._monitor.take()  # 1 what the bus delivered
+            self._take()  # 1 what the bus delivered
             if self.start_ns is not None:
                 self.plc.step()  # 1b what the PLC side commands
-            if self.state is ChannelState.RUNNING:
-                self.measurement.step()  # 2 signals, with the positions of this cycle
-                if self.single.is_active:
-                    self.single.step()
-                self.distance.step()  # 3 distance control
-                self._monitor.check_drives()  # 4 drives and software limit switches
-                self._limits.check()
-                self.functions.check()
-            elif self.state is ChannelState.POWERING:
-                self._power()
-            elif self.state is ChannelState.STOPPING and self.start_ns is not None:
-                self.distance.step(is_stopping=True)
-                self._monitor.check_drives()
+                self._obey()
+            self._control()
             if self.state is ChannelState.RUNNING:
                 self.execution.step()  # 5 refill the queue, begin what comes next
         except Alarm as alarm:
@@ -255,17 +257,61 @@ class Channel:
         for observer in self.observers:  # 7
             observer(self)
         if was_stopping and self._has_stopped():
-            self.distance.reset()
+            self._stand_behind_alarm()
+        elif self.state in AT_REST and self.plc.is_idle():
             self.end_ns = self.end_ns or self._clock.now_ns
             if self.has_come_to_rest():
                 self.state = ChannelState.ENDED
+
+    def _take(self) -> None:
+        """Take the telegrams; in ERROR nothing must keep the PLC side from a reset."""
+        try:
+            self._monitor.take()
+        except Alarm as alarm:
+            if self.state is not ChannelState.ERROR:
+                raise
+            self._come_up(alarm)
+
+    def _control(self) -> None:
+        """Do what follows from the values of this cycle: its steps 2 to 4."""
+        if self.state in CONTROLLED:
+            self.measurement.step()  # 2 signals, with the positions of this cycle
+            if self.single.is_active:
+                self.single.step()
+            self.distance.step()  # 3 distance control
+            self._monitor.check_drives()  # 4 drives and software limit switches
+            self._limits.check()
+            self.functions.check()
+        elif self.state is ChannelState.POWERING:
+            self._power()
+        elif self.state in FAILED and self.start_ns is not None:
+            self.distance.step(is_stopping=True)
+            self._monitor.check_drives()
+        elif self.state is ChannelState.RESETTING:
+            self.distance.step(is_stopping=True)
+            if not self._has_stopped():
+                self._monitor.check_drives()
+            elif self._reset.go_on():
+                self.state = ChannelState.READY
+                self.resets_ns.append(self._clock.now_ns)
+
+    def _stand_behind_alarm(self) -> None:
+        """Go into ERROR for a PLC side that may reset, else end."""
+        self.distance.end_by_error()
+        if self.plc.outlives_program:
+            self.state = ChannelState.ERROR
+            self.program_ends_ns.append(self._clock.now_ns)
+            return
+        self.end_ns = self.end_ns or self._clock.now_ns
+        if self.has_come_to_rest():
+            self.state = ChannelState.ENDED
 
     def _catch_up(self) -> None:
         """Give distance control its step when an alarm of something else came before it."""
         if self.start_ns is None or self.distance.has_stepped:
             return
         try:
-            self.distance.step(is_stopping=self.state is ChannelState.STOPPING)
+            self.distance.step(is_stopping=self.state in FAILED)
         except Alarm as alarm:
             self._come_up(alarm)
 
@@ -308,45 +354,6 @@ class Channel:
         """What came up besides, while the axes stopped."""
         return self.reactions.further
 
-    # What the interpreter may ask (MachineView)
-
-    def position_acs_mm(self, axis: str) -> float:
-        """Return where the interpolation stands, axis coordinates."""
-        return self.path.position_acs_mm(axis)
-
-    def measured_acs_mm(self, axis: str) -> float | None:
-        """Return the measured position of the axis' last run, None without a valid one."""
-        return self.measurement.measured_acs_mm(axis)
-
-    def measurement_ok(self, axis: str) -> bool:
-        """Tell whether the axis' last run had a signal (V.A.MERF)."""
-        return self.measurement.measured_acs_mm(axis) is not None
-
-    def is_measuring(self, axis: str) -> bool:
-        """Tell whether a run of an axis is under way."""
-        return self._measuring_state(axis) is not None
-
-    def actual_acs_mm(self, axis: str) -> float:
-        """Return the actual position of an axis."""
-        return next(link.actual_mm for link in self.links if link.name == axis)
-
-    def may_measure(self, axis: str) -> bool:
-        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
-        return self.path.settings(axis).may_measure
-
-    def distance_state(self, axis: str) -> str | None:
-        """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
-        found = self.distance.axes.get(axis)
-        return None if found is None else found.control.state.name
-
-    def axis_numbered(self, number: int) -> str | None:
-        """Return the axis with a logical number (P-AXIS-00016), None when there is none."""
-        return next((axis.name for axis in self.axes if axis.number == number), None)
-
-    def drive_value(self, axis: str, key: str) -> float:
-        """Return what the last #DRIVE RD of this function brought."""
-        return self.functions.value(axis, key)
-
     # Carrying out commands
 
     def _move(self, command: canon.LinearMove) -> None:
@@ -383,10 +390,35 @@ class Channel:
         )
 
     def _end(self, command: canon.EndOfProgram) -> None:
-        self.state = ChannelState.ENDED
-        self.end_ns = self._clock.now_ns
+        self.program_ends_ns.append(self._clock.now_ns)
+        if self.plc.outlives_program:
+            self.state = ChannelState.READY
+        else:
+            self.state, self.end_ns = ChannelState.ENDED, self._clock.now_ns
         self.measurement.end_program()
         self.distance.end_program(command.block.place)
+
+    # What the PLC side commands
+
+    def _obey(self) -> None:
+        """Begin a reset, or a program; a reset that comes while an alarm stops waits for its end.
+
+        Raises Alarm 900290 (class 1) for a start that no channel in this state takes.
+        """
+        plc = self.plc
+        if plc.wants_reset and self.state is not ChannelState.STOPPING:
+            plc.wants_reset = False
+            self.state = ChannelState.RESETTING
+            self._reset.begin()
+        program, plc.program = plc.program, None
+        if program is None:
+            return
+        if self.state is ChannelState.READY:
+            self.measurement.begin_program()
+            self.load(program)
+            self.state = ChannelState.RUNNING
+        else:
+            self.warn(Alarm(900290, state=self.state.name))
 
     # Stopping
 
@@ -395,7 +427,7 @@ class Channel:
         further = self._monitor.further + self.distance.further
         self._monitor.further, self.distance.further = [], []
         for one in (alarm, *further):
-            if self.state is ChannelState.STOPPING:
+            if self.state in FAILED:
                 self.reactions.register_further(one)
             elif self.reactions.come_up(one):
                 self.state = ChannelState.STOPPING

@@ -44,6 +44,10 @@ class DriveFunctions:
             self._awaited = None
         return self._awaited is not None
 
+    def reset(self) -> None:
+        """Let nothing wait for an answer any more; what is on its way goes on."""
+        self._awaited = None
+
     @property
     def is_busy(self) -> bool:
         """Whether any answer is still to come."""

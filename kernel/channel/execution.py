@@ -60,7 +60,12 @@ class Execution:
 
     def load(self, commands: Iterator[canon.Command]) -> None:
         """Take the command stream of an interpreter."""
+        self.drop()
         self._queue = Lookahead(commands, self._put_out)
+
+    def drop(self) -> None:
+        """Forget the program: nothing of it is carried out any more."""
+        self._queue = self.block = self.begun = None
 
     @property
     def failed(self) -> Alarm | None:

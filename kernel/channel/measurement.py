@@ -4,7 +4,7 @@ A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (standing at a s
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import dist
 
 from kernel.channel.path import Path
@@ -120,6 +120,10 @@ class Measurement:
         """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
         self.prepared.clear()
         self.choose_default()
+
+    def begin_program(self) -> None:
+        """Forget what a program before has measured."""
+        self._measured.clear()
 
     def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
         """Measure with what the parameter lists say."""
@@ -262,12 +266,11 @@ class Measurement:
         named: axes of the block. moving: those that the path moves. dynamics: of the path. Warns
         with 900222 when the stroke lowers it; raises Alarm 900224 for a probe without a stroke.
         """
-        kind = measuring_types()[measuring_type]
         axes = {name: self._path.settings(name).measuring for name in moving}
-        if kind.has_own_speed:
+        if measuring_types()[measuring_type].has_own_speed:
             wanted_mm_s = self._path.settings(named[0]).measuring.speed_mm_s
         programmed_mm_s, wanted_mm_s = wanted_mm_s, min(wanted_mm_s, dynamics.speed_max_mm_s)
-        highest_mm_s = highest_speed(kind, list(axes.values()), dynamics.stop_deceleration)
+        highest_mm_s = self._highest_mm_s(measuring_type, moving, dynamics)
         if wanted_mm_s <= highest_mm_s:
             return wanted_mm_s
         least = min(axes, key=lambda name: axes[name].stroke_mm)
@@ -283,6 +286,19 @@ class Measurement:
         )
         self._warn(warning)
         return highest_mm_s
+
+    def _highest_mm_s(
+        self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
+    ) -> float:
+        axes = [self._path.settings(name).measuring for name in moving]
+        return highest_speed(measuring_types()[measuring_type], axes, dynamics.stop_deceleration)
+
+    def within_stroke(
+        self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
+    ) -> Dynamics:
+        """Return what a run may do at any override: no more than the stroke of its probe allows."""
+        highest_mm_s = self._highest_mm_s(measuring_type, moving, dynamics)
+        return replace(dynamics, speed_max_mm_s=min(dynamics.speed_max_mm_s, highest_mm_s))
 
     def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
         """Raise Alarm 50059, 900100, 900241 or 900242 for an axis that cannot take part in a run.
@@ -310,6 +326,7 @@ class Measurement:
         speed_mm_s = self.speed_mm_s(
             type_, command.block, command.programmed_axes, tuple(target), wanted_mm_s, dynamics
         )
+        dynamics = self.within_stroke(type_, target, dynamics)
         kind = measuring_types()[type_]
         overtravel_mm = {
             name: self._path.settings(name).measuring.overtravel_mm(kind) for name in target
@@ -366,6 +383,15 @@ class Measurement:
         dynamics = path.dynamics(targets_mm, Motion.MEASURING)
         if dynamics is not None:
             path.begin(targets_mm, speed_mm_s, dynamics)
+
+    def reset(self) -> None:
+        """End every run without a result, and forget what the program has set."""
+        self.abort()
+        for record in self.records:
+            if record.end_ns is None:
+                record.end_ns = self._clock.now_ns
+                record.latched_mm.clear()
+        self.end_program()
 
     def abort(self) -> None:
         """End a run without a result: its probes are switched off."""

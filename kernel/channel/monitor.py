@@ -102,10 +102,12 @@ class Monitor:
 
 
 class PowerUp:
-    """Leads all drives to operation enabled."""
+    """Leads all drives to operation enabled; resets_faults: acknowledges those that stand."""
 
-    def __init__(self, links: Sequence[AxisLink], timing: CycleTiming) -> None:
-        self._links, self._timing = links, timing
+    def __init__(
+        self, links: Sequence[AxisLink], timing: CycleTiming, *, resets_faults: bool = False
+    ) -> None:
+        self._links, self._timing, self._resets_faults = links, timing, resets_faults
         self._cycles = 0
         self._faults: dict[str, StandingFault] = {}
 
@@ -117,7 +119,8 @@ class PowerUp:
         self._cycles += 1
         waiting = [link for link in self._links if link.state is not State.OPERATION_ENABLED]
         for link in self._links:
-            link.power, link.resets_fault = True, link.settings.fault_reset
+            link.power = True
+            link.resets_fault = self._resets_faults or link.settings.fault_reset
             if link.state is State.FAULT:
                 self._judge_fault(link)
         if waiting and self._cycles > POWER_UP_CYCLES_MAX:

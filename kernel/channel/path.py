@@ -12,6 +12,7 @@ from kernel.measuring.rules import lengthened
 from kernel.motion.curves import Arc, Curve, Line, moved_axes
 from kernel.motion.curves import put as with_axis
 from kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
+from kernel.motion.feed import FULL, Feed
 from kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from kernel.motion.profile import plan
 from kernel.motion.ramp import Ramp
@@ -21,7 +22,8 @@ class Path:
     """Moves all axes of a channel together, one path at a time; axes and links in one order.
 
     superpose: adds to the set positions that leave the buffer; superposed_mm: tells what, by axis,
-    and counted_mm what of it counts for the software limit switches.
+    and counted_mm what of it counts for the software limit switches. override_max_permille:
+    P-CHAN-00056.
     """
 
     def __init__(
@@ -36,8 +38,10 @@ class Path:
         self._index = {axis.name: index for index, axis in enumerate(axes)}
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
-        self._dynamics: Dynamics | None = None  # of the present move
-        self._feed_mm_s = 0.0
+        self._feed: Feed | None = None  # of the present move
+        self.override_max_permille = FULL
+        self._override_permille = FULL
+        self._slowed: dict[int, int] = {}  # overrides of axes that are not 100 %
         self._settling = Settling(clock, timing.period_ns)
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
@@ -169,7 +173,8 @@ class Path:
         axes = [axis.dynamics[Motion.FEED] for axis in self._axes]
         for corner_mm in arc.box_mm():
             self._require_reach(corner_mm)
-        self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, feed_mm_s))
+        highest_mm_s = feed_mm_s * self.override_max_permille / FULL
+        self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
 
     def dynamics(self, target_acs_mm: Mapping[str, float], motion: Motion) -> Dynamics | None:
         """Return the dynamics of the straight path to the target, None when nothing moves."""
@@ -220,9 +225,11 @@ class Path:
                 self.require_reach(axis, target_mm)
 
     def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
-        feed_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
-        profile = plan(curve.length_mm, feed_mm_s, dynamics.acceleration, dynamics.deceleration)
-        self._dynamics, self._feed_mm_s = dynamics, feed_mm_s
+        full_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
+        feed = self._feed = Feed(full_mm_s, dynamics, self._share(curve))
+        profile = plan(
+            curve.length_mm, feed.speed_mm_s, dynamics.acceleration, dynamics.deceleration
+        )
         self._settling.restart()
         if self._held_axes:
             self.interpolator.is_held = self._wants_hold or self._moves_held_axis(curve)
@@ -230,8 +237,26 @@ class Path:
 
     def brake(self) -> None:
         """Delete the distance to go: stop on the path with what the kind of motion allows."""
-        if not self.interpolator.is_standing and self._dynamics is not None:
-            self.interpolator.brake(self._dynamics.stop_deceleration)
+        if not self.interpolator.is_standing and self._feed is not None:
+            self.interpolator.brake(self._feed.dynamics.stop_deceleration)
+
+    def override(self, permille: int, axes: Mapping[str, int]) -> None:
+        """Scale the feed of the path, present and next, in 0.1 %; 0 is a feedhold and none here.
+
+        permille: at most P-CHAN-00056 counts. axes: overrides of axes that are not 100 %; of those
+        that a path moves the smallest acts, times that of the path.
+        Source: TF5200 programming manual 207625099 and 208662411, of programmed overrides.
+        """
+        permille = min(permille, self.override_max_permille)
+        if permille != self._override_permille or axes or self._slowed:
+            self._override_permille = permille
+            self._slowed = {self._index[axis]: value for axis, value in axes.items()}
+            self._lead(is_held=self.interpolator.is_held)
+
+    def _share(self, curve: Curve) -> float:
+        moved = moved_axes(curve) if self._slowed else ()
+        least = min((self._slowed[axis] for axis in moved if axis in self._slowed), default=FULL)
+        return self._override_permille * least / FULL**2
 
     def feedhold(self, *, is_on: bool, axes: Collection[str] = ()) -> None:
         """Stop on the path, or go on along it; a move that begins in between waits at its start.
@@ -244,23 +269,18 @@ class Path:
             self._wants_hold = is_on
             self._held_axes = frozenset(self._index[axis] for axis in axes)
             is_on = is_on or (self.is_moving and self._moves_held_axis(self.interpolator.path))
-        self._hold(is_on)
+        if is_on != self.interpolator.is_held:
+            self._lead(is_held=is_on)
 
     def _moves_held_axis(self, curve: Curve) -> bool:
         return not self._held_axes.isdisjoint(moved_axes(curve))
 
-    def _hold(self, is_on: bool) -> None:
-        interpolator, dynamics = self.interpolator, self._dynamics
-        if is_on == interpolator.is_held:
-            return
-        interpolator.is_held = is_on
-        if dynamics is None:
-            return
-        if is_on:
-            feedhold = dynamics.feedhold or dynamics.deceleration
-            interpolator.feedhold(feedhold, dynamics.deceleration)
+    def _lead(self, *, is_held: bool) -> None:
+        if self._feed is None:
+            self.interpolator.is_held = is_held
         else:
-            interpolator.go_on(self._feed_mm_s, dynamics.acceleration, dynamics.deceleration)
+            share = self._share(self.interpolator.path)
+            self._feed.lead(self.interpolator, share, is_held=is_held)
 
     @property
     def is_held(self) -> bool:

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from kernel.channel.execution import Execution
-from kernel.channel.plc import PlcEvent
+from kernel.channel.plc import PlcAction, PlcEvent
 from kernel.clock import Clock, TimeNs
 from kernel.errors import Alarm
 from kernel.nc import canon
@@ -58,6 +58,20 @@ class Pauses:
         cycles = max(1, -(-self.start_after_ns // self._period_ns))
         self._until_ns = now_ns + cycles * self._period_ns
         self._events += (PlcEvent(now_ns, command), PlcEvent(self._until_ns, command, True))
+
+    def reset(self) -> None:
+        """Wait no more; the operator does not start again what a reset has ended."""
+        now_ns = self._clock.now_ns
+        self._until_ns = 0
+        for at, event in enumerate(self._events):
+            if event.starts_again and event.time_ns > now_ns:
+                ended = PlcAction("stop of the program: ended by the reset", _place(event))
+                self._events[at] = PlcEvent(now_ns, ended)
+
+
+def _place(event: PlcEvent) -> str:
+    assert isinstance(event.command, canon.ProgramStop)
+    return event.command.block.place
 
 
 def _go_on(_command: canon.ExactStop) -> None:

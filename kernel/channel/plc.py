@@ -6,15 +6,17 @@ external variables 1091998347; HLI, MC_Control units of a channel (path feedhold
 P-CHAN-00041 (functions that the PLC acknowledges).
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from kernel.channel.distance.sensor import Refreshed
 from kernel.channel.distance.unit import AxisUnit
 from kernel.channel.path import Path
+from kernel.channel.settings import OverrideMode
 from kernel.clock import Clock, TimeNs
 from kernel.errors import Alarm
+from kernel.motion.feed import FULL
 from kernel.nc import canon
 
 
@@ -44,9 +46,12 @@ class PlcInterface:
     one, when everything before it is executed. events: everything that passed, in order.
     refreshed: variables that the PLC side promises to bring anew, by the same name.
     inputs: bring into `values` what the PLC side reads, in front of its turn.
-    take_turn: the PLC side's own work of a cycle. feedhold: control unit of the path, True stops
-    it. axis: control units of every axis. acknowledged_later: functions (M50) that the PLC side
-    acknowledges by `acknowledge`; every other one counts as acknowledged at once.
+    take_turn: the PLC side's own work of a cycle. feedhold, override_permille: control units of the
+    path; True or 0 stops it. axis: control units of every axis. acknowledged_later: functions (M50)
+    that the PLC side acknowledges by `acknowledge`; every other one counts as acknowledged at once.
+    wants_reset, program: commands to the channel, which takes them in the same cycle.
+    outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
+    has nothing more to do.
     """
 
     def __init__(self, clock: Clock, path: Path, axes: Iterable[str]) -> None:
@@ -58,7 +63,12 @@ class PlcInterface:
         self.inputs: list[Callable[[], None]] = []
         self.take_turn: Callable[[], None] = lambda: None
         self.feedhold = False
+        self.override_permille = FULL
         self.acknowledged_later: frozenset[str] = frozenset()
+        self.wants_reset = False
+        self.program: Iterator[canon.Command] | None = None
+        self.outlives_program = False
+        self.is_idle: Callable[[], bool] = lambda: True
         self._awaits_acknowledgement = False
         self._reported: list[Alarm] = []
 
@@ -69,17 +79,42 @@ class PlcInterface:
         for take in self.inputs:
             take()
         self.take_turn()
-        self._path.feedhold(is_on=self.feedhold, axes=self.held_axes())
+        override = self.override_permille
+        if override:
+            self._path.override(override, self._slowed_axes())
+        self._path.feedhold(is_on=self.feedhold or not override, axes=self._held_axes())
         if self._reported:
             raise self._reported.pop(0)
 
-    def held_axes(self) -> list[str]:
+    def _held_axes(self) -> list[str]:
         """Return the axes that their own feedhold or an override of 0 holds."""
         return [
             name
             for name, unit in self.axis.items()
             if unit.feedhold or not unit.override_permille  # each cycle: without `holds`
         ]
+
+    def _slowed_axes(self) -> dict[str, int]:
+        """Return the overrides of axes between 0 and 100 %."""
+        return {
+            name: unit.override_permille
+            for name, unit in self.axis.items()
+            if 0 < unit.override_permille < FULL
+        }
+
+    def override_beside_permille(self, axis: str) -> int:
+        """Return the override of an axis that moves beside the path, 0 for one that is held."""
+        unit = self.axis[axis]
+        if unit.feedhold:
+            return 0
+        of_channel = min(self.override_permille, self._path.override_max_permille)
+        match self._path.settings(axis).override_mode:
+            case OverrideMode.CHANNEL:
+                return of_channel
+            case OverrideMode.LEAST:
+                return min(of_channel, unit.override_permille)
+            case OverrideMode.AXIS:
+                return unit.override_permille
 
     def is_waiting(self) -> bool:
         """Tell whether a function is still to be acknowledged: nothing begins before."""

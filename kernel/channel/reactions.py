@@ -53,6 +53,7 @@ class Reactions:
         self._measurement, self._execution = measurement, execution
         self.each_axis_halts = False
         self._ramps: dict[str, Ramp] = {}
+        self._follow: Callable[[], None] | None = None  # of the path, while ramps lead axes off it
         self.stops: list[Callable[[], None]] = []
         self.alarms: list[Alarm] = []
         self.alarm_ns: list[TimeNs] = []
@@ -117,15 +118,21 @@ class Reactions:
                 axis: self._path.own_ramp(axis, at_once=at_once)
                 for axis, at_once in leaving.items()
             }
-            follow = self._path.follow
-            self._path.follow = lambda: self._lead(follow)
+            self._follow, self._path.follow = self._path.follow, self._lead
 
-    def _lead(self, follow: Callable[[], None] | None) -> None:
+    def _lead(self) -> None:
         """Put the axes that are off the path; coupled axes follow them."""
         for axis, ramp in self._ramps.items():
             self._path.put_off_path(axis, ramp.advance())
-        if follow is not None:
-            follow()
+        if self._follow is not None:
+            self._follow()
+
+    def reset(self) -> None:
+        """Give the axes back to the path where they stand, and lead the drives again."""
+        if self._ramps:
+            self._ramps, self._path.follow = {}, self._follow
+        for link in self._links:
+            link.let_go()
 
 
 def faulty_axes(alarm: Alarm) -> tuple[str, ...]:

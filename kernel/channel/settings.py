@@ -1,6 +1,7 @@
 """What the channel takes from the parameter lists, converted once to its own units."""
 
 from dataclasses import dataclass, field
+from enum import IntEnum
 
 from kernel.channel.distance.settings import AxisDistanceSettings
 from kernel.channel.soft_limits import SoftLimits
@@ -26,6 +27,14 @@ class CycleTiming:
     sync_counter: int = 0
 
 
+class OverrideMode(IntEnum):
+    """Which override acts on an axis that moves beside the path (P-AXIS-00491)."""
+
+    CHANNEL = 0
+    LEAST = 1  # the smaller one of both
+    AXIS = 2
+
+
 @dataclass(frozen=True)
 class AxisSettings:
     """One axis as the channel sees it.
@@ -35,7 +44,7 @@ class AxisSettings:
     P-AXIS-00016. emergency: P-AXIS-00003, else P-AXIS-00008, None without either. distance:
     control of the distance, None where P-AXIS-00328 does not release it. tells_newer_ids: 3100xx of
     distance control, not 703xx. limits: its software limit
-    switches, None where they are not monitored.
+    switches, None where they are not monitored. override_mode: of its motions beside the path.
     """
 
     name: str
@@ -49,6 +58,7 @@ class AxisSettings:
     distance: AxisDistanceSettings | None = None
     tells_newer_ids: bool = False
     limits: SoftLimits | None = None
+    override_mode: OverrideMode = OverrideMode.CHANNEL
 
     @property
     def own_stop(self) -> Slope:
@@ -70,6 +80,7 @@ class AxisSettings:
             distance=AxisDistanceSettings.read(axis),
             tells_newer_ids=names_newer(axis),
             limits=SoftLimits.read(axis),
+            override_mode=OverrideMode(axis.integer("kenngr.indp_override_mode")),
         )
 
 

@@ -47,7 +47,8 @@ class Reading:
 
     sensor_mm: sensor value. actual_mm: actual position of the same SYNC. sent_mm: total set
     position that was sent in the cycle before. is_held: feedhold or override 0 of the axis.
-    silence: the sensor value is too old; None while it is not.
+    silence: the sensor value is too old; None while it is not. override: of the axis, 1 = 100 %; it
+    scales v_max.
     """
 
     sensor_mm: float
@@ -55,6 +56,7 @@ class Reading:
     sent_mm: float
     is_held: bool = False
     silence: Silence | None = None
+    override: float = 1.0
 
 
 class DistanceControl:
@@ -312,7 +314,7 @@ class DistanceControl:
             self._rest()
             self._controller.settle(is_limited=True)
             return
-        step_mm = self._limiter.limit(self.delta_mm, self.error_mm, self.settings)
+        step_mm = self._limiter.limit(self.delta_mm, self.error_mm, self.settings, reading.override)
         self._controller.settle(is_limited=step_mm != self.delta_mm)
         self._move(step_mm)
 
@@ -366,7 +368,7 @@ class DistanceControl:
         if reading.is_held:
             self._rest()
             return
-        self.step_mm = self._limiter.run_out(self.offset_mm, self.settings)
+        self.step_mm = self._limiter.run_out(self.offset_mm, self.settings, reading.override)
         self.offset_mm += self.step_mm
         if self.offset_mm == 0.0:
             self.state = DistanceState.INACTIVE

@@ -30,30 +30,35 @@ class Limiter:
         """Stand: the next motion begins with speed 0."""
         self.step_mm = 0.0
 
-    def limit(self, delta_mm: float, error_mm: float, settings: DistanceSettings) -> float:
+    def limit(
+        self, delta_mm: float, error_mm: float, settings: DistanceSettings, override: float = 1.0
+    ) -> float:
         """Return the step of this cycle towards what the controller asks for.
 
-        error_mm: control error, which decides the acceleration when that is adaptive.
+        error_mm: control error, which decides the acceleration when that is adaptive. override:
+        share of v_max that acts.
         """
-        return self._go(delta_mm, acceleration_mm_s2(error_mm, settings), settings)
+        return self._go(delta_mm, acceleration_mm_s2(error_mm, settings), settings, override)
 
-    def run_out(self, offset_mm: float, settings: DistanceSettings) -> float:
+    def run_out(self, offset_mm: float, settings: DistanceSettings, override: float = 1.0) -> float:
         """Return the step of this cycle on the way of an offset to 0.
 
-        The last step is exactly -offset. From a speed that cannot be braked in time the offset goes
-        past 0 and comes back.
+        override: share of v_max that acts. The last step is exactly -offset. From a speed that
+        cannot be braked in time the offset goes past 0 and comes back.
         """
         a_mm_s2 = settings.a_mm_s2
         brake_mm = self._in_cycle(a_mm_s2) * OF_ACCELERATION
         step_mm = fastest_step_mm(abs(offset_mm), brake_mm)
-        return self._go(math.copysign(step_mm, -offset_mm), a_mm_s2, settings)
+        return self._go(math.copysign(step_mm, -offset_mm), a_mm_s2, settings, override)
 
     def _in_cycle(self, a_mm_s2: float) -> float:
         """Give an acceleration as the change of the step from cycle to cycle."""
         return a_mm_s2 * self._period_s * self._period_s
 
-    def _go(self, wanted_mm: float, a_mm_s2: float, settings: DistanceSettings) -> float:
-        up_mm = settings.v_max_mm_s * self._period_s
+    def _go(
+        self, wanted_mm: float, a_mm_s2: float, settings: DistanceSettings, override: float
+    ) -> float:
+        up_mm = settings.v_max_mm_s * self._period_s * override
         down_mm = up_mm * _weight(settings.v_weight_down_permille)
         change_mm = self._in_cycle(a_mm_s2)
         before_mm = self.step_mm

@@ -260,6 +260,10 @@ class AxisLink:
         """Let the drive stop by itself: it does not follow what it is told."""
         self._is_held_back = self.stops_quickly = True
 
+    def let_go(self) -> None:
+        """Lead the drive again as `power` says, after a reset."""
+        self._is_held_back = self.stops_quickly = False
+
     @property
     def has_actual(self) -> bool:
         """Whether this cycle's SYNC has brought 0x6064."""

@@ -120,7 +120,10 @@ class Interpolator:
             self._cycle = 0
 
     def go_on(self, feed_mm_s: float, acceleration: Slope, deceleration: Slope) -> None:
-        """Move on to the end of the path, from standstill or from the speed that is left."""
+        """Move on to the end of the path at this feed, from whatever speed there is.
+
+        Where the distance to go is deleted already nothing changes.
+        """
         if not self.is_standing and not self._braking:
             path_mm, speed_mm_s = self._profile.at(self._cycle * self._cycle_ns / S)
             self._profile = plan_rest(

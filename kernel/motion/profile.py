@@ -167,11 +167,17 @@ def plan_rest(
 ) -> Profile:
     """Plan the rest of a path, from `path_mm` at `speed_mm_s` on, that ends standing at `end_mm`.
 
-    A speed that just stops there, or by rounding a little late, brakes at once and ends there.
+    A speed above the feed comes down to it with the deceleration. One that just stops at the end,
+    or by rounding a little late, brakes at once and ends there.
     """
-    if deceleration.distance_mm(speed_mm_s) >= end_mm - path_mm:
+    braking_mm = deceleration.distance_mm(speed_mm_s)
+    if braking_mm >= end_mm - path_mm:
         return _joined(path_mm, end_mm, [], 0.0, deceleration.steps(speed_mm_s))
-    speed_mm_s = min(speed_mm_s, feed_mm_s)
+    if speed_mm_s > feed_mm_s:
+        steps = reversed(deceleration.steps(speed_mm_s, feed_mm_s))
+        slowing = [(high, low, -a) for low, high, a in steps]
+        cruise_s = (end_mm - path_mm - braking_mm) / feed_mm_s
+        return _joined(path_mm, end_mm, slowing, cruise_s, deceleration.steps(feed_mm_s))
     return _planned(path_mm, end_mm, feed_mm_s, acceleration, deceleration, speed_mm_s)
 
 
@@ -219,24 +225,26 @@ def _peak_mm_s(distance_mm: float, acceleration: Slope, deceleration: Slope) -> 
 def _joined(
     start_mm: float,
     end_mm: float,
-    up: list[tuple[float, float, float]],
+    first: list[tuple[float, float, float]],
     cruise_s: float,
     down: list[tuple[float, float, float]],
 ) -> Profile:
     """Join ramp, constant speed and ramp to one profile that ends exactly at `end_mm`.
 
-    up, down: steps of the ramps, lowest speed first. The falling ramp is placed from the end
-    backwards, the rising one from the start; what rounding leaves lies between them.
+    first: steps of the ramp to the constant speed, (speed before, speed after, a), in their order.
+    down: those of the ramp to standstill, lowest speed first. That one is placed from the end
+    backwards, the first one from the start; what rounding leaves lies between them.
     """
     falling_mm = [end_mm]
     for low, high, a in down:
         falling_mm.append(max(falling_mm[-1] - (high - low) * (high + low) / (2.0 * a), start_mm))
     segments: list[Segment] = []
     time_s, path_mm = 0.0, start_mm
-    for low, high, a in up:
-        end_of_step_mm = min(path_mm + (high - low) * (high + low) / (2.0 * a), falling_mm[-1])
-        end_s = time_s + (high - low) / a
-        segments.append(Segment(time_s, end_s, path_mm, end_of_step_mm, low, high, a))
+    for before, after, a in first:
+        way_mm = (after - before) * (after + before) / (2.0 * a)
+        end_of_step_mm = min(path_mm + way_mm, falling_mm[-1])
+        end_s = time_s + (after - before) / a
+        segments.append(Segment(time_s, end_s, path_mm, end_of_step_mm, before, after, a))
         time_s, path_mm = end_s, end_of_step_mm
     if cruise_s > 0.0:
         speed, end_s = down[-1][1], time_s + cruise_s

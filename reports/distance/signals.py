@@ -19,7 +19,7 @@ _MARGIN, _LEAST_NS = 0.06, 5_000_000
 _OF_SURFACE = ("set_pos_mm", "surface_cnc_mm", "filtered_surface_mm", "surface_truth_mm")
 _OF_DISTANCE = ("set_dist_mm", "distance_cnc_mm", "filtered_distance_mm", "gap_true_mm")
 _OF_SENSOR = ("sensor_mm",)
-_REPLACED = ("filtered_mm", "distance_held")
+_REPLACED = ("filtered_mm", "distance_held", "distance_override_pct")
 
 
 def controls_of(info: Mapping[str, Any]) -> list[Control]:

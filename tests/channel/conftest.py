@@ -18,6 +18,7 @@ from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.channel.distance.settings import AxisDistanceSettings
 from kernel.channel.monitor import Monitor
+from kernel.channel.settings import OverrideMode
 from kernel.channel.soft_limits import SoftLimits
 from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
@@ -82,6 +83,7 @@ class AxisSpec:
     height_mm: Callable[[int], float] | None = None
     limits: SoftLimits | None = None
     tells_newer_ids: bool = False
+    override_mode: OverrideMode = OverrideMode.CHANNEL
 
     def measuring(self) -> MeasuringAxis:
         return MeasuringAxis(
@@ -110,6 +112,7 @@ class AxisSpec:
             distance=self.distance,
             limits=self.limits,
             tells_newer_ids=self.tells_newer_ids,
+            override_mode=self.override_mode,
         )
 
 

@@ -42,6 +42,7 @@ class Loop:
     lag: float = 0.0
     cycle: int = 0
     is_held: bool = False
+    override: float = 1.0
     actual_mm: float = 0.0
     sensors_mm: list[float] = field(default_factory=list)
     offsets_mm: list[float] = field(default_factory=list)
@@ -58,7 +59,8 @@ class Loop:
             sensor_mm = self.height_mm(self.cycle) - self.actual_mm
             self.cycle += 1
             try:
-                control.step(Reading(sensor_mm, self.actual_mm, sent_mm, self.is_held))
+                reading = Reading(sensor_mm, self.actual_mm, sent_mm, self.is_held, self.override)
+                control.step(reading)
             finally:
                 self.sensors_mm.append(sensor_mm)
                 self.offsets_mm.append(control.offset_mm)

@@ -241,3 +241,25 @@ def test_anti_windup_holds_the_overshoot_of_pi_near_that_of_p(make_loop: Make) -
 
     assert peak_mm(0.0) <= 0.0
     assert peak_mm(0.5) < 0.1
+
+
+@pytest.mark.parametrize("override", [0.01, 0.5, 0.99])
+@pytest.mark.parametrize("is_off", [False, True])
+def test_the_override_of_the_axis_scales_the_speed_and_not_the_acceleration(
+    make_loop: Any, override: float, is_off: bool
+) -> None:
+    """On the way to a far surface, and when the offset runs out: o v_max T in each cycle."""
+    loop = following(make_loop(lambda _k: 40.0, kp=1.0, v_max_mm_s=V, a_max_mm_s2=A)).run(1500)
+    if is_off:
+        loop.say(DistanceCommand.OFF).run(200)
+    assert abs(loop.control.step_mm) == pytest.approx(V * T)
+    loop.override = override
+    before = len(loop.steps_mm)
+    loop.run(400)
+    steps = [abs(step) for step in loop.steps_mm[before:]]
+    assert min(steps) >= override * V * T - 1e-15
+    assert steps[-1] == pytest.approx(override * V * T)
+    braking = math.ceil((1 - override) * V / (A * T) - 1e-9)
+    assert steps[braking] == pytest.approx(override * V * T)
+    changes = [abs(b - a) for a, b in itertools.pairwise([V * T, *steps])]
+    assert max(changes) <= A * T * T * (1 + 1e-9)

@@ -5,13 +5,14 @@ import pytest
 from bench.plan.assignment import parse_column
 from bench.rig.plc.axis_words import (
     AxisFeedhold,
-    AxisOverride,
     ObjectChange,
     SetCourse,
     UnitWrite,
     axis_columns,
 )
-from bench.rig.plc.words import Feedhold, Moment, Rule, read_rules
+from bench.rig.plc.channel_words import Feedhold
+from bench.rig.plc.override import OverrideCourse
+from bench.rig.plc.words import Moment, Rule, read_rules
 from kernel.clock import MS
 from kernel.distance import DistanceCommand
 from kernel.errors import UserError
@@ -53,9 +54,9 @@ def test_a_feedhold_lasts_for_a_time_or_until_a_moment() -> None:
 
 
 def test_override_and_object() -> None:
-    assert [r.action for r in rules("Z.override", "0 at=1ms; 100 at=2ms")] == [
-        AxisOverride("Z", 0),
-        AxisOverride("Z", 1000),
+    assert [r.action for r in rules("Z.override", "0 at=1ms; 99.9 at=2ms over=30ms")] == [
+        OverrideCourse("Z", 0),
+        OverrideCourse("Z", 999, 30 * MS),
     ]
     (change,) = rules("Z.object.DIST_CTRL::kp", "0.3 at=4ms")
     assert change.action == ObjectChange("Z", "DIST_CTRL::kp", 0.3)
@@ -69,7 +70,11 @@ def test_override_and_object() -> None:
         ("Z.dist_ctrl", "ON set_pos=high", "set_pos"),
         ("Z.dist_ctrl", "ON over=2ms", "no such key"),
         ("Z.set_dist", "1 over=2", "over: how long it lasts"),
-        ("Z.override", "50", "only standing still or the feed as it is"),
+        ("Z.override", "101", "override: percent in steps of 0.1"),
+        ("Z.override", "-1", "override: percent"),
+        ("Z.override", "0.05", "override: percent"),
+        ("Z.override", "half", "not a number"),
+        ("Z.override", "50 over=0ms", "over: how long it lasts"),
         ("Z.feedhold", "1 at=2ms", "a feedhold has no value"),
         ("Z.feedhold", "at=2ms", "for: how long it lasts"),
         ("Z.feedhold", "at=2ms for=1ms until=M50", "`for` or `until`"),

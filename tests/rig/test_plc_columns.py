@@ -7,8 +7,8 @@ import pytest
 from bench.plan.assignment import parse_assignment
 from bench.plan.plan import read_plan
 from bench.rig.file import read_rig
+from bench.rig.plc.channel_words import Feedhold
 from bench.rig.plc.words import (
-    Feedhold,
     Moment,
     ObjectWrite,
     Rule,

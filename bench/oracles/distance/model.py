@@ -48,7 +48,7 @@ class Law:
     """The control of one axis from its start on.
 
     offset_mm: where it starts. step_mm: of the cycle before. asked_mm: the offset before
-    max_deviation clamps it.
+    max_deviation clamps it. override: of the axis, 1 = 100 %; v_max is scaled by it.
     """
 
     mode: str
@@ -61,6 +61,7 @@ class Law:
     error_mm: float = 0.0
     filtered_mm: float = 0.0
     asked_mm: float = 0.0
+    override: float = 1.0
 
     def __post_init__(self) -> None:
         self._filter = Filtering(self.smoothing)
@@ -111,7 +112,7 @@ class Law:
 
     def _clamped(self, asked: float, error: float) -> tuple[float, bool]:
         limits, period_s = self.limits, self.period_ns / S
-        v, a = limits.v_mm_s, limits.a_mm_s2
+        v, a = limits.v_mm_s * self.override, limits.a_mm_s2
         if limits.adaptive is not None:
             least, low, high = limits.adaptive
             a = adaptive_mm_s2(error, least, a, low, high)

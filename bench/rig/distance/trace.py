@@ -18,6 +18,7 @@ VALUE_COLUMNS = (
     "step_mm",
     "set_pos_mm",
     "set_dist_mm",
+    "distance_override_pct",
 )
 STATE_COLUMN, HELD_COLUMN = "distance_state", "distance_held"
 DISTANCE_CONTROL_COLUMNS = (*VALUE_COLUMNS[:1], STATE_COLUMN, HELD_COLUMN, *VALUE_COLUMNS[1:])
@@ -30,8 +31,8 @@ def _number(value: float | None) -> float:
 class DistanceTrace:
     """Collects DISTANCE_CONTROL_COLUMNS of every axis that has distance control.
 
-    All in mm but the state (`DistanceState`) and whether feedhold or override of the axis hold the
-    offset (0, 1); what was not known yet, and a set value that is not
+    All in mm but the state (`DistanceState`), whether feedhold or override 0 of the axis hold the
+    offset (0, 1), and the override of the axis; what was not known yet, and a set value that is not
     given, is not a number.
     """
 
@@ -55,6 +56,7 @@ class DistanceTrace:
                     control.step_mm,
                     _number(control.set_pos_mm),
                     _number(control.set_dist_mm),
+                    axis.override * 100.0,
                 )
             )
             self._states.setdefault(name, []).append(int(control.state))

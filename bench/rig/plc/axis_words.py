@@ -7,8 +7,9 @@ from functools import cache
 from importlib import resources
 
 from bench.plan.assignment import number
-from bench.rig.faults import read_time
-from kernel.clock import S, TimeNs
+from bench.rig.plc.override import OverrideCourse, read_override
+from bench.rig.plc.times import duration, lasting
+from kernel.clock import TimeNs
 from kernel.distance import DistanceCommand
 from kernel.distance.objects import accept
 from kernel.errors import UserError
@@ -17,8 +18,7 @@ from kernel.parameters.types import Value
 
 OBJECT = "object."
 SET_VALUES = {"set_pos": "set_pos_mm", "set_dist": "set_dist_mm"}
-OVERRIDES_PCT = {"0": 0, "100": 1000}  # percent -> per mille
-LONGEST_NS = 600 * S
+HIGHEST_PCT = 100
 
 
 @dataclass(frozen=True)
@@ -60,14 +60,6 @@ class AxisFeedhold:
 
 
 @dataclass(frozen=True)
-class AxisOverride:
-    """An axis gets a feed override."""
-
-    axis: str
-    permille: int
-
-
-@dataclass(frozen=True)
 class ObjectChange:
     """A CNC object of distance control gets a value, in the unit of the object."""
 
@@ -76,7 +68,7 @@ class ObjectChange:
     value: Value
 
 
-AxisAction = UnitWrite | SetCourse | AxisFeedhold | AxisOverride | ObjectChange
+AxisAction = UnitWrite | SetCourse | AxisFeedhold | OverrideCourse | ObjectChange
 
 
 @cache
@@ -119,18 +111,9 @@ def read_action(
         target = name.removeprefix(OBJECT)
         return ObjectChange(axis, target, accept(target, value, Origin(column)))
     if name == "override":
-        if value not in OVERRIDES_PCT:
-            raise UserError(
-                "override: only standing still or the feed as it is",
-                value=value,
-                allowed=[f"{percent} (%)" for percent in OVERRIDES_PCT],
-            )
-        return AxisOverride(axis, OVERRIDES_PCT[value])
+        return read_override(axis, column, value, keys, HIGHEST_PCT)
     if name in SET_VALUES:
-        over = keys.get("over")
-        return SetCourse(
-            axis, SET_VALUES[name], number(column, value), _time("over", over) if over else 0
-        )
+        return SetCourse(axis, SET_VALUES[name], number(column, value), lasting("over", keys))
     return _command(axis, column, value, keys)
 
 
@@ -143,24 +126,3 @@ def _command(axis: str, column: str, word: str, keys: Mapping[str, str]) -> Unit
         return number(f"{column} {key}", keys[key]) if key in keys else None
 
     return UnitWrite(axis, known[word], given("set_pos"), given("set_dist"))
-
-
-def duration(keys: Mapping[str, str]) -> TimeNs | None:
-    """Read how long a feedhold lasts: `for`, or None where `until` names its end."""
-    if "until" in keys:
-        if "for" in keys:
-            raise UserError("a feedhold has `for` or `until`", value=keys["until"])
-        return None
-    return _time("for", keys.get("for", "nothing"))
-
-
-def _time(key: str, text: str) -> TimeNs:
-    try:
-        time_ns = read_time(text)
-    except ValueError:
-        time_ns = 0
-    if not 0 < time_ns <= LONGEST_NS:
-        allowed = f"a time up to 600s with its unit (us, ms, s), as {key}=300ms"
-        hint = ", or until=M51" if key == "for" else ""
-        raise UserError(f"{key}: how long it lasts", value=text, allowed=allowed + hint)
-    return time_ns

@@ -11,15 +11,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from typing import NamedTuple
 
-from bench.rig.plc.axis_words import (
-    AxisFeedhold,
-    AxisOverride,
-    ObjectChange,
-    SetCourse,
-    UnitWrite,
-)
+from bench.rig.plc.axis_words import AxisFeedhold, ObjectChange, SetCourse, UnitWrite
+from bench.rig.plc.channel_words import Feedhold, ProgramStart, Reset
+from bench.rig.plc.courses import Courses
+from bench.rig.plc.override import PERMILLE_PER_PCT, OverrideCourse
 from bench.rig.plc.units import PlcUnits
-from bench.rig.plc.words import VARIABLE, Feedhold, ObjectWrite, Rule, VariableWrite
+from bench.rig.plc.words import VARIABLE, ObjectWrite, Rule, VariableWrite
 from kernel.channel import Channel
 from kernel.channel.drive_functions import DriveAccess
 from kernel.clock import MS, Clock, TimeNs
@@ -28,6 +25,8 @@ from kernel.drives.functions import type_range
 from kernel.drives.sdo import SdoError, object_name
 from kernel.errors import Alarm, UserError
 from kernel.nc import canon
+
+_BEHIND_PROGRAMS = ("reset", "program_end")
 
 
 class _Happening(NamedTuple):
@@ -43,7 +42,9 @@ class PlcSide:
     """Carries out the rules of a run on one channel; accesses: the ways to its drives.
 
     A function that a rule waits for is acknowledged when everything that it brings about is done,
-    a value for a drive when the drive has taken it.
+    a value for a drive when the drive has taken it; no function waits for a reset or a start.
+    With one of these, or a moment behind one, among the rules, the run goes on until nothing is
+    left to do. program: gives the commands of the program of the run, or of a file beside it.
     Raises UserError for an object that an RPDO carries: the next telegram would overwrite it.
     """
 
@@ -54,7 +55,9 @@ class PlcSide:
         rules: Sequence[Rule],
         clock: Clock,
         period_ns: TimeNs,
+        program: Callable[[str | None], Iterator[canon.Command]],
     ) -> None:
+        self._program = program
         self._channel, self._plc, self._clock = channel, channel.plc, clock
         self._accesses, self._rules, self._period_ns = accesses, tuple(rules), period_ns
         self._due: list[tuple[TimeNs, int, Callable[[], None]]] = []
@@ -66,15 +69,28 @@ class PlcSide:
         self._is_started = self._was_moving = False
         self._holds: Counter[str | None] = Counter()  # of each axis, None = of the path
         self._held_by: Counter[int] = Counter()  # by rules that last until a moment
-        self._units = PlcUnits(channel, clock, period_ns, self._at)
+        self._courses = Courses(clock, period_ns, self._at)
+        self._units = PlcUnits(channel, self._courses)
+        self._ends_seen = self._resets_seen = 0
+        self._open_writes = 0
         self._unacknowledged = 0  # actions that the function told last waits for
         for rule in rules:
             self._refuse_cyclic(rule)
             self._refuse_object(rule)
         if rules:
             self._plc.take_turn = self.take_turn
-            words = {rule.moment.word for rule in rules}
+            words = {rule.moment.word for rule in rules if _is_awaited(rule)}
             self._plc.acknowledged_later = frozenset(w for w in words if w[1:].isdecimal())
+            self._plc.outlives_program = any(_goes_beyond_program(rule) for rule in rules)
+            self._plc.is_idle = self._is_idle
+
+    def _is_idle(self) -> bool:
+        """Whether nothing is left to do, as nothing will come while no program runs."""
+        channel = self._channel
+        seen = self._ends_seen, self._resets_seen
+        if seen != (len(channel.program_ends_ns), len(channel.resets_ns)):
+            return False
+        return not (self._due or self._open_writes or self._units.is_waiting)
 
     def _refuse_cyclic(self, rule: Rule) -> None:
         write = rule.action
@@ -120,8 +136,9 @@ class PlcSide:
                 if rule.moment.fits(happening.word, happening.value):
                     self._come[number] += 1
                     if rule.nth in (None, self._come[number]):
-                        self._unacknowledged += happening.is_function
-                        action = partial(self._act, number, rule, happening.is_function)
+                        is_awaited = happening.is_function and _is_awaited(rule)
+                        self._unacknowledged += is_awaited
+                        action = partial(self._act, number, rule, is_awaited)
                         self._at(happening.time_ns + rule.moment.offset_ns, action)
                 until = rule.until
                 if until is not None and until.fits(happening.word, happening.value):
@@ -157,6 +174,7 @@ class PlcSide:
                 yield _Happening(event.time_ns, word, command.value)
         self._seen_events = len(events)
         yield from self._runs()
+        yield from self._ends()
         is_moving = self._channel.path.is_moving
         if is_moving is not self._was_moving:
             self._was_moving = is_moving
@@ -171,6 +189,15 @@ class PlcSide:
             if record.end_ns is not None and number not in self._runs_ended:
                 self._runs_ended.add(number)
                 yield _Happening(record.end_ns, "run_end")
+
+    def _ends(self) -> Iterator[_Happening]:
+        channel = self._channel
+        for time_ns in channel.program_ends_ns[self._ends_seen :]:
+            yield _Happening(time_ns, "program_end")
+        for time_ns in channel.resets_ns[self._resets_seen :]:
+            yield _Happening(time_ns, "reset")
+        self._ends_seen = len(channel.program_ends_ns)
+        self._resets_seen = len(channel.resets_ns)
 
     # Actions
 
@@ -187,9 +214,15 @@ class PlcSide:
                 self._hold(number, rule, None, for_ns)
             case AxisFeedhold(axis=axis, for_ns=for_ns):
                 self._hold(number, rule, axis, for_ns)
-            case AxisOverride(axis=axis, permille=permille):
-                self._plc.axis[axis].override_permille = permille
-                self._plc.note(f"{axis}.override = {permille // 10} % from the PLC", rule.column)
+            case OverrideCourse() as override:
+                self._lead_override(override, rule, is_awaited)
+                return
+            case Reset():
+                self._plc.wants_reset = True
+                self._plc.note("reset from the PLC", rule.column)
+            case ProgramStart(file=file):
+                self._plc.program = self._program(file)
+                self._plc.note(f"start of {file or 'the program'} from the PLC", rule.column)
             case UnitWrite() as command:
                 self._plc.note(f"{command.axis}.dist_ctrl = {_command(rule)}", rule.column)
                 self._units.command(command)
@@ -203,9 +236,22 @@ class PlcSide:
 
     def _lead(self, course: SetCourse, rule: Rule, is_awaited: bool) -> None:
         words = f"{course.axis}.{course.value} = {course.to_mm:.15g}"
-        over = f" over {course.over_ns / MS:g} ms" if course.over_ns else ""
-        self._plc.note(f"{words}{over} from the PLC", rule.column)
+        self._plc.note(f"{words}{_over(course.over_ns)} from the PLC", rule.column)
         self._units.follow(course, lambda: self._done(is_awaited))
+
+    def _lead_override(self, course: OverrideCourse, rule: Rule, is_awaited: bool) -> None:
+        """Lead the override of an axis or of the path, in whole steps of 0.1 %."""
+        unit = self._plc if course.axis is None else self._plc.axis[course.axis]
+
+        def put(permille: float) -> None:
+            unit.override_permille = round(permille)
+
+        begin, done = unit.override_permille, partial(self._done, is_awaited)
+        words = "override" if course.axis is None else f"{course.axis}.override"
+        words += f" = {course.permille / PERMILLE_PER_PCT:g} %{_over(course.over_ns)}"
+        self._plc.note(f"{words} from the PLC", rule.column)
+        key = "override", course.axis
+        self._courses.lead(key, begin, course.permille, course.over_ns, put, done)
 
     def _hold(self, number: int, rule: Rule, axis: str | None, for_ns: TimeNs | None) -> None:
         """Hold the path or an axis; where two overlap it is held until both are over."""
@@ -234,7 +280,10 @@ class PlcSide:
         _, high = type_range(target.type)
         self._plc.note(f"{words} from the PLC", rule.column)
 
+        self._open_writes += 1
+
         def answered(answer: bytes | SdoError) -> None:
+            self._open_writes -= 1
             if isinstance(answer, SdoError):
                 alarm = Alarm(
                     900270,
@@ -257,6 +306,21 @@ class PlcSide:
             self._unacknowledged -= 1
             if not self._unacknowledged:
                 self._plc.acknowledge()
+
+
+def _is_awaited(rule: Rule) -> bool:
+    """Whether a function waits for the action: no program waits for its own end, or the next."""
+    return not isinstance(rule.action, Reset | ProgramStart)
+
+
+def _goes_beyond_program(rule: Rule) -> bool:
+    moments = [rule.moment, *([rule.until] if rule.until else [])]
+    is_behind = any(moment.word in _BEHIND_PROGRAMS for moment in moments)
+    return is_behind or isinstance(rule.action, Reset | ProgramStart)
+
+
+def _over(over_ns: TimeNs) -> str:
+    return f" over {over_ns / MS:g} ms" if over_ns else ""
 
 
 def _feedhold(axis: str | None) -> str:

@@ -9,24 +9,18 @@ from collections import defaultdict, deque
 from collections.abc import Callable
 
 from bench.rig.plc.axis_words import SetCourse, UnitWrite
+from bench.rig.plc.courses import Courses
 from kernel.channel import Channel
 from kernel.channel.distance.unit import UnitCommand
-from kernel.clock import Clock, TimeNs
-
-At = Callable[[TimeNs, Callable[[], None]], None]
 
 
 class PlcUnits:
-    """Commands the distance controls of a channel.
+    """Commands the distance controls of a channel; courses: leads their set values."""
 
-    at: lets something be done in the first turn at or after an instant.
-    """
-
-    def __init__(self, channel: Channel, clock: Clock, period_ns: TimeNs, at: At) -> None:
-        self._channel, self._clock, self._period_ns, self._at = channel, clock, period_ns, at
+    def __init__(self, channel: Channel, courses: Courses) -> None:
+        self._channel, self._courses = channel, courses
         self._commands: defaultdict[str, deque[UnitWrite]] = defaultdict(deque)
         self._values: defaultdict[str, dict[str, float]] = defaultdict(dict)
-        self._courses: dict[tuple[str, str], int] = {}
 
     def command(self, write: UnitWrite) -> None:
         """Command as soon as the unit takes it."""
@@ -37,27 +31,13 @@ class PlcUnits:
 
         Without a value yet it is there at once. done: called when it has arrived.
         """
-        key = (course.axis, course.value)
-        number = self._courses[key] = self._courses.get(key, 0) + 1
-        begin_ns, begin_mm = self._clock.now_ns, self._present(*key)
+        axis, value = course.axis, course.value
 
-        def go_on() -> None:
-            if self._courses[key] != number:
-                done()
-                return
-            passed_ns = self._clock.now_ns - begin_ns
-            is_there = begin_mm is None or passed_ns >= course.over_ns
-            if begin_mm is None or is_there:
-                value_mm = course.to_mm
-            else:
-                value_mm = begin_mm + (course.to_mm - begin_mm) * passed_ns / course.over_ns
-            self._values[course.axis][course.value] = value_mm
-            if is_there:
-                done()
-            else:
-                self._at(self._clock.now_ns + self._period_ns, go_on)
+        def put(value_mm: float) -> None:
+            self._values[axis][value] = value_mm
 
-        go_on()
+        begin_mm = self._present(axis, value)
+        self._courses.lead((axis, value), begin_mm, course.to_mm, course.over_ns, put, done)
 
     def _present(self, axis: str, value: str) -> float | None:
         waiting = self._values[axis].get(value)
@@ -66,6 +46,11 @@ class PlcUnits:
             return waiting
         present: float | None = getattr(found.control, value)
         return present
+
+    @property
+    def is_waiting(self) -> bool:
+        """Whether something waits for its unit."""
+        return any(self._commands.values()) or any(self._values.values())
 
     def hand_over(self) -> None:
         """Hand over what waits; at the end of every turn."""

@@ -5,11 +5,14 @@ A cell holds actions separated by semicolons, each a value and keys:
     plc:Z.torque_limit = 100 at=M50; 50000 at=M51     when the program tells M50, and M51
     plc:Z.6065 = 0xFFFFFFFF at=run; 1048575 at=run_end+20ms
     plc:feedhold = at=400ms for=300ms                 0.4 s after the start of the program
+    plc:override = 50 at=motion+20ms over=100ms       feed of the path, in percent
+    plc:reset = at=M50+20ms
+    plc:program_start = at=reset+100ms file=second.nc
     plc:Z.dist_ctrl = ON set_pos=30 at=M50; OFF at=M51
     plc:V.E.READY = 0; 1 at=M50+20ms nth=2            20 ms after the second M50
 
-Objects, moments and what acts on one axis stand in `objects.csv`, `moments.csv` and
-`axis_columns.csv`; times have their unit.
+Objects, moments, what acts on the channel and on one axis stand in `objects.csv`, `moments.csv`,
+`channel_columns.csv` and `axis_columns.csv`; times have their unit.
 """
 
 import csv
@@ -24,16 +27,20 @@ from bench.rig.faults import read_time
 from bench.rig.plc.axis_words import (
     AxisAction,
     axis_columns,
-    duration,
     find_column,
     read_action,
+)
+from bench.rig.plc.channel_words import (
+    ACT_ONCE,
+    ChannelAction,
+    channel_columns,
+    read_channel_action,
 )
 from kernel.clock import TimeNs
 from kernel.drives.functions import type_range
 from kernel.errors import UserError, nearest
 from kernel.nc.decoder.technology import INTERNAL, NUMBER_MAX, SPINDLE
 
-FEEDHOLD = "feedhold"
 VARIABLE = "V.E."
 PLAIN_KEYS = ("start_ms", "optional_stop", "limit_s")
 """Keys with one value: what the operator does (`bench/rig/settings.py`)."""
@@ -80,13 +87,6 @@ class ObjectWrite:
 
 
 @dataclass(frozen=True)
-class Feedhold:
-    """The path is held for a time; None until a moment that the rule names."""
-
-    for_ns: TimeNs | None
-
-
-@dataclass(frozen=True)
 class VariableWrite:
     """A V.E. variable gets a value; name: behind `V.E.`."""
 
@@ -105,7 +105,7 @@ class Rule:
     text: str
     moment: Moment
     nth: int | None
-    action: ObjectWrite | Feedhold | VariableWrite | AxisAction
+    action: ObjectWrite | VariableWrite | ChannelAction | AxisAction
     until: Moment | None = None
 
 
@@ -132,7 +132,7 @@ def plc_moments() -> dict[str, str]:
 
 
 def read_rules(item: Assignment, axes: Collection[str]) -> tuple[float | None, list[Rule]]:
-    """Read a cell of `plc:feedhold`, `plc:V.E.<NAME>` or `plc:<axis>.<object>`.
+    """Read a cell of `plc:<column>`, `plc:V.E.<NAME>` or `plc:<axis>.<object>`.
 
     Returns the first value of a variable (None for the others) and the rules. Raises UserError
     for a column or a cell that cannot be.
@@ -149,7 +149,7 @@ def read_rules(item: Assignment, axes: Collection[str]) -> tuple[float | None, l
             )
         first = number(item.column, parts[0])
         return first, [_rule(item, part, axes, needs_at=True) for part in parts[1:]]
-    if item.name != FEEDHOLD:
+    if item.name not in channel_columns():
         _target_of(item.name, axes)
     return None, [_rule(item, part, axes) for part in parts]
 
@@ -183,13 +183,14 @@ def _rule(item: Assignment, text: str, axes: Collection[str], *, needs_at: bool 
     moment = _moment(keys.get("at", "start"))
     until = _moment(keys["until"], "until") if "until" in keys else None
     action = _action(item, values, keys, axes)
-    return Rule(item.column, text, moment, _nth(keys, moment), action, until)
+    nth = _nth(keys, moment) or (1 if item.name in ACT_ONCE else None)
+    return Rule(item.column, text, moment, nth, action, until)
 
 
 def _keys(item: Assignment) -> Sequence[str]:
     """Return the keys that an action of this column may have."""
-    if item.name == FEEDHOLD:
-        return axis_columns()[FEEDHOLD].keys
+    if item.name in channel_columns():
+        return channel_columns()[item.name].keys
     column = find_column(item.name.partition(".")[2])
     is_plain = column is None or item.name.startswith(VARIABLE)
     return ("at", "nth") if is_plain or column is None else column.keys
@@ -197,14 +198,10 @@ def _keys(item: Assignment) -> Sequence[str]:
 
 def _action(
     item: Assignment, values: Sequence[str], keys: dict[str, str], axes: Collection[str]
-) -> ObjectWrite | Feedhold | VariableWrite | AxisAction:
+) -> ObjectWrite | VariableWrite | ChannelAction | AxisAction:
     name = item.name
-    if name == FEEDHOLD:
-        if values:
-            raise UserError(
-                "a feedhold has no value", value=values[0], allowed="at=400ms for=300ms"
-            )
-        return Feedhold(duration(keys))
+    if name in channel_columns():
+        return read_channel_action(name, item.column, values, keys)
     target = None if name.startswith(VARIABLE) else _target_of(name, axes)
     if target is not None and not isinstance(target[1], DriveObject):
         return read_action(target[0], target[1], item.column, values, keys)
@@ -223,7 +220,7 @@ def _target_of(column: str, axes: Collection[str]) -> tuple[str, DriveObject | s
     """Take `Z.torque_limit`, `Z.6072` or `Z.dist_ctrl` apart; the last stays a name."""
     axis, dot, name = column.partition(".")
     if not dot:
-        forms = [*PLAIN_KEYS, FEEDHOLD, "V.E.<NAME>", "<axis>.<object>"]
+        forms = [*PLAIN_KEYS, *channel_columns(), "V.E.<NAME>", "<axis>.<object>"]
         forms += [f"<axis>.{name}" for name in axis_columns()]
         raise UserError("the PLC side has no such key", value=column, allowed=forms)
     if axis not in axes:

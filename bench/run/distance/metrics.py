@@ -263,6 +263,8 @@ def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_overshoot_expected_mm(truth: DistanceTruth) -> Observation:
     """Closed form behind plain clamps, without dead time: v^2/2a - v/K + a/2K^2."""
+    if np.any(truth.override[stretches.last_active(truth).rows] != 1.0):
+        raise NoClosedFormError("an override of the axis scaled v_max")
     limit, control = truth.listed.limits, truth.listed.control
     value = limits.overshoot_mm(control.kp, truth.period_ns, limit.v_mm_s, limit.a_mm_s2)
     way = limit.v_mm_s * truth.period_s * (truth.dead.dead + 1)
@@ -341,7 +343,7 @@ def freeze_drift_um(truth: DistanceTruth) -> Observation:
 
 @_of_axis
 def offset_held_drift_um(truth: DistanceTruth) -> Observation:
-    """Largest change of the offset while feedhold or override of the axis hold it."""
+    """Largest change of the offset while feedhold or override 0 of the axis hold it."""
     held = stretches.runs_of(truth.is_held)
     if not held:
         raise NoClosedFormError("neither feedhold nor override of the axis held the offset")

@@ -87,6 +87,12 @@ class DistanceTruth:
         held: Flags = self["distance_held"] == 1
         return held
 
+    @property
+    def override(self) -> Signal:
+        """Override of the axis in each row, 1 = 100 %."""
+        share: Signal = self["distance_override_pct"] / 100.0
+        return share
+
     @cached_property
     def program_mm(self) -> Signal:
         """Interpolated position that was sent in each cycle: the set position less the offset."""

@@ -49,6 +49,7 @@ def walk(truth: DistanceTruth) -> Walked:
         if end < count and truth.state[end] == ERROR:
             end += 1  # the cycle of the alarm
         for row in range(begin, end):
+            law.override = float(truth.override[row])
             turn = law.hold if truth.is_held[row] else law.walk
             turn(*_read(truth, law.mode, row))
             offset[row] = law.offset_mm

@@ -4,7 +4,7 @@ An axis that measures (G100) has its own run and latch, so several can measure a
 a run of the path. Sources: FCT-C4 section 2, TF5200 programming manual 208612235.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 from kernel.channel.measurement import Measurement
@@ -17,6 +17,7 @@ from kernel.errors import Alarm
 from kernel.measuring.fixed_stop.run import FixedStopRun
 from kernel.measuring.run import MeasuringRun, Order
 from kernel.motion.dynamics import Dynamics, Motion
+from kernel.motion.feed import FULL, Feed
 from kernel.motion.interpolator import Interpolator
 from kernel.motion.profile import plan
 from kernel.motion.timed import speed_for
@@ -32,7 +33,8 @@ class Mover:
     """One axis on its way; run: its measurement, None without. waits: until it stands for one.
     standstill: when it comes to rest in its run.
 
-    speed_mm_s: of its motion, and of the one that takes the lag away behind a fixed stop.
+    speed_mm_s: of its motion, and of the one that takes the lag away behind a fixed stop, without
+    an override. feed: of the present one. override_permille: 0 holds it.
     """
 
     command: canon.IndependentMove
@@ -45,6 +47,8 @@ class Mover:
     waits: bool = False
     standstill: Standstill | None = None
     speed_mm_s: float = 0.0
+    feed: Feed | None = None
+    override_permille: int = FULL
 
     @property
     def position_mm(self) -> float:
@@ -74,7 +78,7 @@ class _StopMotion:
 class IndependentAxes:
     """Begins, leads and ends the independent motions of a channel; links: by axis.
 
-    held_axes: tells which axes the PLC side holds by their own feedhold or override.
+    override_permille: tells what the PLC side makes of the feed of an axis, in 0.1 %; 0 holds it.
     """
 
     def __init__(
@@ -88,7 +92,7 @@ class IndependentAxes:
         self._clock, self._timing, self._path = clock, timing, path
         self._measurement, self._links = measurement, links
         self._movers: dict[str, Mover] = {}
-        self.held_axes: Callable[[], Collection[str]] = tuple
+        self.override_permille: Callable[[str], int] = lambda _axis: FULL
 
     @property
     def is_moving(self) -> bool:
@@ -127,7 +131,6 @@ class IndependentAxes:
             return
         interpolator = Interpolator((axis,), self._timing.period_ns)
         interpolator.hold((here_mm,))
-        interpolator.is_held = axis in self.held_axes()
         mover = Mover(
             command,
             settings,
@@ -136,6 +139,7 @@ class IndependentAxes:
             interpolator,
             Settling(self._clock, self._timing.period_ns),
         )
+        mover.override_permille = self.override_permille(axis)
         mover.waits = measures
         if not measures:
             _start(mover)
@@ -150,6 +154,7 @@ class IndependentAxes:
         Raises the alarms of a run, with 50664 for a probe that is not enabled.
         """
         for axis, mover in list(self._movers.items()):
+            mover.override_permille = self.override_permille(axis)
             try:
                 if mover.waits:
                     self._begin_run(mover)
@@ -197,20 +202,20 @@ class IndependentAxes:
         command, axes = mover.command, (mover.command.axis,)
         mover.standstill = self._measurement.standstill(axes)
         assert command.measuring_type is not None
-        type_ = command.measuring_type
+        type_, measurement = command.measuring_type, self._measurement
 
         def allowed(wanted_mm_s: float) -> float:
-            return self._measurement.speed_mm_s(
-                type_, command.block, axes, axes, wanted_mm_s, mover.dynamics
-            )
+            dynamics = mover.dynamics
+            mover.dynamics = measurement.within_stroke(type_, axes, dynamics)
+            return measurement.speed_mm_s(type_, command.block, axes, axes, wanted_mm_s, dynamics)
 
         _start(mover, mover.settings.measuring.overtravel_mm(measuring_types()[type_]), allowed)
 
     def advance(self) -> None:
         """Lead every axis on by one cycle."""
-        held = self.held_axes()
         for axis, mover in list(self._movers.items()):
-            _hold(mover, is_on=axis in held)
+            mover.override_permille = self.override_permille(axis)
+            _lead(mover)
             if not mover.interpolator.is_standing:
                 self._path.lead(axis, mover.interpolator.advance()[0])
             measures = mover.waits or mover.run is not None
@@ -244,16 +249,15 @@ class IndependentAxes:
         return mover.settling.judge(((mover.settings, mover.link),))
 
 
-def _hold(mover: Mover, *, is_on: bool) -> None:
-    """Stop an axis on its way, or let it go on."""
-    interpolator, dynamics = mover.interpolator, mover.dynamics
-    if is_on == interpolator.is_held:
-        return
-    interpolator.is_held = is_on
-    if is_on:
-        interpolator.feedhold(dynamics.feedhold or dynamics.deceleration, dynamics.deceleration)
-    else:
-        interpolator.go_on(mover.speed_mm_s, dynamics.acceleration, dynamics.deceleration)
+def _share(mover: Mover) -> float:
+    return (mover.override_permille or FULL) / FULL
+
+
+def _lead(mover: Mover) -> None:
+    """Lead an axis on its way as its override says."""
+    if mover.feed is not None:
+        is_held = not mover.override_permille
+        mover.feed.lead(mover.interpolator, _share(mover), is_held=is_held)
 
 
 def _judged(mover: Mover, alarm: Alarm) -> Alarm:
@@ -299,6 +303,8 @@ def _go(mover: Mover, target_mm: float) -> None:
     here_mm, dynamics = mover.position_mm, mover.dynamics
     length_mm = abs(target_mm - here_mm)
     if length_mm:
-        profile = plan(length_mm, mover.speed_mm_s, dynamics.acceleration, dynamics.deceleration)
+        feed = mover.feed = Feed(mover.speed_mm_s, dynamics, _share(mover))
+        profile = plan(length_mm, feed.speed_mm_s, dynamics.acceleration, dynamics.deceleration)
         axis = mover.command.axis
+        mover.interpolator.is_held = not mover.override_permille
         mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)

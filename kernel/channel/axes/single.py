@@ -141,8 +141,9 @@ class SingleAxes:
         self._renew()
 
     def stop(self) -> None:
-        """Stop after an alarm: every axis on its own, homing broken off."""
+        """Stop after an alarm or a reset: every axis on its own, homing broken off."""
         self.independent.stop()
+        self._awaited = ()
         self._rest = None
         if self._homing is not None:
             self._homing.abort()

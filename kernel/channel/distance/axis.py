@@ -27,8 +27,8 @@ class AxisDistance:
     """Distance control of one axis.
 
     values: V.E. variables, by the name behind `V.E.`. refreshed: those that come with a period.
-    is_held: the offset stands, by feedhold or override of the axis. output_mm: the offset that went
-    out in the last cycle.
+    is_held: the offset stands, by feedhold or override 0 of the axis. override: of the axis, 1 =
+    100 %. output_mm: the offset that went out in the last cycle.
     """
 
     def __init__(
@@ -46,7 +46,7 @@ class AxisDistance:
         self._encoder = EncoderSensor(link, settings.sensor)
         self.sensor: Sensor = self._encoder
         self.sensor_mm: float | None = None
-        self.is_held = False
+        self.is_held, self.override = False, 1.0
         self.output_mm = 0.0
         self._before_mm = 0.0  # offset of the cycle before, which goes out in this one
         self._without_age: set[str] = set()  # sensors that were warned of
@@ -145,9 +145,11 @@ class AxisDistance:
         if self.sensor_mm is None:
             return
         link = self._link
-        self.control.step(
-            Reading(self.sensor_mm, link.actual_mm, link.set_mm, self.is_held, self._silence())
+        held, override = self.is_held, self.override
+        reading = Reading(
+            self.sensor_mm, link.actual_mm, link.set_mm, held, self._silence(), override
         )
+        self.control.step(reading)
 
     @property
     def pending_mm(self) -> float:

@@ -18,6 +18,7 @@ from kernel.clock import TimeNs
 from kernel.distance import DistanceCommand, DistanceControl, DistanceState, Source
 from kernel.drives.link import AxisLink
 from kernel.errors import Alarm
+from kernel.motion.feed import FULL
 from kernel.motion.interpolator import Positions
 from kernel.nc import canon
 
@@ -91,7 +92,8 @@ class DistanceControls:
             return
         found: list[Alarm] = []
         for name, axis in self.axes.items():
-            axis.is_held = self._units[name].holds
+            unit = self._units[name]
+            axis.is_held, axis.override = unit.holds, unit.override_permille / FULL
             axis.take()
         for name, unit in self._units.items():
             if unit.distance.command_semaphor_rw and not is_stopping:
@@ -274,8 +276,15 @@ class DistanceControls:
             if found is not None and found.control.state is not DistanceState.ERROR:
                 found.control.switch_off_kept()
 
-    def reset(self) -> None:
-        """Switch off as a reset does: the offsets stay, the set values are forgotten."""
+    def end_by_error(self) -> None:
+        """Switch off when the axes stand behind an alarm; ERROR stays until a reset."""
         self.switch_off(self.axes)
         for axis in self.axes.values():
+            axis.control.forget_set_values()
+
+    def reset(self) -> None:
+        """Switch off, also out of ERROR: the offsets stay, the set values are forgotten."""
+        self._awaited.clear()
+        for axis in self.axes.values():
+            axis.control.switch_off_kept()
             axis.control.forget_set_values()

@@ -51,8 +51,9 @@ class DistanceUnit:
 class AxisUnit:
     """Control units of one axis.
 
-    feedhold: True stops the axis and with it the path that moves it. override_permille: 0 does the
-    same, 1000 is the feed as it is. Either freezes the offset of distance control (FCT-M3 2 and 5).
+    feedhold: True stops the axis and with it the path that moves it. override_permille: from 0 to
+    1000, the feed as it is; 0 does what the feedhold does. Either freezes the offset of distance
+    control (FCT-M3 2 and 5), between them the override scales its v_max.
     """
 
     feedhold: bool = False

@@ -1,0 +1,26 @@
+"""States of a channel."""
+
+from enum import Enum, auto
+
+
+class ChannelState(Enum):
+    """STARTING over SDO, POWERING until every drive is enabled, RUNNING, STOPPING after an alarm,
+    ENDED.
+
+    While the PLC side goes on behind a program: READY for the next one, in ERROR when an alarm has
+    ended it; RESETTING until the axes stand, which leads to READY.
+    """
+
+    STARTING = auto()
+    POWERING = auto()
+    RUNNING = auto()
+    STOPPING = auto()
+    READY = auto()
+    ERROR = auto()
+    RESETTING = auto()
+    ENDED = auto()
+
+
+CONTROLLED = (ChannelState.RUNNING, ChannelState.READY)
+AT_REST = (ChannelState.READY, ChannelState.ERROR)
+FAILED = (ChannelState.STOPPING, ChannelState.ERROR)

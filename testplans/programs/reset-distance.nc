@@ -1,0 +1,11 @@
+%reset_distance
+; Started behind a reset: where the axis stands, distance control on again from the offset that it
+; has kept, off until that has run out.
+N10 #MSG SYN["V.A.ACT_POS.Z=%f", V.A.ACT_POS.Z]
+N20 G1 G90 Z36 F3000
+N30 Z[DIST_CTRL ON SET_POS=30]
+N40 G04 0.2
+N50 Z[DIST_CTRL OFF WAIT]
+N60 G60 G1 Z37 F3000
+N70 #MSG SYN["V.A.ACT_POS.Z=%f", V.A.ACT_POS.Z]
+N80 M30

@@ -1,0 +1,139 @@
+"""Overrides of the PLC side in a channel: which of them act on which motion.
+
+Speeds of paths along two axes are in 3-4-5; every ramp has 1000 mm/s².
+"""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from kernel.channel.settings import OverrideMode
+from kernel.clock import MS
+from kernel.measuring.fixed_stop.settings import FixedStopSettings
+from kernel.nc import canon
+from tests.channel.conftest import ChannelBench
+
+Make = Callable[..., ChannelBench]
+
+
+def speeds_mm_s(bench: ChannelBench, axis: str) -> list[float]:
+    """Way from cycle to cycle by its time, to a nanometre per second."""
+    return [round((b - a) / 1e-3, 6) for a, b in pairwise(bench.set_mm(axis))]
+
+
+def run(bench: ChannelBench, *commands: canon.Command, path: int = 1000, **axes: int) -> None:
+    plc = bench.channel.plc
+    plc.override_permille = path
+    for axis, permille in axes.items():
+        plc.axis[axis].override_permille = permille
+    bench.run([*commands, canon.EndOfProgram(canon.Block(99, 990, "N990 M30"))])
+
+
+@pytest.mark.parametrize(
+    ("overrides", "expected_mm_s"),
+    [
+        ({}, 50.0),
+        ({"path": 500}, 25.0),
+        ({"path": 10}, 0.5),
+        ({"Y": 300}, 15.0),
+        ({"Y": 300, "Z": 200}, 10.0),  # the smallest one of the axes that move
+        ({"path": 500, "Z": 200}, 5.0),  # times that of the path
+        ({"path": 1500}, 50.0),  # P-CHAN-00056 as it is
+    ],
+)
+def test_the_feed_of_a_path_is_scaled(
+    channel_bench: Make, words: Any, overrides: dict[str, int], expected_mm_s: float
+) -> None:
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    far = 0.2 * expected_mm_s + 5.0
+    run(bench, words.move(1, 3000.0, Y=0.6 * far, Z=0.8 * far), **overrides)
+    assert max(speeds_mm_s(bench, "Y")) == pytest.approx(0.6 * expected_mm_s, abs=2e-6)
+    assert max(speeds_mm_s(bench, "Z")) == pytest.approx(0.8 * expected_mm_s, abs=2e-6)
+    assert (bench.final_mm("Y"), bench.final_mm("Z")) == (0.6 * far, 0.8 * far)
+
+
+def test_the_override_of_an_axis_that_does_not_move_changes_not_a_bit(
+    channel_bench: Make, words: Any
+) -> None:
+    ways = []
+    for overrides in ({}, {"Y": 100}):
+        bench = channel_bench(words.axis("Y"), words.axis("Z"))
+        run(bench, words.move(1, 3000.0, Z=10.0), **overrides)
+        ways.append(bench.set_mm("Z"))
+    assert ways[0] == ways[1]
+
+
+def test_above_100_percent_the_limits_of_the_axes_hold(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", speed_max_mm_s=80.0))
+    bench.channel.path.override_max_permille = 1800
+    run(bench, words.move(1, 2400.0, Z=40.0), words.move(2, 3000.0, Z=80.0), path=2000)
+    speeds = speeds_mm_s(bench, "Z")
+    half = len(speeds) // 2
+    assert (max(speeds[:half]), max(speeds[half:])) == (72.0, 80.0)
+
+
+def test_a_measuring_run_keeps_within_the_stroke_of_its_probe_at_200_percent(
+    channel_bench: Make, words: Any
+) -> None:
+    """Type 2: a stroke of 2 mm and 1000 mm/s² allow v²/2a <= 2 mm, 63.2 mm/s; 2 * 40 is more."""
+    bench = channel_bench(words.axis("Z", measuring_mm_s=40.0, stroke_mm=2.0))
+    bench.channel.path.override_max_permille = 2000
+    run(bench, words.probe(1, None, 2, error_no_signal=False, Z=40.0), path=2000)
+    assert max(speeds_mm_s(bench, "Z")) == pytest.approx((2 * 1000 * 2.0) ** 0.5, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("mode", "expected_mm_s"),
+    [(OverrideMode.CHANNEL, 25.0), (OverrideMode.LEAST, 15.0), (OverrideMode.AXIS, 15.0)],
+)
+def test_which_override_acts_on_an_axis_beside_the_path(
+    channel_bench: Make, words: Any, mode: OverrideMode, expected_mm_s: float
+) -> None:
+    """P-AXIS-00491: that of the channel, 50 %, the smaller one, or that of the axis, 30 %."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z", override_mode=mode))
+    beside = canon.IndependentMove(canon.Block(1, 10, "N10"), "Z", 20.0, feed_mm_min=3000.0)
+    wait = canon.WaitIndependent(canon.Block(2, 20, "N20"), ("Z",))
+    run(bench, beside, wait, path=500, Z=300)
+    assert max(speeds_mm_s(bench, "Z")) == pytest.approx(expected_mm_s, abs=2e-6)
+    assert bench.final_mm("Z") == 20.0
+
+
+def test_an_override_of_0_holds_the_path_until_it_is_above(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z"))
+    plc = bench.channel.plc
+    turns = iter(range(10**6))
+
+    def turn() -> None:
+        plc.override_permille = 0 if next(turns) < 300 else 500
+
+    plc.take_turn = turn
+    bench.run([words.move(1, 3000.0, Z=10.0), words.end()])
+    z = bench.set_mm("Z")
+    begin = next(k for k, s in enumerate(bench.samples) if s.time_ns >= bench.channel.start_ns)
+    assert set(z[: begin + 300]) == {0.0}
+    assert z[begin + 301] > 0.0
+    assert max(speeds_mm_s(bench, "Z")) == 25.0
+    assert z[-1] == 10.0
+
+
+def test_the_window_does_not_count_while_an_override_falls(channel_bench: Make, words: Any) -> None:
+    """From 10 to 1 mm/s within a second, back behind 0.2 mm: slower than W / tau for 300 ms.
+
+    The start distance of 2 mm counts again from the end of the fall; nothing is found in free air.
+    """
+    window = FixedStopSettings(window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
+    bench = channel_bench(words.axis("Z", source="FIXED_STOP", fixed_stop=window))
+    bench.channel.measurement.stop_may_be_missing = True
+    plc, turns = bench.channel.plc, iter(range(10**6))
+
+    def turn() -> None:
+        fallen = min(max(next(turns) - 500, 0), 1200)
+        plc.override_permille = 1000 - min(fallen, 1000) * 9 // 10 if fallen < 1200 else 1000
+
+    plc.take_turn = turn
+    bench.run([words.probe(1, 600.0, 7, Z=30.0), words.wait(2), words.end()])
+    assert bench.alarm_ids == []
+    assert bench.channel.records[0].latched_mm == {}
+    assert min(speeds_mm_s(bench, "Z")[1000:1600]) == 1.0

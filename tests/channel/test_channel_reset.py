@@ -1,0 +1,216 @@
+"""A PLC side that resets the channel and starts programs: what ends, what stays, what goes on."""
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import pytest
+
+from bench.bus.faults import Drop
+from kernel.channel import ChannelState
+from kernel.clock import MS
+from kernel.drives.ds402 import State
+from kernel.errors import Alarm
+from kernel.nc import canon
+from tests.channel.conftest import ChannelBench
+
+Make = Callable[..., ChannelBench]
+Acts = dict[int, Callable[[], None]]
+
+
+class Side:
+    """A PLC side that acts in given turns, counted from the start of the first program."""
+
+    def __init__(self, bench: ChannelBench, words: Any, acts: Acts) -> None:
+        self.bench, self.words, self.turn = bench, words, 0
+        self.acts = dict(acts)
+        plc = bench.channel.plc
+        plc.outlives_program = True
+        plc.is_idle = lambda: self.turn > max(self.acts, default=0) + 5
+        plc.take_turn = self.take_turn
+
+    def take_turn(self) -> None:
+        act = self.acts.get(self.turn)
+        self.turn += 1
+        if act is not None:
+            act()
+
+
+def reset(bench: ChannelBench) -> Callable[[], None]:
+    def act() -> None:
+        bench.channel.plc.wants_reset = True
+
+    return act
+
+
+def start(bench: ChannelBench, *commands: canon.Command) -> Callable[[], None]:
+    def act() -> None:
+        bench.channel.plc.program = iter(commands)
+
+    return act
+
+
+def dwell(number: int, ms: int) -> canon.Dwell:
+    return canon.Dwell(canon.Block(number, number * 10, f"N{number * 10}"), ms * MS)
+
+
+def begun(bench: ChannelBench) -> int:
+    """The sample of the first turn."""
+    return next(k for k, s in enumerate(bench.samples) if s.time_ns >= bench.channel.start_ns)
+
+
+def test_the_path_stops_with_its_deceleration_and_the_next_program_goes_on_from_there(
+    channel_bench: Make, words: Any
+) -> None:
+    """300 cycles of 50 mm/s: v t - v²/2a at the reset, v²/2a more until it stands: v t = 15 mm."""
+    bench = channel_bench(words.axis("Z"))
+    after = start(bench, words.move(1, 3000.0, Z=5.0), words.end())
+    Side(bench, words, {300: reset(bench), 450: after})
+    bench.run([words.move(1, 3000.0, Z=100.0), words.move(2, 3000.0, Z=0.0), words.end()])
+    z, first = bench.set_mm("Z"), begun(bench)
+    assert z[first + 440] == pytest.approx(15.0, abs=1e-9)
+    steps = [b - a for a, b in pairwise(z)]
+    assert max(abs(b - a) for a, b in pairwise(steps)) <= 1000 * 1e-6 + 1e-9
+    assert z[-1] == 5.0
+    assert bench.alarm_ids == []
+    assert len(bench.channel.resets_ns) == len(bench.channel.program_ends_ns) == 1
+    # set positions stand 50 cycles behind the turn that resets
+    assert bench.channel.resets_ns[0] - bench.samples[first + 300].time_ns == 50 * MS
+
+
+def in_dwell(words: Any) -> list[canon.Command]:
+    return [dwell(1, 5000)]
+
+
+def in_stop(words: Any) -> list[canon.Command]:
+    return [canon.ProgramStop(canon.Block(1, 10, "N10 M0"), False)]
+
+
+def in_function(words: Any) -> list[canon.Command]:
+    return [canon.TechnologyFunction(canon.Block(1, 10, "N10 M50"), "M", 50)]
+
+
+def at_the_end(words: Any) -> list[canon.Command]:
+    return []
+
+
+@pytest.mark.parametrize("waiting", [in_dwell, in_stop, in_function, at_the_end])
+def test_what_a_program_waits_for_ends_with_it(
+    channel_bench: Make, words: Any, waiting: Callable[[Any], list[canon.Command]]
+) -> None:
+    bench = channel_bench(words.axis("Z"))
+    bench.channel.plc.acknowledged_later = frozenset({"M50"})
+    bench.channel.pauses.start_after_ns = 5000 * MS
+    after = start(bench, words.move(1, 3000.0, Z=1.0), words.end())
+    Side(bench, words, {100: reset(bench), 110: after})
+    bench.run([*waiting(words), words.end()])
+    first = begun(bench)
+    assert bench.set_mm("Z")[first + 111] > 0.0
+    assert bench.final_mm("Z") == 1.0
+    assert bench.alarm_ids == []
+    assert all(event.time_ns <= bench.channel.end_ns for event in bench.channel.plc.events)
+
+
+def test_an_axis_beside_the_path_stops_by_itself(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z"))
+    beside = canon.IndependentMove(canon.Block(1, 10, "N10"), "Z", 50.0, feed_mm_min=3000.0)
+    after = start(bench, words.move(1, 3000.0, Z=0.0), words.end())
+    Side(bench, words, {200: reset(bench), 300: after})
+    wait = canon.WaitIndependent(canon.Block(2, 20, "N20"), ("Z",))
+    bench.run([beside, wait, words.end()])
+    assert bench.set_mm("Z")[begun(bench) + 290] == pytest.approx(10.0, abs=1e-9)
+    assert bench.final_mm("Z") == 0.0
+
+
+def test_a_run_ends_without_a_result_and_its_probe_is_off(channel_bench: Make, words: Any) -> None:
+    """At 50 mm/s from 40: 5 mm further the plane; the second run is armed anew and finds it."""
+    bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=30.0)
+    again = start(bench, words.probe(1, 600.0, Z=0.0), words.wait(2), words.end())
+    side = Side(bench, words, {100: reset(bench), 200: again})
+    asked: list[bool] = []
+    side.acts[190] = lambda: asked.append(bench.links[0].is_probing)
+    bench.run([words.probe(1, 600.0, Z=0.0), words.wait(2), words.end()])
+    first, second = bench.channel.records
+    assert first.end_ns == bench.samples[begun(bench) + 100].time_ns
+    assert (first.latched_mm, asked) == ({}, [False])
+    assert second.latched_mm["Z"] == pytest.approx(30.0, abs=1e-4)
+
+
+@pytest.mark.provokes(900290, 1, state="RUNNING")
+def test_a_start_is_refused_while_a_program_runs_and_behind_an_alarm(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z"))
+    program = words.move(1, 3000.0, Z=1.0), words.end()
+    stop = Alarm(900036, axis="Z", lag_mm="2", limit_mm="1")
+    acts = {
+        20: start(bench, *program),
+        60: lambda: bench.channel.plc.report(stop),
+        150: start(bench, *program),
+        160: reset(bench),
+        170: start(bench, *program),
+    }
+    Side(bench, words, acts)
+    bench.run([words.move(1, 600.0, Z=-100.0), words.end()])
+    assert bench.alarm_ids == [900290, 900036, 900290]
+    assert bench.final_mm("Z") == 1.0
+    assert [a.values.get("state") for a in bench.channel.alarms] == ["RUNNING", None, "ERROR"]
+
+
+@pytest.mark.parametrize("alarm_id", [900036, 900029])
+def test_axes_that_an_alarm_took_off_the_path_are_given_back_where_they_stand(
+    channel_bench: Make, words: Any, alarm_id: int
+) -> None:
+    """One brakes by its ramp, the other lets its drive stop by itself: neither moves by a reset."""
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    values = {"lag_mm": "2", "limit_mm": "1"} if alarm_id == 900036 else {"jump_mm": "1"}
+    stop = Alarm(alarm_id, axis="Z", **values)
+    link, stood = bench.links[1], []
+    after = start(bench, words.move(1, 3000.0, Y=3.0, Z=4.0), words.end())
+    acts = {200: lambda: bench.channel.plc.report(stop), 600: reset(bench), 700: after}
+    for turn in (590, 690):
+        acts[turn] = lambda: stood.append((link.actual_mm, link.lag_mm))
+    Side(bench, words, acts)
+    bench.run([words.move(1, 3000.0, Y=30.0, Z=40.0), words.end()])
+    (before_mm, _), (after_mm, lag_mm) = stood
+    assert after_mm == pytest.approx(before_mm, abs=1e-4)
+    assert lag_mm == pytest.approx(0.0, abs=1e-4)
+    assert (bench.final_mm("Y"), bench.final_mm("Z")) == (3.0, 4.0)
+    assert bench.alarm_ids == [alarm_id]
+    assert all(link.state is State.OPERATION_ENABLED for link in bench.links)
+
+
+def test_a_drive_that_stays_silent_does_not_keep_the_plc_side_from_its_turn(
+    channel_bench: Make, words: Any
+) -> None:
+    """Its telegrams stay out for good: the reset ends in the same alarm again, and the run ends."""
+    bench = channel_bench(words.axis("Z"))
+
+    def silence() -> None:
+        bench.segment.add_fault(lambda frame, *_: Drop() if frame.arbitration_id == 0x181 else None)
+
+    Side(bench, words, {50: silence, 200: reset(bench)})
+    bench.run([words.move(1, 600.0, Z=10.0), words.end()])
+    assert bench.alarm_ids == [900006, 900006]
+    assert bench.channel.state is ChannelState.ENDED
+
+
+def test_without_anything_behind_it_a_program_ends_the_run_in_its_cycle(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z"))
+    bench.run([words.end()])
+    assert bench.channel.end_ns == bench.channel.program_ends_ns[0] == bench.samples[-1].time_ns
+
+
+def test_no_program_finds_what_another_one_has_measured(channel_bench: Make, words: Any) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=40.0), plane_mm=35.0)
+    found: list[float | None] = []
+
+    def ask() -> None:
+        found.append(bench.channel.measured_acs_mm("Z"))
+
+    after = start(bench, dwell(1, 100), words.end())
+    Side(bench, words, {1990: ask, 2000: after, 2010: ask})
+    bench.run([words.probe(1, 600.0, Z=0.0), words.wait(2), words.end()])
+    assert found == [pytest.approx(35.0, abs=1e-4), None]
