@@ -1,7 +1,7 @@
 %DIST_5  ; FCT-M3 6: filter looked at in a dry run, controller, constant distance, another filter
 N10 Z[DIST_CTRL FILTER_TYPE=KALMAN_MA]
 N20 Z[DIST_CTRL N_CYCLES=30 KALMAN_SIGMA=1000]
-N30 Z[DIST_CTRL DRYRUN]
+N30 Z[DIST_CTRL DRYRUN SET_POS=30]  ; 0.4 mm off, so that an output would show
 N40 G04 0.5
 N50 Z[DIST_CTRL KP=0.3 I_TN=0 D_TV=0.01]
 N60 Z[DIST_CTRL ON CONST_DIST SET_DIST=1]

@@ -20,6 +20,7 @@ TAGS = {
     "hold", "objects", "set-dist", "default", "skew", "both", "surface", "pid", "filter",
 }  # fmt: skip
 STEP_MS = 60.5  # between two SYNCs
+AXIS_A = 1000.0  # P-AXIS-00008 while the list does not set it
 EXPECTED_DEAD = "check:distance_dead_cycles_expected"
 DEAD, LIMIT = "check:distance_dead_cycles", "check:distance_kp_limit"
 GROWTH, EXPECTED = "check:distance_growth", "check:distance_growth_expected"
@@ -233,7 +234,7 @@ def test_clamps_are_reached_and_never_passed(case: str) -> None:
     assert not told or told == f"{down:g} +- 0.000001"
     told = setup.row.get("check:offset_acceleration_mm_s2_max")
     if told:
-        a = setup.listed("a_max")
+        a = setup.listed("a_max") or AXIS_A
         if setup.listed("use_adaptive_acceleration"):
             low, high = (setup.listed(f"dist_error_a_{end}") * 1e-4 for end in ("min", "max"))
             share = (abs(setup.number("plant:gap.lift_mm")) - low) / (high - low)
@@ -313,11 +314,36 @@ def test_00417_counts_in_um_per_second(case: str, rate_um_s: float) -> None:
 
 @pytest.mark.parametrize("case", [name for name in ROWS if name.startswith(("touch", "tolerance"))])
 def test_range_of_the_sensor(case: str) -> None:
-    """s = -gap leaves [min + tolerance, max - tolerance] upwards."""
+    """s = -gap leaves [min + tolerance, max - tolerance] upwards; the limit itself is allowed."""
     setup = ROWS[case]
-    nearest = GAP - setup.number("plant:gap.lift_mm")
-    is_beyond = -nearest > (setup.listed("max_pos") - setup.listed("tolerance")) * 1e-4
+    nearest = round((GAP - setup.number("plant:gap.lift_mm")) / setup.increment)
+    highest = (setup.listed("max_pos") - setup.listed("tolerance")) * 1e-4
+    is_beyond = -nearest > round(highest / setup.increment)
     assert setup.row["check:alarms"] == ("== 70330" if is_beyond else "none")
+
+
+def test_rows_at_a_limit_itself() -> None:
+    """Of the tolerance and of max_deviation; an increment of the sensor beyond it is too much."""
+    at, beyond = ROWS["tolerance-at"], ROWS["tolerance-at-beyond"]
+    allowed = (at.listed("tolerance") - at.listed("max_pos")) * 1e-4
+    assert allowed == pytest.approx(GAP - at.number("plant:gap.lift_mm"), abs=1e-9)
+    more = beyond.number("plant:gap.lift_mm") - at.number("plant:gap.lift_mm")
+    assert more == pytest.approx(at.increment)
+    within = ROWS["deviation-within"]
+    assert within.listed("max_deviation") * 1e-4 == within.number("plant:gap.lift_mm")
+
+
+def test_a_filter_that_went_on_during_freeze_gives_the_whole_step() -> None:
+    """First step behind FREEZE: kp times what the surface has risen, in one cycle of T."""
+    setup = ROWS["freeze-filter"]
+    assert setup.number("plant:gap.lift_end_ms") + setup.count < 100 + 1e3 * setup.number(
+        "plc:V.E.TIME"
+    ), "the window is full of the new surface when control is switched on again"
+    speed = setup.kp * setup.number("plant:gap.lift_mm") / setup.T
+    assert setup.row["check:offset_speed_mm_s_max"] == f"{speed:g} +- 0.01"
+    assert setup.row["check:offset_acceleration_mm_s2_max"] == f"{speed / setup.T:g} +- 10"
+    assert setup.listed("v_max") * 1e-3 > speed
+    assert setup.listed("a_max") > speed / setup.T
 
 
 def test_what_is_checked_in_every_row() -> None:
