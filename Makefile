@@ -14,7 +14,7 @@ JOBS ?= 2
 .PHONY: demo test lint wheelhouse clean needs
 
 demo: $(STAMP)
-	@$(BIN)/axisrig demo -j $(JOBS)
+	@$(BIN)/axisrig demo --fresh -j $(JOBS)
 
 test: $(STAMP) lint
 	@$(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile tests testplans

@@ -18,6 +18,7 @@ import pyarrow.parquet as pq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from bench.files import write_whole
 from bench.plan.verdict import Verdict
 from bench.results.stored import StoredResults, StoredRun, read_results
 from bench.results.writer import BESIDES
@@ -37,7 +38,7 @@ _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 def build_report(results_dir: Path) -> Path:
     """Write `report.html` into a results folder and return its path.
 
-    Raises UserError when the folder is none.
+    Raises UserError when the folder is none, OSError with the name of the file.
     """
     results = read_results(results_dir)
     environment = Environment(
@@ -55,7 +56,7 @@ def build_report(results_dir: Path) -> Path:
         licence=_file("vendor/uplot/LICENSE"),
     )
     path = results_dir / "report.html"
-    path.write_text(page, encoding="utf-8", newline="\n")
+    write_whole(path, page)
     return path
 
 

@@ -1,73 +1,30 @@
 """The results folder: columns, order, bytes, interruption, JUnit."""
 
-import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from results_setup import TEXT, rows, run_case, write
 
 from bench.plan.checks import judge, parse_check
-from bench.plan.plan import Case, Plan, read_plan
+from bench.plan.plan import Plan, read_plan
 from bench.plan.verdict import Verdict
 from bench.results.stored import read_results
-from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest, no_values
+from bench.results.writer import CaseResult, ResultsWriter, no_values
 from bench.run.campaign import show_verdicts
 from kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
 
-TEXT = (
-    "case,program,rig,title,requirement,set:Z.edge,check:latch_error_um:Z,check:lag_mm_max:Z\n"
-    "a,probe.nc,machine.toml,first,REQ-1,NEG,<= 0.5,<= 2\n"
-    "b,probe.nc,machine.toml,second,,,-1 .. 1,\n"
-    "c,probe.nc,machine.toml,third,,POS,!= 3,\n"
-)
-
 
 @pytest.fixture
 def plan(write_plan: PlanWriter) -> Plan:
     return read_plan(write_plan(TEXT))
-
-
-def run_case(case: Case, error_um: float | None = 0.1) -> CaseResult:
-    values: dict[str, Any] = {"latch_error_um:Z": error_um, "lag_mm_max:Z": 1.7, "alarms": []}
-    checks = [judge(check, values[check.metric], 0.0, "why") for check in case.checks]
-    trace = pa.table(
-        {
-            "time_ns": np.arange(5, dtype=np.int64) * 1_000_000,
-            "Z.set_mm": np.linspace(0.0, 0.1, 5),
-            "probe.signal": np.array([0, 0, 1, 1, 1], dtype=np.int8),
-        }
-    )
-    return CaseResult(
-        case,
-        max(item.verdict for item in checks),
-        checks,
-        sim_s=0.005,
-        frame_log_sha256="ab" * 32,
-        trace=trace,
-        events=[Event(2_000_000, "latch", "latch", "Z"), Event(1_000_000, "edge", "edge", "Z")],
-        messages=["Z 67.0 \x00 <&>"],
-    )
-
-
-def write(folder: Path, plan: Plan, order: list[int], error_um: float | None = 0.1) -> Path:
-    manifest = build_manifest([plan], command=["axisrig"], started="then", output="out")
-    with ResultsWriter(folder, [plan], manifest) as writer:
-        for index in order:
-            writer.add(run_case(plan.cases[index], error_um))
-    return folder
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_the_columns_are_those_other_tools_build_on(plan: Plan, tmp_path: Path) -> None:
@@ -160,10 +117,10 @@ def test_defects_of_the_runner_are_loud(plan: Plan, tmp_path: Path) -> None:
         writer.add(bad)
 
 
-def test_only_results_folders_are_replaced(plan: Plan, tmp_path: Path) -> None:
+def test_only_results_folders_are_cleared(plan: Plan, tmp_path: Path) -> None:
     out = write(tmp_path / "out", plan, [0, 1, 2])
     (out / "notes.txt").write_text("mine", encoding="utf-8")
-    write(out, plan, [0])
+    write(out, plan, [0], is_fresh=True)
     assert (out / "notes.txt").read_text(encoding="utf-8") == "mine"
     assert [p.name for p in (out / "traces").iterdir()] == ["probing-a.parquet"]
     with pytest.raises(UserError, match="no results folder"):
