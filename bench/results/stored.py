@@ -130,12 +130,27 @@ def read_manifest(folder: Path) -> Mapping[str, Any]:
     plans = manifest.get("plans", [])
     if not isinstance(plans, list) or not all(_is_plan(plan) for plan in plans):
         raise _damaged(path, "plans is no list of plans with name, path and sha256")
+    earlier = manifest.get("earlier", [])
+    if not isinstance(earlier, list) or not all(_is_call(call) for call in (manifest, *earlier)):
+        raise _damaged(path, "earlier is no list of calls with their command and runs")
+    missing = manifest.get("missing", {})
+    if not isinstance(missing, dict) or not all(_is_texts(runs) for runs in missing.values()):
+        raise _damaged(path, "missing is no table of lists of runs")
     return manifest
 
 
 def _is_plan(plan: object) -> bool:
     keys = ("name", "path", "sha256")
     return isinstance(plan, dict) and all(isinstance(plan.get(key), str) for key in keys)
+
+
+def _is_call(call: object) -> bool:
+    keys = ("command", "runs")
+    return isinstance(call, dict) and all(_is_texts(call.get(key, [])) for key in keys)
+
+
+def _is_texts(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(item, str) for item in value)
 
 
 def is_results_folder(folder: Path) -> bool:
