@@ -277,8 +277,9 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     plan = read_plan(path).with_inputs(changes)
     for case in plan.cases:
         prepare(case)
-    names = "\n".join(f"  {_titled(case)}" for case in plan.cases)
-    return f"{path}: {len(plan.cases)} runs\n{names}"
+    lines = [f"  {_titled(case)}" for case in plan.cases]
+    lines += [f"note: {note}" for note in plan.notes]
+    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
 
 
 def _titled(case: Case) -> str:

@@ -3,7 +3,6 @@
 import errno
 import json
 import os
-import resource
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -397,6 +396,8 @@ def test_a_full_disk_leaves_what_was_finished(
     plan: Plan, tmp_path: Path, had_rows: bool, step: int
 ) -> None:
     """Here every file meets its end at so many bytes, in the middle of what is written."""
+    import resource  # noqa: PLC0415 - not on Windows
+
     codes = set()
     for limit in range(100, 3000, step):
         out, done = tmp_path / f"out{limit}", tmp_path / f"done{limit}"
