@@ -16,7 +16,7 @@ PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
 .PHONY: demo test test-rest test-all lint wheelhouse clean needs
 
 demo: $(STAMP)
-	@$(BIN)/axisrig demo -j $(JOBS)
+	@$(BIN)/axisrig demo --fresh -j $(JOBS)
 
 test: $(STAMP) lint
 	@$(PYTEST) --stage quick tests testplans

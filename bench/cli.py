@@ -30,6 +30,7 @@ from bench.options import (
     CallTimeoutOption,
     ChannelOption,
     ForceOption,
+    FreshOption,
     InterfaceOption,
     IsolateOption,
     SegmentOption,
@@ -119,13 +120,15 @@ def run(
         str,
         typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
     ] = "blf",
+    is_fresh: FreshOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
+    Results that the folder has of other runs of the plan stay.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
     from bench.bus.logs import log_kinds
-    from bench.run.campaign import run_campaign, show_verdicts
+    from bench.run.campaign import run_campaign, show_campaign
     from bench.run.outside import Outside
     from reports.build import build_report
 
@@ -145,14 +148,10 @@ def run(
             _hardware, may_move, _to_stderr, interface, channel, options, bitrate, segment
         ),
         bus_logs=log_kinds(bus_logs),
+        is_fresh=is_fresh,
+        build_report=build_report,
     )
-    report_path = build_report(campaign.folder)
-    if campaign.results:
-        show_verdicts(campaign.results)
-    if campaign.is_interrupted:
-        done = f"{len(campaign.results)} of {campaign.planned} runs"
-        print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
-    print(report_path)
+    show_campaign(campaign)
     raise typer.Exit(campaign.exit_code)
 
 
@@ -164,12 +163,13 @@ def demo(
     ),
     out: Annotated[Path, typer.Option("-o", "--out", help="Results folder.")] = Path("out/demo"),
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    is_fresh: FreshOption = False,
 ) -> None:
     """Build the FMUs, run every shipped plan, and say where the report lies."""
     from bench.run.campaign import plans_in
 
     build(None)
-    run(plans_in(folder), out, None, jobs, None)
+    run(plans_in(folder), out, None, jobs, None, is_fresh=is_fresh)
 
 
 @app.command()
@@ -362,8 +362,10 @@ def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
 ) -> None:
     """Write report.html again from a results folder."""
+    from bench.results.folder import recover
     from reports.build import build_report
 
+    recover(folder)
     print(build_report(folder))
 
 

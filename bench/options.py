@@ -9,6 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
+from bench.files import DISK_FULL, in_words
 from kernel.errors import UserError
 
 CALL_LIMIT_S = 60.0
@@ -36,6 +37,9 @@ AsCanopenOption = Annotated[
         "--as-canopen",
         help="Run drives of other types (P-AXIS-00020) on CANopen drives, and say so.",
     ),
+]
+FreshOption = Annotated[
+    bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
 ]
 IsolateOption = Annotated[
     bool,
@@ -95,19 +99,28 @@ def rejecting(command: Callable[..., None]) -> Callable[..., None]:
             if error.further[_ERRORS_TOLD:]:
                 more = len(error.further) - _ERRORS_TOLD
                 print(f"error: {more} further errors", file=sys.stderr)
-            raise typer.Exit(EXIT_REJECTED) from None
+            raise typer.Exit(_code_of(error)) from None
         except BrokenPipeError:
             # The reader has gone (`| head`); what follows must not complain a second time
             os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
             raise typer.Exit(EXIT_BROKEN_PIPE) from None
         except OSError as error:
-            print(f"error: {error.filename or command.__name__}: {error.strerror}", file=sys.stderr)
-            raise typer.Exit(EXIT_REJECTED) from None
+            print(f"error: {in_words(error, command.__name__)}", file=sys.stderr)
+            raise typer.Exit(_code_of(error)) from None
         except KeyboardInterrupt:
             print("interrupted", file=sys.stderr)
             raise typer.Exit(EXIT_INTERRUPTED) from None
 
     return guarded
+
+
+def _code_of(error: BaseException | None) -> int:
+    """Return the exit code of an error: a full disk interrupts, whatever was told of it."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in DISK_FULL:
+            return EXIT_INTERRUPTED
+        error = error.__cause__ or error.__context__
+    return EXIT_REJECTED
 
 
 def _show_version(is_asked: bool) -> None:

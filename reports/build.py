@@ -19,6 +19,7 @@ import pyarrow.parquet as pq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from bench.files import write_whole
 from bench.plan.verdict import Verdict
 from bench.results.stored import StoredResults, StoredRun, read_results
 from bench.results.writer import BESIDES
@@ -38,7 +39,7 @@ _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 def build_report(results_dir: Path) -> Path:
     """Write `report.html` into a results folder and return its path.
 
-    Raises UserError when the folder is none.
+    Raises UserError when the folder is none, OSError with the name of the file.
     """
     results = read_results(results_dir)
     environment = Environment(
@@ -56,7 +57,7 @@ def build_report(results_dir: Path) -> Path:
         licence=_file("vendor/uplot/LICENSE"),
     )
     path = results_dir / "report.html"
-    path.write_text(page, encoding="utf-8", newline="\n")
+    write_whole(path, page)
     return path
 
 
@@ -70,7 +71,7 @@ def _page(results: StoredResults) -> dict[str, Any]:
     output = str(manifest.get("output", results.folder.name))
     runs = [_run(run, results.input_columns, output) for run in results.runs]
     counts = [
-        (_verdict(verdict), sum(run.verdict == verdict for run in results.runs))
+        (_verdict(verdict), sum(run.verdict == verdict for run in results.planned))
         for verdict in Verdict
     ]
     return {
@@ -78,7 +79,8 @@ def _page(results: StoredResults) -> dict[str, Any]:
         "verdict": _verdict(results.verdict),
         "counts": counts,
         "missing": results.missing,
-        "planned": manifest.get("runs_planned", len(runs)),
+        "done": len(results.planned),
+        "planned": results.runs_planned,
         "facts": _facts(results),
         "files": _files(manifest),
         "packages": manifest.get("packages", {}),
@@ -105,23 +107,34 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
         "simulated": _time_of([run for run in runs if not run.info.get("real_time")]),
         "on a real bus": _time_of([run for run in runs if run.info.get("real_time")]),
         "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
+        "of earlier calls": "; ".join(_earlier(manifest)),
     }
     return [(name, str(value)) for name, value in facts.items() if value]
 
 
 def _substituted(runs: Sequence[StoredRun]) -> list[str]:
     """What drives stood for that the lists do not name, and in how many runs."""
-    told = Counter(
-        run.case.get("drive_substituted") for run in runs if run.case.get("drive_substituted")
-    )
-    return [f"{text} ({count} run{'s' if count > 1 else ''})" for text, count in told.items()]
+    found = [run.case.get("drive_substituted", "") for run in runs]
+    told = Counter(text for text in found if text)
+    return [f"{text} ({_runs(count)})" for text, count in told.items()]
+
+
+def _earlier(manifest: Mapping[str, Any]) -> Iterator[str]:
+    """Calls before the last one whose results are still in the folder."""
+    for call in manifest.get("earlier", []):
+        command = shlex.join(call.get("command", []))
+        yield f"{_runs(len(call['runs']))} of {call.get('started', '')} {command}".rstrip()
+
+
+def _runs(count: int) -> str:
+    return f"{count} run{'s' if count > 1 else ''}"
 
 
 def _time_of(runs: list[StoredRun]) -> str:
     if not runs:
         return ""
     total_s = sum(float(run.case["sim_s"]) for run in runs)
-    return f"{total_s:.3f} s in {len(runs)} run{'s' if len(runs) > 1 else ''}"
+    return f"{total_s:.3f} s in {_runs(len(runs))}"
 
 
 def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -147,6 +160,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "id": run.run,
         "case": run.run.removeprefix(f"{case['plan']}-"),
         "verdict": _verdict(run.verdict),
+        "is_in_plan": run.is_in_plan,
         "title": case.get("title", ""),
         "about": [
             *((n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)),

@@ -12,12 +12,14 @@ BLF and ASC number the segments as channels, candump names them, pcap has a file
 
 import struct
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
+from typing import Any, Protocol
 
 import can
 
 from bench.bus.frame import Frame
+from bench.files import named, naming
 from kernel.clock import S, TimeNs
 from kernel.errors import UserError
 
@@ -38,7 +40,7 @@ class BusLog(Protocol):
     """A log file: `segment.observe(log)`, then `stop()`."""
 
     def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
-        """Write one frame."""
+        """Write one frame. Raises OSError with the name of the file."""
         ...
 
     def stop(self) -> None:
@@ -54,11 +56,11 @@ def open_log(path: Path, segments: Sequence[str]) -> BusLog:
     suffix = path.suffix.lower()
     channels = {name: number for number, name in enumerate(segments)}
     if suffix == LOG_SUFFIXES["blf"]:
-        return MessageLog(blf_writer(path), channels)
+        return MessageLog(blf_writer(path), channels, path)
     if suffix == LOG_SUFFIXES["candump"]:
-        return MessageLog(can.CanutilsLogWriter(path), {name: name for name in segments})
+        return MessageLog(can.CanutilsLogWriter(path), {name: name for name in segments}, path)
     if suffix == LOG_SUFFIXES["asc"]:
-        return MessageLog(asc_writer(path), channels)
+        return MessageLog(asc_writer(path), channels, path)
     if suffix == LOG_SUFFIXES["pcap"]:
         return PcapLog(path, segments)
     raise UserError("no kind of bus log", value=path.name, allowed=list(LOG_SUFFIXES.values()))
@@ -102,10 +104,12 @@ class MessageLog:
 
     def __init__(
         self,
-        writer: can.io.generic.MessageWriter,
+        writer: can.io.generic.FileIOMessageWriter[Any],
         channels: Mapping[str, int | str],
+        path: Path,
     ) -> None:
-        """channels: what the writer is to call each segment."""
+        """channels: what the writer is to call each segment. path: of its file."""
+        self._path = path
         self._writer = writer
         self._channels = channels
         self._message = can.Message()
@@ -118,11 +122,19 @@ class MessageLog:
         message.arbitration_id, message.data = frame.arbitration_id, frame.data  # type: ignore[assignment]
         message.is_extended_id, message.is_remote_frame = frame[2], frame[3]
         message.dlc, message.is_error_frame = frame.dlc, is_error
-        self._writer.on_message_received(message)
+        try:
+            self._writer.on_message_received(message)
+        except OSError as error:
+            raise named(error, self._path) from None
 
     def stop(self) -> None:
         """Write what is left and close the file."""
-        self._writer.stop()
+        try:
+            self._writer.stop()
+        except OSError as error:
+            with suppress(OSError):  # else what could not be written is tried once more at the end
+                self._writer.file.close()
+            raise named(error, self._path) from None
 
 
 class PcapLog:
@@ -156,9 +168,14 @@ class PcapLog:
         if frame.is_remote_frame:
             can_id |= REMOTE_FLAG
         record = self._RECORD.pack(seconds, rest_ns, SNAP_BYTES, SNAP_BYTES)
-        self._files[segment].write(record + self._FRAME.pack(can_id, dlc, data))
+        file = self._files[segment]
+        try:
+            file.write(record + self._FRAME.pack(can_id, dlc, data))
+        except OSError as error:
+            raise named(error, Path(file.name)) from None
 
     def stop(self) -> None:
         """Close the files."""
         for file in self._files.values():
-            file.close()
+            with naming(Path(file.name)):
+                file.close()

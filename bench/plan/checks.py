@@ -11,7 +11,7 @@ from importlib import resources
 from numbers import Real
 
 from bench.plan.verdict import Verdict
-from kernel.errors import UserError, nearest, same_cause
+from kernel.errors import UserError, catalogue, nearest, same_cause
 
 Value = float | int | str | Sequence[int] | None
 """What a metric can be: a number, a text, the IDs of alarms in order, or None when missing."""
@@ -196,7 +196,7 @@ def parse_condition(text: str, type_: str = "any") -> Condition:
     """Read the condition of a cell for a metric of `type_` (see `Metric.type`).
 
     "any" takes an operand that reads as a number for a number, else for a text.
-    Raises UserError for anything else than `CONDITION_FORMS`.
+    Raises UserError for anything else than `CONDITION_FORMS`, and for alarm IDs that do not exist.
     """
     stripped = text.strip()
     if type_ == "alarms":
@@ -255,15 +255,31 @@ def _alarm_condition(text: str) -> Condition:
     `one of`: at least one alarm came up, or none where that word is among them, and no other.
     """
     if match := re.fullmatch(r"one of\s+((?:(?:none|\d+)\s*\b)+)", text):
-        return Condition(text, "one_of", expected=tuple(match[1].split()))
+        words = tuple(match[1].split())
+        _known_ids(word for word in words if word != "none")
+        return Condition(text, "one_of", expected=words)
     match = re.fullmatch(r"(==|!=|contains\b)?\s*(.*)", text, re.DOTALL)
     assert match is not None
     operator, operand = match[1] or "==", match[2]
     ids = () if operand in {"", "none"} else tuple(operand.split())
     if not all(item.isdecimal() for item in ids) or (operator == "contains" and not ids):
         raise _bad_condition(text)
+    _known_ids(ids)
     kind = {"==": "alarms", "!=": "not_alarms", "contains": "contains"}[operator]
     return Condition(text, kind, expected=ids)
+
+
+def _known_ids(ids: Iterable[str]) -> None:
+    """Raise UserError for an ID that no alarm has: `!=` would hold for ever."""
+    known = {str(alarm_id) for alarm_id in catalogue()}
+    for word in ids:
+        if word.lstrip("0") not in known:
+            raise UserError(
+                "no alarm has this ID",
+                value=word,
+                allowed=nearest(word, known) or None,
+                hint="`axisrig errors` lists them all",
+            )
 
 
 def _bad_condition(text: str) -> UserError:

@@ -97,13 +97,14 @@ class Plan:
     """A checked plan.
 
     name: the stem of the file. columns: headers in the order of the file.
-    cases: one per run, in the order of the rows, repeats expanded.
+    cases: one per run, in the order of the rows, repeats expanded. notes: what is not read.
     """
 
     name: str
     path: Path
     columns: tuple[str, ...]
     cases: tuple[Case, ...]
+    notes: tuple[str, ...] = ()
 
     def with_inputs(self, assignments: Sequence[Assignment]) -> "Plan":
         """Set inputs of every case, over what the cells say (`--set` of the command line)."""
@@ -144,7 +145,7 @@ def read_plan(path: Path) -> Plan:
                     f"the case makes the same run as line {first}", row, "case", value=case.run
                 )
             cases.append(case)
-    return Plan(path.stem, path, tuple(table.columns), tuple(cases))
+    return Plan(path.stem, path, tuple(table.columns), tuple(cases), tuple(table.notes))
 
 
 def _check_columns(table: Table) -> dict[str, ColumnForm]:

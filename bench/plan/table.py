@@ -10,9 +10,12 @@ from pathlib import Path
 
 import pandas as pd
 
+from bench.plan.workbook import look_through
 from kernel.errors import UserError
 
 SUFFIXES = (".csv", ".xlsx", ".ods")
+CASE_COLUMN = "case"
+"""A column that every plan has: a sheet with it is a plan."""
 
 
 @dataclass(frozen=True)
@@ -25,12 +28,13 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table as text; rows without any content are left out."""
+    """A table as text; rows without any content are left out. notes: what is not read."""
 
     path: Path
     header_line: int
     columns: Sequence[str]
     rows: Sequence[Row]
+    notes: Sequence[str] = ()
 
     @cached_property
     def numbers(self) -> Mapping[str, int]:
@@ -82,13 +86,20 @@ class Table:
 def read_table(path: Path) -> Table:
     """Read a CSV (UTF-8, comma or semicolon), or the first sheet of an XLSX or ODS file.
 
-    Raises UserError when there is no such file, or it is no table with a header.
+    Raises UserError when there is no such file, it is no table with a header, a cell of it has no
+    value, or a further sheet looks like a table that should have been read.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise UserError("not a table", file=path, value=path.suffix, allowed=SUFFIXES)
     if not path.is_file():
         raise UserError("there is no such file", file=path)
-    grid = _read_csv(path) if path.suffix.lower() == ".csv" else _read_sheet(path)
+    notes: list[str] = []
+    if path.suffix.lower() == ".csv":
+        grid = _read_csv(path)
+    else:
+        sheets = _read_sheets(path)
+        grid = sheets.pop(next(iter(sheets)))
+        notes = _further_sheets(path, sheets)
     lines = _lines(grid)
     filled = [(line, cells) for line, cells in zip(lines, grid, strict=True) if any(cells)]
     if not filled:
@@ -109,7 +120,7 @@ def read_table(path: Path) -> Table:
                 line=line,
                 column=len(header) + 1,
             )
-    return Table(path, header_line, header, rows)
+    return Table(path, header_line, header, rows, notes)
 
 
 def _lines(grid: Sequence[Sequence[str]]) -> list[int]:
@@ -168,16 +179,37 @@ def _separator(text: str) -> str:
     return max(counts, key=lambda sep: counts[sep])
 
 
-def _read_sheet(path: Path) -> list[list[str]]:
+def _read_sheets(path: Path) -> dict[str, list[list[str]]]:
+    """Read the cells of every sheet, by its name; the first one comes first."""
+    look_through(path)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            frame = pd.read_excel(
-                path, header=None, dtype=str, keep_default_na=False, engine="calamine"
+            frames = pd.read_excel(
+                path,
+                sheet_name=None,
+                header=None,
+                dtype=str,
+                keep_default_na=False,
+                engine="calamine",
             )
     except Exception as error:  # calamine raises a class of its own for each kind of damage
         raise UserError("the workbook cannot be read", file=path, hint=str(error)) from None
-    return _grid(frame)
+    return {name: _grid(frame) for name, frame in frames.items()}
+
+
+def _further_sheets(path: Path, sheets: Mapping[str, list[list[str]]]) -> list[str]:
+    """Say which sheets are not read. Raises UserError for one that has cases as well."""
+    for name, grid in sheets.items():
+        header = next((cells for cells in grid if any(cells)), [])
+        if CASE_COLUMN in (cell.lower() for cell in header):
+            raise UserError(
+                f"a further sheet has a column {CASE_COLUMN!r}; only the first one is read",
+                file=path,
+                value=name,
+                hint="move its rows to the first sheet, or make it a plan of its own",
+            )
+    return [f"the sheet {name!r} is not read" for name in sheets]
 
 
 def _grid(frame: pd.DataFrame) -> list[list[str]]:

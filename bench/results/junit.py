@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
+from bench.files import write_whole
 from bench.plan.verdict import Verdict
 from bench.results.stored import StoredRun, read_results
 
@@ -27,20 +28,22 @@ def write_junit(folder: Path) -> Path:
         _add_suite(root, plan, [run for run in results.runs if run.case["plan"] == plan])
     ElementTree.indent(root, " ")
     path = folder / "junit.xml"
-    ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)
+    text = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True).decode()
+    write_whole(path, text)
     return path
 
 
 def _add_suite(root: ElementTree.Element, plan: str, runs: list[StoredRun]) -> None:
-    failed = sum(run.verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE) for run in runs)
+    planned = [run for run in runs if run.is_in_plan]
+    failed = sum(run.verdict in (Verdict.FAIL, Verdict.INCONCLUSIVE) for run in planned)
     suite = ElementTree.SubElement(
         root,
         "testsuite",
         name=plan,
         tests=str(len(runs)),
         failures=str(failed),
-        errors=str(sum(run.verdict >= Verdict.ABORTED for run in runs)),
-        skipped="0",
+        errors=str(sum(run.verdict >= Verdict.ABORTED for run in planned)),
+        skipped=str(len(runs) - len(planned)),
         time=repr(sum(float(run.case["sim_s"]) for run in runs)),
     )
     for run in runs:
@@ -70,6 +73,9 @@ def _add_case(suite: ElementTree.Element, run: StoredRun) -> None:
 
 def _add_outcome(case: ElementTree.Element, run: StoredRun) -> None:
     """Inconclusive counts as a failure: a CI server knows nothing between the two."""
+    if not run.is_in_plan:
+        ElementTree.SubElement(case, "skipped", message="no longer in the plan")
+        return
     if run.verdict <= Verdict.MARGINAL:
         return
     tag = "error" if run.verdict >= Verdict.ABORTED else "failure"

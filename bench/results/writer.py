@@ -8,18 +8,16 @@
     bus/<run>.blf          every frame; or .log, .asc, .pcap
     junit.xml, manifest.json, report.html
 
-Rows are appended as runs end, in whatever order that is, and put into plan order by `close`.
+Rows are appended as runs end, in whatever order that is, and put into plan order by `close`. A run
+that the folder has from an earlier call keeps its results until it has ended again.
 Equal runs give equal bytes, except for `wall_s` and the manifest.
 """
 
-import csv
-import glob
-import hashlib
-import json
+import os
 import platform
 import re
-import shutil
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import asdict, dataclass, field
 from importlib import metadata
 from pathlib import Path
@@ -29,21 +27,19 @@ from typing import Any, Self
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-from bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
+from bench.bus.logs import LOG_SUFFIXES
+from bench.files import json_text, naming, sha256_of, write_whole
 from bench.plan.checks import CheckResult, value_text
 from bench.plan.plan import Case, Plan
 from bench.plan.verdict import Verdict, worst
+from bench.results.folder import ResultsFolder, clear, refuse_foreign
+from bench.results.history import History, refuse_other_plans
 from bench.results.junit import write_junit
-from bench.results.stored import (
-    CASE_COLUMNS,
-    LATER_COLUMNS,
-    RESULT_COLUMNS,
-    is_results_folder,
-)
+from bench.results.lock import FolderLock
+from bench.results.stored import CASE_COLUMNS, IN_PLAN, LATER_COLUMNS, RESULT_COLUMNS
+from bench.rig.sources import rig_files
 from kernel.errors import UserError
 
-_FOLDERS = ("traces", "runs", "bus")
-_FILES = ("results.csv", "cases.csv", "junit.xml", "report.html", "manifest.json")
 _NOT_CARRIED = frozenset({"case", "seed", "repeats"})
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
@@ -112,6 +108,16 @@ def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0)
     return CaseResult(case, verdict, checks, wall_s=wall_s, error=reason)
 
 
+def refuse_folder(folder: Path, plans: Sequence[Plan], *, is_fresh: bool) -> None:
+    """Raise UserError where results of these plans cannot go into a folder; writes nothing.
+
+    is_fresh: results of other plans are no hindrance.
+    """
+    refuse_foreign(folder)
+    if not is_fresh:
+        refuse_other_plans(folder, plans)
+
+
 class ResultsWriter:
     """Writes a results folder; a context manager that closes it however the campaign ends."""
 
@@ -121,29 +127,44 @@ class ResultsWriter:
         plans: Sequence[Plan],
         manifest: Mapping[str, object],
         bus_logs: Sequence[str] = ("blf",),
+        *,
+        runs: Collection[str] | None = None,
+        is_fresh: bool = False,
+        is_held: bool = False,
     ) -> None:
-        """Open `folder` for the runs of `plans`; an older results folder is replaced.
+        """Open `folder` for runs of `plans`; other results of theirs that it has stay.
 
-        manifest: see `build_manifest`. bus_logs: kinds of `bench.bus.logs`.
-        Raises UserError when the folder holds anything that is not a results folder.
+        manifest: see `build_manifest`. bus_logs: kinds of `bench.bus.logs`. runs: ids of those
+        that this call is to run, None = all. is_fresh: what lies there is removed first.
+        is_held: the caller holds the folder (`FolderLock`).
+        Raises UserError when the folder is in use, or holds results of another plan, damaged ones,
+        or anything that is no results folder.
         """
         self.folder = folder
         self._bus_logs = list(bus_logs)
-        self._order = {case.run: i for i, case in enumerate(_cases(plans))}
-        if len(self._order) != sum(len(plan.cases) for plan in plans):
+        ids = [case.run for case in _cases(plans)]
+        if len(set(ids)) != len(ids):
             raise UserError("two plans of one campaign have the same name", file=folder)
-        self._carried = list(
-            dict.fromkeys(c for plan in plans for c in plan.columns if _is_carried(c))
-        )
+        self._runs = {run for run in ids if runs is None or run in runs}
+        self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
         self._written: set[str] = set()
-        self._substituted: dict[str, str] = {}
-        self._manifest = dict(manifest)
-        _clear(folder)
-        for name in _FOLDERS:
-            (folder / name).mkdir(parents=True)
-        self._write_manifest()
-        self._append("results.csv", [RESULT_COLUMNS])
-        self._append("cases.csv", [[*CASE_COLUMNS, *LATER_COLUMNS, *self._carried]])
+        refuse_folder(folder, plans, is_fresh=is_fresh)
+        with ExitStack() as held:
+            if not is_held:
+                held.enter_context(FolderLock(folder))
+            refuse_folder(folder, plans, is_fresh=is_fresh)
+            if is_fresh:
+                clear(folder)
+            self._history = History(folder, plans, manifest, self._runs)
+            self._rows = ResultsFolder(folder)
+            if not (folder / "manifest.json").exists():
+                self._write_manifest()  # a folder without one is somebody else's
+            self._rows.open()
+            self._history.found(self._rows.cases)
+            self._write_manifest()
+            self._rows.drop_files(self._history.asked)
+            self._arrange()
+            self._held = held.pop_all()
 
     def __enter__(self) -> Self:
         return self
@@ -154,21 +175,23 @@ class ResultsWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        self.close()
+        # A full disk is told once, with the file that met it first
+        with suppress(OSError) if isinstance(error, OSError) else ExitStack():
+            self.close()
 
     def bus_paths(self, run: str) -> list[Path]:
-        """Return where the bus logs of a run belong."""
-        return [self.folder / "bus" / f"{run}{LOG_SUFFIXES[kind]}" for kind in self._bus_logs]
+        """Return where the bus logs of a run are to be written."""
+        return [self._rows.path_of("bus", run, LOG_SUFFIXES[kind]) for kind in self._bus_logs]
 
     def add(self, result: CaseResult) -> None:
         """Write one run. A check without a result becomes `error`; the worst verdict wins.
 
-        Raises ValueError for a run that is not in the plans or was written before: a defect.
+        Raises OSError with the name of the file that cannot be written, ValueError for a run that
+        is not in the plans or was written before: a defect.
         """
         case = result.case
-        if case.run not in self._order or case.run in self._written:
+        if case.run not in self._runs or case.run in self._written:
             raise ValueError(f"run {case.run!r} is unknown or was written before")
-        self._written.add(case.run)
         judged = {item.check.metric: item for item in result.checks}
         checks = [
             judged.get(check.metric)
@@ -177,31 +200,44 @@ class ResultsWriter:
         ]
         verdict = worst([result.verdict, *(item.verdict for item in checks)])
         if result.trace is not None:
-            write_trace(result.trace, self.folder / "traces" / f"{case.run}.parquet")
-        _write_json(self.folder / "runs" / f"{case.run}.json", _run_info(result, checks))
-        # The rows come last: a row in cases.csv says that everything else of the run is there.
-        self._append("results.csv", [_check_row(case, item) for item in checks])
-        self._append("cases.csv", [self._case_row(result, verdict)])
-        if result.drive_substituted:
-            self._substituted[case.run] = result.drive_substituted
+            write_trace(result.trace, self._rows.path_of("traces", case.run, ".parquet"))
+        path = self._rows.path_of("runs", case.run, ".json")
+        with naming(path):
+            path.write_text(json_text(_run_info(result, checks)), encoding="utf-8", newline="")
+        rows = [dict(zip(RESULT_COLUMNS, _check_row(case, item), strict=True)) for item in checks]
+        self._rows.put(case.run, self._case_row(result, verdict), rows)
+        self._written.add(case.run)
+        if self._history.replaced(case.run):
+            self._write_manifest()
 
     def close(self) -> None:
         """Put the rows into plan order, write junit.xml, and finish the manifest.
 
         Bus logs of runs that were broken off go: a file here belongs to a row.
         """
-        for run in self._order.keys() - self._written:
-            for path in self.bus_paths(run):
-                for file in (path, *path.parent.glob(glob.escape(f"{run}{SEGMENT_MARK}") + "*")):
-                    file.unlink(missing_ok=True)
-        for name in ("results.csv", "cases.csv"):
-            self._sort(name)
-        write_junit(self.folder)
-        self._write_manifest()
+        with self._held:
+            self._rows.close()
+            self._rows.drop_files(self._runs)
+            self._arrange()
+            write_junit(self.folder)
+            self._write_manifest()
 
-    def _case_row(self, result: CaseResult, verdict: Verdict) -> list[str]:
+    def _arrange(self) -> None:
+        """Mark the rows that their plan has no more, and put columns and rows into order."""
+        cases, history = self._rows.cases, self._history
+        for run, row in cases.items():
+            is_in_plan = history.is_in_plan(run, row["plan"], row.get(IN_PLAN, ""))
+            cases[run] = {**row, IN_PLAN: "" if is_in_plan else "no"}
+        known = self._rows.columns
+        used = [column for column in known if any(row.get(column) for row in cases.values())]
+        inputs = [*([] if history.is_whole else known), *self._carried, *used]
+        self._rows.columns = list(dict.fromkeys([*LATER_COLUMNS, *inputs]))
+        self._rows.sort(lambda run: history.place(cases[run]))
+        self._rows.write_rows()
+
+    def _case_row(self, result: CaseResult, verdict: Verdict) -> dict[str, str]:
         case = result.case
-        own = {
+        inputs = {
             "program": _as_written(case, case.program),
             "rig": _as_written(case, case.rig),
             "title": case.title,
@@ -209,7 +245,7 @@ class ResultsWriter:
             "requirement": case.requirement,
             **case.inputs,
         }
-        return [
+        own = [
             case.plan,
             case.case,
             case.run,
@@ -219,33 +255,19 @@ class ResultsWriter:
             str(case.seed),
             value_text(result.alarms),
             result.frame_log_sha256,
-            result.drive_substituted,
-            " ".join(result.unproved_latches),
-            *(own.get(column, "") for column in self._carried),
         ]
-
-    def _append(self, name: str, rows: Iterable[Sequence[str]]) -> None:
-        with (self.folder / name).open("a", encoding="utf-8", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows(rows)
-
-    def _sort(self, name: str) -> None:
-        path = self.folder / name
-        with path.open(encoding="utf-8", newline="") as file:
-            header, *rows = csv.reader(file)
-        run = header.index("run")
-        rows.sort(key=lambda row: self._order[row[run]])
-        beside = path.with_suffix(".tmp")
-        with beside.open("w", encoding="utf-8", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([header, *rows])
-        beside.replace(path)
+        carried = {column: inputs.get(column, "") for column in self._carried}
+        later = [result.drive_substituted, " ".join(result.unproved_latches)]
+        known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
+        return dict(known) | carried
 
     def _write_manifest(self) -> None:
-        state = {
-            "runs_planned": len(self._order),
-            "finished": len(self._written) == len(self._order),
-            "drive_substituted": self._substituted,
-        }
-        _write_json(self.folder / "manifest.json", {**self._manifest, **state})
+        cases = self._rows.cases
+        found = {run: row.get("drive_substituted", "") for run, row in cases.items()}
+        substituted = {run: text for run, text in found.items() if text}
+        manifest = self._history.manifest(cases, self._written)
+        manifest |= {"drive_substituted": substituted}
+        write_whole(self.folder / "manifest.json", json_text(manifest))
 
 
 def build_manifest(
@@ -262,11 +284,7 @@ def build_manifest(
     below it reads a clock. output: the results folder as the user named it.
     extra: more entries, e.g. the hashes of the FMUs.
     """
-    files = {
-        _as_written(case, path): _sha256(path)
-        for case in _cases(plans)
-        for path in (case.program, *_started(case), case.rig)
-    }
+
     return {
         "axisrig": _version("axisrig"),
         "started": started,
@@ -277,10 +295,10 @@ def build_manifest(
         "machine": platform.machine(),
         "packages": {name: _version(name) for name in _PACKAGES},
         "plans": [
-            {"name": p.name, "path": str(p.path), "sha256": _sha256(p.path), "runs": len(p.cases)}
+            {"name": p.name, "path": str(p.path), "sha256": sha256_of(p.path), "runs": len(p.cases)}
             for p in plans
         ],
-        "files": files,
+        "files": _hashes(_cases(plans)),
         **(extra or {}),
     }
 
@@ -288,19 +306,21 @@ def build_manifest(
 def write_trace(trace: pa.Table, path: Path) -> None:
     """Write signals as Parquet: zstd, floats split into byte streams, time as differences.
 
-    Raises ValueError when there is no int64 column `time_ns`: a defect.
+    Raises OSError with the name of the file, ValueError when there is no int64 column `time_ns`:
+    a defect.
     """
     if "time_ns" not in trace.column_names or trace.schema.field("time_ns").type != pa.int64():
         raise ValueError("a trace needs an int64 column time_ns")
     floats = [item.name for item in trace.schema if pa.types.is_floating(item.type)]
-    pq.write_table(
-        trace,
-        path,
-        compression="zstd",
-        use_dictionary=False,
-        use_byte_stream_split=floats,
-        column_encoding={"time_ns": "DELTA_BINARY_PACKED"},
-    )
+    with naming(path):
+        pq.write_table(
+            trace,
+            path,
+            compression="zstd",
+            use_dictionary=False,
+            use_byte_stream_split=floats,
+            column_encoding={"time_ns": "DELTA_BINARY_PACKED"},
+        )
 
 
 def _cases(plans: Sequence[Plan]) -> list[Case]:
@@ -311,6 +331,25 @@ def _started(case: Case) -> list[Path]:
     """Programs that the PLC side of a case starts beside its own."""
     files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
     return [case.program.parent / file for file in files]
+
+
+def _hashes(cases: Sequence[Case]) -> dict[str, str]:
+    """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
+    files = {
+        (_as_written(case, path), path)
+        for case in cases
+        for path in (case.program, *_started(case), case.rig)
+    }
+    for folder, rig in {(case.file.parent, case.rig) for case in cases}:
+        files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
+    return {name: sha256_of(path) for name, path in sorted(files)}
+
+
+def _from_folder(path: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(path, folder.resolve())).as_posix()
+    except ValueError:  # on another drive of Windows
+        return path.as_posix()
 
 
 def _is_carried(column: str) -> bool:
@@ -371,33 +410,6 @@ def _limits(item: CheckResult) -> list[dict[str, object]]:
         {"plot": check.definition.plot, "axis": check.axis, "value": v, "label": check.metric}
         for v in dict.fromkeys(limits)
     ]
-
-
-def _write_json(path: Path, content: Mapping[str, object]) -> None:
-    text = json.dumps(content, indent=1, ensure_ascii=False, sort_keys=True)
-    path.write_text(text + "\n", encoding="utf-8", newline="\n")
-
-
-def _clear(folder: Path) -> None:
-    """Remove an older results folder; refuse to touch any other folder with content."""
-    if not folder.exists():
-        return
-    if not folder.is_dir():
-        raise UserError("the output is not a folder", file=folder)
-    if any(folder.iterdir()) and not is_results_folder(folder):
-        raise UserError(
-            "the folder holds something that is no results folder",
-            file=folder,
-            hint="name an empty or a new folder",
-        )
-    for name in _FILES:
-        (folder / name).unlink(missing_ok=True)
-    for name in _FOLDERS:
-        shutil.rmtree(folder / name, ignore_errors=True)
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _version(package: str) -> str | None:

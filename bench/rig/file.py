@@ -291,7 +291,11 @@ def _read_toml(path: Path) -> dict[str, Any]:
         ) from error
 
 
-def _load(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], list[Path]]:
+LIST_KEYS, MAP_KEYS = ("list", "zero_offsets", "tools"), ("eds", "pdo_map")
+"""Keys of channel and axes, and of drives, that name a file."""
+
+
+def load_tables(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], list[Path]]:
     """Return the merged tables and the files they came from, nearest first.
 
     Paths of lists and FMUs are made absolute, relative to the file that names them.
@@ -305,14 +309,14 @@ def _load(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], lis
         return table, [path]
     if not isinstance(base, str):
         raise UserError("`base` must be the path of a rig file", file=path, value=base)
-    below, files = _load((path.parent / base).resolve(), (*above, path))
+    below, files = load_tables((path.parent / base).resolve(), (*above, path))
     return _merge(below, table), [path, *files]
 
 
 def _anchor_paths(table: dict[str, Any], folder: Path) -> None:
     lists = [table.get("channel"), *_tables(table.get("axis"))]
-    _anchor(folder, lists, ("list", "zero_offsets", "tools"))
-    _anchor(folder, _tables(table.get("drive")), ("eds", "pdo_map"))
+    _anchor(folder, lists, LIST_KEYS)
+    _anchor(folder, _tables(table.get("drive")), MAP_KEYS)
     for entry in _tables(table.get("plant")):
         if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith(".fmu"):
             entry["fmu"] = str((folder / entry["fmu"]).resolve())
@@ -374,7 +378,7 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
 
     Raises UserError with file, line and key for anything that is not a rig.
     """
-    table, files = _load(path.resolve())
+    table, files = load_tables(path.resolve())
     try:
         return RigFile.model_validate(table), files
     except ValidationError as error:

@@ -1,7 +1,8 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
-from collections.abc import Mapping, Sequence
-from contextlib import nullcontext, suppress
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import fill
@@ -11,6 +12,7 @@ from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
+from bench.files import in_words
 from bench.params.effective import contents_text
 from bench.plan.assignment import Assignment, parse_assignment
 from bench.plan.checks import known_metrics
@@ -18,7 +20,8 @@ from bench.plan.plan import Case, Plan, read_plan
 from bench.plan.select import matches
 from bench.plan.table import SUFFIXES
 from bench.plan.verdict import Verdict, exit_code, worst
-from bench.results.writer import CaseResult, ResultsWriter, build_manifest
+from bench.results.lock import FolderLock
+from bench.results.writer import CaseResult, ResultsWriter, build_manifest, refuse_folder
 from bench.rig.arrival import describe_arrival
 from bench.rig.check import check_rig, describe_schedules
 from bench.rig.describe import describe_axes
@@ -33,7 +36,7 @@ from bench.rig.foreign import foreign_rigs
 from bench.rig.latches import describe_latches
 from bench.rig.plants import build_plant, check_plants, describe_plants, start_plant
 from bench.rig.printed import printed_log
-from bench.rig.settings import as_written, read_settings
+from bench.rig.settings import AS_CANOPEN, FORCED, as_written, read_settings
 from bench.run.apart import CALL_LIMIT_S
 from bench.run.outside import Outside, allow, real_cases, refuse_processes
 from bench.run.runner import Stopwatch, prepare, prepare_all, run_cases
@@ -42,16 +45,21 @@ from kernel.errors import UserError
 
 @dataclass(frozen=True)
 class Campaign:
-    """What a campaign left: the results folder and every result in plan order."""
+    """What a call left: the results folder, and the results of its runs in plan order.
+
+    failure: why the rest could not be written, with the name of the file. report: its report.
+    """
 
     folder: Path
     results: Sequence[CaseResult]
     planned: int
+    failure: OSError | None = None
+    report: Path | None = None
 
     @property
     def is_interrupted(self) -> bool:
-        """Whether it was stopped before its last run."""
-        return len(self.results) < self.planned
+        """Whether it ended before its last run, or what it was to write is not all there."""
+        return len(self.results) < self.planned or self.failure is not None
 
     @property
     def exit_code(self) -> int:
@@ -89,55 +97,87 @@ def run_campaign(  # noqa: PLR0913
     call_limit_s: float = CALL_LIMIT_S,
     outside: Outside | None = None,
     bus_logs: Sequence[str] = ("blf",),
+    is_fresh: bool = False,
+    build_report: Callable[[Path], Path] | None = None,
 ) -> Campaign:
-    """Run plans into a results folder; an interrupt ends the campaign with what it has.
+    """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
     is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
     they drive real hardware. call_limit_s: wall time that one call into an FMU may take there.
-    outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`.
+    outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
+    the results that the folder has go first. build_report: writes the report while the folder is
+    still held.
 
-    Everything is checked first: plans, programs, rigs, parameters, FMUs and start values of every
-    case. Raises UserError before the results folder is touched.
+    Everything is checked first: the folder, plans, programs, rigs, parameters, FMUs and start
+    values of every case. Raises UserError before the results folder is touched.
     """
     changes = [parse_assignment(text) for text in assignments]
-    plans = [_selected(_changed(read_plan(path), changes, outside), select) for path in paths]
-    cases = [case for plan in plans for case in plan.cases]
+    plans = [_changed(read_plan(path), changes, outside) for path in paths]
+    parts = [_selected(plan, select) for plan in plans]
+    cases = [case for part in parts for case in part.cases]
     if not cases:
         raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
     real = real_cases(cases)
     if real:
         refuse_processes(jobs, is_isolated or timeout_s is not None)
-    apart = (
-        {case.rig for case in cases} if is_isolated else foreign_rigs(case.rig for case in cases)
-    )
-    prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
-    folder = out or Path("out") / "-".join(plan.name for plan in plans)
-    if real and outside is not None:
-        allow(real, outside)
-    manifest = build_manifest(plans, command=command, started=started, output=str(folder))
-    results: list[CaseResult] = []
-    with (
-        suppress(KeyboardInterrupt),
-        outside.open_hardware() if real and outside else nullcontext() as hardware,
-        ResultsWriter(folder, plans, manifest, bus_logs) as writer,
-        _progress() as progress,
-    ):
-        task = progress.add_task("", total=len(cases))
-        for result in run_cases(
-            cases,
-            writer.bus_paths,
-            jobs=jobs,
-            timeout_s=timeout_s,
-            stopwatch=stopwatch,
-            apart=apart,
-            call_limit_s=call_limit_s,
-            hardware=hardware,
+    folder = out or _default_folder(plans, assignments)
+    refuse_folder(folder, plans, is_fresh=is_fresh)
+    with FolderLock(folder):
+        rigs = {case.rig for case in cases}
+        apart = rigs if is_isolated else foreign_rigs(rigs)
+        prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
+        if real and outside is not None:
+            allow(real, outside)
+        manifest = build_manifest(parts, command=command, started=started, output=str(folder))
+        results: list[CaseResult] = []
+        failure = report = None
+        with (
+            suppress(KeyboardInterrupt),
+            outside.open_hardware() if real and outside else nullcontext() as hardware,
         ):
-            writer.add(result)
-            results.append(result)
-            progress.console.print(_line(result))
-            progress.update(task, advance=1, description=result.case.run)
-    return Campaign(folder, results, len(cases))
+            runs = [case.run for case in cases]
+            writer = ResultsWriter(
+                folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
+            )
+            running = run_cases(
+                cases,
+                writer.bus_paths,
+                jobs=jobs,
+                timeout_s=timeout_s,
+                stopwatch=stopwatch,
+                apart=apart,
+                call_limit_s=call_limit_s,
+                hardware=hardware,
+            )
+            failure = _write(running, writer, results, len(cases))
+        try:
+            report = build_report(folder) if build_report else None
+        except OSError as error:
+            failure = failure or error
+    return Campaign(folder, results, len(cases), failure, report)
+
+
+def _write(
+    running: Iterator[CaseResult], writer: ResultsWriter, results: list[CaseResult], count: int
+) -> OSError | None:
+    """Write the results as they come and add them to `results`; return why it ended early."""
+    try:
+        with closing(running), writer, _progress() as progress:  # type: ignore[type-var]
+            task = progress.add_task("", total=count)
+            for result in running:
+                writer.add(result)
+                results.append(result)
+                progress.console.print(_line(result))
+                progress.update(task, advance=1, description=result.case.run)
+    except OSError as error:
+        return error
+    return None
+
+
+def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:
+    """Return the folder of plans; with changed inputs the results are not those of the plans."""
+    is_set = any(text not in (FORCED, AS_CANOPEN) for text in assignments)
+    return Path("out") / ("-".join(plan.name for plan in plans) + ("-set" if is_set else ""))
 
 
 def _changed(plan: Plan, changes: Sequence[Assignment], outside: Outside | None) -> Plan:
@@ -165,6 +205,19 @@ def _progress() -> Progress:
 def _line(result: CaseResult) -> str:
     verdict = result.verdict
     return f"{verdict.glyph} {verdict.word:<12} {result.case.run}"
+
+
+def show_campaign(campaign: Campaign) -> None:
+    """Print the verdicts and the path of the report; what went wrong to standard error."""
+    if campaign.results:
+        show_verdicts(campaign.results)
+    if campaign.failure is not None:
+        print(f"error: {in_words(campaign.failure)}", file=sys.stderr)
+    if campaign.is_interrupted:
+        done = f"{len(campaign.results)} of {campaign.planned} runs"
+        print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
+    if campaign.report is not None:
+        print(campaign.report)
 
 
 def show_verdicts(results: Sequence[CaseResult]) -> None:
@@ -245,8 +298,9 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     plan = read_plan(path).with_inputs(changes)
     for case in plan.cases:
         prepare(case)
-    names = "\n".join(f"  {_titled(case)}" for case in plan.cases)
-    return f"{path}: {len(plan.cases)} runs\n{names}"
+    lines = [f"  {_titled(case)}" for case in plan.cases]
+    lines += [f"note: {note}" for note in plan.notes]
+    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
 
 
 def _titled(case: Case) -> str:

@@ -95,7 +95,8 @@ def measure(
         manifest = build_manifest([plan], command=["axisrig", "perf"], started="", output="")
         for _ in range(repeats):
             begin = clock_ns()
-            with ResultsWriter(Path(folder) / "out", [plan], manifest) as writer:
+            out = Path(folder) / "out"
+            with ResultsWriter(out, [plan], manifest, is_fresh=True) as writer:
                 result = run_case(case, writer.bus_paths(case.run))
                 writer.add(result)
             walls_s.append((clock_ns() - begin) / 1e9)

@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from bench.bus.deadlines import in_words
+from bench.files import DISK_FULL
 from bench.plan.assignment import Assignment
 from bench.plan.checks import judge
 from bench.plan.plan import Case
@@ -122,12 +123,14 @@ def run_case(
 ) -> CaseResult:
     """Run one case and judge it; what goes wrong with the bench itself is verdict `error`.
 
-    hardware: for rigs with a real bus.
+    hardware: for rigs with a real bus. Raises OSError when a disk is full: nobody is to judge that.
     """
     started = stopwatch()
     try:
         return _run_case(case, bus_logs, stopwatch, started, hardware)
     except Exception as error:  # a defect costs its own row, never the campaign
+        if isinstance(error, OSError) and error.errno in DISK_FULL:
+            raise
         reason = f"defect of the bench: {type(error).__name__}: {error}"
         result = no_values(case, Verdict.ERROR, reason, wall_s=stopwatch() - started)
         result.log = traceback.format_exc().splitlines()

@@ -221,10 +221,10 @@ def test_output_that_cannot_be_a_folder(plan: Path, rejected: Reject) -> None:
     _holds(rejected("run", plan.name, "-o", "x" * 300), "name too long")
 
 
-def test_output_folder_with_blanks_is_replaced_by_the_next_run(plan: Path, axisrig: Call) -> None:
+def test_output_folder_with_blanks_is_cleared_by_the_option(plan: Path, axisrig: Call) -> None:
     folder = plan.parent / "my results ü" / "of today"
     assert axisrig("run", plan.name, "-k", "a", "-o", folder)[0] == 0
-    assert axisrig("run", plan.name, "-k", "b", "-o", folder)[0] == 0
+    assert axisrig("run", plan.name, "-k", "b", "-o", folder, "--fresh")[0] == 0
     assert [path.stem for path in (folder / "traces").iterdir()] == ["plan-b"]
 
 

@@ -1,9 +1,12 @@
 """Plans in a temporary folder, with the program and the rig they name."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))  # results_setup.py
 
 PlanWriter = Callable[..., Path]
 

@@ -15,7 +15,7 @@ from bench.plan.checks import (
     value_text,
 )
 from bench.plan.verdict import Verdict
-from kernel.errors import UserError
+from kernel.errors import UserError, catalogue
 
 P, M, INC, F = Verdict.PASS, Verdict.MARGINAL, Verdict.INCONCLUSIVE, Verdict.FAIL
 
@@ -187,6 +187,21 @@ def test_alarms_are_a_list_in_order(text: str, found: list[int], verdict: Verdic
 def test_alarms_refuse(text: str) -> None:
     with pytest.raises(UserError):
         parse_condition(text, "alarms")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1", "!= 1", "50052 50953", "contains 500521", "one of none 7", "== 0", "!= " + "9" * 5000],
+)
+def test_alarms_that_do_not_exist_are_refused(text: str) -> None:
+    """`!= 1` held for ever, and `contains` with a digit too much never."""
+    with pytest.raises(UserError, match=r"no alarm has this ID.*axisrig errors"):
+        parse_condition(text, "alarms")
+
+
+def test_every_alarm_of_the_catalogue_can_be_asked_for() -> None:
+    for alarm_id in catalogue():
+        assert parse_condition(f"== {alarm_id}", "alarms").judge([alarm_id]) == P
 
 
 def test_text_and_printed_numbers() -> None:

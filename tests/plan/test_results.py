@@ -1,73 +1,31 @@
 """The results folder: columns, order, bytes, interruption, JUnit."""
 
-import csv
+import hashlib
 import json
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from results_setup import TEXT, rows, run_case, write
 
 from bench.plan.checks import judge, parse_check
-from bench.plan.plan import Case, Plan, read_plan
+from bench.plan.plan import Plan, read_plan
 from bench.plan.verdict import Verdict
 from bench.results.stored import read_results
-from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest, no_values
+from bench.results.writer import CaseResult, ResultsWriter, build_manifest, no_values
 from bench.run.campaign import show_verdicts
 from kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
 
-TEXT = (
-    "case,program,rig,title,requirement,set:Z.edge,check:latch_error_um:Z,check:lag_mm_max:Z\n"
-    "a,probe.nc,machine.toml,first,REQ-1,NEG,<= 0.5,<= 2\n"
-    "b,probe.nc,machine.toml,second,,,-1 .. 1,\n"
-    "c,probe.nc,machine.toml,third,,POS,!= 3,\n"
-)
-
 
 @pytest.fixture
 def plan(write_plan: PlanWriter) -> Plan:
     return read_plan(write_plan(TEXT))
-
-
-def run_case(case: Case, error_um: float | None = 0.1) -> CaseResult:
-    values: dict[str, Any] = {"latch_error_um:Z": error_um, "lag_mm_max:Z": 1.7, "alarms": []}
-    checks = [judge(check, values[check.metric], 0.0, "why") for check in case.checks]
-    trace = pa.table(
-        {
-            "time_ns": np.arange(5, dtype=np.int64) * 1_000_000,
-            "Z.set_mm": np.linspace(0.0, 0.1, 5),
-            "probe.signal": np.array([0, 0, 1, 1, 1], dtype=np.int8),
-        }
-    )
-    return CaseResult(
-        case,
-        max(item.verdict for item in checks),
-        checks,
-        sim_s=0.005,
-        frame_log_sha256="ab" * 32,
-        trace=trace,
-        events=[Event(2_000_000, "latch", "latch", "Z"), Event(1_000_000, "edge", "edge", "Z")],
-        messages=["Z 67.0 \x00 <&>"],
-    )
-
-
-def write(folder: Path, plan: Plan, order: list[int], error_um: float | None = 0.1) -> Path:
-    manifest = build_manifest([plan], command=["axisrig"], started="then", output="out")
-    with ResultsWriter(folder, [plan], manifest) as writer:
-        for index in order:
-            writer.add(run_case(plan.cases[index], error_um))
-    return folder
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_the_columns_are_those_other_tools_build_on(plan: Plan, tmp_path: Path) -> None:
@@ -160,10 +118,10 @@ def test_defects_of_the_runner_are_loud(plan: Plan, tmp_path: Path) -> None:
         writer.add(bad)
 
 
-def test_only_results_folders_are_replaced(plan: Plan, tmp_path: Path) -> None:
+def test_only_results_folders_are_cleared(plan: Plan, tmp_path: Path) -> None:
     out = write(tmp_path / "out", plan, [0, 1, 2])
     (out / "notes.txt").write_text("mine", encoding="utf-8")
-    write(out, plan, [0])
+    write(out, plan, [0], is_fresh=True)
     assert (out / "notes.txt").read_text(encoding="utf-8") == "mine"
     assert [p.name for p in (out / "traces").iterdir()] == ["probing-a.parquet"]
     with pytest.raises(UserError, match="no results folder"):
@@ -208,6 +166,71 @@ def test_junit_carries_values_limits_and_requirement(plan: Plan, tmp_path: Path)
     assert error is not None
     assert (error.get("type"), error.get("message")) == ("aborted", "stopped \ufffd by hand")
     assert first.findtext("system-out") == "Z 67.0 \ufffd <&>"
+
+
+def test_junit_counts_inconclusive_runs_as_failures(plan: Plan, tmp_path: Path) -> None:
+    """A server that reads it knows nothing between passed and failed."""
+    case = plan.cases[1]  # -1 .. 1
+    values = {"latch_error_um:Z": 1.05, "alarms": []}
+    checks = [judge(check, values[check.metric], 0.0) for check in case.checks]
+    checks[0] = judge(case.checks[0], 1.05, 0.1, "within its uncertainty")
+    with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
+        writer.add(CaseResult(case, Verdict.INCONCLUSIVE, checks))
+        writer.add(run_case(plan.cases[2]))
+    suite = ElementTree.parse(tmp_path / "out" / "junit.xml").getroot().find("testsuite")
+    assert suite is not None
+    counts = [suite.get(name) for name in ("tests", "failures", "errors", "skipped")]
+    assert counts == ["2", "1", "0", "0"]
+    unclear, good = suite.findall("testcase")
+    failure = unclear.find("failure")
+    assert failure is not None
+    assert failure.get("type") == "inconclusive"
+    assert "latch_error_um:Z is 1.05 um, asked for -1 .. 1 (within" in (failure.text or "")
+    assert unclear.find("error") is None
+    assert good.find("failure") is None
+
+
+def test_the_manifest_has_exactly_the_files_that_the_runs_are_made_from(tmp_path: Path) -> None:
+    """Programs, rigs with their bases, lists, zero offsets, EDS, maps, own FMUs; with hashes."""
+    texts = {
+        "plans/p.csv": "case,program,rig\na,a.nc,rigs/a.toml\nb,b.nc,rigs/b.toml\n",
+        "plans/a.nc": "N10 M30\n",
+        "plans/b.nc": "N20 M30\n",
+        "plans/unused.nc": "N30 M30\n",
+        "plans/rigs/a.toml": 'base = "../../bases/base.toml"\n[axis.Z]\nlist = "z.lst"\n',
+        "plans/rigs/z.lst": "z",
+        "plans/rigs/unused.lst": "no",
+        "plans/rigs/b.toml": '[channel]\nlist = "z.lst"\ntools = "tools.lst"\n'
+        '[drive.d]\neds = "d.eds"\npdo_map = "map.csv"\n'
+        '[plant.p]\nfmu = "own.fmu"\n[plant.q]\nfmu = "AxisRig.Drives.ServoAxis"\n',
+        "plans/rigs/tools.lst": "tools",
+        "plans/rigs/d.eds": "eds",
+        "plans/rigs/map.csv": "map",
+        "plans/rigs/own.fmu": "fmu",
+        "bases/base.toml": '[channel]\nlist = "c.lst"\nzero_offsets = "zero.lst"\n'
+        '[axis.Z]\nlist = "replaced.lst"\n[axis.X]\nlist = "x.lst"\n',
+        "bases/c.lst": "channel",
+        "bases/zero.lst": "zero",
+        "bases/replaced.lst": "replaced",
+        "bases/x.lst": "x",
+    }
+    for name, text in texts.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    unused = ("plans/p.csv", "plans/unused.nc", "plans/rigs/unused.lst", "bases/replaced.lst")
+    expected = {
+        name.removeprefix("plans/") if name.startswith("plans/") else f"../{name}": hashlib.sha256(
+            text.encode()
+        ).hexdigest()
+        for name, text in texts.items()
+        if name not in unused
+    }
+    plan = read_plan(tmp_path / "plans" / "p.csv")
+    manifest = build_manifest([plan], command=[], started="", output="")
+    assert manifest["files"] == expected
+    assert [entry["sha256"] for entry in manifest["plans"]] == [  # type: ignore[attr-defined]
+        hashlib.sha256(texts["plans/p.csv"].encode()).hexdigest()
+    ]
 
 
 def test_the_manifest_names_what_the_campaign_was_made_with(plan: Plan, tmp_path: Path) -> None:

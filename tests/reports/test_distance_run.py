@@ -113,7 +113,9 @@ def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
     (tmp_path / "loop.nc").write_text(LOOP, encoding="utf-8")
     plan = tmp_path / "plan.csv"
     plan.write_text(
-        ",".join([*OSCILLATES, "check:alarms"]) + "\n" + ",".join([*OSCILLATES.values(), "!= 1"]),
+        ",".join([*OSCILLATES, "check:alarms"])
+        + "\n"
+        + ",".join([*OSCILLATES.values(), "!= 50059"]),
         encoding="utf-8",
     )
     control, text = run(plan, tmp_path / "out")

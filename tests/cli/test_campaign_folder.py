@@ -1,0 +1,150 @@
+"""`axisrig run` into a folder that has results, that is in use, or on a disk that is full."""
+
+import errno
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from cli_plan import write_plan
+from pyarrow import parquet
+
+Outcome = tuple[int, str, str]
+Call = Callable[..., Outcome]
+Reject = Callable[..., str]
+
+ROOT = Path(__file__).parents[2]
+PASSES, FAILS = "a,part.nc,rig.toml,3000,== 1,", "b,part.nc,rig.toml,3000,== 0,"
+
+
+def _verdicts(folder: Path) -> dict[str, str]:
+    table = pd.read_csv(folder / "cases.csv")
+    return dict(zip(table["run"], table["verdict"], strict=True))
+
+
+def test_the_code_is_that_of_the_runs_of_this_call(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, PASSES, FAILS)
+    assert axisrig("run", plan, "-o", "out")[0] == 1
+    code, out, _ = axisrig("run", plan, "-o", "out", "-k", "a")
+    assert code == 0
+    assert "plan-b" not in out
+    assert _verdicts(place / "out") == {"plan-a": "pass", "plan-b": "fail"}
+    assert "plan-b" in (place / "out" / "report.html").read_text(encoding="utf-8")
+    changed = write_plan(place, PASSES, FAILS.replace("== 0", "== 1"))
+    assert axisrig("run", changed, "-o", "out", "-k", "b")[0] == 0
+    assert _verdicts(place / "out") == {"plan-a": "pass", "plan-b": "pass"}
+
+
+def test_a_run_that_the_plan_has_no_more_is_shown_and_does_not_count(
+    place: Path, axisrig: Call
+) -> None:
+    axisrig("run", write_plan(place, PASSES, FAILS), "-o", "out")
+    assert axisrig("run", write_plan(place, PASSES), "-o", "out")[0] == 0
+    assert _verdicts(place / "out") == {"plan-a": "pass", "plan-b": "fail"}
+    page = (place / "out" / "report.html").read_text(encoding="utf-8")
+    assert page.count("no longer in the plan") == 2
+    assert '<span class="soft">1 of 1 runs</span>' in page
+    assert "1 run of 2" in page  # of an earlier call, which began in the year 2...
+
+
+def test_changed_inputs_have_a_folder_of_their_own(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, PASSES)
+    assert axisrig("run", plan, "--force")[1].endswith("out/plan/report.html\n")
+    changed = axisrig("run", plan, "--set", "plc:V.E.FEED=2500")
+    assert changed[1].endswith("out/plan-set/report.html\n")
+    assert pd.read_csv(place / "out" / "plan" / "cases.csv")["plc:V.E.FEED"][0] == 3000
+    assert pd.read_csv(place / "out" / "plan-set" / "cases.csv")["plc:V.E.FEED"][0] == 2500
+
+
+def test_another_plan_is_refused_until_the_folder_is_cleared(
+    place: Path, axisrig: Call, rejected: Reject
+) -> None:
+    plan, other = write_plan(place, PASSES), write_plan(place, PASSES, name="other.csv")
+    assert axisrig("run", plan, "-o", "out")[0] == 0
+    before = (place / "out" / "cases.csv").read_bytes()
+    message = rejected("run", other, "-o", "out")
+    assert "another plan" in message
+    assert "'other.csv'; allowed: plan.csv" in message
+    assert (place / "out" / "cases.csv").read_bytes() == before
+    assert axisrig("run", other, "-o", "out", "--fresh")[0] == 0
+    assert _verdicts(place / "out") == {"other-a": "pass"}
+
+
+def test_a_plan_that_is_refused_leaves_no_folder(place: Path, rejected: Reject) -> None:
+    rejected("run", write_plan(place, PASSES.replace("3000", "much")), "-o", "out/of/today")
+    assert not (place / "out").exists()
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills a process")
+def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
+    place: Path, axisrig: Call, rejected: Reject
+) -> None:
+    # 6 mm at 1 mm/min: six simulated minutes
+    plan = write_plan(place, PASSES, "slow,part.nc,rig.toml,1,== 1,")
+    first = subprocess.Popen(
+        [sys.executable, "-m", "bench.cli", "run", plan, "-o", "out"],
+        cwd=place, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    try:
+        for _ in range(1500):
+            if (place / "out" / "bus" / "plan-slow.blf").exists():
+                break
+            time.sleep(0.02)
+        before = _verdicts(place / "out")
+        for options in ([], ["-k", "a"], ["--fresh"]):
+            message = rejected("run", plan, "-o", "out", *options)
+            assert f"in use: process {first.pid} on " in message
+        assert _verdicts(place / "out") == before == {"plan-a": "pass"}
+        assert first.poll() is None
+    finally:
+        os.killpg(first.pid, signal.SIGKILL)
+        first.wait()
+    assert axisrig("report", "out")[0] == 0
+    assert axisrig("run", plan, "-o", "out", "-k", "a")[0] == 0
+    assert not (place / "out" / "bus" / "plan-slow.blf").exists()
+
+
+def test_a_full_disk_ends_with_4_and_names_the_file(
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write_table = parquet.write_table
+
+    def full(trace: object, path: Path, **options: object) -> None:
+        if path.stem == "plan-b":
+            raise OSError(errno.ENOSPC, "Error writing bytes to file")
+        write_table(trace, path, **options)
+
+    plan = write_plan(place, PASSES, FAILS, PASSES.replace("a,", "c,", 1))
+    monkeypatch.setattr(parquet, "write_table", full)
+    code, out, err = axisrig("run", plan, "-o", "out")
+    assert code == 4
+    assert "Traceback" not in out + err
+    assert "error: out/traces/plan-b.parquet: No space left on device\n" in err
+    assert "interrupted: 1 of 3 runs are in out" in err
+    assert _verdicts(place / "out") == {"plan-a": "pass"}
+    assert out.endswith("out/report.html\n")
+    assert "2 of 3 planned runs left no result" in (place / "out" / "report.html").read_text()
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize("suffix", [".blf", ".log", ".asc", ".pcap"])
+def test_a_full_disk_under_a_bus_log(place: Path, axisrig: Call, suffix: str) -> None:
+    (place / f"bus{suffix}").symlink_to("/dev/full")
+    words = ("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FEED=3000")
+    code, _, err = axisrig(*words, "--bus-log", f"bus{suffix}")
+    assert (code, err) == (4, f"error: bus{suffix}: No space left on device\n")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_a_full_disk_under_the_report(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, PASSES)
+    assert axisrig("run", plan, "-o", "out")[0] == 0
+    (place / "out" / ".report.html.new").symlink_to("/dev/full")
+    code, _, err = axisrig("report", "out")
+    assert (code, err) == (4, "error: out/report.html: No space left on device\n")
