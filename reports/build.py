@@ -69,7 +69,10 @@ def _page(results: StoredResults) -> dict[str, Any]:
     """Everything the template prints."""
     manifest = results.manifest
     output = str(manifest.get("output", results.folder.name))
-    runs = [_run(run, results.input_columns, output) for run in results.runs]
+    runs = []
+    for run in results.runs:
+        with _readable(run, "what it left"):
+            runs.append(_run(run, results.input_columns, output))
     counts = [
         (_verdict(verdict), sum(run.verdict == verdict for run in results.planned))
         for verdict in Verdict
@@ -152,7 +155,8 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         stops = timelines(info, trace, run.run, told)
     with _readable(run, "distance"):
         controls = sections(info, trace, told)
-    description, packed = ({}, "") if trace is None else chart(trace, info)
+    with _readable(run, "trace"):
+        description, packed = ({}, "") if trace is None else chart(trace, info)
     checks = [_check(row, info.get("notes", {})) for row in run.checks]
     replaced = case.get("drive_substituted", "")
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
@@ -192,24 +196,36 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
 
 @contextmanager
 def _readable(run: StoredRun, block: str) -> Iterator[None]:
-    """Raise UserError for a block of a JSON file that another version of the bench wrote."""
+    """Raise UserError for a part of a run that was edited, or that another version wrote."""
     try:
         yield
-    except (KeyError, TypeError) as error:
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
         raise UserError(
-            f"`{block}` of run {run.run} cannot be read: {error!r}",
+            f"`{block}` of run {run.run} cannot be read: {_one_line(error)}",
             hint="run the case again with this version",
         ) from error
+
+
+def _one_line(error: Exception) -> str:
+    return repr(error) if isinstance(error, KeyError) else str(error).strip().partition("\n")[0]
 
 
 def _trace(run: StoredRun) -> pa.Table | None:
     """The signals of a run, None when it left none. Raises UserError when they are damaged."""
     try:
         trace = pq.read_table(run.trace) if run.trace else None
-    except pa.ArrowInvalid as error:
-        raise UserError(f"the trace is damaged: {error}", file=run.trace) from error
-    if trace is not None and "time_ns" not in trace.column_names:
-        raise UserError("the trace is damaged: no column time_ns", file=run.trace)
+    except (pa.ArrowException, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # the file cannot be read at all
+        raise UserError(f"the trace is damaged: {_one_line(error)}", file=run.trace) from error
+    if trace is None:
+        return None
+    if "time_ns" not in trace.column_names or trace["time_ns"].type != pa.int64():
+        raise UserError("the trace is damaged: no column time_ns of whole numbers", file=run.trace)
+    for name, column in zip(trace.column_names, trace.columns, strict=True):
+        kind = column.type
+        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+            raise UserError(f"the trace is damaged: {name!r} holds no numbers", file=run.trace)
     return trace
 
 

@@ -39,7 +39,8 @@ def encode_signal(
     values: npt.NDArray[np.float64] | npt.NDArray[np.int64], digits: int
 ) -> tuple[Encoded, bytes]:
     """Encode one signal, shape (n,), n > 0. Raises OverflowError beyond +-2**62 steps."""
-    scaled = values if digits == 0 and values.dtype.kind == "i" else values * 10.0**digits
+    with np.errstate(over="ignore"):  # told below
+        scaled = values if digits == 0 and values.dtype.kind == "i" else values * 10.0**digits
     missing = np.isnan(scaled) if scaled.dtype.kind == "f" else np.zeros(len(scaled), dtype=bool)
     if np.abs(scaled[~missing]).max(initial=0) >= 2**62:
         raise OverflowError(f"values too large for {digits} decimal places")

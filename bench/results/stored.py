@@ -115,7 +115,7 @@ def read_results(folder: Path) -> StoredResults:
         StoredRun(
             case=row,
             checks=checks.get(row["run"], []),
-            info=_json(folder / "runs" / f"{row['run']}.json"),
+            info=_info(folder / "runs" / f"{row['run']}.json"),
             trace=_existing(folder / "traces" / f"{row['run']}.parquet"),
         )
         for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]
@@ -139,7 +139,21 @@ def read_manifest(folder: Path) -> Mapping[str, Any]:
     missing = manifest.get("missing", {})
     if not isinstance(missing, dict) or not all(_is_texts(runs) for runs in missing.values()):
         raise _damaged(path, "missing is no table of lists of runs")
+    for name in ("files", "fmus"):
+        if not _is_words(manifest.get(name, {})):
+            raise _damaged(path, f"{name} is no table of hashes")
+    if not isinstance(manifest.get("packages", {}), dict):
+        raise _damaged(path, "packages is no table")
     return manifest
+
+
+def _info(path: Path) -> Mapping[str, Any]:
+    """Read what a run left beside its rows. Raises UserError when it is damaged."""
+    info = _json(path)
+    for name, is_right in _INFO.items():
+        if name in info and not is_right(info[name]):
+            raise _damaged(path, f"{name} is not what a run writes")
+    return info
 
 
 def _is_plan(plan: object) -> bool:
@@ -154,6 +168,25 @@ def _is_call(call: object) -> bool:
 
 def _is_texts(value: object) -> bool:
     return isinstance(value, list) and all(isinstance(item, str) for item in value)
+
+
+def _is_words(value: object) -> bool:
+    """Whether it is a table of texts."""
+    return isinstance(value, dict) and _is_texts(list(value.values()))
+
+
+def _is_tables(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(item, dict) for item in value)
+
+
+_INFO: Mapping[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("messages", "log"), _is_texts),
+    **dict.fromkeys(("events", "limits", "bus", "fixed_stop", "distance"), _is_tables),
+    "notes": _is_words,
+    "error": lambda value: isinstance(value, str | None),
+    "real_time": lambda value: isinstance(value, dict | None),
+}
+"""Entry of a `runs/<run>.json` -> whether it has the form that a run writes."""
 
 
 def is_results_folder(folder: Path) -> bool:

@@ -1,8 +1,10 @@
 """`axisrig bus`: finds a bus log, reads it and chooses the frames that are told."""
 
 import heapq
+import logging
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -18,7 +20,7 @@ from bench.rig.settings import Settings
 from bench.run.bus_words import Names, is_boot_up
 from bench.run.replay import recorded_case
 from bench.run.runner import settings_of
-from kernel.errors import UserError
+from kernel.errors import UserError, printable
 
 READABLE = list(LOG_SUFFIXES.values())
 PCAP = LOG_SUFFIXES["pcap"]
@@ -171,10 +173,28 @@ def _messages(paths: Sequence[Path]) -> Iterator[can.Message]:
         yield from heapq.merge(*map(read_pcap, paths), key=lambda message: message.timestamp)
         return
     try:
-        with can.LogReader(paths[0]) as reader:
+        with _complaining(), can.LogReader(paths[0]) as reader:
             yield from reader
     except Exception as error:  # the readers of python-can raise whatever comes up
-        raise UserError(f"the log is damaged: {error}", file=paths[0]) from error
+        what = printable(str(error)) or type(error).__name__
+        raise UserError(f"the log is damaged: {what}", file=paths[0]) from error
+
+
+class _Complaint(logging.Handler):
+    """Makes an error of what a reader of python-can would only warn of, leaving frames out."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        raise ValueError(record.getMessage())
+
+
+@contextmanager
+def _complaining() -> Iterator[None]:
+    reader, complaint = logging.getLogger("can.io"), _Complaint(logging.WARNING)
+    reader.addHandler(complaint)
+    try:
+        yield
+    finally:
+        reader.removeHandler(complaint)
 
 
 def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message]]:

@@ -49,8 +49,11 @@ class Names:
                 self._telegrams[axis.segment, telegram.cob_id(axis.node)] = (name, telegram)
 
     def segment(self, channel: object) -> str:
-        """Return the name of a segment; logs with numbers count from 0 in the order of the rig."""
-        if isinstance(channel, int) and channel < len(self._segments):
+        """Return the name of a segment; logs with numbers count from 0 in the order of the rig.
+
+        A number outside of it stays one: it is of another rig, or of a tool that counts otherwise.
+        """
+        if isinstance(channel, int) and 0 <= channel < len(self._segments):
             return self._segments[channel]
         if channel is None and len(self._segments) == 1:
             return self._segments[0]
