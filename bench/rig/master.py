@@ -14,7 +14,8 @@ from kernel.channel.monitor import Monitor
 from kernel.clock import US, Clock, ns_to_seconds
 from kernel.drives.functions import read_functions
 from kernel.drives.latch_check import StandstillRoom
-from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.link import AxisLink
+from kernel.drives.link_settings import LinkSettings
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.watch import HeartbeatProducer

@@ -1,7 +1,7 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -111,8 +111,7 @@ def run_campaign(  # noqa: PLR0913
     Everything is checked first: the folder, plans, programs, rigs, parameters, FMUs and start
     values of every case. Raises UserError before the results folder is touched.
     """
-    changes = [parse_assignment(text) for text in assignments]
-    plans = [_changed(read_plan(path), changes, outside) for path in paths]
+    plans = _read(paths, assignments, outside)
     parts = [_selected(plan, select) for plan in plans]
     cases = [case for part in parts for case in part.cases]
     if not cases:
@@ -123,9 +122,7 @@ def run_campaign(  # noqa: PLR0913
     folder = out or _default_folder(plans, assignments)
     refuse_folder(folder, plans, is_fresh=is_fresh)
     with FolderLock(folder):
-        rigs = {case.rig for case in cases}
-        apart = rigs if is_isolated else foreign_rigs(rigs)
-        prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
+        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
@@ -157,6 +154,14 @@ def run_campaign(  # noqa: PLR0913
     return Campaign(folder, results, len(cases), failure, report)
 
 
+def _prepared(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float) -> Collection[Path]:
+    """Prepare every case; return the rigs whose cases run in a process of their own."""
+    rigs = {case.rig for case in cases}
+    apart = rigs if is_isolated else foreign_rigs(rigs)
+    prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
+    return apart
+
+
 def _write(
     running: Iterator[CaseResult], writer: ResultsWriter, results: list[CaseResult], count: int
 ) -> OSError | None:
@@ -180,8 +185,11 @@ def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:
     return Path("out") / ("-".join(plan.name for plan in plans) + ("-set" if is_set else ""))
 
 
-def _changed(plan: Plan, changes: Sequence[Assignment], outside: Outside | None) -> Plan:
-    return plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())])
+def _read(paths: Sequence[Path], assignments: Sequence[str], outside: Outside | None) -> list[Plan]:
+    """Read plans with the inputs of the command line."""
+    changes = [parse_assignment(text) for text in assignments]
+    plans = [read_plan(path) for path in paths]
+    return [p.with_inputs([*changes, *(outside.changes_of(p) if outside else ())]) for p in plans]
 
 
 def _selected(plan: Plan, select: str | None) -> Plan:

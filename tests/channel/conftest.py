@@ -22,7 +22,8 @@ from kernel.channel.settings import OverrideMode
 from kernel.channel.soft_limits import SoftLimits
 from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
-from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.link import AxisLink
+from kernel.drives.link_settings import LinkSettings
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps

@@ -15,7 +15,8 @@ from bench.drive.profile import DriveProfile
 from kernel.clock import MS, US
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State
-from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.link import AxisLink
+from kernel.drives.link_settings import LinkSettings
 from kernel.drives.mapping import Telegram
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp

@@ -6,7 +6,8 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.link import AxisLink
+from kernel.drives.link_settings import LinkSettings
 from kernel.drives.mapping import telegrams
 from kernel.errors import Alarm, UserError
 

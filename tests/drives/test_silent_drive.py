@@ -8,7 +8,8 @@ import pytest
 from kernel.clock import MS, S
 from kernel.cosim.scheduler import Scheduler
 from kernel.drives.ds402 import State
-from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.link import AxisLink
+from kernel.drives.link_settings import LinkSettings
 from kernel.drives.watch import DriveWatch, WatchSettings
 from kernel.errors import Alarm
 

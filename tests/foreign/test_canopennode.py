@@ -20,7 +20,8 @@ from bench.drive.profile import DriveProfile
 from kernel.channel import AxisSettings, Channel, CycleTiming
 from kernel.clock import MS, US, S
 from kernel.cosim.scheduler import Scheduler
-from kernel.drives.link import AxisLink, LinkSettings
+from kernel.drives.link import AxisLink
+from kernel.drives.link_settings import LinkSettings
 from kernel.drives.sdo import SdoClient
 from kernel.drives.startup import DriveAddress, StartUp
 from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
