@@ -59,7 +59,9 @@ class Loop:
             sensor_mm = self.height_mm(self.cycle) - self.actual_mm
             self.cycle += 1
             try:
-                reading = Reading(sensor_mm, self.actual_mm, sent_mm, self.is_held, self.override)
+                reading = Reading(
+                    sensor_mm, self.actual_mm, sent_mm, self.is_held, override=self.override
+                )
                 control.step(reading)
             finally:
                 self.sensors_mm.append(sensor_mm)
