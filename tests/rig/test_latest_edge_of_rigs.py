@@ -29,7 +29,7 @@ class Wire:
         ("probe-z", ("drive:servo.profile=late-status",), "up to 5.6 ms"),
         ("probe-z", ("drive:servo.profile=late-status",), "update delay 2 SYNCs"),
         ("probe-z", ("drive:servo.missing_cycles=1",), "up to 1.6 ms"),
-        ("probe-z-latches", ("set:cycle.period_us=2000",), "up to 6.6 ms"),
+        ("fixed-stop-z-2ms", (), "up to 6.6 ms"),
         ("probe-z", (), "no time stamp mapped"),
         ("probe-z-stamps", (), "time stamp 60D1 decides"),
         ("probe-z-stamps", ("set:Z.kenngr.measure.edge=NEG",), "time stamp 60D2 decides"),
