@@ -82,9 +82,7 @@ def _run(path: Path, names: Sequence[str], call_limit_s: float) -> list[Outcome]
     timeout_s = CALLS_MAX * call_limit_s
     results = run_apart(run_stage, tasks, call_limit_s=call_limit_s, timeout_s=timeout_s)
     return [
-        Outcome([fail(name, result.reason, "keep it out, or run it with --isolate")])
-        if isinstance(result, Died)
-        else result
+        Outcome([fail(name, result.reason, "keep it out")]) if isinstance(result, Died) else result
         for name, result in zip(names, results, strict=True)
     ]
 

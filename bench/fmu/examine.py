@@ -172,7 +172,7 @@ def _capabilities(description: ModelDescription) -> Iterator[Finding]:
     if can.needs_tool:
         yield warn(area, "it needs the tool that made it", "install that tool where rigs run")
     if can.once_per_process:
-        yield warn(area, "it may exist once in a process", "name it once in a rig; use --isolate")
+        yield warn(area, "it may exist once in a process", "name it once in a rig")
     if not can.can_save_state:
         yield warn(
             area,

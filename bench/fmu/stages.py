@@ -113,7 +113,8 @@ def _changes(before: dict[str, object], after: dict[str, object]) -> Iterator[Fi
             text = "it switches denormal numbers or the rounding of the whole process"
             yield fail("call sequence", text, "it was built with -ffast-math; build it without")
         else:
-            yield warn("call sequence", f"it changes the {what} of the process", "use --isolate")
+            text = f"it changes the {what} of the process"
+            yield warn("call sequence", text, "its case alone feels it")
 
 
 def sequence(path: Path) -> Outcome:
@@ -275,7 +276,7 @@ def instances(path: Path) -> Outcome:
         )
     if difference:
         text = f"two instances disturb each other: {difference}"
-        return Outcome([fail("instances", text, "use it once in a rig, with --isolate")])
+        return Outcome([fail("instances", text, "use it once in a rig")])
     return Outcome([ok("instances", "two stepped in turns run as each does alone")])
 
 

@@ -5,25 +5,30 @@ one of them (`axisrig fmu build`; the cache keeps their hashes). Any other `.fmu
 end or block its process, so that it runs in one of its own.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from contextlib import suppress
 from pathlib import Path
 
-from bench.rig.file import read_rig
+from bench.rig.file import PlantTable, read_rig
 from fmus import is_ours
 from kernel.errors import UserError
 
 
+def foreign_plants(plants: Mapping[str, PlantTable]) -> list[str]:
+    """Return the names of the plants whose FMU was not built here."""
+    files = {table.fmu for table in plants.values() if table.fmu.endswith(".fmu")}
+    foreign = {file for file in files if not is_ours(Path(file))}
+    return [name for name, table in plants.items() if table.fmu in foreign]
+
+
 def foreign_rigs(rigs: Iterable[Path]) -> set[Path]:
-    """Return those of these rig files that name an FMU that was not built here.
+    """Return those of these rig files that have a foreign plant.
 
     A file that is no rig is left out: whoever loads it says what is wrong with it.
     """
     found = set()
     for path in set(rigs):
         with suppress(UserError, OSError):
-            plants = read_rig(path)[0].plant.values()
-            files = {Path(table.fmu) for table in plants if table.fmu.endswith(".fmu")}
-            if not all(is_ours(file) for file in files):
+            if foreign_plants(read_rig(path)[0].plant):
                 found.add(path)
     return found

@@ -12,7 +12,8 @@ from bench.bus.paced import RealTime
 from bench.plan.assignment import Assignment, parse_assignment
 from bench.plan.plan import Case, Plan
 from bench.rig.file import read_rig
-from bench.rig.outside import is_paced, outside_axes, told
+from bench.rig.foreign import foreign_plants
+from bench.rig.outside import is_paced, outside_axes, simulated_plants, told
 from bench.rig.pacing import Hardware
 from bench.rig.settings import Settings, as_written, read_settings
 from kernel.errors import UserError
@@ -144,6 +145,12 @@ def allow(rigs: Sequence[Settings], outside: Outside) -> None:
     outside.put_out("these axes will move on real hardware:")
     for line in dict.fromkeys(lines):
         outside.put_out(f"  {line}")
+    foreign = [name for settings in rigs for name in foreign_plants(simulated_plants(settings))]
+    for name in dict.fromkeys(foreign):
+        outside.put_out(
+            f"plant {name} is a foreign FMU in this process: if it ends the process, nothing brakes"
+            " the axes but the drives' own watch over SYNC and heartbeat"
+        )
     allowed = outside.may_move or all(
         settings.rig.hardware for settings in rigs if outside_axes(settings)
     )

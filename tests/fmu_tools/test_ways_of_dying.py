@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pandas as pd
@@ -18,8 +19,11 @@ from fmu_rigs import write_plan, write_rig
 
 from bench.bus.logs import log_kinds
 from bench.cli import main
+from bench.rig.file import read_rig
 from bench.rig.foreign import foreign_rigs
+from bench.rig.settings import read_settings
 from bench.run.campaign import run_campaign
+from bench.run.outside import Outside, allow
 from fmus import ensure_built
 
 Outcome = tuple[int, str, str]
@@ -138,9 +142,9 @@ def test_nc(place: Path, axisrig: Call, deadly: Build, way: str, place_of_death:
 
 def test_an_endless_thread_ends_nothing(place: Path, axisrig: Call, deadly: Build) -> None:
     """The run goes on to its end, and the process is ended after it."""
-    fmu = deadly("HANG", "THREAD")
+    fmu, before = deadly("HANG", "THREAD"), _children()
     assert _nc(place, axisrig, fmu)[:2] == (0, "begun\nended\n")
-    assert _children() == []
+    assert _children() == before
 
 
 def _children() -> list[str]:
@@ -222,6 +226,33 @@ def test_which_rigs_are_foreign(place: Path, ideal_axis: Build) -> None:
     assert foreign_rigs(rigs) == {foreign_rig, without}
     copied.write_bytes(copied.read_bytes() + b"\0")
     assert foreign_rigs(rigs) == {copied_rig, foreign_rig, without}
+
+
+OUTSIDE = """
+[axis.X]
+list = "lists/axis-x.lst"
+segment = "can1"
+node = 1
+drive = "servo"
+plant = "x"
+
+[plant.x]
+fmu = "AxisRig.Drives.ServoAxis"
+"""
+
+
+def test_before_axes_outside_move_it_is_said_what_cannot_be_caught(
+    place: Path, ideal_axis: Build
+) -> None:
+    """A real bus is driven from the process that has the FMU of a simulated axis."""
+    rig = place / write_rig(place, "rig.toml", ideal_axis("good.fmu"))
+    text = rig.read_text(encoding="utf-8").replace("000_000", '000_000\ninterface = "virtual"', 1)
+    text = text.replace("[axis.Z]", "[axis.Z]\noutside = false")
+    rig.write_text(text + OUTSIDE, encoding="utf-8")
+    said: list[str] = []
+    allow([read_settings(*read_rig(rig), [])], Outside(nullcontext, True, said.append))
+    (line,) = [line for line in said if "foreign" in line]
+    assert line.startswith("plant z is a foreign FMU in this process: if it ends the process")
 
 
 def test_our_own_rows_stay_in_this_process(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
