@@ -29,7 +29,8 @@ from bench.results.stored import (
 from kernel.errors import UserError
 
 FOLDERS = ("traces", "runs", "bus")
-_FILES = ("results.csv", "cases.csv", "junit.xml", "report.html", "manifest.json")
+_MADE = ("junit.xml", "report.html")
+_FILES = ("results.csv", "cases.csv", *_MADE, "manifest.json")
 _NEW, _COMMIT = ".new", ".commit"
 
 Checks = Sequence[Mapping[str, str]]
@@ -85,6 +86,7 @@ class ResultsFolder:
     def open(self) -> None:
         """Read the rows and bring the folder into order after a process that was killed.
 
+        What is made of the rows goes: whoever reads it would take it for that of the present call.
         Raises UserError when the rows are damaged.
         """
         new = self.folder / _NEW
@@ -92,6 +94,8 @@ class ResultsFolder:
             (self.folder / name).mkdir(exist_ok=True)
         if (self.folder / "cases.csv").is_file():
             self._read()
+            for name in _MADE:
+                (self.folder / name).unlink(missing_ok=True)
             self.write_rows()  # without rows of runs that were killed while they were written
             for path in sorted(new.glob(f"*{_COMMIT}")):
                 self._carry_out(path)

@@ -98,6 +98,15 @@ def test_old_rows_stay_until_their_run_has_ended_again(plan: Plan, tmp_path: Pat
     assert values == ["0.7", "0.1", "0.1"]
 
 
+def test_what_was_made_of_the_earlier_rows_goes_at_once(plan: Plan, tmp_path: Path) -> None:
+    """A server that reads junit.xml after a kill must not see the passes of last time."""
+    out = write(tmp_path / "out", plan, [0, 1, 2])
+    (out / "report.html").write_text("passed", encoding="utf-8")
+    with ResultsWriter(out, [plan], {"axisrig": "1"}):
+        assert not (out / "junit.xml").exists()
+        assert not (out / "report.html").exists()
+
+
 def test_files_of_the_earlier_run_go_with_it(plan: Plan, tmp_path: Path) -> None:
     out = write(tmp_path / "out", plan, [0, 1, 2])
     for name in ("probing-a.log", "probing-a@can1.pcap", "probing-a.b.blf", "probing-b.log"):
