@@ -41,11 +41,15 @@ def test_check_tells_what_the_bench_makes_of_the_fmus(
     assert "\n  no rising_count, falling_count, rising_time, falling_time: edges are looked" in out
 
 
-def test_nc_tells_what_is_done_without(place: Place, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_a_plant_lacks_is_in_check_and_not_before_each_result(
+    place: Place, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder = place()
+    lack = "no enabled: while the drive is off the demand stays"
     code, out, err = call(capsys, "nc", folder / "part.nc", "--rig", folder / "rig.toml")
     assert (code, out) == (0, "V.A.MERF.Z=1\n")
-    assert "plant table: no enabled: while the drive is off the demand stays" in err
+    assert lack not in err
+    assert lack in call(capsys, "check", folder / "rig.toml")[1]
 
 
 PLAN = """\

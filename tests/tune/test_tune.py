@@ -55,6 +55,7 @@ def test_dead_time_is_that_of_the_scheduling(tuned: Tune, is_optimized: int, dea
     assert 1.4e6 <= found.dead_time.way_ns <= 2.0e6
 
 
+@pytest.mark.long(but=1)
 @pytest.mark.parametrize(("is_optimized", "dead"), [(0, 2), (1, 1)])
 def test_limits_are_those_of_the_closed_forms(tuned: Tune, is_optimized: int, dead: int) -> None:
     found = tuned(*DEFAULTS, f"optimized_scheduling={is_optimized}")
