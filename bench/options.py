@@ -116,11 +116,11 @@ def rejecting(command: Callable[..., None]) -> Callable[..., None]:
 
 def _code_of(error: BaseException | None) -> int:
     """Return the exit code of an error: a full disk interrupts, whatever was told of it."""
-    seen: list[BaseException] = []  # causes of errors that were raised again may be a circle
-    while error is not None and error not in seen:
+    seen: set[int] = set()  # an error that was raised from itself is a chain without an end
+    while error is not None and id(error) not in seen:
         if isinstance(error, OSError) and error.errno in DISK_FULL:
             return EXIT_INTERRUPTED
-        seen.append(error)
+        seen.add(id(error))
         error = error.__cause__ or error.__context__
     return EXIT_REJECTED
 

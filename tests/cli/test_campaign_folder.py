@@ -13,6 +13,10 @@ import pandas as pd
 import pytest
 from cli_plan import write_plan
 from pyarrow import parquet
+from typer import Exit
+
+from bench.options import rejecting
+from kernel.errors import UserError
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
@@ -148,3 +152,30 @@ def test_a_full_disk_under_the_report(place: Path, axisrig: Call) -> None:
     (place / "out" / ".report.html.new").symlink_to("/dev/full")
     code, _, err = axisrig("report", "out")
     assert (code, err) == (4, "error: out/report.html: No space left on device\n")
+
+
+def test_a_disk_that_is_full_has_code_4_whatever_is_told_of_it(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """An FMU that cannot be unpacked is told as such; chains may lead back to themselves."""
+
+    def unpack(number: int) -> None:
+        try:
+            raise OSError(number, os.strerror(number), "file")
+        except OSError as error:
+            raise UserError("the FMU cannot be unpacked") from error
+
+    def circle() -> None:
+        first, second = UserError("one"), UserError("two")
+        first.__cause__, second.__cause__ = second, first
+        raise first
+
+    calls = {
+        4: lambda: unpack(errno.ENOSPC),
+        2: lambda: unpack(errno.EACCES),
+    }
+    for code, call in [*calls.items(), (2, circle)]:
+        with pytest.raises(Exit) as ended:
+            rejecting(call)()
+        assert ended.value.exit_code == code
+    assert capsys.readouterr().err.count("error: ") == 3
