@@ -1,4 +1,4 @@
-"""Writing files so that a full disk is told with the file, and a kill leaves the old or new one."""
+"""Writing files so that a full disk is reported with the file, and a kill leaves the old or new one."""
 
 import errno
 import hashlib

@@ -115,7 +115,7 @@ def rejecting(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _code_of(error: BaseException | None) -> int:
-    """Return the exit code of an error: a full disk interrupts, whatever was told of it."""
+    """Return the exit code of an error: a full disk interrupts, whatever was reported."""
     seen: set[int] = set()  # an error that was raised from itself is a chain without an end
     while error is not None and id(error) not in seen:
         if isinstance(error, OSError) and error.errno in DISK_FULL:

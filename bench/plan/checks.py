@@ -42,7 +42,7 @@ class Metric:
         or "bus" when only a simulated one can tell it; empty when the kernel can.
     judged: of several measurement runs the "last" (of the axis, where one is named) or the worst
         of "every" one; empty: the whole program. words: all that a text can be; empty: any.
-    linear: of a metric of `rotary_metrics.csv`, the one that tells the same of linear axes.
+    linear: of a metric of `rotary_metrics.csv`, its counterpart for linear axes.
     """
 
     name: str
@@ -76,7 +76,7 @@ def known_metrics() -> Mapping[str, Metric]:
 
 
 def rotary_twin(metric: str) -> str | None:
-    """Return the metric that tells of rotary axes what another one tells of linear ones."""
+    """Return the counterpart for rotary axes of a metric of linear axes."""
     known = known_metrics().values()
     return next((twin.name for twin in known if twin.linear == metric), None)
 

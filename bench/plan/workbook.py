@@ -200,7 +200,7 @@ def _ods(archive: ZipFile) -> Iterator[Sheet]:
 
 
 class _OdsSheets(_Reader):
-    """The cells of all sheets of an ODS file; rows and cells may stand there for many."""
+    """The cells of all sheets of an ODS file; a row or a cell may be repeated many times."""
 
     def __init__(self) -> None:
         self.sheets: list[Sheet] = []

@@ -175,7 +175,7 @@ class ResultsWriter:
         error: BaseException | None,
         traceback: TracebackType | None,
     ) -> None:
-        # A full disk is told once, with the file that met it first
+        # A full disk is reported once, with the file that met it first
         with suppress(OSError) if isinstance(error, OSError) else ExitStack():
             self.close()
 

@@ -1,4 +1,4 @@
-"""How late the status of a latch may arrive, and whether a time stamp tells when it was."""
+"""How late the status of a latch may arrive, and whether a time stamp gives its instant."""
 
 from bench.bus.arithmetic import SYNC
 from bench.bus.frame import IFS_BITS, data_frame, frame_bits
