@@ -1,4 +1,4 @@
-"""Writing files so that a full disk is reported with the file, and a kill leaves the old or new one."""
+"""Writing files: a full disk is reported with its file, a kill leaves the old or the new one."""
 
 import errno
 import hashlib
