@@ -6,7 +6,7 @@ says: in this test alarm 50059 comes up, it is of class 4, its value `axis` is Z
 are optional, every value has to be there. Where the alarm reaches a channel, the channel must end
 the program for a class above 1, and go on for class 1. Several marks may stand over one test: all
 of them come up; over one that is parametrized by `alarm_id`, the one of each row. The end of a
-test run lists the IDs that something raises (`raised` of `kernel/errors.csv`) and no test provokes,
+test run lists the IDs that something raises (`raised` of `errors.csv`) and no test provokes,
 and the words of the language that do not act yet.
 
 `--stage quick` is `make test`, `--stage rest` what it leaves out; `make test-all` runs both. The
@@ -25,11 +25,11 @@ from typing import Any
 
 import pytest
 
-from bench.plan.plan import Case
-from bench.pytest_plugin import CaseItem
-from kernel.channel.reactions import Reactions
-from kernel.errors import Alarm, catalogue
-from kernel.nc.text.words import not_acting
+from axisrig.bench.plan.plan import Case
+from axisrig.bench.pytest_plugin import CaseItem
+from axisrig.kernel.channel.reactions import Reactions
+from axisrig.kernel.errors import Alarm, catalogue
+from axisrig.kernel.nc.text.words import not_acting
 
 _MARK = re.compile(r"mark\.provokes\(\s*(\d+)")
 

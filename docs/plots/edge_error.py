@@ -22,11 +22,11 @@ from scipy.optimize import brentq
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parents[1]))
 
-from fmus import ensure_built  # noqa: E402
-from fmus.build import build  # noqa: E402
-from kernel.cosim.axis import PlantAxis  # noqa: E402
-from kernel.cosim.fmu import load_fmu  # noqa: E402
-from kernel.cosim.plant import Plant  # noqa: E402
+from axisrig.fmus import ensure_built  # noqa: E402
+from axisrig.fmus.build import build  # noqa: E402
+from axisrig.kernel.cosim.axis import PlantAxis  # noqa: E402
+from axisrig.kernel.cosim.fmu import load_fmu  # noqa: E402
+from axisrig.kernel.cosim.plant import Plant  # noqa: E402
 
 SYNC_NS, OFFSET_NS = 10_000_000, 48_000
 STEPS_US = (100, 200, 500, 1000, 2000, 5000, 10_000)

@@ -12,29 +12,35 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("kernel", "bench", "fmus", "reports")
+FOLDERS = ("kernel", "bench", "fmus", "reports")  # each is a source root of the namespace
+PACKAGES = tuple(f"axisrig.{name}" for name in FOLDERS)
 
 # Left imports nothing of what stands further right; several in one place may import each other.
 ORDER: tuple[tuple[str, ...], ...] = (
-    ("kernel.clock", "kernel.errors", "kernel.parameters"),
-    ("kernel.nc",),
-    ("kernel.motion",),
-    ("kernel.measuring", "kernel.distance"),
-    ("kernel.drives", "kernel.plc"),
-    ("kernel.cosim",),
-    ("kernel.channel",),
-    ("bench",),
-    ("reports",),
-    ("bench.cli",),
+    ("axisrig.kernel.clock", "axisrig.kernel.errors", "axisrig.kernel.parameters"),
+    ("axisrig.kernel.nc",),
+    ("axisrig.kernel.motion",),
+    ("axisrig.kernel.measuring", "axisrig.kernel.distance"),
+    ("axisrig.kernel.drives", "axisrig.kernel.plc"),
+    ("axisrig.kernel.cosim",),
+    ("axisrig.kernel.channel",),
+    ("axisrig.bench",),
+    ("axisrig.reports",),
+    ("axisrig.bench.cli",),
 )
 # The rooms of the exporter, the same way
-FMUS_ORDER = ("fmus.errors", "fmus.reading", "fmus.equations", "fmus.writing")
-MAY_IMPORT_FMUS = ("bench", "bench.cli")
+FMUS_ORDER = (
+    "axisrig.fmus.errors",
+    "axisrig.fmus.reading",
+    "axisrig.fmus.equations",
+    "axisrig.fmus.writing",
+)
+MAY_IMPORT_FMUS = ("axisrig.bench", "axisrig.bench.cli")
 RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
 WALL_CLOCK = {"time", "datetime"}
 # The command line hands it down; the watch over processes holds them to their limits
-MAY_READ_WALL_CLOCK = ("bench.cli", "bench.run.apart")
+MAY_READ_WALL_CLOCK = ("axisrig.bench.cli", "axisrig.bench.run.apart")
 CONCURRENCY = {"threading", "asyncio", "concurrent", "sched", "_thread"}
 STARTS_NOTHING = {"threading.get_ident"}  # the identity of the caller
 
@@ -47,9 +53,9 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 def _modules() -> dict[str, Path]:
     found = {}
-    for package in PACKAGES:
-        for path in sorted((ROOT / package).rglob("*.py")):
-            parts = path.relative_to(ROOT).with_suffix("").parts
+    for folder in FOLDERS:
+        for path in sorted((ROOT / folder).rglob("*.py")):
+            parts = path.relative_to(ROOT / folder).with_suffix("").parts
             found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
 
@@ -84,6 +90,11 @@ def _imported_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
 
 
+def _package(module: str) -> str:
+    """The package that a module belongs to, as in `axisrig.kernel`."""
+    return ".".join(module.split(".")[:2])
+
+
 def _place(module: str) -> str | None:
     """The entry of `ORDER` that a module belongs to: the longest one that it begins with."""
     parts = module.split(".")
@@ -95,12 +106,12 @@ def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[s
     place = _place(module)
     errors = []
     for line, name in imports:
-        top = name.partition(".")[0]
+        top = _package(name)
         if top not in PACKAGES:
             continue
-        if top == "fmus":
-            fits = module.partition(".")[0] == "fmus" or place in MAY_IMPORT_FMUS
-        elif name == "kernel":
+        if top == "axisrig.fmus":
+            fits = _package(module) == "axisrig.fmus" or place in MAY_IMPORT_FMUS
+        elif name == "axisrig.kernel":
             fits = place is not None  # the bare package holds nothing
         else:
             other = _place(name)
@@ -112,14 +123,14 @@ def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[s
 
 def test_oracles_take_nothing_from_what_they_judge() -> None:
     judged = (
-        "kernel.measuring",
-        "kernel.distance",
-        "kernel.channel",
-        "kernel.motion",
-        "kernel.drives",
+        "axisrig.kernel.measuring",
+        "axisrig.kernel.distance",
+        "axisrig.kernel.channel",
+        "axisrig.kernel.motion",
+        "axisrig.kernel.drives",
     )
     for module in MODULES:
-        if module.startswith("bench.oracles"):
+        if module.startswith("axisrig.bench.oracles"):
             found = [name for _, name in _imports(module) if name.startswith(judged)]
             assert not found, f"{module} imports {found}"
 
@@ -130,7 +141,9 @@ def test_imports_point_to_the_left() -> None:
 
 
 def test_every_module_has_a_place_in_the_order() -> None:
-    inside = [name for name in MODULES if name != "kernel" and name.partition(".")[0] != "fmus"]
+    inside = [
+        name for name in MODULES if name != "axisrig.kernel" and _package(name) != "axisrig.fmus"
+    ]
     assert [name for name in inside if _place(name) is None] == []
 
 
@@ -144,9 +157,9 @@ def test_rooms_of_the_exporter_import_what_stands_before_them() -> None:
     errors = [
         f"{module}:{line} imports {name}"
         for module in MODULES
-        if module.startswith("fmus.") and ".validation" not in module
+        if module.startswith("axisrig.fmus.")
         for line, name in _imports(module)
-        if name.startswith("fmus.") and _room(name) > _room(module)
+        if name.startswith("axisrig.fmus.") and _room(name) > _room(module)
     ]
     assert errors == []
 
@@ -154,18 +167,18 @@ def test_rooms_of_the_exporter_import_what_stands_before_them() -> None:
 @pytest.mark.parametrize(
     ("module", "imported", "fits"),
     [
-        ("kernel.nc.text.parser", "kernel.errors", True),
-        ("kernel.errors", "kernel.nc.text.parser", False),
-        ("kernel.channel.channel", "bench.rig.machine", False),
-        ("bench.rig.machine", "bench.cli", False),
-        ("bench.cli", "reports.build", True),
-        ("reports.build", "bench.results.writer", True),
-        ("bench.rig.plants", "fmus", True),
-        ("kernel.cosim.fmu", "fmus.build", False),
-        ("fmus.build", "kernel.errors", False),
-        ("fmus.build", "fmus.errors", True),
-        ("kernel.newcomer", "kernel.errors", False),
-        ("kernel.clock", "numpy", True),
+        ("axisrig.kernel.nc.text.parser", "axisrig.kernel.errors", True),
+        ("axisrig.kernel.errors", "axisrig.kernel.nc.text.parser", False),
+        ("axisrig.kernel.channel.channel", "axisrig.bench.rig.machine", False),
+        ("axisrig.bench.rig.machine", "axisrig.bench.cli", False),
+        ("axisrig.bench.cli", "axisrig.reports.build", True),
+        ("axisrig.reports.build", "axisrig.bench.results.writer", True),
+        ("axisrig.bench.rig.plants", "axisrig.fmus", True),
+        ("axisrig.kernel.cosim.fmu", "axisrig.fmus.build", False),
+        ("axisrig.fmus.build", "axisrig.kernel.errors", False),
+        ("axisrig.fmus.build", "axisrig.fmus.errors", True),
+        ("axisrig.kernel.newcomer", "axisrig.kernel.errors", False),
+        ("axisrig.kernel.clock", "numpy", True),
     ],
 )
 def test_the_rule_itself_tells_left_from_right(module: str, imported: str, fits: bool) -> None:
@@ -314,7 +327,7 @@ def test_everything_public_is_described() -> None:
 
 def _files(*suffixes: str) -> list[Path]:
     """Files of the project: those of its folders and those directly in the root."""
-    folders = [*PACKAGES, "testplans", "tests", "docs", ".ci"]
+    folders = [*FOLDERS, "testplans", "tests", "docs", ".ci"]
     found = [path for path in ROOT.iterdir() if path.is_file() and path.name != ".git"]
     for folder in folders:
         found += (path for path in (ROOT / folder).rglob("*") if path.is_file())
@@ -365,7 +378,7 @@ def _texts(package: str) -> set[str]:
     """The string constants in the code of a package, docstrings excepted."""
     found: set[str] = set()
     for module, tree in TREES.items():
-        if module.partition(".")[0] != package:
+        if _package(module) != package:
             continue
         described = {
             id(node.body[0].value)
@@ -384,14 +397,12 @@ def _texts(package: str) -> set[str]:
     return found
 
 
-TABLES = [path for path in _files(".csv") if path.relative_to(ROOT).parts[0] in PACKAGES]
-# The tables of the validation are read by its test and by the name of the model.
-NAMED_TABLES = [path for path in TABLES if "validation" not in path.parts]
+TABLES = [path for path in _files(".csv") if path.relative_to(ROOT).parts[0] in FOLDERS]
 
 
-@pytest.mark.parametrize("table", NAMED_TABLES, ids=lambda path: path.name)
+@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
 def test_every_table_that_ships_is_read_by_its_package(table: Path) -> None:
-    assert table.name in _texts(table.relative_to(ROOT).parts[0])
+    assert table.name in _texts("axisrig." + table.relative_to(ROOT).parts[0])
 
 
 @pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)

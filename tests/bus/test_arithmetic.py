@@ -4,9 +4,9 @@ import random
 
 import pytest
 
-from bench.bus.arithmetic import SYNC, PlannedFrame, cycle_arithmetic
-from bench.bus.frame import worst_case_bits
-from kernel.clock import MS, US
+from axisrig.bench.bus.arithmetic import SYNC, PlannedFrame, cycle_arithmetic
+from axisrig.bench.bus.frame import worst_case_bits
+from axisrig.kernel.clock import MS, US
 
 RATE = 1_000_000
 

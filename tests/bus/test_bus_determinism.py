@@ -13,13 +13,13 @@ from pathlib import Path
 import can
 import canopen
 from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VISIBLE_STRING
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.faults import FrameFault, ErrorAtBit
-from bench.bus.logs import open_log
-from bench.bus.record import FrameHash
-from bench.bus.segment import Segment
-from kernel.clock import MS, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.faults import FrameFault, ErrorAtBit
+from axisrig.bench.bus.logs import open_log
+from axisrig.bench.bus.record import FrameHash
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 def dictionary():
     od = ObjectDictionary()

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.bus.confinement import ErrorCounters, ErrorState
-from bench.bus.faults import ErrorAtBit, FaultAction
-from bench.bus.frame import data_frame, wire_bits
-from bench.bus.segment import Segment
-from kernel.clock import MS, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
+from axisrig.bench.bus.faults import ErrorAtBit, FaultAction
+from axisrig.bench.bus.frame import data_frame, wire_bits
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 Watch = Callable[[Segment], list[tuple[int, int, str]]]
 SYNC_BITS = 48

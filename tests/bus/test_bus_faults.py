@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from bench.bus.faults import (
+from axisrig.bench.bus.faults import (
     Alter,
     Delay,
     Drop,
@@ -15,11 +15,11 @@ from bench.bus.faults import (
     FrameFault,
     Swap,
 )
-from bench.bus.frame import Frame, frame_bits
-from bench.bus.segment import Segment
-from bench.bus.simbus import SimBus
-from kernel.clock import MS, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.frame import Frame, frame_bits
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.kernel.clock import MS, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 Watch = Callable[[Segment], list[tuple[int, int, str]]]
 

@@ -6,12 +6,12 @@ from pathlib import Path
 import can
 import pytest
 
-from bench.bus.faults import ErrorAtBit
-from bench.bus.frame import Frame
-from bench.bus.logs import LOG_SUFFIXES, log_kinds, open_log
-from bench.bus.segment import Segment
-from kernel.clock import MS
-from kernel.errors import UserError
+from axisrig.bench.bus.faults import ErrorAtBit
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.logs import LOG_SUFFIXES, log_kinds, open_log
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS
+from axisrig.kernel.errors import UserError
 
 Seen = list[tuple[int, Frame, bool]]
 

@@ -11,12 +11,12 @@ from itertools import pairwise
 
 import pytest
 
-from bench.bus.arithmetic import PlannedFrame, cycle_arithmetic
-from bench.bus.controller import QueueKind
-from bench.bus.load import LoadFigures
-from bench.bus.segment import Segment
-from kernel.clock import MS, US, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.arithmetic import PlannedFrame, cycle_arithmetic
+from axisrig.bench.bus.controller import QueueKind
+from axisrig.bench.bus.load import LoadFigures
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS, US, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 CYCLES = 1000
 TPDOS, RPDOS = {0x180: 8, 0x280: 8}, {0x200: 8, 0x300: 5}

@@ -11,14 +11,14 @@ from itertools import pairwise
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.bus.confinement import ErrorState
-from bench.bus.controller import Controller
-from bench.bus.faults import ErrorAtBit
-from bench.bus.frame import Frame, data_frame
-from bench.bus.segment import Segment
-from bench.bus.simbus import SimBus
-from kernel.clock import MS, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.confinement import ErrorState
+from axisrig.bench.bus.controller import Controller
+from axisrig.bench.bus.faults import ErrorAtBit
+from axisrig.bench.bus.frame import Frame, data_frame
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.kernel.clock import MS, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 PORTS = 4
 REQUESTS = st.lists(

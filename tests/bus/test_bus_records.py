@@ -7,13 +7,13 @@ from pathlib import Path
 import can
 import pytest
 
-from bench.bus.faults import ErrorAtBit
-from bench.bus.frame import Frame
-from bench.bus.logs import blf_writer
-from bench.bus.record import FrameHash
-from bench.bus.segment import Segment
-from kernel.clock import MS
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.faults import ErrorAtBit
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.logs import blf_writer
+from axisrig.bench.bus.record import FrameHash
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 Seen = list[tuple[int, str, Frame, bool]]
 

@@ -23,12 +23,12 @@ from canopen.objectdictionary import (
 from canopen.profiles.p402 import BaseNode402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.faults import FrameFault
-from bench.bus.frame import Frame, data_frame
-from bench.bus.segment import Segment
-from bench.bus.simbus import SimBus
-from kernel.clock import MS, Phase, S
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.faults import FrameFault
+from axisrig.bench.bus.frame import Frame, data_frame
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.kernel.clock import MS, Phase, S
 
 Bits = Callable[[Frame], int]
 NAME = "a device name of twenty-nine"

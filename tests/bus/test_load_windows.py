@@ -2,8 +2,8 @@
 
 import pytest
 
-from bench.bus.load import LoadMeter
-from kernel.clock import MS
+from axisrig.bench.bus.load import LoadMeter
+from axisrig.kernel.clock import MS
 
 
 def test_a_run_shorter_than_the_window_is_judged_by_its_own_length() -> None:

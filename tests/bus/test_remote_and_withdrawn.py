@@ -5,9 +5,9 @@ from itertools import count
 import can
 import pytest
 
-from bench.bus.canopen_sim import SimNetwork
-from bench.bus.segment import Segment
-from kernel.clock import MS
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS
 
 
 def test_remote_frames_reach_those_who_subscribed_to_them(segment: Segment) -> None:

@@ -2,8 +2,8 @@ import random
 
 import pytest
 
-from kernel.clock import Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.clock import Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 
 def test_order_is_time_then_phase_then_call(scheduler: Scheduler) -> None:

@@ -9,12 +9,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.bus import registry
-from bench.bus.frame import Frame, data_frame
-from bench.bus.segment import Segment
-from bench.bus.simbus import SimBus
-from kernel.clock import MS, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus import registry
+from axisrig.bench.bus.frame import Frame, data_frame
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.kernel.clock import MS, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 Bits = Callable[[Frame], int]
 Watch = Callable[[Segment], list[tuple[int, int, str]]]

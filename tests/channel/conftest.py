@@ -9,31 +9,6 @@ from itertools import count
 from typing import Any
 
 import pytest
-
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.segment import Segment
-from bench.drive.eds import object_dictionary
-from bench.drive.node import DriveNode
-from bench.drive.profile import DriveProfile
-from kernel.channel import AxisSettings, Channel, CycleTiming
-from kernel.channel.distance.settings import AxisDistanceSettings
-from kernel.channel.monitor import Monitor
-from kernel.channel.settings import OverrideMode
-from kernel.channel.soft_limits import SoftLimits
-from kernel.clock import MS, US, S
-from kernel.cosim.scheduler import Scheduler
-from kernel.drives.link import AxisLink
-from kernel.drives.link_settings import LinkSettings
-from kernel.drives.sdo import SdoClient
-from kernel.drives.startup import DriveAddress, StartUp
-from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
-from kernel.drives.watch import WatchSettings
-from kernel.measuring.fixed_stop.settings import FixedStopSettings
-from kernel.measuring.latest_edge import StampClock
-from kernel.measuring.rules import MeasuringAxis
-from kernel.motion.dynamics import Dynamics, Motion
-from kernel.motion.profile import Slope
-from kernel.nc import canon
 from tests.channel.programs import (
     end,
     message,
@@ -44,6 +19,36 @@ from tests.channel.programs import (
     wait,
 )
 from tests.channel.world import FirstOrderAxis, PlaneProbe, World
+
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming
+from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
+from axisrig.kernel.channel.monitor import Monitor
+from axisrig.kernel.channel.settings import OverrideMode
+from axisrig.kernel.channel.soft_limits import SoftLimits
+from axisrig.kernel.clock import MS, US, S
+from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.sdo import SdoClient
+from axisrig.kernel.drives.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.startup_steps import (
+    BusSettings,
+    Scaling,
+    StartUpSettings,
+    start_up_steps,
+)
+from axisrig.kernel.drives.watch import WatchSettings
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.measuring.latest_edge import StampClock
+from axisrig.kernel.measuring.rules import MeasuringAxis
+from axisrig.kernel.motion.dynamics import Dynamics, Motion
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.nc import canon
 
 INCREMENTS_PER_MM = 2**20 / 10
 OFFSET_NS = 620 * US

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from kernel.nc import canon
+from axisrig.kernel.nc import canon
 
 
 def block(number: int) -> canon.Block:

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop, FrameFault
-from kernel.errors import Alarm
+from axisrig.bench.bus.faults import Drop, FrameFault
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 MS, S = 1_000_000, 1_000_000_000

@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kernel.motion.curves import Arc
-from kernel.nc import canon
-from kernel.nc.decoder import Interpreter
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.motion.curves import Arc
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 
 AXES = ("X", "Y", "Z")
 NM = 1e-6

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop, FrameFault
-from kernel.channel.drive_functions import DriveAccess, DriveFunctions
-from kernel.clock import MS, S
-from kernel.drives.functions import DriveFunction
-from kernel.drives.sdo import SdoClient
-from kernel.drives.startup_steps import StartUpSettings
-from kernel.nc import canon
+from axisrig.bench.bus.faults import Drop, FrameFault
+from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.clock import MS, S
+from axisrig.kernel.drives.functions import DriveFunction
+from axisrig.kernel.drives.sdo import SdoClient
+from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 SDO_REQUEST, SDO_ANSWER = 0x601, 0x581

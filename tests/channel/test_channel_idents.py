@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.drive_functions import DriveAccess, DriveFunctions
-from kernel.clock import MS
-from kernel.drives.sdo import SdoClient
-from kernel.drives.startup_steps import StartUpSettings
-from kernel.nc import canon
+from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.sdo import SdoClient
+from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 SDO_REQUEST = 0x601

@@ -3,9 +3,9 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from kernel.nc import canon
-from kernel.nc.decoder import Interpreter
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 
 Make = Callable[..., Any]
 

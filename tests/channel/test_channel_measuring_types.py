@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from kernel.nc import canon
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from bench.bus.canopen_sim import SimNetwork
-from bench.bus.faults import Alter, Drop, ErrorAtBit, FaultAction
-from bench.bus.frame import Frame
-from kernel.clock import MS, S
-from kernel.drives.startup_steps import StartUpSettings
-from kernel.drives.watch import WatchSettings
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.faults import Alter, Drop, ErrorAtBit, FaultAction
+from axisrig.bench.bus.frame import Frame
+from axisrig.kernel.clock import MS, S
+from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.drives.watch import WatchSettings
 
 Make = Callable[..., Any]
 Change = Callable[[Frame], FaultAction | None]

@@ -8,12 +8,12 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-
-from kernel.channel.settings import OverrideMode
-from kernel.clock import MS
-from kernel.measuring.fixed_stop.settings import FixedStopSettings
-from kernel.nc import canon
 from tests.channel.conftest import ChannelBench
+
+from axisrig.kernel.channel.settings import OverrideMode
+from axisrig.kernel.clock import MS
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., ChannelBench]
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 INCREMENT_MM = 10 / 2**20

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.lookahead import DEPTH, Lookahead
-from kernel.nc import canon
-from kernel.nc.decoder import Interpreter
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.channel.lookahead import DEPTH, Lookahead
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 
 Make = Callable[..., Any]
 MS = 1_000_000

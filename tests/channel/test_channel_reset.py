@@ -5,14 +5,14 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-
-from bench.bus.faults import Drop
-from kernel.channel import ChannelState
-from kernel.clock import MS
-from kernel.drives.ds402 import State
-from kernel.errors import Alarm
-from kernel.nc import canon
 from tests.channel.conftest import ChannelBench
+
+from axisrig.bench.bus.faults import Drop
+from axisrig.kernel.channel import ChannelState
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., ChannelBench]
 Acts = dict[int, Callable[[], None]]

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-from bench.drive.profile import DriveProfile
-from kernel.measuring.latest_edge import StampClock
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.measuring.latest_edge import StampClock
 
 Make = Callable[..., Any]
 MS, US = 1_000_000, 1_000

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.ds402 import State
-from kernel.errors import Alarm
-from kernel.nc import canon
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 S, T_S = 1_000_000_000, 1e-3

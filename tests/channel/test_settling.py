@@ -4,9 +4,14 @@ from dataclasses import dataclass
 
 import pytest
 
-from kernel.channel.settings import AxisSettings, CycleTiming
-from kernel.channel.settling import REST_LIMIT_NS, SETTLED_CYCLES, Settling, Standstill
-from kernel.errors import Alarm
+from axisrig.kernel.channel.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.settling import (
+    REST_LIMIT_NS,
+    SETTLED_CYCLES,
+    Settling,
+    Standstill,
+)
+from axisrig.kernel.errors import Alarm
 
 MS, OFFSET_NS, WINDOW_MM = 1_000_000, 600_000, 0.01
 TIMING = CycleTiming(MS, OFFSET_NS)

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.soft_limits import SoftLimits
-from kernel.nc import canon
-from kernel.parameters import ParameterSet
+from axisrig.kernel.channel.soft_limits import SoftLimits
+from axisrig.kernel.nc import canon
+from axisrig.kernel.parameters import ParameterSet
 
 Make = Callable[..., Any]
 LIMITS = SoftLimits(negative_mm=-5.0, positive_mm=20.0, tolerance_mm=0.1)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from fmus import ensure_built
+from axisrig.fmus import ensure_built
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]

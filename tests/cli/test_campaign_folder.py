@@ -15,8 +15,8 @@ from cli_plan import write_plan
 from pyarrow import parquet
 from typer import Exit
 
-from bench.options import rejecting
-from kernel.errors import UserError
+from axisrig.bench.options import rejecting
+from axisrig.kernel.errors import UserError
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
@@ -91,7 +91,7 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
     # 6 mm at 1 mm/min: six simulated minutes
     plan = write_plan(place, PASSES, "slow,part.nc,rig.toml,1,== 1,")
     first = subprocess.Popen(
-        [sys.executable, "-m", "bench.cli", "run", plan, "-o", "out"],
+        [sys.executable, "-m", "axisrig.bench.cli", "run", plan, "-o", "out"],
         cwd=place, env={**os.environ, "PYTHONPATH": str(ROOT)},
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
     )  # fmt: skip

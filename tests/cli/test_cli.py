@@ -10,9 +10,9 @@ import pandas as pd
 import pytest
 from cli_plan import write_plan
 
-from bench.plan.plan import Case
-from bench.run import runner
-from fmus import MODELS
+from axisrig.bench.plan.plan import Case
+from axisrig.bench.run import runner
+from axisrig.fmus import MODELS
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]

@@ -8,7 +8,7 @@ from pathlib import Path
 import can
 import pytest
 
-from bench.bus.frame import Frame, frame_bits
+from axisrig.bench.bus.frame import Frame, frame_bits
 
 Call = Callable[..., tuple[int, str, str]]
 SLOW = ("--set", "bus:can1.bitrate=500000")

@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def _command(*words: str) -> list[str]:
-    return [sys.executable, "-m", "bench.cli", *words]
+    return [sys.executable, "-m", "axisrig.bench.cli", *words]
 
 
 def _environment(**more: str) -> dict[str, str]:

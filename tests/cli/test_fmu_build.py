@@ -4,9 +4,9 @@ import sys
 
 import pytest
 
-from bench import library
-from fmus import CATALOGUE, MODELS
-from kernel.errors import UserError
+from axisrig.bench import library
+from axisrig.fmus import CATALOGUE, MODELS
+from axisrig.kernel.errors import UserError
 
 SOME = MODELS[-2:]  # those that build fastest
 

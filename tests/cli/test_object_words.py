@@ -2,8 +2,8 @@
 
 import pytest
 
-from bench.run.object_words import bits_words
-from kernel.drives.ds402 import ProbeFunction, ProbeStatus
+from axisrig.bench.run.object_words import bits_words
+from axisrig.kernel.drives.ds402 import ProbeFunction, ProbeStatus
 
 
 @pytest.mark.parametrize(

@@ -9,8 +9,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from fmus.compiler import find_compiler, this_platform
-from kernel.cosim.fmu import FmuSlave, load_fmu
+from axisrig.fmus.compiler import find_compiler, this_platform
+from axisrig.kernel.cosim.fmu import FmuSlave, load_fmu
 
 SOURCES = Path(__file__).parent
 BEHAVIOURS = (

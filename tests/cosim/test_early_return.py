@@ -11,12 +11,12 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from bench.cli import main
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.settings import read_settings
-from kernel.cosim.fmu import PlantError
-from kernel.nc.text.parser import read_program
+from axisrig.bench.cli import main
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import read_settings
+from axisrig.kernel.cosim.fmu import PlantError
+from axisrig.kernel.nc.text.parser import read_program
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
 TRIP_MM, BEAM_MM, FEED_MM_S = 100.0001234, 200e-6, 10.0

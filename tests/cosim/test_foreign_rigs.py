@@ -11,11 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.settings import as_written, read_settings
-from kernel.nc.text.parser import read_program
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.nc.text.parser import read_program
 
 # The table tells no velocity, so an edge is known to 1/256 of a fine step of 50 us
 PART_NS = pytest.approx(50e3 / 256, abs=1)

@@ -5,13 +5,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.plants import build_plant, describe_plants
-from bench.rig.settings import Settings, as_written, read_settings
-from fmus.build import build
-from kernel.nc.text.parser import read_program
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.plants import build_plant, describe_plants
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.fmus.build import build
+from axisrig.kernel.nc.text.parser import read_program
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
 LIBRARY = """package Shop

@@ -7,9 +7,9 @@ from zipfile import ZipFile
 
 import pytest
 
-from kernel.clock import MS, US
-from kernel.cosim.fmu import Exchange, FmuSlave, PlantError, load_fmu
-from kernel.errors import UserError
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.fmu import Exchange, FmuSlave, PlantError, load_fmu
+from axisrig.kernel.errors import UserError
 
 Odd = Callable[..., FmuSlave]
 

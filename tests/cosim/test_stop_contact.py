@@ -5,12 +5,12 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from fmus import ensure_built
-from kernel.clock import MS, US
-from kernel.cosim.axis import STOP_FACE, STOP_FORCE, PlantAxis
-from kernel.cosim.fmu import load_fmu
-from kernel.cosim.plant import Plant
-from kernel.cosim.roles import map_roles
+from axisrig.fmus import ensure_built
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.axis import STOP_FACE, STOP_FORCE, PlantAxis
+from axisrig.kernel.cosim.fmu import load_fmu
+from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.cosim.roles import map_roles
 
 MASS = 120 + 1.8e-4 * (2 * math.pi / 0.01) ** 2  # kg
 FREE = {"coulomb_friction": 0.0, "breakaway_friction": 0.0, "viscous_friction": 0.0}

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from kernel.clock import MS
-from kernel.distance import (
+from axisrig.kernel.clock import MS
+from axisrig.kernel.distance import (
     DistanceCommand,
     DistanceControl,
     DistanceSettings,

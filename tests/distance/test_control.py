@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState, Source
-from kernel.errors import Alarm
+from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 Command, State = DistanceCommand, DistanceState

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from kernel.distance import DistanceCommand, DistanceControl, DistanceState, Reading
-from kernel.errors import Alarm
+from axisrig.kernel.distance import DistanceCommand, DistanceControl, DistanceState, Reading
+from axisrig.kernel.errors import Alarm
 
 ON, ON_CONST = DistanceCommand.ON, DistanceCommand.ON_CONST_DIST
 Make = Callable[..., Any]

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kernel.clock import MS
-from kernel.distance import DistanceCommand, DistanceSettings, DistanceState
-from kernel.distance.limiter import Limiter
-from kernel.errors import Alarm
+from axisrig.kernel.clock import MS
+from axisrig.kernel.distance import DistanceCommand, DistanceSettings, DistanceState
+from axisrig.kernel.distance.limiter import Limiter
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 T = 0.001

@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState, objects
-from kernel.distance.objects import accept, read, write
-from kernel.errors import UserError
-from kernel.parameters.origin import Origin
+from axisrig.kernel.distance import DistanceCommand, DistanceState, objects
+from axisrig.kernel.distance.objects import accept, read, write
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters.origin import Origin
 
 Command, State = DistanceCommand, DistanceState
 PLAN = Origin("plan.csv", 3, 5)

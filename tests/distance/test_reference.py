@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kernel.distance import DistanceCommand, Reading
-from kernel.distance.filters import FilterSettings, make_filter, memory_cycles
-from kernel.errors import Alarm
+from axisrig.kernel.distance import DistanceCommand, Reading
+from axisrig.kernel.distance.filters import FilterSettings, make_filter, memory_cycles
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 NOISE_MM, GAP_MM, RUNS = 0.005, 2.0, 400

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from kernel.distance import DistanceSettings, names_newer
-from kernel.parameters import ParameterSet, read_list, write_list
+from axisrig.kernel.distance import DistanceSettings, names_newer
+from axisrig.kernel.parameters import ParameterSet, read_list, write_list
 
 # Every parameter of the control with a value that is not its default
 LIST = """

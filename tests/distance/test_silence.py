@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState, Reading, Silence
-from kernel.errors import Alarm
+from axisrig.kernel.distance import DistanceCommand, DistanceState, Reading, Silence
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 SILENCE = Silence("SECOND_ENCODER", 4.0, 3.0)

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState, Source, changes
-from kernel.errors import Alarm
+from axisrig.kernel.distance import DistanceCommand, DistanceState, Source, changes
+from axisrig.kernel.errors import Alarm
 
 State, Command = DistanceState, DistanceCommand
 PAIRS = [(state, command) for state in State for command in Command]

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState
-from kernel.errors import Alarm
+from axisrig.kernel.distance import DistanceCommand, DistanceState
+from axisrig.kernel.errors import Alarm
 
 Command, State = DistanceCommand, DistanceState
 AT = 5

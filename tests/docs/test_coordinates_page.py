@@ -5,13 +5,13 @@ from typing import cast
 
 import pytest
 
-from kernel.nc.canon import Message
-from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, forms
-from kernel.nc.coordinates.places import PLANES
-from kernel.nc.coordinates.tables import Lists
-from kernel.nc.decoder import Interpreter, MachineView
-from kernel.nc.text.parser import parse_program
-from kernel.parameters import Origin
+from axisrig.kernel.nc.canon import Message
+from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, forms
+from axisrig.kernel.nc.coordinates.places import PLANES
+from axisrig.kernel.nc.coordinates.tables import Lists
+from axisrig.kernel.nc.decoder import Interpreter, MachineView
+from axisrig.kernel.nc.text.parser import parse_program
+from axisrig.kernel.parameters import Origin
 
 PAGE = Path("docs/coordinates.md").read_text(encoding="utf-8")
 

@@ -4,7 +4,7 @@ import csv
 import re
 from pathlib import Path
 
-from kernel.errors import catalogue
+from axisrig.kernel.errors import catalogue
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "distance-errors.md").read_text("utf-8")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState
+from axisrig.kernel.distance import DistanceCommand, DistanceState
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs" / "distance-control.md").read_text(encoding="utf-8")
@@ -35,7 +35,7 @@ def test_states_are_those_of_the_table() -> None:
         assert DistanceState[name] == int(number)
         for command, cell in zip(commands, cells, strict=True):
             shown[name, command.name] = cell
-    path = ROOT / "kernel" / "distance" / "states.csv"
+    path = ROOT / "kernel" / "axisrig" / "kernel" / "distance" / "states.csv"
     with path.open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(file))
     assert len(table) == len(shown)

@@ -9,14 +9,14 @@ from typing import Any
 
 import pytest
 
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.segment import Segment
-from bench.drive.eds import object_dictionary
-from bench.drive.node import DriveNode
-from bench.drive.ports import ControlKind
-from bench.drive.profile import DriveProfile
-from kernel.clock import MS, US
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.ports import ControlKind
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 NODE = 3
 

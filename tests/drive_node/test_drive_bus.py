@@ -9,9 +9,9 @@ import pytest
 from canopen.profiles.p402 import BaseNode402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
-from bench.bus.canopen_sim import SimRemoteNode
-from kernel.clock import MS
-from kernel.drives.ds402 import State
+from axisrig.bench.bus.canopen_sim import SimRemoteNode
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 

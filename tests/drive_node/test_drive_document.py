@@ -4,9 +4,9 @@ import csv
 import re
 from pathlib import Path
 
-from bench.drive.application.modes import MODES
-from bench.drive.application.states import OPTIONS
-from bench.drive.objects import variables
+from axisrig.bench.drive.application.modes import MODES
+from axisrig.bench.drive.application.states import OPTIONS
+from axisrig.bench.drive.objects import variables
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "drive.md").read_text("utf-8")
@@ -26,7 +26,7 @@ def rows(first_cell: str) -> list[list[str]]:
 
 def test_transitions_are_those_of_the_table() -> None:
     told = {(int(number), source, target) for number, source, target, _, _ in rows("number | from")}
-    folder = ROOT / "kernel" / "drives"
+    folder = ROOT / "kernel" / "axisrig" / "kernel" / "drives"
     with (folder / "ds402_transitions.csv").open(encoding="utf-8") as file:
         ours = {
             (

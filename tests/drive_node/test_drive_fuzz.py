@@ -14,13 +14,13 @@ from canopen.sdo.exceptions import SdoAbortedError
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bench.drive.application.servo import Servo
-from bench.drive.objects import variables
-from bench.drive.profile import DriveProfile
-from kernel.clock import MS, US
-from kernel.cosim.demand import ControlKind
-from kernel.cosim.scheduler import Scheduler
-from kernel.drives.ds402 import State, state_of
+from axisrig.bench.drive.application.servo import Servo
+from axisrig.bench.drive.objects import variables
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.demand import ControlKind
+from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.drives.ds402 import State, state_of
 
 PER_M = 104_857_600
 Make = Callable[..., Any]

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from bench.drive.profile import DriveProfile
-from kernel.clock import MS
-from kernel.drives.ds402 import State
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 PER_M = 104_857_600

@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from kernel.clock import MS, US, S
-from kernel.cosim.demand import ControlKind
-from kernel.drives.ds402 import State
+from axisrig.kernel.clock import MS, US, S
+from axisrig.kernel.cosim.demand import ControlKind
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 PER_M = 104_857_600

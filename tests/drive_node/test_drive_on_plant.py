@@ -11,12 +11,12 @@ from typing import Any
 
 import pytest
 
-from fmus.build import ensure_built
-from kernel.clock import MS, US
-from kernel.cosim.axis import PlantAxis
-from kernel.cosim.fmu import load_fmu
-from kernel.cosim.plant import Plant
-from kernel.drives.ds402 import State
+from axisrig.fmus.build import ensure_built
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.axis import PlantAxis
+from axisrig.kernel.cosim.fmu import load_fmu
+from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 PER_M = 104_857_600

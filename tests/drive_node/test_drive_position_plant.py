@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from kernel.clock import MS
-from kernel.cosim.demand import ControlKind
-from kernel.drives.ds402 import State
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.demand import ControlKind
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 SYNC_NS = 48_000

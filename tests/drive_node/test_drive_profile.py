@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.drive.application.units import Units
-from bench.drive.image import ProcessImage
-from bench.drive.profile import DriveProfile
-from kernel.errors import UserError
+from axisrig.bench.drive.application.units import Units
+from axisrig.bench.drive.image import ProcessImage
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.errors import UserError
 
 
 def units_of(profile: DriveProfile) -> Units:

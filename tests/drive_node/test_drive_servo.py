@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from bench.drive.profile import DriveProfile
-from kernel.clock import MS, US
-from kernel.drives.ds402 import State
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 SYNC_NS = 48_000  # SYNC without data at 1 Mbit/s: 44 bit to the end of frame, 4 stuff bits

@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from bench.drive.application.states import OPTIONS, StateMachine
-from bench.drive.image import ProcessImage
-from bench.drive.profile import DriveProfile
-from kernel.clock import US
-from kernel.drives.ds402 import State
+from axisrig.bench.drive.application.states import OPTIONS, StateMachine
+from axisrig.bench.drive.image import ProcessImage
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.clock import US
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 PATTERNS = {

@@ -7,9 +7,9 @@ from importlib import resources
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from bench.drive.application.homing_methods import METHODS
-from bench.drive.objects import variables
-from bench.drive.profile import DriveProfile
+from axisrig.bench.drive.application.homing_methods import METHODS
+from axisrig.bench.drive.objects import variables
+from axisrig.bench.drive.profile import DriveProfile
 
 ATTAINED, REACHED = 1 << 12, 1 << 10
 NODE = 3
@@ -69,7 +69,11 @@ def test_the_drive_says_which_methods_it_supports(drive_bench) -> None:
     bench.run_to_ms(2)
     record = bench.remote.sdo[0x60E3]
     listed = [record[n].raw for n in range(1, record[0].raw + 1)]
-    text = resources.files("bench.drive.application").joinpath("homing_methods.csv").read_text()
+    text = (
+        resources.files("axisrig.bench.drive.application")
+        .joinpath("homing_methods.csv")
+        .read_text()
+    )
     assert listed == [int(row["method"]) for row in csv.DictReader(text.splitlines())]
     assert set(listed) == set(METHODS)
     allowed = variables()[0x6098, 0].allowed

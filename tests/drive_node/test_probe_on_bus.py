@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from bench.drive.objects import variables
-from bench.drive.profile import DriveProfile
-from bench.drive.profiles import named_profile, profile_names
-from kernel.drives.ds402 import counter_object, latch_object
+from axisrig.bench.drive.objects import variables
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.profiles import named_profile, profile_names
+from axisrig.kernel.drives.ds402 import counter_object, latch_object
 
 Make = Callable[..., Any]
 MS, US = 1_000_000, 1_000

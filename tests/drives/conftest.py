@@ -6,22 +6,27 @@ from fractions import Fraction
 
 import pytest
 
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.segment import Segment
-from bench.drive.eds import object_dictionary
-from bench.drive.node import DriveNode
-from bench.drive.ports import ControlKind
-from bench.drive.profile import DriveProfile
-from kernel.clock import MS, US
-from kernel.cosim.scheduler import Scheduler
-from kernel.drives.ds402 import State
-from kernel.drives.link import AxisLink
-from kernel.drives.link_settings import LinkSettings
-from kernel.drives.mapping import Telegram
-from kernel.drives.sdo import SdoClient
-from kernel.drives.startup import DriveAddress, StartUp
-from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
-from kernel.errors import Alarm
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.ports import ControlKind
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.mapping import Telegram
+from axisrig.kernel.drives.sdo import SdoClient
+from axisrig.kernel.drives.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.startup_steps import (
+    BusSettings,
+    Scaling,
+    StartUpSettings,
+    start_up_steps,
+)
+from axisrig.kernel.errors import Alarm
 
 NODE = 3
 OFFSET_NS = 600 * US

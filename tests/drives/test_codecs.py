@@ -14,8 +14,8 @@ from canopen.pdo.base import PdoMap, PdoVariable
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kernel.drives.mapping import BitCodec, MappedObject, Telegram, telegrams
-from kernel.errors import UserError
+from axisrig.kernel.drives.mapping import BitCodec, MappedObject, Telegram, telegrams
+from axisrig.kernel.errors import UserError
 
 WHOLE = {
     (8, False): datatypes.UNSIGNED8, (16, False): datatypes.UNSIGNED16,

@@ -4,13 +4,13 @@ from pathlib import Path
 
 import pytest
 
-from bench.drive.eds import object_dictionary
-from bench.drive.profile import DriveProfile
-from kernel.drives.dictionary import check_functions
-from kernel.drives.functions import DriveFunction, read_functions
-from kernel.drives.mapping import telegrams
-from kernel.errors import Alarm, UserError
-from kernel.parameters import read_list
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.drives.dictionary import check_functions
+from axisrig.kernel.drives.functions import DriveFunction, read_functions
+from axisrig.kernel.drives.mapping import telegrams
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.parameters import read_list
 
 # FCT-C4 section 7.3.2, read as meant: MON WINDOW = MON_WINDOW, 6065 00 = 6065_00
 PRINTED = """

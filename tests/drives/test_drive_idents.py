@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from kernel.drives.idents import drive_idents
-from kernel.errors import Alarm
+from axisrig.kernel.drives.idents import drive_idents
+from axisrig.kernel.errors import Alarm
 
 PER_MM = 104857.6  # 20 bits on a lead of 10 mm
 WINDOW, TORQUE = "S-0-0159", "S-0-0092"

@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop, ErrorAtBit, FaultAction, FrameFault
-from bench.bus.frame import Frame
-from bench.bus.simbus import SimBus
-from bench.drive.profile import DriveProfile
-from kernel.drives.ds402 import State
-from kernel.errors import Alarm
+from axisrig.bench.bus.faults import Drop, ErrorAtBit, FaultAction, FrameFault
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.errors import Alarm
 
 Make = Callable[..., Any]
 MS, US = 1_000_000, 1_000

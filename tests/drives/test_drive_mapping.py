@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.mapping import telegrams
+from axisrig.kernel.drives.mapping import telegrams
 
 Make = Callable[..., Any]
 NODE = 3

@@ -3,8 +3,8 @@
 from types import SimpleNamespace
 from typing import Any
 
-from kernel.drives.latch_check import LatchCheck, StandstillRoom
-from kernel.drives.sdo import Done, SdoError
+from axisrig.kernel.drives.latch_check import LatchCheck, StandstillRoom
+from axisrig.kernel.drives.sdo import Done, SdoError
 
 STATUS, LATCH, COUNTER = 0x60B9, 0x60BA, 0x60D5
 STORED = 0b10

@@ -10,13 +10,13 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.latch import (
+from axisrig.kernel.drives.latch import (
     CLEARED_CYCLES,
     REPEATED_CYCLES,
     SAME_VALUE_CYCLES,
     LatchWatch,
 )
-from kernel.errors import Alarm
+from axisrig.kernel.errors import Alarm
 
 ENABLED, STORED = 0x0001, 0x0002
 PER_MM = 1000.0

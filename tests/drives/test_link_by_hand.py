@@ -5,9 +5,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from kernel.drives.link import AxisLink
-from kernel.drives.link_settings import LinkSettings
-from kernel.measuring.latest_edge import StampClock
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.measuring.latest_edge import StampClock
 
 OPERATION_ENABLED, FAULT = 0x1237, 0x0218
 

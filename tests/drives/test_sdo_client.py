@@ -8,11 +8,11 @@ import canopen
 import pytest
 from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 
-from bench.bus.canopen_sim import SimNetwork
-from bench.bus.segment import Segment
-from kernel.clock import MS
-from kernel.cosim.scheduler import Scheduler
-from kernel.drives.sdo import SdoClient, SdoError
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.segment import Segment
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.drives.sdo import SdoClient, SdoError
 
 NODE = 5
 TEXT = 0x2001

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.link import AxisLink
-from kernel.drives.link_settings import LinkSettings
-from kernel.drives.mapping import telegrams
-from kernel.errors import Alarm, UserError
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.mapping import telegrams
+from axisrig.kernel.errors import Alarm, UserError
 
 ENTRY = 0x60E40120
 TABLE = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field

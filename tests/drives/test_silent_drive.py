@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from kernel.clock import MS, S
-from kernel.cosim.scheduler import Scheduler
-from kernel.drives.ds402 import State
-from kernel.drives.link import AxisLink
-from kernel.drives.link_settings import LinkSettings
-from kernel.drives.watch import DriveWatch, WatchSettings
-from kernel.errors import Alarm
+from axisrig.kernel.clock import MS, S
+from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.watch import DriveWatch, WatchSettings
+from axisrig.kernel.errors import Alarm
 
 LIMIT_NS = 40 * MS
 TABLE = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from bench.drive.eds import object_dictionary
-from bench.drive.profile import DriveProfile
-from bench.rig.file import DriveTable
-from kernel.clock import MS
-from kernel.drives.mapping import MappedObject, telegrams
-from kernel.drives.startup_steps import (
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.rig.file import DriveTable
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.mapping import MappedObject, telegrams
+from axisrig.kernel.drives.startup_steps import (
     BusSettings,
     Scaling,
     StartUpSettings,
@@ -21,7 +21,7 @@ from kernel.drives.startup_steps import (
     Write,
     start_up_steps,
 )
-from kernel.errors import Alarm, UserError
+from axisrig.kernel.errors import Alarm, UserError
 
 Make = Callable[..., Any]
 NODE = 3

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.alarms import alarm_listing, explained, page, unit_of
-from kernel.errors import UserError, catalogue, reaction_classes
+from axisrig.bench.alarms import alarm_listing, explained, page, unit_of
+from axisrig.kernel.errors import UserError, catalogue, reaction_classes
 
 
 def test_the_list_has_every_alarm_once() -> None:

@@ -5,11 +5,11 @@ import csv
 import io
 from pathlib import Path
 
-import bench
-import kernel
-from kernel.errors import catalogue
+import axisrig.bench
+import axisrig.kernel
+from axisrig.kernel.errors import catalogue
 
-KERNEL, BENCH = Path(kernel.__path__[0]), Path(bench.__path__[0])
+KERNEL, BENCH = Path(axisrig.kernel.__path__[0]), Path(axisrig.bench.__path__[0])
 CATALOGUE = KERNEL / "errors.csv"
 
 
@@ -31,7 +31,7 @@ def _ids_in_use() -> dict[int, list[str]]:
 
 def test_what_is_raised_is_marked_so() -> None:
     unmarked = {i: at for i, at in _ids_in_use().items() if not catalogue()[i].is_raised}
-    assert unmarked == {}, "set `raised` of kernel/errors.csv to yes"
+    assert unmarked == {}, "set `raised` of kernel/axisrig/kernel/errors.csv to yes"
 
 
 def test_what_is_marked_so_is_raised() -> None:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.faults import (
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.faults import (
     Fault,
     Moment,
     fault_keys,
@@ -15,9 +15,9 @@ from bench.rig.faults import (
     faults_table,
     read_faults,
 )
-from bench.rig.file import RigFile, read_rig
-from bench.rig.settings import as_written, read_settings
-from kernel.errors import UserError
+from axisrig.bench.rig.file import RigFile, read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 MS = 1_000_000

@@ -2,9 +2,9 @@
 
 import pytest
 
-from bench.scenarios.campaign import run_scenario, run_scenarios
-from bench.scenarios.oracle import DEFECTS, Judgement
-from bench.scenarios.scenario import Scenario
+from axisrig.bench.scenarios.campaign import run_scenario, run_scenarios
+from axisrig.bench.scenarios.oracle import DEFECTS, Judgement
+from axisrig.bench.scenarios.scenario import Scenario
 
 pytestmark = pytest.mark.long
 

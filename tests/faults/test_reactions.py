@@ -1,6 +1,6 @@
 """Every row of the table of reactions, provoked: what the kernel says and what it publishes.
 
-The table is `bench/bus/fault_reactions.csv`; docs/faults.md shows it to readers.
+The table is `bench/axisrig/bench/bus/fault_reactions.csv`; docs/faults.md shows it to readers.
 """
 
 import csv
@@ -8,16 +8,16 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.checks import parse_condition
-from bench.plan.verdict import Verdict
-from bench.rig.faults import fault_kinds
-from bench.scenarios.campaign import examine
-from bench.scenarios.oracle import Result
-from bench.scenarios.scenario import Scenario
-from kernel.errors import catalogue
+from axisrig.bench.plan.checks import parse_condition
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.rig.faults import fault_kinds
+from axisrig.bench.scenarios.campaign import examine
+from axisrig.bench.scenarios.oracle import Result
+from axisrig.bench.scenarios.scenario import Scenario
+from axisrig.kernel.errors import catalogue
 
 ROOT = Path(__file__).parents[2]
-TABLE = ROOT / "bench" / "bus" / "fault_reactions.csv"
+TABLE = ROOT / "bench" / "axisrig" / "bench" / "bus" / "fault_reactions.csv"
 ROWS = list(csv.DictReader(TABLE.read_text("utf-8").splitlines()))
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 MS = 1_000_000

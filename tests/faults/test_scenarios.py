@@ -2,9 +2,9 @@
 
 import pytest
 
-from bench.scenarios.campaign import Tally, run_scenario, run_scenarios
-from bench.scenarios.oracle import Judgement, Result
-from bench.scenarios.scenario import Scenario, make_scenario
+from axisrig.bench.scenarios.campaign import Tally, run_scenario, run_scenarios
+from axisrig.bench.scenarios.oracle import Judgement, Result
+from axisrig.bench.scenarios.scenario import Scenario, make_scenario
 
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 
@@ -21,7 +21,7 @@ def test_without_a_fault_both_values_are_right() -> None:
 
 def test_the_oracle_does_not_believe_the_bench(monkeypatch: pytest.MonkeyPatch) -> None:
     """A published value that is two increments off is called wrong."""
-    from kernel.drives.link import AxisLink  # noqa: PLC0415
+    from axisrig.kernel.drives.link import AxisLink  # noqa: PLC0415
 
     true_mm = AxisLink.latched_mm.fget  # type: ignore[attr-defined]
 

@@ -11,10 +11,10 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from bench.cli import main
-from fmus.compiler import find_compiler, this_platform
-from kernel.cosim.archive import inspect, session_folder, unpack
-from kernel.errors import UserError
+from axisrig.bench.cli import main
+from axisrig.fmus.compiler import find_compiler, this_platform
+from axisrig.kernel.cosim.archive import inspect, session_folder, unpack
+from axisrig.kernel.errors import UserError
 
 sys.path.insert(0, str(Path(__file__).parent))  # fmu_rigs.py
 

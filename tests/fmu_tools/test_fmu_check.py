@@ -343,7 +343,7 @@ def test_the_table_names_area_level_and_remedy(axisrig: Call, ideal_axis: Build)
 def test_what_an_fmu_prints_does_not_get_into_the_result(ideal_axis: Build) -> None:
     fmu = ideal_axis(FLAW="PRINTS")
     ended = subprocess.run(
-        [sys.executable, "-m", "bench.cli", "fmu", "check", str(fmu), "--json"],
+        [sys.executable, "-m", "axisrig.bench.cli", "fmu", "check", str(fmu), "--json"],
         cwd=ROOT,
         capture_output=True,
         text=True,

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.fmu.binaries import find_binaries, folder_platform
-from bench.fmu.show import read_fmu
-from fmus import CATALOGUE, MODELS
+from axisrig.bench.fmu.binaries import find_binaries, folder_platform
+from axisrig.bench.fmu.show import read_fmu
+from axisrig.fmus import CATALOGUE, MODELS
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]

@@ -146,7 +146,16 @@ def _nc_apart(place: Path, rig: str, **environment: str) -> subprocess.Completed
     """`nc --isolate` as a program of its own: its outputs are those of two processes."""
     return subprocess.run(
         [
-            *(sys.executable, "-m", "bench.cli", "nc", "move.nc", "--rig", rig, "--isolate"),
+            *(
+                sys.executable,
+                "-m",
+                "axisrig.bench.cli",
+                "nc",
+                "move.nc",
+                "--rig",
+                rig,
+                "--isolate",
+            ),
             *("--set", "set:channel.meas_error_no_signal=1"),
         ],
         cwd=place,

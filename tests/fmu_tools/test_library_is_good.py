@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from bench.fmu import stages
-from bench.fmu.examine import examine
-from bench.fmu.findings import Finding, Level
-from bench.run.apart import run_apart
-from fmus import MODELS, ensure_built
+from axisrig.bench.fmu import stages
+from axisrig.bench.fmu.examine import examine
+from axisrig.bench.fmu.findings import Finding, Level
+from axisrig.bench.run.apart import run_apart
+from axisrig.fmus import MODELS, ensure_built
 
 STAGES = (*stages.FIRST, *stages.REST)
 

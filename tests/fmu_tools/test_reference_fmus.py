@@ -19,10 +19,16 @@ import fmpy
 import numpy as np
 import pytest
 
-from bench.fmu.check import check_fmu
-from kernel.clock import TimeNs
-from kernel.cosim.fmu import EndedError, Exchange, FmuSlave, load_description, load_fmu
-from kernel.errors import UserError
+from axisrig.bench.fmu.check import check_fmu
+from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.cosim.fmu import (
+    EndedError,
+    Exchange,
+    FmuSlave,
+    load_description,
+    load_fmu,
+)
+from axisrig.kernel.errors import UserError
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
 FOLDER = os.environ.get("AXISRIG_REFERENCE_FMUS", "")

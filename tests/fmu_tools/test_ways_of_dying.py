@@ -17,14 +17,14 @@ import pandas as pd
 import pytest
 from fmu_rigs import write_plan, write_rig
 
-from bench.bus.logs import log_kinds
-from bench.cli import main
-from bench.rig.file import read_rig
-from bench.rig.foreign import foreign_rigs
-from bench.rig.settings import read_settings
-from bench.run.campaign import run_campaign
-from bench.run.outside import Outside, allow
-from fmus import ensure_built
+from axisrig.bench.bus.logs import log_kinds
+from axisrig.bench.cli import main
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.foreign import foreign_rigs
+from axisrig.bench.rig.settings import read_settings
+from axisrig.bench.run.campaign import run_campaign
+from axisrig.bench.run.outside import Outside, allow
+from axisrig.fmus import ensure_built
 
 Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
@@ -257,7 +257,7 @@ def test_before_axes_outside_move_it_is_said_what_cannot_be_caught(
 
 def test_our_own_rows_stay_in_this_process(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_rig(place, "model.toml", Path("AxisRig.Drives.ServoAxis"))
-    monkeypatch.setattr("bench.run.apart._Worker.__init__", _refuse)
+    monkeypatch.setattr("axisrig.bench.run.apart._Worker.__init__", _refuse)
     campaign = run_campaign(
         [place / write_plan(place, "model.toml")],
         out=place / "results", select=None, jobs=1, timeout_s=None, assignments=[],

@@ -11,8 +11,8 @@ import fmpy
 import pytest
 from fmpy.fmi3 import FMU3Slave
 
-import fmus.build as building
-from fmus import compiler, ensure_built
+import axisrig.fmus.build as building
+from axisrig.fmus import compiler, ensure_built
 
 SERVO = "AxisRig.Drives.ServoAxis"
 PROBE = "AxisRig.Sensors.TouchProbe"

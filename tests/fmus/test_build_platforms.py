@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus import PLATFORMS, BuildError
-from fmus.build import build, cache_key, place_in_cache
-from fmus.compiler import find_compiler, this_platform, universal_library
+from axisrig.fmus import PLATFORMS, BuildError
+from axisrig.fmus.build import build, cache_key, place_in_cache
+from axisrig.fmus.compiler import find_compiler, this_platform, universal_library
 
 LIBRARY = """package Small
   model Plant

@@ -6,7 +6,7 @@ from fractions import Fraction
 import pytest
 from fmpy.fmi1 import FMICallException
 
-from fmus import BuildError
+from axisrig.fmus import BuildError
 
 COUNTER = "when sample({start}, {interval}) then n = pre(n) + 1; last = time; end when;"
 DECLARATION = 'discrete output Real last(unit="s", start=-1, fixed=true);'

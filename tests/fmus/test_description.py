@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
 
-from fmus import FMI_VERSIONS
-from fmus.build import build
+from axisrig.fmus import FMI_VERSIONS
+from axisrig.fmus.build import build
 
 LIBRARY = """package Small "Library"
   type Mode = enumeration(off "Nothing", on "All", idle);

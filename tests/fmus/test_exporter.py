@@ -13,9 +13,9 @@ import pytest
 import rumoca
 from fmpy.fmi1 import FMICallException
 
-import fmus.build as building
-from fmus import MODELS, BuildError, ensure_built, is_ours
-from fmus.compiler import find_compiler
+import axisrig.fmus.build as building
+from axisrig.fmus import MODELS, BuildError, ensure_built, is_ours
+from axisrig.fmus.compiler import find_compiler
 
 UNSUPPORTED = {
     "delay": ("y = delay(time, 0.1); n = 0; x = 0;", "delay()"),
@@ -81,7 +81,7 @@ def test_start_value_that_would_not_follow_its_parameter_is_refused(tmp_path):
 
 
 def test_other_schema_of_the_compiler_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr("fmus.reading.ir.SCHEMA_VERSION", 70)
+    monkeypatch.setattr("axisrig.fmus.reading.ir.SCHEMA_VERSION", 70)
     with pytest.raises(BuildError, match="schema 71, not 70"):
         small(tmp_path, "y = time; n = 0; x = 0;")
 
@@ -117,8 +117,8 @@ def test_damaged_fmu_in_the_cache_is_built_again(tmp_path):
 
 
 EXPORTER = Path(building.__file__).parent
-# What no FMU depends on: references and their makers, and what only people read
-ASIDE = ("validation", "__pycache__", "README.md", "package.order")
+# What no FMU depends on: what only people read
+ASIDE = ("__pycache__", "package.order")
 FILES = sorted(
     path.relative_to(EXPORTER)
     for path in EXPORTER.rglob("*")
@@ -127,10 +127,10 @@ FILES = sorted(
 KEYS = """
 import sys
 from pathlib import Path
-import fmus
-from fmus.build import cache_key
-root = Path(fmus.__file__).parent
-assert root.parent == Path.cwd()
+from axisrig.fmus import build
+from axisrig.fmus.build import cache_key
+root = Path(build.__file__).parent
+assert root.parents[1] == Path.cwd()
 print(cache_key("AxisRig.Drives.ServoAxis"))
 for name in sys.stdin.read().splitlines():
     file = root / name
@@ -144,7 +144,8 @@ print(cache_key("AxisRig.Drives.ServoAxis"))
 
 def test_cache_key_changes_with_every_file_of_exporter_and_library(tmp_path):
     """On a copy that is imported in its own place."""
-    shutil.copytree(EXPORTER, tmp_path / "fmus", ignore=shutil.ignore_patterns("__pycache__"))
+    aside = shutil.ignore_patterns("__pycache__")
+    shutil.copytree(EXPORTER, tmp_path / "axisrig" / "fmus", ignore=aside)
     ended = subprocess.run(
         [sys.executable, "-c", KEYS], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)},
         input="\n".join(path.as_posix() for path in FILES),

@@ -5,7 +5,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from fmus import CATALOGUE, FMI_VERSIONS, MODELS, ensure_built
+from axisrig.fmus import CATALOGUE, FMI_VERSIONS, MODELS, ensure_built
 
 
 @pytest.fixture

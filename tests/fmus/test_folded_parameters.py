@@ -5,7 +5,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
 
-import fmus.build as building
+import axisrig.fmus.build as building
 
 LIBRARY = """package Small
   model Held

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from fmus import BuildError
+from axisrig.fmus import BuildError
 
 CLASSES = """
   function series "sum of u^k/k! by a loop"

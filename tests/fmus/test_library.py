@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from fmpy import read_model_description
 
-from fmus import MODELS, ensure_built
-from fmus.build import LIBRARY
+from axisrig.fmus import MODELS, ensure_built
+from axisrig.fmus.build import LIBRARY
 
 FILES = sorted(LIBRARY.rglob("*.mo"))
 
@@ -84,7 +84,9 @@ def test_every_declared_parameter_can_be_set(model):
 
 
 def test_readme_names_every_input_output_and_parameter():
-    words = set(re.findall(r"`(\w+)`", (LIBRARY.parent / "README.md").read_text(encoding="utf-8")))
+    words = set(
+        re.findall(r"`(\w+)`", (LIBRARY.parents[2] / "README.md").read_text(encoding="utf-8"))
+    )
     for model in MODELS:
         description = read_model_description(str(ensure_built(model)))
         shown = {v.name for v in description.modelVariables if v.causality != "local"}

@@ -7,8 +7,8 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from fmus import BuildError
-from fmus.build import build
+from axisrig.fmus import BuildError
+from axisrig.fmus.build import build
 
 LIBRARY = """package Small
   model Spring

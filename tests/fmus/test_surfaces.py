@@ -5,7 +5,7 @@ import random
 import numpy as np
 import pytest
 
-from fmus.build import build
+from axisrig.fmus.build import build
 
 WAVES = 4
 # Name, largest magnitude, and whether it may be negative.

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from fmus.writing.units import BASE, UnitError, read_unit
+from axisrig.fmus.writing.units import BASE, UnitError, read_unit
 
 # text: factor to SI base units, exponents of them (those that are not 0)
 KNOWN = {

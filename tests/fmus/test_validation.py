@@ -14,9 +14,9 @@ import numpy as np
 import pytest
 from fmpy import fmi3
 
-from fmus.build import CATALOGUE, LIBRARY, build, cache_key, place_in_cache
+from axisrig.fmus.build import CATALOGUE, LIBRARY, build, cache_key, place_in_cache
 
-VALIDATION = LIBRARY.parent / "validation"
+VALIDATION = Path(__file__).parent / "validation"
 STEP_S = 50e-6  # internal step of the validation models of parts
 # The validation of a model that is an FMU itself has its internal step.
 STEPS_S = {name.rpartition(".")[2]: row.step_s for name, row in CATALOGUE.items()}

@@ -13,21 +13,26 @@ from typing import Any
 
 import pytest
 
-from bench.bus.canopen_sim import SimNetwork
-from bench.bus.segment import Segment
-from bench.drive.eds import object_dictionary
-from bench.drive.profile import DriveProfile
-from kernel.channel import AxisSettings, Channel, CycleTiming
-from kernel.clock import MS, US, S
-from kernel.cosim.scheduler import Scheduler
-from kernel.drives.link import AxisLink
-from kernel.drives.link_settings import LinkSettings
-from kernel.drives.sdo import SdoClient
-from kernel.drives.startup import DriveAddress, StartUp
-from kernel.drives.startup_steps import BusSettings, Scaling, StartUpSettings, start_up_steps
-from kernel.motion.dynamics import Dynamics, Motion
-from kernel.motion.profile import Slope
-from kernel.nc import canon
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming
+from axisrig.kernel.clock import MS, US, S
+from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.sdo import SdoClient
+from axisrig.kernel.drives.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.startup_steps import (
+    BusSettings,
+    Scaling,
+    StartUpSettings,
+    start_up_steps,
+)
+from axisrig.kernel.motion.dynamics import Dynamics, Motion
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.nc import canon
 
 NODE_ID = 5
 PER_REVOLUTION, LEAD_MM = 1 << 20, 10

@@ -6,9 +6,9 @@ from collections.abc import Callable
 import can
 import pytest
 
-from bench.bus.deadlines import Deadlines
-from bench.bus.outside import OutsideSegment
-from bench.bus.paced import PacedScheduler, Pacing, RealTime
+from axisrig.bench.bus.deadlines import Deadlines
+from axisrig.bench.bus.outside import OutsideSegment
+from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
 
 US, MS = 1_000, 1_000_000
 

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from bench.bus.deadlines import Deadlines
-from bench.cli import main
-from bench.rig.file import read_rig
-from bench.rig.outside import check_outside, outside_axes, simulated_plants
-from bench.rig.settings import read_settings
-from kernel.errors import UserError
-from reports.realtime import real_time
+from axisrig.bench.bus.deadlines import Deadlines
+from axisrig.bench.cli import main
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.outside import check_outside, outside_axes, simulated_plants
+from axisrig.bench.rig.settings import read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.reports.realtime import real_time
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
 Call = Callable[..., tuple[int, str, str]]

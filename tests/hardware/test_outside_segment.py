@@ -7,11 +7,11 @@ from typing import Any
 import can
 import pytest
 
-from bench.bus.faults import FrameFault
-from bench.bus.hardware import interface_names, open_bus, parse_options
-from bench.bus.record import FrameHash
-from kernel.clock import Phase
-from kernel.errors import UserError
+from axisrig.bench.bus.faults import FrameFault
+from axisrig.bench.bus.hardware import interface_names, open_bus, parse_options
+from axisrig.bench.bus.record import FrameHash
+from axisrig.kernel.clock import Phase
+from axisrig.kernel.errors import UserError
 
 MS = 1_000_000
 

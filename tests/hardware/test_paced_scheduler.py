@@ -3,9 +3,9 @@
 from functools import partial
 from typing import Any
 
-from bench.bus.deadlines import BINS_US, Deadlines
-from bench.bus.outside import OutsideSegment
-from kernel.clock import Phase
+from axisrig.bench.bus.deadlines import BINS_US, Deadlines
+from axisrig.bench.bus.outside import OutsideSegment
+from axisrig.kernel.clock import Phase
 
 US, MS = 1_000, 1_000_000
 SYNC, TPDO = 0x80, 0x183

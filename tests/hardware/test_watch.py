@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from bench.bus.frame import data_frame
-from bench.drive.image import ProcessImage
-from bench.run.watch import Watcher
-from kernel.drives.ds402 import State
+from axisrig.bench.bus.frame import data_frame
+from axisrig.bench.drive.image import ProcessImage
+from axisrig.bench.run.watch import Watcher
+from axisrig.kernel.drives.ds402 import State
 
 
 @pytest.mark.parametrize(

@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-import kernel
-from kernel.errors import Alarm, CatalogueEntry, UserError, catalogue, nearest
+import axisrig.kernel
+from axisrig.kernel.errors import Alarm, CatalogueEntry, UserError, catalogue, nearest
 
-KERNEL = Path(kernel.__path__[0])
+KERNEL, BENCH = Path(axisrig.kernel.__path__[0]), Path(axisrig.bench.__path__[0])
 ENTRIES = list(catalogue().values())
 OURS = "axisrig (no ID documented)"
 
@@ -112,7 +112,7 @@ def _name(function: ast.expr) -> str:
 def raised() -> list[tuple[str, int, set[str]]]:
     """Find every `Alarm(<number>, name=...)`, also by `context.alarm`, in the sources."""
     calls = []
-    for path in sorted([*KERNEL.rglob("*.py"), *KERNEL.parent.glob("bench/**/*.py")]):
+    for path in sorted([*KERNEL.rglob("*.py"), *BENCH.rglob("*.py")]):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if (
                 isinstance(node, ast.Call)

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import kernel.motion
-from kernel.motion.dynamics import (
+import axisrig.kernel.motion
+from axisrig.kernel.motion.dynamics import (
     CHANNEL_SETTINGS,
     Dynamics,
     Motion,
@@ -18,8 +18,8 @@ from kernel.motion.dynamics import (
     effective_row,
     path_dynamics,
 )
-from kernel.motion.profile import Slope, plan
-from kernel.parameters import ParameterSet
+from axisrig.kernel.motion.profile import Slope, plan
+from axisrig.kernel.parameters import ParameterSet
 
 PROFILE = "getriebe[0].lslope_profil"
 # Every parameter another value, so that the values tell which parameters act.
@@ -107,7 +107,7 @@ def test_exactly_one_row_holds_for_every_setting(motion: Motion) -> None:
 
 
 def test_tables_refer_to_each_other() -> None:
-    folder = Path(kernel.motion.__path__[0])
+    folder = Path(axisrig.kernel.motion.__path__[0])
     with (folder / "slopes.csv").open(encoding="utf-8", newline="") as file:
         slopes = {row["slope"] for row in csv.DictReader(file)}
     with (folder / "measuring_dynamics.csv").open(encoding="utf-8", newline="") as file:

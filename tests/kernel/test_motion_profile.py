@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, example, given
 from hypothesis import strategies as st
 
-from kernel.motion.profile import Profile, Slope, plan
+from axisrig.kernel.motion.profile import Profile, Slope, plan
 
 ONE_STEP = Slope(1000.0, 1000.0, 50.0)
 

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kernel.motion.profile import Slope, plan
-from kernel.motion.timed import speed_for
+from axisrig.kernel.motion.profile import Slope, plan
+from axisrig.kernel.motion.timed import speed_for
 
 SLOPE = Slope(1000.0, 1000.0, 1000.0)
 

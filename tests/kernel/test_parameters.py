@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.parameters import (
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters import (
     INTEGER_RANGES,
     KINDS,
     UNITS,

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.settings import as_written, read_settings
-from kernel.channel import Channel
-from kernel.nc.text.parser import read_program
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.channel import Channel
+from axisrig.kernel.nc.text.parser import read_program
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 SYNC_BITS = 48

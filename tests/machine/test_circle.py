@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.settings import as_written, read_settings
-from kernel.nc import canon
-from kernel.nc.text.parser import parse_program
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.text.parser import parse_program
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-xyz.toml"
 RADIUS_MM, FEED_MM_MIN = 50.0, 2000.0

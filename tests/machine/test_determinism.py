@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from bench.plan.plan import read_plan
-from bench.run.runner import run_case
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.run.runner import run_case
 
 Run = Callable[..., Any]
 ROOT = Path(__file__).parents[2]
@@ -43,7 +43,7 @@ def folders(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     started, out = [], []
     for jobs, seed in ((1, "0"), (2, "4711")):
         folder = tmp_path_factory.mktemp(f"out{seed}") / "same"
-        command = [sys.executable, "-m", "bench.cli", "run", str(plan), "-o", str(folder)]
+        command = [sys.executable, "-m", "axisrig.bench.cli", "run", str(plan), "-o", str(folder)]
         started.append(
             subprocess.Popen(
                 [*command, "-j", str(jobs), "--bus-log", "blf,candump,pcap"],

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.rig.distance.check import describe_distance
-from bench.rig.file import read_rig
-from bench.rig.settings import read_settings
+from axisrig.bench.rig.distance.check import describe_distance
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.settings import read_settings
 
 Run = Callable[..., Any]
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from bench.rig.machine import Machine
-from fmus.build import LIBRARY, build
+from axisrig.bench.rig.machine import Machine
+from axisrig.fmus.build import LIBRARY, build
 
 WITNESS = """within AxisRig.Drives;
 model WitnessAxis "Servo axis that notes when it passes a place"

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.run.plc import plc_side
-from bench.run.single import run_program
-from kernel.clock import MS, S
-from kernel.errors import UserError
+from axisrig.bench.run.plc import plc_side
+from axisrig.bench.run.single import run_program
+from axisrig.kernel.clock import MS, S
+from axisrig.kernel.errors import UserError
 
 RunNc = Callable[..., Any]
 BASE = "probe-z.toml"

@@ -11,17 +11,23 @@ from typing import Any
 
 import pytest
 
-from bench.plan.checks import judge, parse_check
-from bench.plan.verdict import Verdict
-from bench.rig.file import read_rig
-from bench.rig.latches import SdoRoom, describe_latches, sdo_room, unproved_axes, unproved_notes
-from bench.rig.settings import Settings, read_settings
-from bench.run.campaign import check_file, run_campaign
-from bench.run.metrics import observe
-from bench.run.observe import Observed
-from bench.run.runner import no_stopwatch
-from bench.run.single import run_program
-from reports.build import build_report
+from axisrig.bench.plan.checks import judge, parse_check
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.latches import (
+    SdoRoom,
+    describe_latches,
+    sdo_room,
+    unproved_axes,
+    unproved_notes,
+)
+from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.bench.run.campaign import check_file, run_campaign
+from axisrig.bench.run.metrics import observe
+from axisrig.bench.run.observe import Observed
+from axisrig.bench.run.runner import no_stopwatch
+from axisrig.bench.run.single import run_program
+from axisrig.reports.build import build_report
 
 RunNc = Callable[..., Any]
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from fmus import MODELS, ensure_built
+from axisrig.fmus import MODELS, ensure_built
 
 pytestmark = pytest.mark.long
 
@@ -41,7 +41,7 @@ LOST = "meas1 without the latch telegram of Z"
 def _command(name: str) -> list[str]:
     program = name.partition(" ")[0]
     rig = "probe-xyz-55.toml" if program == "meas4" else "probe-xyz.toml"
-    command = [sys.executable, "-m", "bench.cli", "nc", str(PROGRAMS / f"{program}.nc")]
+    command = [sys.executable, "-m", "axisrig.bench.cli", "nc", str(PROGRAMS / f"{program}.nc")]
     command += ["--rig", str(RIGS / rig)]
     return [*command, "--set", "fault:drop=Z.TPDO2"] if name == LOST else command
 

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from bench.plan.checks import parse_check
-from bench.run.metrics import observe
-from bench.run.observe import Touch
-from kernel.clock import MS, US
-from kernel.cosim.probe import Contact
+from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.run.metrics import observe
+from axisrig.bench.run.observe import Touch
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.probe import Contact
 
 CONTACT_NS = 123_456_789
 

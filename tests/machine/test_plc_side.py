@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from bench.run.observe import Observed
-from bench.run.plc import plc_log, plc_side
-from kernel.clock import MS
-from kernel.drives import mapping
-from kernel.errors import UserError
+from axisrig.bench.run.observe import Observed
+from axisrig.bench.run.plc import plc_log, plc_side
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives import mapping
+from axisrig.kernel.errors import UserError
 
 RunNc = Callable[..., Any]
 BASE = "drive-functions.toml"

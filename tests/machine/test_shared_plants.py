@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-from kernel.errors import UserError
 from tests.machine.conftest import RunNc
+
+from axisrig.kernel.errors import UserError
 
 COUPLED = "N20 #SET AX LINK[1, [X2=X,G,15,20]]\nN30 #ENABLE AX LINK[1]\n"
 PAIR = "gantry-pair.toml"

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from bench.run.observe import Observed
-from kernel.errors import Alarm
+from axisrig.bench.run.observe import Observed
+from axisrig.kernel.errors import Alarm
 
 Run = Callable[..., Any]
 PLANS = Path(__file__).parents[2] / "testplans"

@@ -7,16 +7,16 @@ from typing import Any
 
 import pytest
 
-from bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from bench.bus.record import FrameHash
-from bench.drive.eds import object_dictionary
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.parts import build_nodes, build_segments
-from bench.rig.plants import build_plant, check_plants, start_plant
-from bench.rig.settings import as_written, read_settings
-from kernel.clock import MS
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
+from axisrig.bench.bus.record import FrameHash
+from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.parts import build_nodes, build_segments
+from axisrig.bench.rig.plants import build_plant, check_plants, start_plant
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 RIG = Path("testplans/rigs/homing-z.toml")
 UNITS_PER_MM = 2**20 / 10

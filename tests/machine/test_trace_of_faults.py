@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from bench.scenarios.campaign import examine
-from bench.scenarios.scenario import Scenario
+from axisrig.bench.scenarios.campaign import examine
+from axisrig.bench.scenarios.scenario import Scenario
 
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 

@@ -14,15 +14,15 @@ from pathlib import Path
 import can
 import pytest
 
-from bench.bus.dissect import Dissected, dissect
-from bench.bus.faults import ErrorAtBit
-from bench.bus.frame import Frame
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.settings import as_written, read_settings
-from kernel.clock import MS, Phase
-from kernel.nc.text.parser import read_program
+from axisrig.bench.bus.dissect import Dissected, dissect
+from axisrig.bench.bus.faults import ErrorAtBit
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.clock import MS, Phase
+from axisrig.kernel.nc.text.parser import read_program
 
 TSHARK = shutil.which("tshark")
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.run.single import run_program
-from kernel.errors import UserError
+from axisrig.bench.run.single import run_program
+from axisrig.kernel.errors import UserError
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-xyz.toml"
 GiveUp = Callable[..., str]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from kernel.measuring.latest_edge import Arrival, LatestEdge, StampClock
+from axisrig.kernel.measuring.latest_edge import Arrival, LatestEdge, StampClock
 
 MS = 1_000_000
 REST = 10  # SYNC

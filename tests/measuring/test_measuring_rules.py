@@ -4,16 +4,16 @@ from math import inf, sqrt
 
 import pytest
 
-from kernel.measuring.rules import (
+from axisrig.kernel.measuring.rules import (
     MeasuringAxis,
     highest_speed,
     lengthened,
     misses_signal,
     speed_within,
 )
-from kernel.motion.profile import Slope
-from kernel.nc.measuring_types import measuring_types
-from kernel.parameters import ParameterSet
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.nc.measuring_types import measuring_types
+from axisrig.kernel.parameters import ParameterSet
 
 FLAT = Slope(1000.0, 1000.0, 100.0)
 TYPES = measuring_types()

@@ -4,9 +4,9 @@ from dataclasses import dataclass, field
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.measuring.latest_edge import Arrival, StampClock
-from kernel.measuring.run import (
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.latest_edge import Arrival, StampClock
+from axisrig.kernel.measuring.run import (
     CHECK_CYCLES_MAX,
     HANDSHAKE_CYCLES_MAX,
     PROOF_CYCLES_MAX,

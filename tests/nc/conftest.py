@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
-from kernel.nc.coordinates import OffsetTables
-from kernel.nc.decoder import Interpreter
-from kernel.nc.text.parser import parse_program, read_program
+from axisrig.kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
+from axisrig.kernel.nc.coordinates import OffsetTables
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program, read_program
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 XYZ = ("X", "Y", "Z")

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from kernel.nc.coordinates import CircleWords, Coordinates, Frame, GeometryError
-from kernel.nc.coordinates.circle import plane_arc
-from kernel.nc.coordinates.places import PLANES
+from axisrig.kernel.nc.coordinates import CircleWords, Coordinates, Frame, GeometryError
+from axisrig.kernel.nc.coordinates.circle import plane_arc
+from axisrig.kernel.nc.coordinates.places import PLANES
 
 XYZ = ("X", "Y", "Z")
 LENGTHS = st.floats(-1000, 1000)

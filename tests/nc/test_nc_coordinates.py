@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from kernel.nc.coordinates import Coordinates, Frame
+from axisrig.kernel.nc.coordinates import Coordinates, Frame
 
 XYZ = ("X", "Y", "Z")
 LENGTHS = st.floats(-1000, 1000)

@@ -7,10 +7,10 @@ from unittest.mock import patch
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kernel.errors import Alarm, UserError
-from kernel.nc import canon
-from kernel.nc.decoder import Interpreter, interpreter
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.decoder import Interpreter, interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
 HEAD = (

@@ -4,11 +4,11 @@ import math
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc.canon import ArcMove, Block, LinearMove
-from kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
-from kernel.nc.decoder import Interpreter
-from kernel.nc.syntax import Assign, Number, Program, ProgramBlock, Variable, Words
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import ArcMove, Block, LinearMove
+from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.syntax import Assign, Number, Program, ProgramBlock, Variable, Words
 
 XYZ = ("X", "Y", "Z")
 

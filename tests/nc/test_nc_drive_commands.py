@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.nc import canon
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.text.parser import parse_program
 
 AXES = ("X", "Y", "Z")
 

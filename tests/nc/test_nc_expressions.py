@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from kernel.nc.expressions import (
+from axisrig.kernel.nc.expressions import (
     FUNCTIONS,
     OPERATORS,
     DivisionByZero,
@@ -16,7 +16,7 @@ from kernel.nc.expressions import (
     is_true,
     value_of,
 )
-from kernel.nc.syntax import Call, Chain, Negative, Not, Number, Text, Variable
+from axisrig.kernel.nc.syntax import Call, Chain, Negative, Not, Number, Text, Variable
 
 
 def n(value):

@@ -2,9 +2,9 @@
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.nc.canon import LinearMove, Message
-from kernel.nc.decoder import interpreter
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc.canon import LinearMove, Message
+from axisrig.kernel.nc.decoder import interpreter
 
 
 def path(run, text, **options):

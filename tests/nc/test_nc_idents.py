@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.nc import canon
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.text.parser import parse_program
 
 AXES = ("X", "Y", "Z")
 WRITE = "#IDENT WR SYN [AXNR 1 ID S-0-0092 VAL=100 TYP 2 DEC 0 SERC]"

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message
 
 XYZ = ("X", "Y", "Z")
 

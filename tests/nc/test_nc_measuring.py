@@ -4,9 +4,9 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc.canon import MeasuringRun, Message
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import MeasuringRun, Message
+from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc.canon import Message, Wait
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import Message, Wait
 
 
 def messages(run, text, **options):

@@ -2,10 +2,10 @@
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc import not_acting
-from kernel.nc.canon import LinearMove
-from kernel.nc.text.check import check_program
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import not_acting
+from axisrig.kernel.nc.canon import LinearMove
+from axisrig.kernel.nc.text.check import check_program
 
 # What the language has to do by now, as the project has set it out; what belongs to 3D distance
 # control, to SERCOS and to kinematics comes later.

@@ -2,10 +2,10 @@
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, forms
-from kernel.nc.coordinates.tables import Lists
-from kernel.parameters import Origin
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, forms
+from axisrig.kernel.nc.coordinates.tables import Lists
+from axisrig.kernel.parameters import Origin
 
 # After TF5200 zero offsets 103727115 and tool data 104781195
 ZERO_LIST = """\

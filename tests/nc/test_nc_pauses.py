@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc import canon
-from kernel.nc.canon import Block
-from kernel.nc.decoder import Interpreter
-from kernel.nc.syntax import (
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.syntax import (
     Chain,
     Command,
     Number,

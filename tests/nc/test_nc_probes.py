@@ -5,9 +5,15 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.nc.canon import DefaultProbes, MeasuringRun, Message, PrepareProbe, ProbeSettings
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc.canon import (
+    DefaultProbes,
+    MeasuringRun,
+    Message,
+    PrepareProbe,
+    ProbeSettings,
+)
+from axisrig.kernel.nc.text.parser import parse_program
 
 RUN = "\nG100 X9 F100"
 

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message, Wait
-from kernel.nc.text.parser import read_program
+from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, MeasuringRun, Message, Wait
+from axisrig.kernel.nc.text.parser import read_program
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 START = {"X": 0.0, "Y": 0.0, "Z": 300.0}

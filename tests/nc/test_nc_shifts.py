@@ -1,11 +1,14 @@
 """How shifts and tools add up, by hand and with the examples of the manuals."""
 
+import math
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kernel.nc.coordinates import Coordinates, Frame, Tool
-from kernel.nc.coordinates.places import PLANES, main_places
+from axisrig.kernel.nc.coordinates import Coordinates, Frame, Tool
+from axisrig.kernel.nc.coordinates.places import PLANES, main_places
+from axisrig.kernel.nc.coordinates.stack import SAME_POSITION_MM
 
 XYZ = ("X", "Y", "Z")
 
@@ -179,11 +182,15 @@ def test_ten_metres_keep_a_tenth_of_a_micrometre():
     st.tuples(*[st.floats(-10_000, 10_000)] * 3),
 )
 def test_under_a_system_ten_metres_come_back_to_a_millionth_of_a_micrometre(angles, origin, point):
+    """An axis that a system moves by less than SAME_POSITION_MM stays: turned back, the three
+    together are as much as the diagonal of that cube away in one axis.
+    """
     coordinates = at()
     coordinates.switch_on(Frame.of([*origin, *angles]))
     go(coordinates, **dict(zip(XYZ, point, strict=True)))
     coordinates.stand_at(dict(coordinates.acs_mm))
-    assert [coordinates.absolute_mm(a) for a in XYZ] == pytest.approx(point, abs=1e-9)
+    kept = pytest.approx(point, abs=math.sqrt(3) * SAME_POSITION_MM)
+    assert [coordinates.absolute_mm(a) for a in XYZ] == kept
 
 
 @pytest.mark.parametrize(

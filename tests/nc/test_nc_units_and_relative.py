@@ -2,9 +2,9 @@
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc.canon import ArcMove, LinearMove, Message
-from kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import ArcMove, LinearMove, Message
+from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
 
 XYZ = ("X", "Y", "Z")
 

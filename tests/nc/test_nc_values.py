@@ -2,10 +2,10 @@
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.nc.canon import EndOfProgram, LinearMove, Message, Wait
-from kernel.nc.decoder import Interpreter
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.canon import EndOfProgram, LinearMove, Message, Wait
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 
 XYZ = ("X", "Y", "Z")
 

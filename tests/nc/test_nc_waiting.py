@@ -1,12 +1,12 @@
 """Loops that wait for the PLC side where nothing changes it: they end at once, with a name."""
 
 import pytest
-
-from kernel.errors import Alarm
-from kernel.nc.canon import Wait
-from kernel.nc.decoder import Interpreter
-from kernel.nc.text.parser import parse_program
 from tests.nc.conftest import PlaneMachine
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.canon import Wait
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 
 AXES = ("X", "Y", "Z")
 MANY = 200

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from bench.oracles.fixed_stop.timing import (
+from axisrig.bench.oracles.fixed_stop.timing import (
     Approach,
     Cycles,
     Instant,

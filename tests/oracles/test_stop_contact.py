@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from bench.oracles.fixed_stop.contact import StopPath, first_contact, penetrations
+from axisrig.bench.oracles.fixed_stop.contact import StopPath, first_contact, penetrations
 
 STEP_S = 1e-3
 ROWS = np.arange(40)

@@ -4,11 +4,17 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.oracles.fixed_stop.following import Course, begin_of_last, follow, lasting, shifted
-from bench.oracles.fixed_stop.lists import Limits
-from bench.oracles.fixed_stop.prediction import Motion, false_triggers
-from bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop
-from bench.oracles.fixed_stop.timing import Cycles
+from axisrig.bench.oracles.fixed_stop.following import (
+    Course,
+    begin_of_last,
+    follow,
+    lasting,
+    shifted,
+)
+from axisrig.bench.oracles.fixed_stop.lists import Limits
+from axisrig.bench.oracles.fixed_stop.prediction import Motion, false_triggers
+from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop
+from axisrig.bench.oracles.fixed_stop.timing import Cycles
 
 MS = 1_000_000
 CYCLES = Cycles(MS, (0, 0), delay_cycles=2)  # e(k) is demand less encoder of the same SYNC

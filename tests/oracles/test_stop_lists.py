@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.oracles.fixed_stop.lists import Limits, arming_mm, limits_as_written
+from axisrig.bench.oracles.fixed_stop.lists import Limits, arming_mm, limits_as_written
 
 CYCLE_NS = 2_000_000
 M, A = "kenngr.measure.fixed_stop_detect.", "antr.fixed_stop.detect."

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.oracles.fixed_stop.pressing import DAMPED_MAX, Axis, Pressing, Stop
+from axisrig.bench.oracles.fixed_stop.pressing import DAMPED_MAX, Axis, Pressing, Stop
 
 STOP = Stop(1, 20e6)
 SLIDE = Axis(191.0)

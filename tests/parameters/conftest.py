@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.parameters import Kind, ParameterSet, read_sections
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters import Kind, ParameterSet, read_sections
 
 Listed = Callable[..., ParameterSet]
 Sections = Callable[..., list[ParameterSet]]

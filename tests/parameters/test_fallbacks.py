@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from kernel.parameters import (
+from axisrig.kernel.parameters import (
     KINDS,
     UNITS,
     Kind,

@@ -8,8 +8,8 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from kernel.errors import UserError
-from kernel.parameters import (
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters import (
     KINDS,
     Kind,
     Origin,
@@ -21,7 +21,7 @@ from kernel.parameters import (
     write_list,
     written,
 )
-from kernel.parameters.errata import meant
+from axisrig.kernel.parameters.errata import meant
 
 Listed = Callable[..., ParameterSet]
 Sections = Callable[..., list[ParameterSet]]

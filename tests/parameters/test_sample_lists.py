@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.parameters import Kind, ParameterSet, Value, read_sections, write_list
-from kernel.parameters.errata import errata, meant
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.parameters import Kind, ParameterSet, Value, read_sections, write_list
+from axisrig.kernel.parameters.errata import errata, meant
 
 Sections = Callable[..., list[ParameterSet]]
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.parameters import (
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.parameters import (
     Kind,
     Origin,
     ParameterSet,

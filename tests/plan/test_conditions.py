@@ -7,15 +7,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bench.plan.checks import (
+from axisrig.bench.plan.checks import (
     Check,
     known_metrics,
     parse_check,
     parse_condition,
     value_text,
 )
-from bench.plan.verdict import Verdict
-from kernel.errors import UserError, catalogue
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.kernel.errors import UserError, catalogue
 
 P, M, INC, F = Verdict.PASS, Verdict.MARGINAL, Verdict.INCONCLUSIVE, Verdict.FAIL
 

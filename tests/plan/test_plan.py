@@ -7,8 +7,8 @@ from zipfile import ZipFile
 
 import pytest
 
-from bench.plan.plan import parse_assignment, read_plan
-from kernel.errors import UserError
+from axisrig.bench.plan.plan import parse_assignment, read_plan
+from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
 

@@ -11,13 +11,13 @@ import pyarrow.parquet as pq
 import pytest
 from results_setup import TEXT, rows, run_case, write
 
-from bench.plan.plan import Plan, read_plan
-from bench.plan.verdict import Verdict
-from bench.results.folder import recover
-from bench.results.lock import FolderLock
-from bench.results.stored import read_results
-from bench.results.writer import ResultsWriter
-from kernel.errors import UserError
+from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.results.folder import recover
+from axisrig.bench.results.lock import FolderLock
+from axisrig.bench.results.stored import read_results
+from axisrig.bench.results.writer import ResultsWriter
+from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
 

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 
-from bench.plan.verdict import Verdict, exit_code, worst
+from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 
 ORDER = ["pass", "marginal", "inconclusive", "fail", "aborted", "error"]
 

@@ -8,11 +8,11 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
-from bench.plan import workbook
-from bench.plan.plan import read_plan
-from bench.plan.workbook import cell_name
-from bench.run import campaign
-from kernel.errors import UserError
+from axisrig.bench.plan import workbook
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.workbook import cell_name
+from axisrig.bench.run import campaign
+from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
 
@@ -220,7 +220,7 @@ def test_a_cell_far_away_does_not_abort_the_process(place: Path) -> None:
     path = far_away(place, "first sheet")
     limit = 4 << 30
     ended = subprocess.run(
-        [sys.executable, "-m", "bench.cli", "check", path],
+        [sys.executable, "-m", "axisrig.bench.cli", "check", path],
         cwd=ROOT, capture_output=True, text=True, check=False, timeout=60,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (limit, limit)),
     )  # fmt: skip

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-
 from tests.plans.distance_law import BOTH, HEIGHT, SURFACE, Setup
 
 Signal = npt.NDArray[np.float64]

@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import pytest
-
 from tests.plans.distance_law import BOTH, CONST, SURFACE, Setup, rows
 from tests.plans.distance_walk import GAP, alarm, settled, walk, wanted
 

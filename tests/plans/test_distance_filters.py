@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from bench.oracles.distance import filters
+from axisrig.bench.oracles.distance import filters
 
 PLAN = Path(__file__).parents[2] / "testplans" / "distance_filters.csv"
 PREFIX = "set:Z.kenngr.distc."

@@ -20,7 +20,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PLANS = ROOT / "testplans"
 RIGS = PLANS / "rigs"
-MODEL = (ROOT / "fmus/AxisRig/Drives/GantryPair.mo").read_text(encoding="utf-8")
+MODEL = (ROOT / "fmus/axisrig/fmus/AxisRig/Drives/GantryPair.mo").read_text(encoding="utf-8")
 SYNC_S = 48e-6  # test_shipped_bands.py recomputes it
 SLAVES = "set:X.kenngr.measure.fixed_stop_detect.use_gantry_slave"
 DETECTION, VALUE = "check:contact_to_detection_ms", "check:msg:N126"

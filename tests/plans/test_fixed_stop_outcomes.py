@@ -3,7 +3,6 @@
 import re
 
 import pytest
-
 from tests.plans.fixed_stop_law import Axis, axes, axis
 from tests.plans.fixed_stop_setup import PLANS, band, is_rounded, most, rows
 

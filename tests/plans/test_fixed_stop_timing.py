@@ -1,7 +1,6 @@
 """Instants of testplans/fixed_stop_timing.csv from closed forms; nothing of the bench."""
 
 import pytest
-
 from tests.plans.fixed_stop_law import Axis, axes, axis
 from tests.plans.fixed_stop_setup import band, is_rounded, rows, tolerance
 

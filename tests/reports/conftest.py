@@ -7,10 +7,16 @@ import numpy.typing as npt
 import pyarrow as pa
 import pytest
 
-from bench.plan.checks import CheckResult, judge
-from bench.plan.plan import Case, read_plan
-from bench.plan.verdict import Verdict, worst
-from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest, no_values
+from axisrig.bench.plan.checks import CheckResult, judge
+from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.results.writer import (
+    CaseResult,
+    Event,
+    ResultsWriter,
+    build_manifest,
+    no_values,
+)
 
 FEEDS_MM_S = (1.0, 2.0, 5.0, 10.0, 16.7, 25.0, 50.0)
 KV = 10.0

@@ -11,12 +11,12 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from bench.oracles.distance.lists import Control, Limits
-from bench.oracles.distance.loop import CONST_DIST, SET_POS, Loop, growth
-from bench.oracles.distance.model import Law
-from bench.oracles.distance.smoothing import of_control
-from bench.oracles.distance.stability import kp_limit
-from reports.distance.signals import STATES
+from axisrig.bench.oracles.distance.lists import Control, Limits
+from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS, Loop, growth
+from axisrig.bench.oracles.distance.model import Law
+from axisrig.bench.oracles.distance.smoothing import of_control
+from axisrig.bench.oracles.distance.stability import kp_limit
+from axisrig.reports.distance.signals import STATES
 
 MS = 1_000_000
 LIMITS = Limits(100.0, 5000.0, 5.0, 2000.0, -8.0, 8.0)

@@ -1,28 +1,29 @@
 """What the report tells of distance control, on runs made of formulas."""
 
 import json
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pytest
-
-from bench.oracles.distance.lists import Control
-from bench.oracles.distance.loop import CONST_DIST
-from bench.plan.checks import judge
-from bench.plan.plan import read_plan
-from bench.plan.verdict import Verdict
-from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest
-from kernel.errors import UserError
-from reports.build import build_report
-from reports.distance.path import drawing, ticks
-from reports.distance.section import sections
-from reports.distance.signals import with_surfaces
-from reports.distance.words import law_words
-from reports.signals import chart
 from tests.reports.distances import MS, info, law, samples, trace
 from tests.reports.test_report import Page
+
+from axisrig.bench.oracles.distance.lists import Control
+from axisrig.bench.oracles.distance.loop import CONST_DIST
+from axisrig.bench.plan.checks import judge
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest
+from axisrig.kernel.errors import UserError
+from axisrig.reports.build import build_report
+from axisrig.reports.distance.path import drawing, ticks
+from axisrig.reports.distance.section import sections
+from axisrig.reports.distance.signals import with_surfaces
+from axisrig.reports.distance.words import law_words
+from axisrig.reports.signals import chart
 
 ALARMS = {"ID 70331": "Distance control of axis Z wants an offset of 5.004 mm"}
 SAMPLES = {sample.name: sample for sample in samples()}
@@ -142,7 +143,8 @@ def test_measured_spread_and_closed_form_have_the_unit_of_their_column() -> None
     """0.4 um with a spread of 0.1 um, under headings in um."""
     (row,) = shown("profile")["errors"]
     assert (row["measured"], row["spread"]) == ("0.40", "0.10")
-    page = (Path(__file__).parents[2] / "reports" / "distance" / "section.html").read_text("utf-8")
+    folder = resources.files("axisrig.reports.distance")
+    page = folder.joinpath("section.html").read_text("utf-8")
     head = page.split("Too near at the end of")[1].split("</tr>")[0]
     assert [word in head for word in ("true µm", "± µm", "closed form µm")] == [True] * 3
 

@@ -6,11 +6,11 @@ from typing import Any
 
 import pyarrow.parquet as pq
 import pytest
+from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
-from bench.cli import app
-from reports.signals import chart, signals
-from tests.reports.test_report import Page
+from axisrig.bench.cli import app
+from axisrig.reports.signals import chart, signals
 
 PLANS = Path(__file__).parents[2] / "testplans"
 CHAPTER_10 = PLANS / "distance_chapter10.csv"

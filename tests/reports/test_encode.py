@@ -17,8 +17,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from reports.build import build_report
-from reports.encode import encode_signal, pack
+from axisrig.reports.build import build_report
+from axisrig.reports.encode import encode_signal, pack
 
 Array = npt.NDArray[np.float64]
 

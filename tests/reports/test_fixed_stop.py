@@ -11,17 +11,6 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-
-from bench.plan.checks import judge
-from bench.plan.plan import read_plan
-from bench.plan.verdict import Verdict
-from bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest
-from kernel.errors import UserError
-from reports.build import build_report
-from reports.fixed_stop.section import timelines
-from reports.fixed_stop.signals import stops_of, with_changes
-from reports.fixed_stop.timeline import HEIGHT, Row, Span, axis, lane, span_of
-from reports.signals import chart
 from tests.reports.stops import (
     BEGIN,
     CONTACT,
@@ -36,6 +25,17 @@ from tests.reports.stops import (
     trace,
 )
 from tests.reports.test_report import Page
+
+from axisrig.bench.plan.checks import judge
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest
+from axisrig.kernel.errors import UserError
+from axisrig.reports.build import build_report
+from axisrig.reports.fixed_stop.section import timelines
+from axisrig.reports.fixed_stop.signals import stops_of, with_changes
+from axisrig.reports.fixed_stop.timeline import HEIGHT, Row, Span, axis, lane, span_of
+from axisrig.reports.signals import chart
 
 ALARMS = {"ID 900034": "Drive of axis Z is in fault"}
 SAMPLES = {sample.name: sample for sample in samples()}

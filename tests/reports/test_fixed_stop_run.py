@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 
 import pytest
+from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
-from bench.cli import app
-from tests.reports.test_report import Page
+from axisrig.bench.cli import app
 
 PLANS = Path(__file__).parents[2] / "testplans"
 CELLS = {

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
 
 RIG = """\
 title = "one axis"

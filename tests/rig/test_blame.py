@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.check import check_rig
-from bench.rig.settings import Settings
-from kernel.errors import UserError
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
 
 RigWriter = Callable[..., Path]
 Read = Callable[..., Settings]

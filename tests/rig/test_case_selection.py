@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.plan import Case
-from bench.plan.select import matches
-from kernel.errors import UserError
+from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.select import matches
+from axisrig.kernel.errors import UserError
 
 
 def _case(run: str = "latch-slow", tags: tuple[str, ...] = (), title: str = "") -> Case:

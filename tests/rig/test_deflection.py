@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from bench.rig.deflection import DeflectionLog
-from bench.rig.file import PlantTable
-from bench.rig.plants import check_plant
-from bench.rig.settings import Settings
-from kernel.clock import MS
-from kernel.cosim.probe import Contact
-from kernel.errors import Alarm, UserError
+from axisrig.bench.rig.deflection import DeflectionLog
+from axisrig.bench.rig.file import PlantTable
+from axisrig.bench.rig.plants import check_plant
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.probe import Contact
+from axisrig.kernel.errors import Alarm, UserError
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

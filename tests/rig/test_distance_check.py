@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.oracles.distance.loop import CONST_DIST, SET_POS
-from bench.plan.assignment import parse_assignment
-from bench.rig.distance.check import (
+from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.distance.check import (
     age_warnings,
     describe_distance,
     distance_warnings,
@@ -15,10 +15,10 @@ from bench.rig.distance.check import (
     sensors_of,
     unstable,
 )
-from bench.rig.file import read_rig
-from bench.rig.settings import Settings, as_written, read_settings
-from bench.run.campaign import check_file
-from kernel.errors import UserError
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.run.campaign import check_file
+from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 RATE = "[drive.servo]\npdo_map = "

@@ -6,13 +6,19 @@ from pathlib import Path
 
 import pytest
 
-from bench.drive.eds import eds_text, object_dictionary
-from bench.drive.objects import variables
-from bench.drive.profile import DriveProfile
-from bench.drive.profiles import habits, named_profile, profile_keys, profile_listing, profile_names
-from bench.rig.file import read_rig
-from bench.rig.settings import Settings
-from kernel.errors import UserError
+from axisrig.bench.drive.eds import eds_text, object_dictionary
+from axisrig.bench.drive.objects import variables
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.profiles import (
+    habits,
+    named_profile,
+    profile_keys,
+    profile_listing,
+    profile_names,
+)
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 

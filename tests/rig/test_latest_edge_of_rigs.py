@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.arrival import describe_arrival, stamp_clock
-from bench.rig.master import build_link
-from bench.rig.settings import Settings
-from kernel.measuring.latest_edge import StampClock
+from axisrig.bench.rig.arrival import describe_arrival, stamp_clock
+from axisrig.bench.rig.master import build_link
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.measuring.latest_edge import StampClock
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
 SettingsOf = Callable[..., Settings]

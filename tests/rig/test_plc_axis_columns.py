@@ -2,20 +2,20 @@
 
 import pytest
 
-from bench.plan.assignment import parse_column
-from bench.rig.plc.axis_words import (
+from axisrig.bench.plan.assignment import parse_column
+from axisrig.bench.rig.plc.axis_words import (
     AxisFeedhold,
     ObjectChange,
     SetCourse,
     UnitWrite,
     axis_columns,
 )
-from bench.rig.plc.channel_words import Feedhold
-from bench.rig.plc.override import OverrideCourse
-from bench.rig.plc.words import Moment, Rule, read_rules
-from kernel.clock import MS
-from kernel.distance import DistanceCommand
-from kernel.errors import UserError
+from axisrig.bench.rig.plc.channel_words import Feedhold
+from axisrig.bench.rig.plc.override import OverrideCourse
+from axisrig.bench.rig.plc.words import Moment, Rule, read_rules
+from axisrig.kernel.clock import MS
+from axisrig.kernel.distance import DistanceCommand
+from axisrig.kernel.errors import UserError
 
 
 def rules(column: str, cell: str) -> list[Rule]:

@@ -4,17 +4,17 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.assignment import parse_assignment, parse_column
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.plc.channel_words import ProgramStart, Reset, channel_columns
-from bench.rig.plc.override import OverrideCourse
-from bench.rig.plc.words import Moment, Rule, read_rules
-from bench.rig.programs import programs_of
-from bench.rig.settings import Settings, as_written, read_settings
-from kernel.clock import MS
-from kernel.errors import UserError
-from kernel.nc.text.parser import read_program
+from axisrig.bench.plan.assignment import parse_assignment, parse_column
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.plc.channel_words import ProgramStart, Reset, channel_columns
+from axisrig.bench.rig.plc.override import OverrideCourse
+from axisrig.bench.rig.plc.words import Moment, Rule, read_rules
+from axisrig.bench.rig.programs import programs_of
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.kernel.clock import MS
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml"
 

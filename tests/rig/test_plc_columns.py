@@ -4,11 +4,11 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.plan.plan import read_plan
-from bench.rig.file import read_rig
-from bench.rig.plc.channel_words import Feedhold
-from bench.rig.plc.words import (
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.plc.channel_words import Feedhold
+from axisrig.bench.rig.plc.words import (
     Moment,
     ObjectWrite,
     Rule,
@@ -17,11 +17,11 @@ from bench.rig.plc.words import (
     plc_objects,
     read_rules,
 )
-from bench.rig.settings import Settings, as_written, read_settings
-from bench.run.runner import settings_of
-from kernel.clock import MS, US
-from kernel.drives.functions import type_range
-from kernel.errors import UserError
+from axisrig.bench.rig.settings import Settings, as_written, read_settings
+from axisrig.bench.run.runner import settings_of
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.drives.functions import type_range
+from axisrig.kernel.errors import UserError
 
 ROOT = Path(__file__).parents[2]
 RIG = ROOT / "testplans" / "rigs" / "drive-functions.toml"

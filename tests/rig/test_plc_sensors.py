@@ -4,12 +4,12 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.assignment import parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.machine import Machine
-from bench.rig.settings import as_written, read_settings
-from kernel.errors import UserError
-from kernel.nc.text.parser import parse_program
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import parse_program
 
 BASE = Path(__file__).parents[2] / "testplans" / "rigs" / "distance-z.toml"
 

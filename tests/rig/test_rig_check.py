@@ -6,9 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.check import axis_telegrams, check_rig, has_latch_counter, segment_schedules
-from bench.rig.settings import Settings
-from kernel.errors import UserError
+from axisrig.bench.rig.check import (
+    axis_telegrams,
+    check_rig,
+    has_latch_counter,
+    segment_schedules,
+)
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

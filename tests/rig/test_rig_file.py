@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.file import MapTable, read_rig, rig_error
-from kernel.errors import UserError
+from axisrig.bench.rig.file import MapTable, read_rig, rig_error
+from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

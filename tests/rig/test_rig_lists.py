@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.check import check_rig
-from bench.rig.lists import drive_input, substituted
-from bench.rig.settings import AS_CANOPEN, Settings
-from bench.run.campaign import check_file
-from kernel.errors import UserError
+from axisrig.bench.rig.check import check_rig
+from axisrig.bench.rig.lists import drive_input, substituted
+from axisrig.bench.rig.settings import AS_CANOPEN, Settings
+from axisrig.bench.run.campaign import check_file
+from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.assignment import Assignment, parse_assignment
-from bench.rig.file import read_rig
-from bench.rig.settings import Settings, read_settings
-from kernel.errors import UserError
+from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

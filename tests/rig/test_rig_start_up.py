@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from bench.drive.eds import eds_text
-from bench.drive.profile import DriveProfile
-from bench.rig.check import axis_steps, axis_telegrams, check_rig
-from bench.rig.file import read_rig
-from bench.rig.settings import Settings
-from kernel.drives.startup_steps import Write as WriteStep
-from kernel.errors import UserError
+from axisrig.bench.drive.eds import eds_text
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.rig.check import axis_steps, axis_telegrams, check_rig
+from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.startup_steps import Write as WriteStep
+from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

@@ -5,11 +5,16 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.check import check_rig, describe_schedules, overloads, segment_schedules
-from bench.rig.machine import Machine
-from bench.rig.settings import FORCED, Settings
-from kernel.errors import UserError
-from kernel.nc.text.parser import read_program
+from axisrig.bench.rig.check import (
+    check_rig,
+    describe_schedules,
+    overloads,
+    segment_schedules,
+)
+from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.settings import FORCED, Settings
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

@@ -5,9 +5,15 @@ from pathlib import Path
 
 import pytest
 
-from bench.rig.plants import build_plant, check_plant, check_plants, describe_plants, start_plant
-from bench.rig.settings import Settings
-from kernel.errors import UserError
+from axisrig.bench.rig.plants import (
+    build_plant,
+    check_plant,
+    check_plants,
+    describe_plants,
+    start_plant,
+)
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.errors import UserError
 
 RigWriter = Callable[..., Path]
 Read = Callable[..., Settings]

@@ -10,15 +10,15 @@ from typing import Any
 
 import pytest
 
-from fmus import MODELS, ensure_built
-from fmus.build import build
-from kernel.cosim.fmu import FmuSlave, load_fmu
-from kernel.cosim.plant import Plant
-from kernel.cosim.roles import Roles, Source, map_roles, roles_of
+from axisrig.fmus import MODELS, ensure_built
+from axisrig.fmus.build import build
+from axisrig.kernel.cosim.fmu import FmuSlave, load_fmu
+from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.cosim.roles import Roles, Source, map_roles, roles_of
 
 ROOT = Path(__file__).parents[2]
 LIBRARIES = {
-    "AxisRig": ROOT / "fmus" / "AxisRig",
+    "AxisRig": ROOT / "fmus" / "axisrig" / "fmus" / "AxisRig",
     "SteppingTest": Path(__file__).parent / "SteppingTest",
     "EdgeProof": ROOT / "docs" / "plots" / "EdgeProof",
 }

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from kernel.clock import MS, US
+from axisrig.kernel.clock import MS, US
 
 Make = Callable[..., Any]
 BENT, FOLLOWER = "EdgeProof.Bent", "SteppingTest.Follower"

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from kernel.clock import MS, US
-from kernel.cosim.fmu import PlantError
-from kernel.cosim.probe import SPEED_GAIN_M_S2, free_s
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.cosim.fmu import PlantError
+from axisrig.kernel.cosim.probe import SPEED_GAIN_M_S2, free_s
 
 Make = Callable[..., Any]
 BOUNCER, JUMPER, BENT = "SteppingTest.Bouncer", "SteppingTest.Jumper", "EdgeProof.Bent"

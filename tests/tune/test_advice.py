@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from bench.tune.advice import KP_MAX, OVERSHOOT, SENSITIVITY_MAX, Advice, advise, quality
-from bench.tune.loop import Floats, Law, Loop, const_dist, set_pos
+from axisrig.bench.tune.advice import (
+    KP_MAX,
+    OVERSHOOT,
+    SENSITIVITY_MAX,
+    Advice,
+    advise,
+    quality,
+)
+from axisrig.bench.tune.loop import Floats, Law, Loop, const_dist, set_pos
 
 T_S = 1e-3
 SLOW = np.concatenate([np.zeros(2), 0.05 * 0.95 ** np.arange(300)])

@@ -11,11 +11,11 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.distance.sensor import SensorSettings
-from kernel.channel.distance.settings import AxisDistanceSettings
-from kernel.clock import MS, US
-from kernel.distance import DistanceSettings, DistanceState
-from kernel.nc import canon
+from axisrig.kernel.channel.distance.sensor import SensorSettings
+from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
+from axisrig.kernel.clock import MS, US
+from axisrig.kernel.distance import DistanceSettings, DistanceState
+from axisrig.kernel.nc import canon
 
 OFFSET_NS = 620 * US
 IDEAL_KV = 1e9

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import Drop
-from kernel.clock import MS
-from kernel.distance import DistanceCommand, DistanceState
+from axisrig.bench.bus.faults import Drop
+from axisrig.kernel.clock import MS
+from axisrig.kernel.distance import DistanceCommand, DistanceState
 
 Make = Callable[..., Any]
 LIMITS = {"min_pos_mm": -12.0, "max_pos_mm": -8.0}

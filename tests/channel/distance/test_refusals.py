@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from kernel.distance import DistanceCommand, DistanceState, Source
-from kernel.nc import canon
+from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 

@@ -7,10 +7,14 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.distance.sensor import EncoderSensor, SensorSettings, VariableSensor
-from kernel.clock import MS
-from kernel.distance import DistanceState
-from kernel.parameters import ParameterSet
+from axisrig.kernel.channel.distance.sensor import (
+    EncoderSensor,
+    SensorSettings,
+    VariableSensor,
+)
+from axisrig.kernel.clock import MS
+from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.parameters import ParameterSet
 
 Make = Callable[..., Any]
 

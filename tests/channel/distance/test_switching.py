@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from kernel.clock import MS
-from kernel.distance import DistanceState
-from kernel.nc import canon
+from axisrig.kernel.clock import MS
+from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 HEIGHT_MM = 0.75

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.axes.homing import (
+from axisrig.kernel.channel.axes.homing import (
     BLIND_CYCLES,
     LIMIT_NS,
     MODE_POLLS_MAX,
@@ -14,9 +14,9 @@ from kernel.channel.axes.homing import (
     AxisHoming,
     Phase,
 )
-from kernel.clock import MS
-from kernel.drives.sdo import SdoError
-from kernel.errors import Alarm
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.sdo import SdoError
+from axisrig.kernel.errors import Alarm
 
 MODE, DISPLAY, METHOD, ERROR = 0x6060, 0x6061, 0x6098, 0x603F
 ATTAINED, AT_REST, FAILED = 1 << 12, 1 << 10, 1 << 13

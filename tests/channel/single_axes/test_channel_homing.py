@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.startup_steps import StartUpSettings
-from kernel.nc import canon
+from axisrig.kernel.drives.startup_steps import StartUpSettings
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 S = 1_000_000_000

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc import canon
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
 MS, S = 1_000_000, 1_000_000_000

@@ -5,12 +5,12 @@ from typing import Any
 
 import pytest
 
-from kernel.channel.axes.coupling import Couplings
-from kernel.channel.settings import AxisSettings
-from kernel.motion.dynamics import Dynamics, Motion
-from kernel.motion.profile import Slope
-from kernel.nc import canon
-from kernel.nc.canon import AxisPair
+from axisrig.kernel.channel.axes.coupling import Couplings
+from axisrig.kernel.channel.settings import AxisSettings
+from axisrig.kernel.motion.dynamics import Dynamics, Motion
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.canon import AxisPair
 
 BLOCK = canon.Block(1, 10, "N10")
 

@@ -7,10 +7,10 @@ from typing import Any
 import can
 import pytest
 
-from bench.bus.simbus import SimBus
-from bench.drive.node import DriveNode
-from kernel.clock import MS
-from kernel.drives.ds402 import State
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.drive.node import DriveNode
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.ds402 import State
 
 NODE = 3
 

@@ -13,13 +13,13 @@ from canopen.objectdictionary import ODVariable, datatypes
 from canopen.objectdictionary.eds import import_eds
 from canopen.sdo.exceptions import SdoAbortedError
 
-from bench.bus.canopen_sim import SimNetwork
-from bench.bus.segment import Segment
-from bench.drive.eds import eds_text
-from bench.drive.node import DriveNode
-from bench.drive.profiles import named_profile, profile_names
-from kernel.clock import MS
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.eds import eds_text
+from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.drive.profiles import named_profile, profile_names
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 Make = Callable[..., Any]
 

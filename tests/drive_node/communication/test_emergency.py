@@ -5,10 +5,10 @@ from typing import Any
 
 import pytest
 
-from bench.bus.faults import ErrorAtBit
-from bench.bus.frame import Frame
-from bench.drive.communication.nmt import NmtState
-from kernel.drives.ds402 import State
+from axisrig.bench.bus.faults import ErrorAtBit
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.drive.communication.nmt import NmtState
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 

@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from bench.drive.communication.nmt import NmtState
-from kernel.drives.ds402 import State
+from axisrig.bench.drive.communication.nmt import NmtState
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from bench.drive.communication.nmt import NmtState
-from bench.drive.eds import eds_text
-from bench.drive.profile import DriveProfile
+from axisrig.bench.drive.communication.nmt import NmtState
+from axisrig.bench.drive.eds import eds_text
+from axisrig.bench.drive.profile import DriveProfile
 
 Make = Callable[..., Any]
 

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from bench.drive.communication.nmt import NmtState
-from bench.drive.profile import DriveProfile
-from kernel.drives.ds402 import State
+from axisrig.bench.drive.communication.nmt import NmtState
+from axisrig.bench.drive.profile import DriveProfile
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 

@@ -6,11 +6,11 @@ from typing import Any
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from bench.bus.canopen_sim import SimNetwork
-from bench.bus.segment import Segment
-from bench.drive.node import DriveNode
-from kernel.clock import MS
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.node import DriveNode
+from axisrig.kernel.clock import MS
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 NODE = 3
 IDENTIFIERS = (

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from kernel.drives.ds402 import State
+from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]
 

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-import fmus.build as building
-from fmus import BuildError
+import axisrig.fmus.build as building
+from axisrig.fmus import BuildError
 
 FOLDER = Path(__file__).parent
 

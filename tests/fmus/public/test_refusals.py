@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-import fmus.build as building
-from fmus import BuildError
+import axisrig.fmus.build as building
+from axisrig.fmus import BuildError
 
 FOLDER = Path(__file__).parent
 

@@ -10,7 +10,7 @@ import pytest
 from fmpy.fmi2 import FMU2Slave
 from fmpy.fmi3 import FMU3Slave
 
-import fmus.build as building
+import axisrig.fmus.build as building
 
 FOLDER = Path(__file__).parent
 MODELS = [

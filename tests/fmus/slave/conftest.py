@@ -10,7 +10,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave, fmi2CallbackFunctions, fmi2CallbackLoggerTYPE
 from fmpy.fmi3 import FMU3Slave
 
-from fmus import FMI_VERSIONS
+from axisrig.fmus import FMI_VERSIONS
 
 WORDS = {
     "2.0": {"Float64": "Real", "Int32": "Integer"},

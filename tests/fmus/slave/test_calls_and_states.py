@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from fmus import FMI_VERSIONS, ensure_built
-from fmus.build import build
+from axisrig.fmus import FMI_VERSIONS, ensure_built
+from axisrig.fmus.build import build
 
 SERVO = "AxisRig.Drives.ServoAxis"
 MOVE = {

@@ -6,7 +6,7 @@ import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2LastSuccessfulTime, fmi2Terminated
 
-from fmus.build import build
+from axisrig.fmus.build import build
 
 LIBRARY = """package Small
   model Plant

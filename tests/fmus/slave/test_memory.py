@@ -12,8 +12,8 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from fmus import MODELS, ensure_built
-from fmus.compiler import FLAGS, find_compiler
+from axisrig.fmus import MODELS, ensure_built
+from axisrig.fmus.compiler import FLAGS, find_compiler
 
 SERVO = "AxisRig.Drives.ServoAxis"
 LIVES = os.environ.get("AXISRIG_LIVES", "25")

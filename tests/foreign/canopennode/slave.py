@@ -12,9 +12,9 @@ from pathlib import Path
 
 import can
 
-from bench.bus.simbus import SimBus
-from kernel.clock import MS, US, Phase
-from kernel.cosim.scheduler import Scheduler
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.kernel.clock import MS, US, Phase
+from axisrig.kernel.cosim.scheduler import Scheduler
 
 from .dictionary import RECORDS, write_dictionary
 

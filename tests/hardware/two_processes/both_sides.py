@@ -24,7 +24,16 @@ class Drives:
 
     def __init__(self, folder: Path, *words: str, rig: Path = RIG) -> None:
         self.folder = folder
-        command = [sys.executable, "-m", "bench.cli", "drive", str(rig), "-o", str(folder), *words]
+        command = [
+            sys.executable,
+            "-m",
+            "axisrig.bench.cli",
+            "drive",
+            str(rig),
+            "-o",
+            str(folder),
+            *words,
+        ]
         self.process = subprocess.Popen(
             command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
         )
@@ -63,7 +72,7 @@ def drives_at(folder: Path, *words: str, rig: Path = RIG) -> Iterator[Drives]:
 
 
 def axisrig(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "bench.cli", *words]
+    command = [sys.executable, "-m", "axisrig.bench.cli", *words]
     return subprocess.run(
         command, cwd=ROOT, capture_output=True, text=True, timeout=LIMIT_S, check=False
     )

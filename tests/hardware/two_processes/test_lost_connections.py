@@ -18,7 +18,7 @@ def test_ctrl_c_brakes_powers_down_and_keeps_the_results(tmp_path: Path) -> None
     ) as drives:
         words = ["run", str(PLAN), "-k", "f60", "-o", str(out), "--yes", *socketcand(drives)]
         kernel = subprocess.Popen(
-            [sys.executable, "-m", "bench.cli", *words],
+            [sys.executable, "-m", "axisrig.bench.cli", *words],
             cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         drives.wait_for("-> OPERATION_ENABLED")
@@ -44,7 +44,7 @@ def test_a_cable_pulled_in_motion(tmp_path: Path, slcan_pair: tuple[str, str, An
         drives.wait_for("axis Z")
         words = ["run", str(PLAN), "-k", "f60", "-o", str(out), "--yes", *quick]
         kernel = subprocess.Popen(
-            [sys.executable, "-m", "bench.cli", *words, "--channel", right],
+            [sys.executable, "-m", "axisrig.bench.cli", *words, "--channel", right],
             cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         drives.wait_for("-> OPERATION_ENABLED")
@@ -64,7 +64,7 @@ def test_a_server_that_dies_is_one_line_for_the_operator(tmp_path: Path) -> None
     ) as drives:
         words = ["run", str(PLAN), "-k", "f60", "-o", str(tmp_path / "out"), "--yes"]
         kernel = subprocess.Popen(
-            [sys.executable, "-m", "bench.cli", *words, *socketcand(drives)],
+            [sys.executable, "-m", "axisrig.bench.cli", *words, *socketcand(drives)],
             cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         )  # fmt: skip
         drives.wait_for("-> OPERATION_ENABLED")

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from kernel.channel import Channel
+from axisrig.kernel.channel import Channel
 
 LISTS = Path(__file__).parents[3] / "testplans" / "rigs" / "lists"
 PREFIX = {False: "kenngr.distc.", True: "kenngr.dist_ctrl[0]."}

@@ -6,7 +6,7 @@ no older one.
 
 import pytest
 
-from kernel.distance import DistanceCommand
+from axisrig.kernel.distance import DistanceCommand
 
 ON = "Z[DIST_CTRL ON SET_POS=30]"
 ON_CONST = "Z[DIST_CTRL ON CONST_DIST SET_DIST=2]"

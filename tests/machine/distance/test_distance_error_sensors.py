@@ -2,7 +2,7 @@
 
 import pytest
 
-from bench.rig.settings import AS_CANOPEN
+from axisrig.bench.rig.settings import AS_CANOPEN
 
 ON = "Z[DIST_CTRL ON SET_POS=30]"
 VARIABLE = "SENSOR_SOURCE=VARIABLE"

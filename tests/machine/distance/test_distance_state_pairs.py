@@ -6,9 +6,9 @@ from the texts on states and transitions (FCT-M3 8.1, TF5200 distance control 29
 
 import pytest
 
-from kernel.channel.distance.unit import UnitCommand
-from kernel.distance import DistanceCommand, DistanceState, Source
-from kernel.distance.states import changes
+from axisrig.kernel.channel.distance.unit import UnitCommand
+from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
+from axisrig.kernel.distance.states import changes
 
 ON = "Z[DIST_CTRL ON SET_POS=30]"
 ON_CONST = "Z[DIST_CTRL ON CONST_DIST SET_DIST=3]"

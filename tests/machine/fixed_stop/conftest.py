@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-
-from kernel.measuring.fixed_stop.record import FixedStopRecord
-from kernel.measuring.run import RunRecord
 from tests.machine.conftest import RIGS, Outcome, run_files
+
+from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
+from axisrig.kernel.measuring.run import RunRecord
 
 DETECT = "set:Z.kenngr.measure.fixed_stop_detect."
 TO_STOP = """\

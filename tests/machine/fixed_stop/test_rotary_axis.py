@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from bench.plan.checks import parse_check
-from bench.plan.plan import read_plan
-from bench.results.writer import CaseResult, ResultsWriter
-from bench.run.fixed_stop.truth import power_of_arm
-from bench.run.runner import run_case
-from kernel.cosim.units import known_units
-from reports.build import build_report
+from axisrig.bench.plan.checks import parse_check
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.run.fixed_stop.truth import power_of_arm
+from axisrig.bench.run.runner import run_case
+from axisrig.kernel.cosim.units import known_units
+from axisrig.reports.build import build_report
 
 PLAN = read_plan(Path(__file__).parents[3] / "testplans" / "fixed_stop_rotary.csv")
 # 8 um of lag in the drive of a linear axis are no millidegrees, and so on

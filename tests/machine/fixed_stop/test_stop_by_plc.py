@@ -3,12 +3,12 @@
 from pathlib import Path
 
 import pytest
-
-from bench.run.plc import plc_side
-from kernel.clock import MS
-from kernel.drives.ds402 import State
 from tests.machine.conftest import RIGS, run_files
 from tests.machine.fixed_stop.conftest import DETECT, RunStop, StopOutcome
+
+from axisrig.bench.run.plc import plc_side
+from axisrig.kernel.clock import MS
+from axisrig.kernel.drives.ds402 import State
 
 BY_PLC = """\
 %by_plc

@@ -1,7 +1,6 @@
 """A run to a fixed stop on a real plant, against the plant's own numbers and closed forms."""
 
 import pytest
-
 from tests.machine.fixed_stop.conftest import RunStop
 
 LAG_LIMIT, MIN_TIME = 15_000, 100_000  # 1.5 mm, 100 ms

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kernel.channel import Channel
+from axisrig.kernel.channel import Channel
 
 Run = Callable[..., Any]
 T_S, KV, WINDOW_MM = 1e-3, 40.0, 0.01  # exact-stop window

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from tests.machine.conftest import Outcome
 from tests.machine.fixed_stop.conftest import RunStop
 

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from bench.plan.plan import read_plan
-from bench.results.writer import CaseResult
-from bench.run.runner import run_case
 from tests.machine.conftest import RIGS
+
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.results.writer import CaseResult
+from axisrig.bench.run.runner import run_case
 
 DETECT = "set:Z.kenngr.measure.fixed_stop_detect."
 METRICS = (

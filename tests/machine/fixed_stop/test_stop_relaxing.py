@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from tests.machine.fixed_stop.conftest import RunStop
 
 LAG = {"pos_lag_limit": 15_000, "min_time": 100_000}

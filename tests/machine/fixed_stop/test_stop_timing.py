@@ -6,7 +6,6 @@ cycle judges: set position of d cycles ago less the actual position of the SYNC.
 
 import numpy as np
 import pytest
-
 from tests.machine.fixed_stop.conftest import RunStop, StopOutcome
 
 KV, D, PERIOD_S, PERIOD_NS = 40.0, 2, 1e-3, 1_000_000

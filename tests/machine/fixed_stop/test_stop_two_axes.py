@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from tests.machine.conftest import RunNc
 
 RATED_N, LIMIT, STIFFNESS_N_UM = 2.2 * 2 * np.pi / 0.01, 0.4, 20.0

@@ -12,9 +12,9 @@ from math import hypot, inf
 
 import pytest
 
-from kernel.measuring.fixed_stop.run import FixedStopRun, StopPlan, Watched
-from kernel.measuring.fixed_stop.settings import FixedStopSettings
-from kernel.measuring.run import Order
+from axisrig.kernel.measuring.fixed_stop.run import FixedStopRun, StopPlan, Watched
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.measuring.run import Order
 
 MS = 1_000_000
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import pytest
-
-from kernel.measuring.fixed_stop.settings import FixedStopSettings
 from tests.measuring.fixed_stop.conftest import MS, Axis, Stage
+
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 
 Make = Callable[..., Stage]
 LAG = FixedStopSettings(lag_limit_mm=1.0, min_time_ns=50 * MS)

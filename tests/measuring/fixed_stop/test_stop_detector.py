@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kernel.measuring.fixed_stop.detector import StopDetector
-from kernel.measuring.fixed_stop.record import Criteria
+from axisrig.kernel.measuring.fixed_stop.detector import StopDetector
+from axisrig.kernel.measuring.fixed_stop.record import Criteria
 
 MS = 1_000_000
 LAG, BOTH_MS = 1.0, 50

@@ -3,12 +3,12 @@
 from collections.abc import Callable
 
 import pytest
-
-from kernel.errors import Alarm
-from kernel.measuring.fixed_stop.record import Criteria
-from kernel.measuring.fixed_stop.settings import FixedStopSettings
-from kernel.measuring.run import Order
 from tests.measuring.fixed_stop.conftest import MS, Axis, Stage
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop.record import Criteria
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.measuring.run import Order
 
 Make = Callable[..., Stage]
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.measuring.fixed_stop.record import Criteria
-from kernel.measuring.fixed_stop.settings import FixedStopSettings
-from kernel.parameters import Origin, ParameterSet
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop.record import Criteria
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.parameters import Origin, ParameterSet
 
 MS = 1_000_000
 BLOCK_MM = 200.0

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from kernel.nc import canon
-from kernel.nc.decoder import Interpreter
-from kernel.nc.syntax import (
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.syntax import (
     AxisCommand,
     Command,
     Name,

@@ -3,8 +3,8 @@
 import pytest
 from axis_statements import Machine, alone, decode, kinds, path, single
 
-from kernel.errors import Alarm
-from kernel.nc.syntax import Command, Group, Name, Number, Words
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc.syntax import Command, Group, Name, Number, Words
 
 OFF = Command("CS OFF")
 

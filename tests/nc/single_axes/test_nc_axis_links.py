@@ -5,10 +5,10 @@ from typing import Any
 import pytest
 from axis_statements import Machine, alone, decode, kinds, path, single
 
-from kernel.errors import Alarm
-from kernel.nc import canon
-from kernel.nc.canon import AxisPair
-from kernel.nc.syntax import Command, Group, Name, Number, Option, Variable, Words
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.canon import AxisPair
+from axisrig.kernel.nc.syntax import Command, Group, Name, Number, Option, Variable, Words
 
 
 def link(group: float, *pairs: Any, name: str = "SET AX LINK") -> Command:

@@ -6,9 +6,9 @@ from typing import Any
 import pytest
 from axis_statements import AXES
 
-from kernel.errors import Alarm, UserError
-from kernel.nc import canon
-from kernel.nc.canon import AxisPair
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.canon import AxisPair
 
 Run = Callable[..., Any]
 XYZ2 = ("X", "Y", "Z", "X2")

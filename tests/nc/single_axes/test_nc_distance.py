@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm, UserError
-from kernel.nc import canon
-from kernel.nc.text.check import check_program
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.text.check import check_program
 
 Run = Callable[..., Any]
 

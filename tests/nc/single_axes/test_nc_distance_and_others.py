@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kernel.errors import Alarm
-from kernel.nc import canon
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
 
 Run = Callable[..., Any]
 STATES = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")

@@ -3,9 +3,17 @@
 import pytest
 from axis_statements import Machine, alone, decode, kinds, measuring_type, moves, path, single
 
-from kernel.errors import Alarm
-from kernel.nc import canon
-from kernel.nc.syntax import AxisCommand, Command, Group, Name, Number, Variable, Words
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.syntax import (
+    AxisCommand,
+    Command,
+    Group,
+    Name,
+    Number,
+    Variable,
+    Words,
+)
 
 
 def test_axes_of_one_block_begin_together_and_the_next_block_waits_for_both() -> None:

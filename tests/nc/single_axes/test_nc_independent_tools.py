@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kernel.nc import canon
-from kernel.nc.coordinates import OffsetTables, Tool, Tools
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools
 
 Run = Callable[..., Any]
 TOUCHED_MM = {"X": 60.0, "Y": 80.0}

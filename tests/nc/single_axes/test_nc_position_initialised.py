@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from kernel.nc import canon
-from kernel.nc.coordinates import Coordinates, Frame
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.coordinates import Coordinates, Frame
 
 Run = Callable[..., Any]
 SHOW = '#MSG ["%g %g %g", V.A.PROG.Z, V.A.ABS.Z, V.A.ACT_POS.Z]\n'

@@ -2,8 +2,8 @@
 
 import pytest
 
-from bench.cli import main
-from kernel.nc.text.check import axes_of, check_program
+from axisrig.bench.cli import main
+from axisrig.kernel.nc.text.check import axes_of, check_program
 
 XYZ = ("X", "Y", "Z")
 

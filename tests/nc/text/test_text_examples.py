@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from bench.language import language_listing, page
-from kernel.nc.text.check import check_program
-from kernel.nc.text.words import commands, examples, words
+from axisrig.bench.language import language_listing, page
+from axisrig.kernel.nc.text.check import check_program
+from axisrig.kernel.nc.text.words import commands, examples, words
 
 ROOT = Path(__file__).parents[3]
 TEXTS = {text: (word, place) for word, (text, place) in examples().items()}

@@ -4,8 +4,8 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from kernel.nc.text.check import check_program
-from kernel.nc.text.words import commands, variables, words
+from axisrig.kernel.nc.text.check import check_program
+from axisrig.kernel.nc.text.words import commands, variables, words
 
 XYZ = ("X", "Y", "Z")
 

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from bench.language import page
-from kernel.errors import UserError
-from kernel.nc.syntax import Command, Group, Name, Number, Variable, Words
-from kernel.nc.text.check import check_program
-from kernel.nc.text.errata import errata
-from kernel.nc.text.parser import parse_program
-from kernel.nc.text.words import not_acting
+from axisrig.bench.language import page
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.syntax import Command, Group, Name, Number, Variable, Words
+from axisrig.kernel.nc.text.check import check_program
+from axisrig.kernel.nc.text.errata import errata
+from axisrig.kernel.nc.text.parser import parse_program
+from axisrig.kernel.nc.text.words import not_acting
 
 AXES = ("X", "Y", "Z", "A", "X2", "Z2")
 

@@ -2,10 +2,10 @@
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.nc.canon import LinearMove
-from kernel.nc.text.parser import parse_program, read_program
-from kernel.nc.text.words import variables, words
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.canon import LinearMove
+from axisrig.kernel.nc.text.parser import parse_program, read_program
+from axisrig.kernel.nc.text.words import variables, words
 
 XYZ = ("X", "Y", "Z")
 

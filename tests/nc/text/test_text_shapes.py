@@ -4,9 +4,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kernel.errors import UserError
-from kernel.nc.text import shapes
-from kernel.nc.text.parser import parse_program
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text import shapes
+from axisrig.kernel.nc.text.parser import parse_program
 
 AXES = ("X", "Y", "z", "A")
 

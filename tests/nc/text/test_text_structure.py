@@ -2,11 +2,20 @@
 
 import pytest
 
-from kernel.errors import UserError
-from kernel.nc import syntax
-from kernel.nc.syntax import Declare, Goto, Label, Number, SubprogramCall, Target, Variable, Words
-from kernel.nc.text.parser import parse_program
-from kernel.nc.text.structure import DEPTH_MAX
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc import syntax
+from axisrig.kernel.nc.syntax import (
+    Declare,
+    Goto,
+    Label,
+    Number,
+    SubprogramCall,
+    Target,
+    Variable,
+    Words,
+)
+from axisrig.kernel.nc.text.parser import parse_program
+from axisrig.kernel.nc.text.structure import DEPTH_MAX
 
 XYZ = ("X", "Y", "Z")
 

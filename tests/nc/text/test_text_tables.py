@@ -2,9 +2,9 @@
 
 import pytest
 
-from kernel.nc.decoder import registry
-from kernel.nc.expressions import FUNCTIONS
-from kernel.nc.text.words import commands, variables, words
+from axisrig.kernel.nc.decoder import registry
+from axisrig.kernel.nc.expressions import FUNCTIONS
+from axisrig.kernel.nc.text.words import commands, variables, words
 
 AXIS = "<axis>"
 # Handled while the text is read or by the order of blocks, not by a handler of their own

@@ -2,8 +2,8 @@
 
 import pytest
 
-from kernel.nc.text.check import check_program
-from kernel.nc.text.parser import read_program
+from axisrig.kernel.nc.text.check import check_program
+from axisrig.kernel.nc.text.parser import read_program
 
 XYZ = ("X", "Y", "Z")
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import signal
 
-from bench.oracles.distance import filters
-from bench.oracles.distance.following import (
+from axisrig.bench.oracles.distance import filters
+from axisrig.bench.oracles.distance.following import (
     acceleration_error_mm,
     left_of_step,
     offset_noise_gain,
@@ -19,7 +19,7 @@ from bench.oracles.distance.following import (
     settling_cycles,
     sine_gain,
 )
-from bench.oracles.distance.limits import (
+from axisrig.bench.oracles.distance.limits import (
     adaptive_mm_s2,
     cycle_change_um,
     downwards,
@@ -28,10 +28,10 @@ from bench.oracles.distance.limits import (
     lowest_step_mm,
     overshoot_mm,
 )
-from bench.oracles.distance.lists import Control, Limits
-from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
-from bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
-from bench.oracles.distance.smoothing import (
+from axisrig.bench.oracles.distance.lists import Control, Limits
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
+from axisrig.bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
+from axisrig.bench.oracles.distance.smoothing import (
     Smoothing,
     butterworth,
     cascade,

@@ -5,18 +5,25 @@ import math
 import numpy as np
 import pytest
 
-from bench.oracles.distance.cycles import (
+from axisrig.bench.oracles.distance.cycles import (
     NotMeasurableError,
     Told,
     measured,
     predicted,
 )
-from bench.oracles.distance.lists import Control, Limits, as_written
-from bench.oracles.distance.loop import SET_POS
-from bench.oracles.distance.model import Law, Rig, simulate
-from bench.oracles.distance.signs import TABLE, Signs
-from bench.oracles.distance.signs import predicted as due_with
-from bench.oracles.distance.supervision import ABOVE, BELOW, JUMP, OFFSET, changes_mm, first_due
+from axisrig.bench.oracles.distance.lists import Control, Limits, as_written
+from axisrig.bench.oracles.distance.loop import SET_POS
+from axisrig.bench.oracles.distance.model import Law, Rig, simulate
+from axisrig.bench.oracles.distance.signs import TABLE, Signs
+from axisrig.bench.oracles.distance.signs import predicted as due_with
+from axisrig.bench.oracles.distance.supervision import (
+    ABOVE,
+    BELOW,
+    JUMP,
+    OFFSET,
+    changes_mm,
+    first_due,
+)
 
 PERIOD_NS = 1_000_000
 LIMITS = Limits(50.0, 1e6, 3.0, 1e9, -5.0, 5.0)

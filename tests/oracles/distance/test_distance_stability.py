@@ -7,10 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from bench.oracles.distance.lists import Control
-from bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth, poles
-from bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
-from bench.oracles.distance.smoothing import (
+from axisrig.bench.oracles.distance.lists import Control
+from axisrig.bench.oracles.distance.loop import (
+    BOTH,
+    CONST_DIST,
+    SET_POS,
+    Loop,
+    growth,
+    poles,
+)
+from axisrig.bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
+from axisrig.bench.oracles.distance.smoothing import (
     Smoothing,
     butterworth,
     cascade,
@@ -18,7 +25,7 @@ from bench.oracles.distance.smoothing import (
     moving_average,
     none,
 )
-from bench.oracles.distance.stability import (
+from axisrig.bench.oracles.distance.stability import (
     aperiodic_limit,
     closed_limit,
     exponential_limit,

@@ -1,0 +1,218 @@
+"""canopen 2.4.1 on a simulated bus: its blocking calls advance simulated time, in one thread.
+
+The classes add to canopen only what touches waiting: on any other python-can bus they are plain
+canopen, with its notifier thread. Exceptions of callbacks end the run instead of being logged.
+Every participant (master, each drive) has a `SimNetwork` and a port of its own: a network is keyed
+by node number, and a port does not hear itself.
+
+Waiting inside an event raises RuntimeError (`Scheduler.run_while`). Block transfers and LSS are
+not adapted; both would wait with the wall clock.
+"""
+
+from collections.abc import Callable, Container
+from types import TracebackType
+from typing import Any, Self
+
+import can
+import canopen
+from canopen.emcy import EmcyConsumer, EmcyError
+from canopen.nmt import NmtError, NmtMaster
+from canopen.objectdictionary import ObjectDictionary
+from canopen.sdo.client import SdoClient
+from canopen.sdo.exceptions import SdoCommunicationError
+
+from axisrig.bench.bus.simbus import SimBus
+
+
+class SimCondition:
+    """Stands in for `threading.Condition`: `wait` advances simulated time until a notification."""
+
+    def __init__(self, bus: SimBus) -> None:
+        self.bus = bus
+        self._notified = 0
+
+    def __enter__(self) -> bool:
+        return True
+
+    def __exit__(
+        self,
+        exc_type: type[BaseException] | None,
+        exc: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        return None
+
+    def notify_all(self) -> None:
+        """Wake who waits."""
+        self._notified += 1
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait up to `timeout` simulated s; return whether a notification came."""
+        before = self._notified
+        return self.bus.run_while(lambda: self._notified == before, timeout)
+
+
+class SimSdoClient(SdoClient):
+    """SDO client whose time-out runs in simulated time."""
+
+    def read_response(self) -> bytes:
+        """Advance time until the answer is there, then read it as ever.
+
+        The queue is looked up here and now: canopen makes a new one when it finds a stale answer.
+        Raises SdoCommunicationError after RESPONSE_TIMEOUT, SdoAbortedError on an abort.
+        """
+        bus = self.network.bus
+        if isinstance(bus, SimBus) and not bus.run_while(
+            self.responses.empty, self.RESPONSE_TIMEOUT
+        ):
+            raise SdoCommunicationError("No SDO response received")
+        response: bytes = super().read_response()  # type: ignore[no-untyped-call]
+        return response
+
+
+class SimNmtMaster(NmtMaster):
+    """NMT master whose wait for the boot-up ends by simulated time."""
+
+    def wait_for_bootup(self, timeout: float = 10) -> None:
+        """Wait for a boot-up message; raises NmtError after `timeout` s."""
+        condition = self.state_update
+        if not isinstance(condition, SimCondition):
+            super().wait_for_bootup(timeout)
+            return
+        self._state_received = None
+        if not condition.bus.run_while(lambda: self._state_received != 0, timeout):
+            raise NmtError("Timeout waiting for boot-up message")
+
+
+class SimEmcyConsumer(EmcyConsumer):
+    """EMCY consumer whose wait ends by simulated time."""
+
+    def wait(  # type: ignore[override]
+        self, emcy_code: int | None = None, timeout: float = 10
+    ) -> EmcyError | None:
+        """Wait for the next EMCY (with `emcy_code`); None after `timeout` s."""
+        condition = self.emcy_received
+        if not isinstance(condition, SimCondition):
+            plain: EmcyError | None = super().wait(emcy_code, timeout)
+            return plain
+        seen = len(self.log)
+
+        def hit() -> EmcyError | None:
+            found = (e for e in self.log[seen:] if emcy_code is None or e.code == emcy_code)
+            return next(found, None)
+
+        condition.bus.run_while(lambda: hit() is None, timeout)
+        return hit()
+
+
+class SimRemoteNode(canopen.RemoteNode):
+    """`canopen.RemoteNode` in simulated time: SDO, NMT, heartbeat, EMCY and PDO waiting.
+
+    Makes its subclasses wait so too: `class SimNode402(SimRemoteNode, BaseNode402)`.
+    """
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.nmt = SimNmtMaster(self.nmt.id)
+        self.emcy = SimEmcyConsumer()  # type: ignore[no-untyped-call]
+
+    def add_sdo(self, rx_cobid: int, tx_cobid: int) -> SimSdoClient:
+        """Add an SDO channel, as `RemoteNode.add_sdo`."""
+        client = SimSdoClient(  # type: ignore[no-untyped-call]
+            rx_cobid, tx_cobid, self.object_dictionary
+        )
+        self.sdo_channels.append(client)
+        if self.has_network():
+            self.network.subscribe(client.tx_cobid, client.on_response)
+        return client
+
+    def associate_network(self, network: canopen.Network) -> None:
+        """Join `network`, as `RemoteNode.associate_network`."""
+        super().associate_network(network)
+        self.wait_on(network.bus)
+
+    def wait_on(self, bus: can.BusABC | None) -> None:
+        """Wait in the time of `bus` from now on when it is a simulated one."""
+        if not isinstance(bus, SimBus):
+            return
+        self.nmt.state_update = SimCondition(bus)  # type: ignore[assignment]
+        self.emcy.emcy_received = SimCondition(bus)  # type: ignore[assignment]
+        for maps in (self.tpdo, self.rpdo):
+            for pdo_map in maps.values():
+                pdo_map.receive_condition = SimCondition(bus)
+
+
+class SimNetwork(canopen.Network):
+    """`canopen.Network` that is fed by its `SimBus` directly: no notifier, no thread."""
+
+    def __init__(self, bus: can.BusABC | None = None) -> None:
+        super().__init__(bus)
+        self._remote: dict[int, list[Callable[[], None]]] = {}
+
+    def connect(self, *args: Any, **kwargs: Any) -> Self:
+        """Connect to the bus given to the constructor, or open one as `can.Bus` does."""
+        if self.bus is None and kwargs.get("interface") == "axisrig":
+            self.bus = can.Bus(*args, **kwargs)
+        if not isinstance(self.bus, SimBus):
+            super().connect(*args, **kwargs)
+            return self
+        self.bus.attach_data(self._on_data)
+        self.bus.attach_remote(self._on_remote)
+        for node in self.nodes.values():
+            if isinstance(node, SimRemoteNode):
+                node.wait_on(self.bus)
+        return self
+
+    def _on_data(self, can_id: int, data: bytes, timestamp_s: float) -> None:
+        # As `Network.notify`. The copy is for PdoMap, which keeps the buffer and writes to it.
+        callbacks = self.subscribers.get(can_id)
+        if callbacks:
+            copy = bytearray(data)
+            for callback in callbacks:
+                callback(can_id, copy, timestamp_s)
+        self.scanner.on_message_received(can_id)
+
+    def _on_remote(self, can_id: int) -> None:
+        for callback in tuple(self._remote.get(can_id, ())):
+            callback()
+
+    def subscribe_remote(self, can_id: int, callback: Callable[[], None]) -> None:
+        """Call `callback()` for every remote frame with this 11-bit identifier."""
+        self._remote.setdefault(can_id, []).append(callback)
+
+    def unsubscribe_remote(self, can_id: int, callback: Callable[[], None]) -> None:
+        """Call it no more; raises ValueError when it was not subscribed."""
+        self._remote[can_id].remove(callback)
+
+    def withdraw(self, can_ids: Container[int]) -> None:
+        """Take back what has been requested with these identifiers and has not begun to be sent.
+
+        Without effect on a bus that is not simulated: its controller is out of reach.
+        """
+        if isinstance(self.bus, SimBus):
+            self.bus.withdraw(can_ids)
+
+    def send_message(
+        self, can_id: int, data: bytes | bytearray | list[int] | None, remote: bool = False
+    ) -> None:
+        """Send a frame, as `Network.send_message`, without a `can.Message` where possible."""
+        if isinstance(self.bus, SimBus) and not remote:
+            self.bus.send_raw(can_id, data or b"")
+        else:
+            super().send_message(can_id, data, remote)  # type: ignore[arg-type]
+
+    def add_node(
+        self,
+        node: int | canopen.RemoteNode | canopen.LocalNode,
+        object_dictionary: str | ObjectDictionary | None = None,
+        upload_eds: bool = False,
+    ) -> canopen.RemoteNode:
+        """Add a node, as `Network.add_node`; a number becomes a `SimRemoteNode`.
+
+        Raises NotImplementedError for `upload_eds` on a simulated bus: that client is not adapted.
+        """
+        if isinstance(self.bus, SimBus) and upload_eds:
+            raise NotImplementedError("reading the EDS from the node on a simulated bus")
+        if isinstance(node, int) and not upload_eds:
+            node = SimRemoteNode(node, object_dictionary)
+        return super().add_node(node, object_dictionary, upload_eds)

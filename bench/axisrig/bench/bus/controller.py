@@ -1,0 +1,186 @@
+"""What a segment needs of a CAN controller: its transmit queue, its part on the bus, its errors."""
+
+import heapq
+from collections import deque
+from collections.abc import Callable, MutableSequence
+from itertools import count
+from typing import Any, Literal, Protocol
+
+from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
+from axisrig.bench.bus.frame import Frame
+from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.cosim.scheduler import Scheduler
+
+Request = tuple[int, int, TimeNs, int, Frame]
+"""A frame waiting to be sent: (arbitration key, sequence, time of the request, attempt, frame)."""
+
+QueueKind = Literal["fifo", "mailbox"]
+StateCallback = Callable[[ErrorState], None]
+
+# How a controller keeps its pending frames: (container, push, pop, put back). The head stands at
+# index 0 in both. A FIFO is what most drivers give; mailboxes send the lowest identifier first.
+QUEUES: dict[str, tuple[type, Any, Any, Any]] = {
+    "fifo": (deque, deque.append, deque.popleft, deque.appendleft),
+    "mailbox": (list, heapq.heappush, heapq.heappop, heapq.heappush),
+}
+
+
+class Wire(Protocol):
+    """What a controller needs of the segment it is connected to."""
+
+    name: str
+    bitrate: int
+    scheduler: Scheduler
+    sequence: "count[int]"
+    ports: "tuple[Any, ...]"
+
+    def connect(self, port: Any) -> None:
+        """Let a controller take part."""
+        ...
+
+    def disconnect(self, port: Any) -> None:
+        """Let a controller take part no more."""
+        ...
+
+    def wake(self) -> None:
+        """Take note of a new request."""
+        ...
+
+    def update_parts(self) -> None:
+        """Take note that a controller has become silent or speaks again."""
+        ...
+
+    def recover(self, port: Any) -> None:
+        """Let a controller that is bus-off count recessive bits."""
+        ...
+
+    def note_state(self, port: Any, state: ErrorState) -> None:
+        """Take note of a new error state of a controller."""
+        ...
+
+    def cut(self, port: Any) -> None:
+        """End what a controller is sending in the middle of it."""
+        ...
+
+
+class Controller:
+    """Transmit queue and fault confinement of one port; `deliver` comes with the subclass.
+
+    pending: requests that have not won arbitration, the one that competes next at index 0.
+    takes_part: whether it sends, receives and acknowledges: it has power and is not bus-off.
+    discarded: requests lost because it did not.
+    """
+
+    def __init__(self, segment: Wire, port_name: str, queue: QueueKind) -> None:
+        self.segment = segment
+        self.port_name = port_name
+        container, self._push, self._pop, self._put_back = QUEUES[queue]
+        self.pending: MutableSequence[Request] = container()
+        self.discarded = 0
+        self.receive_own_messages = False
+        self.errors = ErrorCounters()
+        self.takes_part = True
+        self._has_power = True
+        self._told_state = ErrorState.ACTIVE
+        self._state_callbacks: tuple[StateCallback, ...] = ()
+
+    # --- state -----------------------------------------------------------------------------------
+
+    @property
+    def error_state(self) -> ErrorState:
+        """Error active, error passive or bus-off."""
+        return self.errors.state
+
+    @property
+    def tec(self) -> int:
+        """Transmit error count."""
+        return self.errors.tec
+
+    @property
+    def rec(self) -> int:
+        """Receive error count."""
+        return self.errors.rec
+
+    def on_error_state(self, callback: StateCallback) -> None:
+        """Call `callback(state)` at every change of the error state, at the instant of the change.
+
+        That is inside the end of a frame: to answer with more than a request to send, plan an
+        event.
+        """
+        self._state_callbacks += (callback,)
+
+    def on_bus_off(self, callback: Callable[[], None]) -> None:
+        """Call `callback()` when this controller becomes bus-off."""
+        self.on_error_state(lambda state: callback() if state is ErrorState.BUS_OFF else None)
+
+    def recover(self) -> None:
+        """Begin the recovery from bus-off; without effect in any other state or while it goes on.
+
+        It ends, error active with both counts 0, after 128 times 11 recessive bits on the bus. A
+        segment with `automatic_recovery` calls this by itself.
+        """
+        if self.errors.state is ErrorState.BUS_OFF and self._has_power:
+            self.segment.recover(self)
+
+    def force_bus_off(self) -> None:
+        """Become bus-off now, as after many errors as a sender (a fault of the controller)."""
+        while self.errors.state is not ErrorState.BUS_OFF:
+            self.errors.transmit_failed()
+        self.segment.cut(self)
+        self.update_state()
+
+    def power_off(self) -> None:
+        """Leave the bus as a node without power: nothing is sent, received or acknowledged.
+
+        A frame being sent ends in the middle; what was pending is lost.
+        """
+        if self._has_power:
+            self._has_power = self.takes_part = False
+            self.discard()
+            self.segment.cut(self)
+            self.segment.update_parts()
+
+    def power_on(self) -> None:
+        """Take part again, error active with both counts 0; without effect when it has power."""
+        if not self._has_power:
+            self._has_power = True
+            self.errors.reset()
+            self.update_state()
+
+    # --- for the segment -------------------------------------------------------------------------
+
+    def deliver(self, frame: Frame, time_ns: TimeNs, own: bool) -> None:
+        """Hand over a frame that has ended on the wire; own: this controller sent it."""
+        raise NotImplementedError
+
+    def take(self) -> Request:
+        """Remove the request that competes next."""
+        request: Request = self._pop(self.pending)
+        return request
+
+    def put_back(self, request: Request) -> None:
+        """Let a request compete again, before the others where the queue is a FIFO."""
+        if self.takes_part:
+            self._put_back(self.pending, request)
+        else:
+            self.discarded += 1
+
+    def discard(self) -> None:
+        """Forget every pending request."""
+        self.discarded += len(self.pending)
+        self.pending.clear()
+
+    def update_state(self) -> None:
+        """Act on a change of the error state and call back."""
+        state = self.errors.state
+        takes_part = self._has_power and state is not ErrorState.BUS_OFF
+        if takes_part is not self.takes_part:
+            self.takes_part = takes_part
+            if not takes_part:
+                self.discard()
+            self.segment.update_parts()
+        if state is not self._told_state:
+            self._told_state = state
+            for callback in self._state_callbacks:
+                callback(state)
+            self.segment.note_state(self, state)

@@ -1,0 +1,129 @@
+"""Load of one segment: how long it was busy per window, and how long frames waited.
+
+Busy counts from SOF to the end of the intermission, so 100 % is a bus on which nothing more fits.
+"""
+
+from array import array
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from axisrig.bench.bus.frame import Frame
+from axisrig.kernel.clock import MS, S, TimeNs
+
+WINDOW_NS = MS
+"""Resolution of the record; longer windows are sums of these."""
+
+EXTENDED_FLAG = 0x8000_0000
+"""Set on 29-bit identifiers used as keys, as in SocketCAN and BLF."""
+
+
+@dataclass(frozen=True)
+class LoadFigures:
+    """Load of a segment from 0 to `until_ns`.
+
+    busy_bits: total, the most in any ms, and in any 100 of them in a row. busy_share: 0..1 of the
+    time. worst_100ms_share: 0..1 of those 100 ms, or of the whole time where that is shorter.
+    worst_delay_ns: per identifier (bit 31 set on 29-bit ones) the longest time from the request
+    to the start of the attempt that got through, ascending by identifier; for what still waits the
+    time until now.
+    """
+
+    until_ns: TimeNs
+    frames: int
+    error_frames: int
+    busy_bits: int
+    busy_share: float
+    worst_1ms_bits: int
+    worst_100ms_bits: int
+    worst_100ms_share: float
+    worst_delay_ns: dict[int, TimeNs]
+
+
+class LoadMeter:
+    """Adds up what a segment carries."""
+
+    def __init__(self, bitrate: int) -> None:
+        self._bitrate = bitrate
+        self._busy_ns = array("Q")
+        self._bits = 0
+        self._frames = 0
+        self._error_frames = 0
+        self._worst_delay_ns: dict[int, TimeNs] = {}
+
+    def occupy(self, start_ns: TimeNs, end_ns: TimeNs, bits: int) -> None:
+        """Add one occupation of the bus, a frame or an error frame with what it cut short."""
+        self._bits += bits
+        windows = self._busy_ns
+        window, last = start_ns // WINDOW_NS, (end_ns - 1) // WINDOW_NS
+        if last >= len(windows):
+            windows.extend([0] * (last + 1 - len(windows)))
+        while window < last:
+            border_ns = (window + 1) * WINDOW_NS
+            windows[window] += border_ns - start_ns
+            start_ns, window = border_ns, window + 1
+        windows[window] += end_ns - start_ns
+
+    def count_frame(self, can_id: int, extended: bool, delay_ns: TimeNs) -> None:
+        """Note a frame that got through `delay_ns` after its request."""
+        self._frames += 1
+        key = can_id | EXTENDED_FLAG if extended else can_id
+        if delay_ns >= self._worst_delay_ns.get(key, 0):
+            self._worst_delay_ns[key] = delay_ns
+
+    def count_error(self) -> None:
+        """Note an error frame."""
+        self._error_frames += 1
+
+    def busy_bits(self, window_ns: TimeNs) -> list[int]:
+        """Busy bits of each window since 0, to the nearest bit; the last one may be unfinished.
+
+        Raises ValueError when `window_ns` is not a multiple of 1 ms.
+        """
+        if window_ns < WINDOW_NS or window_ns % WINDOW_NS:
+            raise ValueError(f"window of {window_ns} ns is not a multiple of {WINDOW_NS} ns")
+        return [self._bits_of(busy_ns) for busy_ns in self._sums_ns(window_ns // WINDOW_NS)]
+
+    def _sums_ns(self, step: int) -> Iterable[int]:
+        """Return the busy time of every `step` windows."""
+        windows = self._busy_ns
+        if step == 1:
+            return windows
+        return (sum(windows[i : i + step]) for i in range(0, len(windows), step))
+
+    def _bits_of(self, busy_ns: TimeNs) -> int:
+        return (busy_ns * self._bitrate + S // 2) // S
+
+    def _worst_ns(self, span_ns: TimeNs) -> TimeNs:
+        """Return the most busy time in any stretch of so many windows in a row."""
+        step = span_ns // WINDOW_NS
+        windows = self._busy_ns
+        inside = worst = sum(windows[:step])
+        for leaves, enters in zip(windows, windows[step:], strict=False):
+            inside += enters - leaves
+            worst = max(worst, inside)
+        return worst
+
+    def figures(
+        self, until_ns: TimeNs, waiting: Iterable[tuple[Frame, TimeNs]] = ()
+    ) -> LoadFigures:
+        """Sum up to `until_ns`, which must not lie before the last end of a frame by a window.
+
+        waiting: (frame, time of its request) of what has not been sent.
+        """
+        busy_ns = sum(self._busy_ns)
+        worst_ns = self._worst_ns(100 * MS)
+        delays = dict(self._worst_delay_ns)
+        for frame, requested_ns in waiting:
+            key = frame.arbitration_id | (EXTENDED_FLAG if frame.is_extended_id else 0)
+            delays[key] = max(delays.get(key, 0), until_ns - requested_ns)
+        return LoadFigures(
+            until_ns=until_ns,
+            frames=self._frames,
+            error_frames=self._error_frames,
+            busy_bits=self._bits,
+            busy_share=busy_ns / until_ns if until_ns else 0.0,
+            worst_1ms_bits=self._bits_of(max(self._sums_ns(1), default=0)),
+            worst_100ms_bits=self._bits_of(worst_ns),
+            worst_100ms_share=worst_ns / min(until_ns, 100 * MS) if until_ns else 0.0,
+            worst_delay_ns=dict(sorted(delays.items())),
+        )

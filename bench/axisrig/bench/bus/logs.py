@@ -1,0 +1,181 @@
+"""Log files of the traffic, with times that count from the start of the run.
+
+| kind | suffix | written by | times | same bytes in every run |
+|---|---|---|---|---|
+| blf | .blf | python-can | 1 ns early at most | yes |
+| candump | .log | python-can | 1 us | yes |
+| asc | .asc | python-can | 1 us | no: its head tells the date |
+| pcap | .pcap | here | exact | yes |
+
+BLF and ASC number the segments as channels, candump names them, pcap has a file for each.
+"""
+
+import struct
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, Protocol
+
+import can
+
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.files import named, naming
+from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.errors import UserError
+
+LOG_SUFFIXES = {"blf": ".blf", "candump": ".log", "asc": ".asc", "pcap": ".pcap"}
+"""Kind of log -> suffix of its file."""
+
+SEGMENT_MARK = "@"
+"""Stands before the name of a segment in the name of a file; no name of a run has it."""
+
+# Source: tcpdump.org, pcap file format and LINKTYPE_CAN_SOCKETCAN; Linux can.h and can/error.h
+PCAP_MAGIC_NS, LINKTYPE_CAN_SOCKETCAN, SNAP_BYTES = 0xA1B23C4D, 227, 16
+EXTENDED_FLAG, REMOTE_FLAG, ERROR_FLAG = 1 << 31, 1 << 30, 1 << 29
+PROTOCOL_VIOLATION = 0x008
+ERROR_DATA_BYTES = 8
+
+
+class BusLog(Protocol):
+    """A log file: `segment.observe(log)`, then `stop()`."""
+
+    def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
+        """Write one frame. Raises OSError with the name of the file."""
+        ...
+
+    def stop(self) -> None:
+        """Write what is left and close the file."""
+        ...
+
+
+def open_log(path: Path, segments: Sequence[str]) -> BusLog:
+    """Open the log that the suffix of `path` asks for; segments: names in the order of channels.
+
+    Raises UserError for another suffix.
+    """
+    suffix = path.suffix.lower()
+    channels = {name: number for number, name in enumerate(segments)}
+    if suffix == LOG_SUFFIXES["blf"]:
+        return MessageLog(blf_writer(path), channels, path)
+    if suffix == LOG_SUFFIXES["candump"]:
+        return MessageLog(can.CanutilsLogWriter(path), {name: name for name in segments}, path)
+    if suffix == LOG_SUFFIXES["asc"]:
+        return MessageLog(asc_writer(path), channels, path)
+    if suffix == LOG_SUFFIXES["pcap"]:
+        return PcapLog(path, segments)
+    raise UserError("no kind of bus log", value=path.name, allowed=list(LOG_SUFFIXES.values()))
+
+
+def log_kinds(text: str) -> list[str]:
+    """Read `blf,pcap`. Raises UserError for an unknown kind."""
+    kinds = [kind.strip() for kind in text.split(",") if kind.strip()]
+    for kind in kinds:
+        if kind not in LOG_SUFFIXES:
+            raise UserError("no kind of bus log", value=kind, allowed=list(LOG_SUFFIXES))
+    return kinds
+
+
+def blf_writer(path: str | Path) -> can.BLFWriter:
+    """Open a BLF log whose times count from the start of the run.
+
+    A writer left to itself counts from the millisecond of its first frame and stores that origin
+    as a calendar date, which simulated time does not have: reading back would shift every frame.
+    Times are kept as whole ns, cut off from a float: a frame reads back at most 1 ns early.
+    The caller taps it to a segment and calls `stop()` at the end.
+    """
+    writer = can.BLFWriter(path)
+    writer.start_timestamp = 0.0
+    return writer
+
+
+def asc_writer(path: str | Path) -> can.ASCWriter:
+    """Open an ASC log whose times count from the start of the run, not from its first frame."""
+    writer = can.ASCWriter(path)
+    writer.log_event("Simulated time", 0.0)
+    return writer
+
+
+class MessageLog:
+    """One file for all segments of a rig: a writer of python-can, fed cheaply.
+
+    The writer reads a message and forgets it, so one `can.Message` is filled again for every frame;
+    making a new one costs as much as writing it.
+    """
+
+    def __init__(
+        self,
+        writer: can.io.generic.FileIOMessageWriter[Any],
+        channels: Mapping[str, int | str],
+        path: Path,
+    ) -> None:
+        """channels: what the writer is to call each segment. path: of its file."""
+        self._path = path
+        self._writer = writer
+        self._channels = channels
+        self._message = can.Message()
+
+    def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
+        """Write one frame."""
+        message = self._message
+        message.timestamp = time_ns / S
+        message.channel = self._channels[segment]
+        message.arbitration_id, message.data = frame.arbitration_id, frame.data  # type: ignore[assignment]
+        message.is_extended_id, message.is_remote_frame = frame[2], frame[3]
+        message.dlc, message.is_error_frame = frame.dlc, is_error
+        try:
+            self._writer.on_message_received(message)
+        except OSError as error:
+            raise named(error, self._path) from None
+
+    def stop(self) -> None:
+        """Write what is left and close the file."""
+        try:
+            self._writer.stop()
+        except OSError as error:
+            with suppress(OSError):  # else what could not be written is tried once more at the end
+                self._writer.file.close()
+            raise named(error, self._path) from None
+
+
+class PcapLog:
+    """SocketCAN frames in pcap files with times in ns, one file for each segment of a rig.
+
+    With several segments the name of each goes into that of its file: `run@can1.pcap`. An error
+    frame becomes SocketCAN's error message of a protocol violation. All numbers of the file are
+    little-endian, identifiers big-endian, as the link type asks for.
+    """
+
+    _HEAD = struct.Struct("<IHHiIII")
+    _RECORD = struct.Struct("<IIII")
+    _FRAME = struct.Struct(">IB3x8s")
+
+    def __init__(self, path: Path, segments: Sequence[str]) -> None:
+        self._files = {}
+        for name in segments:
+            several = path.with_name(f"{path.stem}{SEGMENT_MARK}{name}.pcap")
+            self._files[name] = (several if len(segments) > 1 else path).open("wb")
+            head = (PCAP_MAGIC_NS, 2, 4, 0, 0, SNAP_BYTES, LINKTYPE_CAN_SOCKETCAN)
+            self._files[name].write(self._HEAD.pack(*head))
+
+    def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
+        """Write one frame."""
+        seconds, rest_ns = divmod(time_ns, S)
+        can_id, data, dlc = frame.arbitration_id, frame.data, frame.dlc
+        if is_error:
+            can_id, data, dlc = ERROR_FLAG | PROTOCOL_VIOLATION, b"", ERROR_DATA_BYTES
+        elif frame.is_extended_id:
+            can_id |= EXTENDED_FLAG
+        if frame.is_remote_frame:
+            can_id |= REMOTE_FLAG
+        record = self._RECORD.pack(seconds, rest_ns, SNAP_BYTES, SNAP_BYTES)
+        file = self._files[segment]
+        try:
+            file.write(record + self._FRAME.pack(can_id, dlc, data))
+        except OSError as error:
+            raise named(error, Path(file.name)) from None
+
+    def stop(self) -> None:
+        """Close the files."""
+        for file in self._files.values():
+            with naming(Path(file.name)):
+                file.close()

@@ -1,0 +1,93 @@
+"""What every mode of operation offers to the drive that runs it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from axisrig.bench.drive.application.index_pulse import IndexPulse
+from axisrig.bench.drive.application.limits import Limits
+from axisrig.bench.drive.application.motion import Motion
+from axisrig.bench.drive.application.stop import Standstill
+from axisrig.bench.drive.application.switches import Switches
+from axisrig.bench.drive.application.touch_probe import TouchProbe
+from axisrig.bench.drive.application.units import Units
+from axisrig.bench.drive.image import ProcessImage
+from axisrig.bench.drive.ports import ControlKind
+from axisrig.kernel.clock import US, S, TimeNs
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """The parts of a drive that a mode works with.
+
+    set_home: makes a place (m) the machine home position. homing_torque: in per mille, with
+    which homing presses against a stop; homing_stop_ms: for how long it must stand there.
+    """
+
+    image: ProcessImage
+    units: Units
+    limits: Limits
+    motion: Motion
+    standstill: Standstill
+    tick_ns: TimeNs
+    switches: Switches
+    index: IndexPulse
+    touch_probe: TouchProbe
+    set_home: Callable[[float], None]
+    homing_torque: int
+    homing_stop_ms: int
+
+    def period_ns(self) -> TimeNs:
+        """Return the interpolation time: 1006, or 60C2 where that is 0."""
+        image = self.image
+        if image.sync_period_us:
+            return image.sync_period_us * US
+        parts_of_s: int = 10**-image.interpolation_index
+        return image.interpolation_value * S // parts_of_s
+
+
+class Mode:
+    """A mode of operation; `begin` and `end` lie around its time, ticks and SYNCs in it.
+
+    number: its value of 6060; it has bit number - 1 of 6502. needs: the control that the plant
+    must offer. follows_position: whether there is a following error to monitor. limits_speed:
+    whether the speed is monitored, since nothing else limits it. minds_limits: it acts on limit
+    switches itself.
+    needs_ticks: whether it has something to do between two SYNCs. is_limited: whether a limit of
+    the drive keeps it from its target (bit 11 of 6041).
+    """
+
+    number: ClassVar[int]
+    needs: ClassVar[ControlKind] = ControlKind.POSITION
+    follows_position = False
+    limits_speed: ClassVar[bool] = False
+    minds_limits: ClassVar[bool] = False
+
+    def __init__(self, parts: Parts) -> None:
+        self.parts = parts
+        self.needs_ticks = False
+        self.is_limited = False
+
+    def begin(self, now_ns: TimeNs) -> None:
+        """Take the axis over as it is, moving or not."""
+
+    def resume(self, now_ns: TimeNs) -> None:
+        """Go on after a halt."""
+        self.begin(now_ns)
+
+    def command(self, now_ns: TimeNs) -> None:
+        """Look at the bits of the controlword that belong to the mode."""
+
+    def cycle(self, now_ns: TimeNs) -> None:
+        """Act at a SYNC, under its values."""
+        self.tick(now_ns)
+
+    def tick(self, now_ns: TimeNs) -> None:
+        """Act at a tick between two SYNCs."""
+
+    def status(self) -> int:
+        """Return bits 10, 12 and 13 of the statusword, as far as they are the mode's."""
+        return 0
+
+    def end(self, now_ns: TimeNs) -> None:
+        """Leave: the next mode, a stop or power off follows."""

@@ -1,0 +1,140 @@
+"""What the commands of the command line share: options, and how errors end them."""
+
+import os
+import sys
+from collections.abc import Callable
+from functools import wraps
+from importlib.metadata import PackageNotFoundError, version
+from typing import Annotated, Any
+
+import typer
+
+from axisrig.bench.files import DISK_FULL, in_words
+from axisrig.kernel.errors import UserError
+
+CALL_LIMIT_S = 60.0
+EXIT_REJECTED = 2
+EXIT_INTERRUPTED = 4
+EXIT_BROKEN_PIPE = 141
+
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        help="Change one input, written as a column of a plan: set:Z.kenngr.measure.edge=NEG",
+        metavar="COLUMN=VALUE",
+    ),
+]
+ForceOption = Annotated[
+    bool,
+    typer.Option(
+        "--force", help="Run although a cycle does not fit on its bus, and report the overload."
+    ),
+]
+AsCanopenOption = Annotated[
+    bool,
+    typer.Option(
+        "--as-canopen",
+        help="Run drives of other types (P-AXIS-00020) on CANopen drives, and say so.",
+    ),
+]
+FreshOption = Annotated[
+    bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
+]
+IsolateOption = Annotated[
+    bool,
+    typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),
+]
+CallTimeoutOption = Annotated[
+    float | None,
+    typer.Option(
+        "--call-timeout",
+        min=1.0,
+        help="Wall time of one call into an FMU, s; 60 when not said. Uses processes apart.",
+    ),
+]
+InterfaceOption = Annotated[
+    str | None,
+    typer.Option(
+        "--interface",
+        help="CAN interface by its python-can name, in place of the rig's: socketcan, slcan, ...",
+    ),
+]
+ChannelOption = Annotated[
+    str | None,
+    typer.Option("--channel", help="Channel of the interface: can0, /dev/ttyACM0, ..."),
+]
+BusOption = Annotated[
+    list[str] | None,
+    typer.Option("--option", metavar="KEY=VALUE", help="One more option of the interface."),
+]
+BitrateOption = Annotated[
+    int | None, typer.Option("--bitrate", help="Bit rate, bit/s, in place of the rig's.")
+]
+SegmentOption = Annotated[
+    str | None,
+    typer.Option("--segment", help="Segment of the rig that it is for, where it has several."),
+]
+YesOption = Annotated[
+    bool, typer.Option("--yes", "-y", help="The axes outside may move; do not ask.")
+]
+
+
+# So many errors of one file are told beside the first
+_ERRORS_TOLD = 24
+
+
+def rejecting(command: Callable[..., None]) -> Callable[..., None]:
+    """Turn what a user can mend into a line each on standard error and exit code 2."""
+
+    @wraps(command)
+    def guarded(*args: Any, **kwargs: Any) -> None:
+        try:
+            command(*args, **kwargs)
+        except UserError as error:
+            for one in (error, *error.further[:_ERRORS_TOLD]):
+                print(f"error: {one}", file=sys.stderr)
+                if one.excerpt is not None:
+                    print(one.excerpt, file=sys.stderr)
+            if error.further[_ERRORS_TOLD:]:
+                more = len(error.further) - _ERRORS_TOLD
+                print(f"error: {more} further errors", file=sys.stderr)
+            raise typer.Exit(_code_of(error)) from None
+        except BrokenPipeError:
+            # The reader has gone (`| head`); what follows must not complain a second time
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+            raise typer.Exit(EXIT_BROKEN_PIPE) from None
+        except OSError as error:
+            print(f"error: {in_words(error, command.__name__)}", file=sys.stderr)
+            raise typer.Exit(_code_of(error)) from None
+        except KeyboardInterrupt:
+            print("interrupted", file=sys.stderr)
+            raise typer.Exit(EXIT_INTERRUPTED) from None
+
+    return guarded
+
+
+def _code_of(error: BaseException | None) -> int:
+    """Return the exit code of an error: a full disk interrupts, whatever was reported."""
+    seen: set[int] = set()  # an error that was raised from itself is a chain without an end
+    while error is not None and id(error) not in seen:
+        if isinstance(error, OSError) and error.errno in DISK_FULL:
+            return EXIT_INTERRUPTED
+        seen.add(id(error))
+        error = error.__cause__ or error.__context__
+    return EXIT_REJECTED
+
+
+def _show_version(is_asked: bool) -> None:
+    if is_asked:
+        try:
+            print(f"axisrig {version('axisrig')}")
+        except PackageNotFoundError:
+            print("axisrig, run from its sources without being installed")
+        raise typer.Exit
+
+
+VersionOption = Annotated[
+    bool,
+    typer.Option("--version", is_eager=True, callback=_show_version, help="Show the version."),
+]

@@ -1,0 +1,154 @@
+"""Parameters of distance control, read from what the lists say.
+
+Source: FCT-M3 9, P-AXIS-00413 to 00428, 00500 to 00509, 00533, 00534, 00759 to 00784. The newer
+structure `kenngr.dist_ctrl[0].` wins over the older `kenngr.distc.`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from axisrig.kernel.clock import S, TimeNs
+
+Written = Mapping[str, object]
+"""Parameter -> value, only of those that a list or a plan has written."""
+
+NEWER, OLDER = "kenngr.dist_ctrl[0].", "kenngr.distc."
+PER_MM = 10_000.0  # the lists count in 0.1 um
+UM = 1e-3
+# Older German words: FCT-M3 9.2
+_ALIASES = {
+    "max_deviation": "max_abweichung",
+    "max_act_value_change": "max_istw_sprung",
+    "tolerance": "toleranz",
+}
+_AXIS_ACCELERATION, _ACCELERATION_OTHERWISE = "getriebe[0].dynamik.a_max", 1000.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What holds the offset and what raises. mm, mm/s, mm/s2.
+
+    change_mm_s: P-AXIS-00417, None = not watched. low_mm, high_mm: of the sensor, tolerance taken
+    off. weights: per mille towards the workpiece, 0 = none.
+    """
+
+    v_mm_s: float
+    a_mm_s2: float
+    deviation_mm: float
+    change_mm_s: float
+    low_mm: float
+    high_mm: float
+    v_weight: float = 0.0
+    a_weight: float = 0.0
+    adaptive: tuple[float, float, float] | None = None  # a_min, error of a_min, error of a_max
+
+
+@dataclass(frozen=True)
+class Control:
+    """The controller: kp, Tn and Tv in s (0 = off), filter with its numbers (FCT-M3 4)."""
+
+    kp: float = 1.0
+    tn_s: float = 0.0
+    tv_s: float = 0.0
+    filter_type: str = "DEFAULT"
+    count: int = 4
+    alpha: float = 0.7
+    order: int = 4
+    corner_hz: float = 25.0
+    sigma_mm: float = 0.1
+
+
+@dataclass(frozen=True)
+class Listed:
+    """All of an axis.
+
+    sign: -1 when P-AXIS-00230 inverts the sensor. ref_offset_mm: P-AXIS-00418. mm_per_increment:
+    """
+
+    limits: Limits
+    control: Control
+    sign: int
+    ref_offset_mm: float
+    mm_per_increment: float
+    is_optimized: bool
+    uses_both: bool
+
+    def sensor_mm(self, increments: float) -> float:
+        """Return the sensor value: increments times resolution, sign, reference offset."""
+        return self.sign * increments * self.mm_per_increment - self.ref_offset_mm
+
+
+def as_written(written: Written) -> Listed:
+    """Read the parameters of one axis."""
+
+    def number(name: str, otherwise: float) -> float:
+        for stem in (NEWER, OLDER):
+            for word in (name, _ALIASES.get(name, name)):
+                value = written.get(stem + word)
+                if value is not None:
+                    assert isinstance(value, int | float)
+                    return float(value)
+        return otherwise
+
+    def text(name: str, otherwise: str) -> str:
+        for stem in (NEWER, OLDER):
+            if stem + name in written:
+                return str(written[stem + name])
+        return otherwise
+
+    tolerance = number("tolerance", 0)
+    acceleration = number("a_max", 0) or _plain(
+        written, _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE
+    )
+    adaptive = None
+    if number("use_adaptive_acceleration", 0):
+        low, high = number("dist_error_a_min", 1000), number("dist_error_a_max", 5000)
+        adaptive = (number("a_min", 500), low / PER_MM, high / PER_MM)
+    limits = Limits(
+        v_mm_s=number("v_max", 5000) * UM,
+        a_mm_s2=acceleration,
+        deviation_mm=number("max_deviation", 50000) / PER_MM,
+        change_mm_s=number("max_act_value_change", 5000) * UM,
+        low_mm=(number("min_pos", -50000) + tolerance) / PER_MM,
+        high_mm=(number("max_pos", 50000) - tolerance) / PER_MM,
+        v_weight=number("v_weight_down", 0),
+        a_weight=number("a_weight_down", 0),
+        adaptive=adaptive,
+    )
+    filter_type = text("filter_type", "DEFAULT")
+    if filter_type == "DEFAULT" and number("low_pass_filter_enable", 0):
+        filter_type = "LOWPASS"
+    control = Control(
+        kp=number("kp", 1.0),
+        tn_s=number("i_tn", 0.0),
+        tv_s=number("d_tv", 0.0),
+        filter_type=filter_type,
+        count=int(number("n_cycles", 4)),
+        alpha=number("smoothing_factor", 0.7),
+        order=int(number("low_pass_filter_order", 4)),
+        corner_hz=number("low_pass_filter_fg_f0", 25.0),
+        sigma_mm=number("kalman_sigma", 1000) / PER_MM,
+    )
+    resolution = _plain(written, "lr_hw[1].encoder_resolution_denom", 1.0) / _plain(
+        written, "lr_hw[1].encoder_resolution_num", 1.0
+    )
+    return Listed(
+        limits,
+        control,
+        sign=-1 if _plain(written, "lr_hw[1].vz_istw", 0) else 1,
+        ref_offset_mm=number("ref_offset", 0) / PER_MM,
+        mm_per_increment=resolution / PER_MM,
+        is_optimized=bool(number("optimized_scheduling", 0)),
+        uses_both=bool(number("mode_dist_use_both_encoder", 0)),
+    )
+
+
+def _plain(written: Written, name: str, otherwise: float) -> float:
+    value = written.get(name, otherwise)
+    assert isinstance(value, int | float)
+    return float(value)
+
+
+def cycles_of(time_s: float, period_ns: TimeNs) -> float:
+    """Return a time in cycles, not rounded."""
+    return time_s * S / period_ns

@@ -1,0 +1,118 @@
+"""The characteristic polynomial of distance control, for each mode.
+
+Time counts in cycles k, q = z^-1 delays by one. o(k) is the offset that cycle k computes, a(k) the
+position at the SYNC of cycle k. What is computed in cycle k stands at the SYNC n + 1 cycles later:
+a(k) = D o(k - 1 - n), D the drive, n the dead cycles: the error is n cycles late beside what an
+ideal loop has (n = 0: e(k) sees o(k - 1)).
+
+    mode                  loop error e                       what comes back of the offset, B
+    CONST_DIST            SET_DIST - F d                     F D q^(1+n+s)
+    with both encoders    SET_DIST - F (d - Z_act + Z_com)   F (q^(1+m) - (1 - q^s) D q^(1+n))
+    SET_POS               F (act + sensor - SET_POS) - o     q - F D q^(1+n) (1 - q^s)
+
+F: filter. s: skew, by how many cycles the sensor is older than the actual position. m: dead
+cycles of Z_com, the set position that was sent in the cycle before. The controller adds kp C e to
+the offset, C = 1 + g/(1 - q) + r (1 - q) with g = T/Tn and r = Tv/T, so that
+
+    (1 - q) + kp C B = 0
+
+Sources: FCT-M3 3, 5.1, 5.2, 7.1; docs/distance-control.md.
+"""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from axisrig.bench.oracles.distance.smoothing import Polynomial, Smoothing, none
+
+CONST_DIST, BOTH, SET_POS = "CONST_DIST", "CONST_DIST with both encoders", "SET_POS"
+
+
+@dataclass(frozen=True)
+class Loop:
+    """What is in a loop beside kp.
+
+    mode: CONST_DIST, BOTH or SET_POS. dead_cycles: n. sent_cycles: m, only for BOTH. skew_cycles:
+    s. integral: g = T/Tn, 0 = off. derivative: r = Tv/T. drive: D, a transfer function of gain 1.
+    sign: -1 when the sensor counts against what the mode needs.
+    """
+
+    mode: str
+    dead_cycles: int
+    smoothing: Smoothing = field(default_factory=none)
+    sent_cycles: int = 0
+    skew_cycles: int = 0
+    integral: float = 0.0
+    derivative: float = 0.0
+    drive: Smoothing = field(default_factory=none)
+    sign: int = 1
+
+    @property
+    def is_surface(self) -> bool:
+        """Whether the loop follows a surface position."""
+        return self.mode == SET_POS
+
+    def without_controller(self) -> "Loop":
+        """Return the same with a plain P controller."""
+        return replace(self, integral=0.0, derivative=0.0)
+
+
+def polynomials(loop: Loop) -> tuple[Polynomial, Polynomial]:
+    """Return A and B of A(q) + kp B(q) = 0, lowest power of q first."""
+    above, below = _feedback(loop)
+    integrator = np.array([1.0, -1.0])
+    control = np.polynomial.polynomial.polyadd([1.0], loop.derivative * integrator)
+    start = np.convolve(integrator, below)
+    if loop.integral:
+        control = np.polynomial.polynomial.polyadd(
+            np.convolve(control, integrator), [loop.integral]
+        )
+        start = np.convolve(start, integrator)
+    return start, np.convolve(control, above)
+
+
+def _feedback(loop: Loop) -> tuple[Polynomial, Polynomial]:
+    """Return how the offset comes back into -e: above, below."""
+    smooth, drive = loop.smoothing, loop.drive
+    below = np.convolve(smooth.denominator, drive.denominator)
+    way = _shift(np.convolve(smooth.numerator, drive.numerator), 1 + loop.dead_cycles)
+    sensor = loop.sign * _shift(way, loop.skew_cycles)
+    if loop.mode == CONST_DIST:
+        return sensor, below
+    if loop.mode == BOTH:
+        sent = _shift(np.convolve(smooth.numerator, drive.denominator), 1 + loop.sent_cycles)
+        return _add(_add(sensor, -way), sent), below
+    return _add(_shift(below, 1), _add(sensor, -way)), below
+
+
+def _add(first: Polynomial, second: Polynomial) -> Polynomial:
+    whole: Polynomial = np.polynomial.polynomial.polyadd(first, second).astype(np.float64)
+    return whole
+
+
+def _shift(polynomial: Polynomial, cycles: int) -> Polynomial:
+    return np.concatenate([np.zeros(cycles), polynomial])
+
+
+def poles(loop: Loop, kp: float) -> npt.NDArray[np.complex128]:
+    """Return the roots of the characteristic polynomial in z."""
+    start, gain = polynomials(loop)
+    whole = np.polynomial.polynomial.polyadd(start, kp * gain)
+    roots: npt.NDArray[np.complex128] = np.roots(whole).astype(np.complex128)
+    return roots
+
+
+def growth(loop: Loop, kp: float) -> float:
+    """Return the magnitude of the largest pole: what is left of an error after one cycle."""
+    found = poles(loop, kp)
+    return float(np.max(np.abs(found))) if len(found) else 0.0  # none: all poles lie at 0
+
+
+def transfer(loop: Loop, kp: float, omega_t: Polynomial) -> npt.NDArray[np.complex128]:
+    """Return the open loop kp C F D .../(1 - q) at omega T (rad per cycle)."""
+    q = np.exp(-1j * np.asarray(omega_t, dtype=np.float64))
+    start, gain = polynomials(loop)
+    evaluate = np.polynomial.polynomial.polyval
+    open_loop: npt.NDArray[np.complex128] = kp * evaluate(q, gain) / evaluate(q, start)
+    return open_loop

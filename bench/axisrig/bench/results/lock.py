@@ -1,0 +1,129 @@
+"""One campaign, one folder: a lock of the operating system on `DIR/.lock`.
+
+The lock ends with its process, however that ends. The file holds host and process id as text, for
+whoever comes second. Processes that the campaign starts do not hold it.
+"""
+
+import os
+import platform
+import sys
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from axisrig.bench.files import naming
+from axisrig.kernel.errors import UserError
+
+LOCK = ".lock"
+
+_held: dict[Path, str] = {}
+"""Folders that this process holds. POSIX locks do not keep a process out of its own."""
+
+if sys.platform == "win32":
+    import msvcrt
+
+    # Nobody else can read bytes that are locked, so these lie far from the text
+    _PLACE = 1 << 30
+
+    def _try_lock(descriptor: int) -> bool:
+        os.lseek(descriptor, _PLACE, os.SEEK_SET)
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+
+else:
+    import fcntl
+
+    def _try_lock(descriptor: int) -> bool:
+        try:
+            # Not flock: a process that is forked while it is held would hold it as well
+            fcntl.lockf(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except (BlockingIOError, PermissionError):
+            return False
+        return True
+
+
+class FolderLock:
+    """Holds a folder for this process, as a context manager; makes the folder where there is none.
+
+    A folder that it made and that is empty at the end is removed again.
+    Raises UserError on entry, with the holder, when the folder is in use.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._key = folder
+        self._descriptor = -1
+        self._made: list[Path] = []
+
+    def __enter__(self) -> Self:
+        self._made = [path for path in (self.folder, *self.folder.parents) if not path.exists()]
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._key = self.folder.resolve()
+        if self._key in _held:
+            raise self._refused(_held[self._key])
+        path = self.folder / LOCK
+        while True:
+            descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
+            if not _try_lock(descriptor):
+                os.lseek(descriptor, 0, os.SEEK_SET)
+                holder = os.read(descriptor, 1000).decode(errors="replace").strip()
+                os.close(descriptor)
+                raise self._refused(holder or "another process")
+            if _is_file(descriptor, path):
+                break
+            os.close(descriptor)  # its holder has just removed it
+        holder = f"process {os.getpid()} on {platform.node() or 'this host'}"
+        try:
+            with naming(path):
+                os.ftruncate(descriptor, 0)
+                os.lseek(descriptor, 0, os.SEEK_SET)
+                os.write(descriptor, f"{holder}\n".encode())
+        except OSError:
+            os.close(descriptor)
+            raise
+        self._descriptor = descriptor
+        _held[self._key] = holder
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        path = self._key / LOCK
+        if sys.platform == "win32":  # an open file cannot be removed there
+            os.close(self._descriptor)
+            _remove(path)
+        else:
+            _remove(path)
+            os.close(self._descriptor)
+        del _held[self._key]
+        for made in self._made:
+            if not made.is_dir() or any(made.iterdir()):
+                break
+            made.rmdir()
+
+    def _refused(self, holder: str) -> UserError:
+        return UserError(
+            f"the folder is in use: {holder} writes its results there",
+            file=self.folder,
+            hint="wait for its end, or name another folder with -o",
+        )
+
+
+def _is_file(descriptor: int, path: Path) -> bool:
+    """Whether an open file is still the one of that name."""
+    try:
+        return os.path.samestat(os.fstat(descriptor), path.stat())
+    except FileNotFoundError:
+        return False
+
+
+def _remove(path: Path) -> None:
+    with suppress(OSError):  # somebody has it open already, or the folder is gone
+        path.unlink()

@@ -1,0 +1,286 @@
+"""A results folder read back: what the report, the JUnit file and later judging work from."""
+
+import csv
+import io
+import json
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.kernel.errors import UserError
+
+RESULT_COLUMNS = (
+    *("plan", "case", "run", "check", "metric", "value", "unit"),
+    *("lower", "upper", "uncertainty", "verdict", "reference"),
+)
+CASE_COLUMNS = (
+    *("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed"),
+    *("alarms", "frame_log_sha256"),
+)
+LATER_COLUMNS = ("drive_substituted", "unproved_latches")
+"""Columns of `cases.csv` behind these that older results do not have."""
+IN_PLAN = "in_plan"
+"""Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""
+
+_RUN = re.compile(r"[A-Za-z0-9_.-]+")  # a part of file names
+
+
+@dataclass(frozen=True)
+class StoredRun:
+    """One run of a results folder.
+
+    case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
+    info: `runs/<run>.json`: events, limits to draw, notes, messages, log, bus, fixed_stop,
+    distance, error.
+    trace: the Parquet file, or None when the run left none.
+    """
+
+    case: Mapping[str, str]
+    checks: Sequence[Mapping[str, str]]
+    info: Mapping[str, Any]
+    trace: Path | None
+
+    @property
+    def run(self) -> str:
+        """The run id."""
+        return self.case["run"]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict of the run."""
+        return Verdict.of(self.case["verdict"])
+
+    @property
+    def is_in_plan(self) -> bool:
+        """Whether the plan had the run when the folder was last written to."""
+        return not self.case.get(IN_PLAN)
+
+
+@dataclass(frozen=True)
+class StoredResults:
+    """A results folder: the runs in the order of `cases.csv` and the manifest."""
+
+    folder: Path
+    runs: Sequence[StoredRun]
+    manifest: Mapping[str, Any]
+
+    @property
+    def input_columns(self) -> list[str]:
+        """The columns of the plans that `cases.csv` carries on."""
+        first = self.runs[0].case if self.runs else {}
+        own = (*CASE_COLUMNS, *LATER_COLUMNS, IN_PLAN)
+        return [column for column in first if column not in own]
+
+    @property
+    def planned(self) -> Sequence[StoredRun]:
+        """The runs that are in their plan; they alone make the verdict."""
+        return [run for run in self.runs if run.is_in_plan]
+
+    @property
+    def runs_planned(self) -> int:
+        """How many runs of the plans have been asked for."""
+        return int(self.manifest.get("runs_planned", len(self.planned)))
+
+    @property
+    def missing(self) -> int:
+        """How many planned runs have no result: above 0 for an interrupted campaign."""
+        return self.runs_planned - len(self.planned)
+
+    @property
+    def verdict(self) -> Verdict:
+        """The worst verdict; never better than aborted while runs are missing."""
+        verdicts = [run.verdict for run in self.planned]
+        return worst([*verdicts, Verdict.ABORTED] if self.missing > 0 else verdicts)
+
+
+def read_results(folder: Path) -> StoredResults:
+    """Read a results folder. Raises UserError when it is none."""
+    for name in ("cases.csv", "results.csv"):
+        if not (folder / name).is_file():
+            raise UserError(
+                f"no results folder: {name} is missing",
+                file=folder,
+                hint="give the folder that `axisrig run -o` wrote",
+            )
+    manifest = read_manifest(folder)
+    is_whole = bool(manifest.get("finished"))
+    checks: dict[str, list[Mapping[str, str]]] = {}
+    for row in read_rows(folder / "results.csv", RESULT_COLUMNS, is_whole=is_whole)[1]:
+        checks.setdefault(row["run"], []).append(row)
+    runs = [
+        StoredRun(
+            case=row,
+            checks=checks.get(row["run"], []),
+            info=_info(folder / "runs" / f"{row['run']}.json"),
+            trace=_existing(folder / "traces" / f"{row['run']}.parquet"),
+        )
+        for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]
+    ]
+    return StoredResults(folder, runs, manifest)
+
+
+def read_manifest(folder: Path) -> Mapping[str, Any]:
+    """Read `manifest.json`, empty where there is none. Raises UserError when it is damaged."""
+    path = folder / "manifest.json"
+    manifest = _json(path)
+    runs_planned = manifest.get("runs_planned", 0)
+    if not isinstance(runs_planned, int):
+        raise _damaged(path, "runs_planned is no whole number")
+    plans = manifest.get("plans", [])
+    if not isinstance(plans, list) or not all(_is_plan(plan) for plan in plans):
+        raise _damaged(path, "plans is no list of plans with name, path and sha256")
+    earlier = manifest.get("earlier", [])
+    if not isinstance(earlier, list) or not all(_is_call(call) for call in (manifest, *earlier)):
+        raise _damaged(path, "earlier is no list of calls with their command and runs")
+    missing = manifest.get("missing", {})
+    if not isinstance(missing, dict) or not all(_is_texts(runs) for runs in missing.values()):
+        raise _damaged(path, "missing is no table of lists of runs")
+    for name in ("files", "fmus"):
+        if not _is_words(manifest.get(name, {})):
+            raise _damaged(path, f"{name} is no table of hashes")
+    if not isinstance(manifest.get("packages", {}), dict):
+        raise _damaged(path, "packages is no table")
+    return manifest
+
+
+def _info(path: Path) -> Mapping[str, Any]:
+    """Read what a run left beside its rows. Raises UserError when it is damaged."""
+    info = _json(path)
+    for name, is_right in _INFO.items():
+        if name in info and not is_right(info[name]):
+            raise _damaged(path, f"{name} is not what a run writes")
+    return info
+
+
+def _is_plan(plan: object) -> bool:
+    keys = ("name", "path", "sha256")
+    return isinstance(plan, dict) and all(isinstance(plan.get(key), str) for key in keys)
+
+
+def _is_call(call: object) -> bool:
+    keys = ("command", "runs")
+    return isinstance(call, dict) and all(_is_texts(call.get(key, [])) for key in keys)
+
+
+def _is_texts(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(item, str) for item in value)
+
+
+def _is_words(value: object) -> bool:
+    """Whether it is a table of texts."""
+    return isinstance(value, dict) and _is_texts(list(value.values()))
+
+
+def _is_tables(value: object) -> bool:
+    return isinstance(value, list) and all(isinstance(item, dict) for item in value)
+
+
+_INFO: Mapping[str, Callable[[Any], bool]] = {
+    **dict.fromkeys(("messages", "log"), _is_texts),
+    **dict.fromkeys(("events", "limits", "bus", "fixed_stop", "distance"), _is_tables),
+    "notes": _is_words,
+    "error": lambda value: isinstance(value, str | None),
+    "real_time": lambda value: isinstance(value, dict | None),
+}
+"""Entry of a `runs/<run>.json` -> whether it has the form that a run writes."""
+
+
+def is_results_folder(folder: Path) -> bool:
+    """Tell whether a folder was written by `axisrig run`: its manifest says so."""
+    try:
+        manifest = _json(folder / "manifest.json")
+    except UserError:
+        return False
+    return "axisrig" in manifest and "runs_planned" in manifest
+
+
+def read_rows(
+    path: Path, columns: Sequence[str], *, is_whole: bool = True
+) -> tuple[list[str], list[dict[str, str]]]:
+    """Read a table of the folder: its header and its rows.
+
+    is_whole: False where the campaign has not finished; a last row without its end of line was
+    then broken off and does not count.
+    Raises UserError, with the line, when the table is damaged.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8-sig")
+        lines = csv.reader(io.StringIO(text, newline=""))
+        header = next(lines, [])
+        numbered = [(lines.line_num, cells) for cells in lines if cells]
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise _damaged(path, str(error)) from error
+    for name in columns:
+        if header.count(name) != 1:
+            raise _damaged(path, f"the column {name} is missing or there twice", 1)
+    if not is_whole and numbered and not text.endswith("\n"):
+        numbered.pop()
+    rows, seen = [], set()
+    for line, cells in numbered:
+        if len(cells) != len(header):
+            raise _damaged(path, f"{len(cells)} cells, the header has {len(header)}", line)
+        row = dict(zip(header, cells, strict=True))
+        _check_cells(path, row, line)
+        if columns is CASE_COLUMNS and row["run"] in seen:
+            raise _damaged(path, f"the run {row['run']} is there twice", line)
+        seen.add(row["run"])
+        rows.append(row)
+    return header, rows
+
+
+def _check_cells(path: Path, row: Mapping[str, str], line: int) -> None:
+    """Raise UserError for a cell that can be no result."""
+    for column, (is_right, what) in _CELLS.items():
+        if column in row and not is_right(row[column]):
+            raise _damaged(path, f"{column} {row[column][:40]!r} is no {what}", line)
+
+
+def _is_number(text: str) -> bool:
+    """Whether a text is a finite number that is not negative."""
+    try:
+        return 0.0 <= float(text) < math.inf
+    except ValueError:
+        return False
+
+
+def _is_uncertainty(text: str) -> bool:
+    return _is_number(text) or text == "inf"
+
+
+def _is_verdict(text: str) -> bool:
+    return text in {verdict.word for verdict in Verdict}
+
+
+_CELLS: Mapping[str, tuple[Callable[[str], object], str]] = {
+    "run": (_RUN.fullmatch, "run id"),
+    "verdict": (_is_verdict, "verdict"),
+    "sim_s": (_is_number, "time"),
+    "wall_s": (_is_number, "time"),
+    "uncertainty": (_is_uncertainty, "uncertainty"),
+}
+"""Column of either table -> whether a cell can be one of it, and what it is called."""
+
+
+def _json(path: Path) -> Mapping[str, Any]:
+    if not path.is_file():
+        return {}
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (ValueError, RecursionError) as error:  # no JSON, or no UTF-8
+        raise _damaged(path, str(error)) from error
+    if not isinstance(content, dict):
+        raise _damaged(path, "no object")
+    return content
+
+
+def _damaged(path: Path, what: str, line: int | None = None) -> UserError:
+    hint = "`axisrig run --fresh` makes the results anew"
+    return UserError(f"the results folder is damaged: {what}", file=path, line=line, hint=hint)
+
+
+def _existing(path: Path) -> Path | None:
+    return path if path.is_file() else None

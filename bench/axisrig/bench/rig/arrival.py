@@ -1,0 +1,58 @@
+"""How late the status of a latch may arrive, and whether a time stamp gives its instant."""
+
+from axisrig.bench.bus.arithmetic import SYNC
+from axisrig.bench.bus.frame import IFS_BITS, data_frame, frame_bits
+from axisrig.bench.drive.profile import CLOCK_NS
+from axisrig.bench.rig.check import axis_telegrams, latch_object_of
+from axisrig.bench.rig.outside import is_real
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.clock import MS, US, S
+from axisrig.kernel.drives.mapping import FROM_LATCH_TO_STAMP
+from axisrig.kernel.measuring.latest_edge import StampClock
+
+
+def stamp_clock(settings: Settings, name: str) -> StampClock | None:
+    """Return the clock of the drive of an axis; None on a real bus, where nobody knows it."""
+    axis = settings.rig.axis[name]
+    if is_real(settings, axis.segment):
+        return None
+    profile = settings.rig.drive[axis.drive].make()
+    bits = frame_bits(data_frame(SYNC.can_id, b"\0" if settings.rig.cycle.sync_counter else b""))
+    return StampClock(
+        CLOCK_NS[profile.timestamp_unit],
+        profile.timestamp_start,
+        (bits - IFS_BITS) * S // settings.segment[axis.segment].bitrate,
+    )
+
+
+def describe_arrival(settings: Settings) -> list[str]:
+    """Tell of each axis that may measure how late the status of an edge at standstill may be."""
+    cycle = settings.rig.cycle
+    lines = []
+    for name, axis in settings.rig.axis.items():
+        if not settings.axis[name].flag("kenngr.messachse"):
+            continue
+        drive = settings.rig.drive[axis.drive]
+        delay, missing = drive.make().status_delay_cycles, drive.missing_cycles
+        late_ns = (delay + missing) * cycle.period_us * US + cycle.cycle_offset_us * US
+        lines += [
+            f"axis {name}, edge at standstill: believed up to {late_ns / MS:g} ms after that SYNC",
+            f"  update delay {delay} SYNCs, PDO {cycle.cycle_offset_us} us,"
+            f" missing_cycles {missing}; {_stamp(settings, name)}",
+        ]
+    return lines
+
+
+def _stamp(settings: Settings, name: str) -> str:
+    wanted = latch_object_of(settings, name) + FROM_LATCH_TO_STAMP
+    is_mapped = any(
+        mapped.index == wanted
+        for telegram in axis_telegrams(settings, name).values()
+        if telegram.transmission == 1 and not telegram.is_received
+        for mapped in telegram.objects
+    )
+    if not is_mapped:
+        return "no time stamp mapped"
+    if stamp_clock(settings, name) is None:
+        return f"{wanted:X} not used: unknown clock"
+    return f"time stamp {wanted:X} decides"

@@ -1,0 +1,25 @@
+"""The CNC objects of distance control as a list for the user of plans."""
+
+from textwrap import fill
+
+from axisrig.kernel.distance.objects import objects
+
+GROUP = "0x120300"
+"""Index group of the objects of an axis (CNC objects 1147811083)."""
+
+
+def objects_table() -> str:
+    """Describe every CNC object of distance control: unit, type, access, address, meaning."""
+    lines = [
+        "A column plc:<axis>.object.<name> of a plan writes an object, in its unit; it acts at the",
+        f"next INACTIVE or FREEZE to ACTIVE. Address: index group {GROUP}, offset with the number",
+        "of the axis in front (AID); none where no source tells it.",
+        "",
+    ]
+    for item in objects().values():
+        access = "read write" if item.is_writable else "read"
+        address = f"0x<AID>{item.offset}" if item.offset else ""
+        words = [item.name, item.type, item.unit, access, address]
+        lines.append("  ".join(word for word in words if word))
+        lines.append(fill(item.meaning, 78, initial_indent="    ", subsequent_indent="    "))
+    return "\n".join(lines)

@@ -1,0 +1,162 @@
+"""How far the probes of a rig give way: the stroke of a probe is a limit of the plant.
+
+The kernel knows a stroke of its own (P-AXIS-00086) and keeps its speed to it; what the plant's
+probe bears is `stroke_mm` of its `[plant.P]`. Looked at in every NC cycle, with the plant's truth.
+"""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import hypot
+
+from axisrig.bench.rig.file import PlantTable, rig_error
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel import Channel
+from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.cosim.probe import Contact, PlantProbe
+from axisrig.kernel.errors import Alarm
+
+RESTING_M_S = 1e-9
+"""Below this speed an axis has no direction."""
+
+
+@dataclass
+class Deflection:
+    """How one contact deflected a probe: how far the axes went on, in the direction they came from.
+
+    mm: largest way since the contact. doubt_mm: how much farther it may have been between two NC
+    cycles. beyond_ns: the cycle that saw it beyond the stroke, None when it stayed within.
+    """
+
+    probe: str
+    contact: Contact
+    mm: float = 0.0
+    doubt_mm: float = 0.0
+    beyond_ns: TimeNs | None = None
+
+
+class _Follower:
+    """Follows the axes of one probe from each contact until they are back."""
+
+    def __init__(self, name: str, probe: PlantProbe, table: PlantTable) -> None:
+        self.name, self.probe, self.table = name, probe, table
+        self.deflections: list[Deflection] = []
+        self._seen = 0
+        self._rates = [0.0] * len(probe.sources)
+        self._direction: Sequence[float] | None = None
+        self._is_pressed = False
+
+    def look(self, now_ns: TimeNs, cycle_ns: TimeNs) -> Alarm | None:
+        """Follow the motion up to now; return the alarm of a probe that has just broken."""
+        motions = [axis.motion for axis in self.probe.sources]
+        rates = [motion[1] for motion in motions]
+        contacts = self.probe.contacts
+        if len(contacts) > self._seen:
+            self._seen, self._is_pressed = len(contacts), True
+            self._direction = _unit(self._rates) or _unit(rates)
+            self.deflections.append(Deflection(self.name, contacts[-1]))
+        self._rates = rates
+        if not self._is_pressed:
+            return None
+        way_mm = self._way_mm([motion[0] for motion in motions])
+        self._is_pressed = way_mm >= 0.0
+        now = self.deflections[-1]
+        if way_mm > now.mm:
+            now.mm, now.doubt_mm = way_mm, hypot(*rates) * 1e3 * cycle_ns * 1e-9 / 2.0
+        return self._judged(now, now_ns)
+
+    def _way_mm(self, places_m: Sequence[float]) -> float:
+        """Return how far the axes have gone on; below 0: they are back on the side they came from.
+
+        From a contact at rest (the workpiece came) every way counts.
+        """
+        begin = self.deflections[-1].contact.position_mm
+        ways = [
+            place_m * 1e3 - begin[axis.slave.name]
+            for place_m, axis in zip(places_m, self.probe.sources, strict=True)
+        ]
+        if self._direction is None:
+            return hypot(*ways)
+        return sum(way * part for way, part in zip(ways, self._direction, strict=True))
+
+    def _judged(self, now: Deflection, now_ns: TimeNs) -> Alarm | None:
+        stroke_mm = self.table.stroke_mm
+        if stroke_mm is None or now.beyond_ns is not None or now.mm <= stroke_mm:
+            return None
+        is_first = all(each.beyond_ns is None for each in self.deflections)
+        now.beyond_ns = now_ns
+        if not (self.table.breaks and is_first):
+            return None
+        told = {"deflection_mm": f"{now.mm:.4f}", "stroke_mm": f"{stroke_mm:g}"}
+        return Alarm(900072, probe=self.name, **told)
+
+
+def _unit(rates: Sequence[float]) -> list[float] | None:
+    speed = hypot(*rates)
+    return [rate / speed for rate in rates] if speed > RESTING_M_S else None
+
+
+class DeflectionLog:
+    """Observer of a channel: follows every probe that tells its contacts, in every NC cycle.
+
+    A probe that breaks (`breaks` of its plant) stops the program with 900072, once.
+    """
+
+    def __init__(self, settings: Settings, plant: Plant, period_ns: TimeNs) -> None:
+        self._plant, self._period_ns = plant, period_ns
+        self._followers = {
+            name: _Follower(name, probe, settings.rig.plant[name])
+            for name, probe in plant.probes.items()
+            if probe.roles.has_group("contact")
+        }
+
+    def __call__(self, channel: Channel) -> None:
+        """Look at the probes after a cycle."""
+        for follower in self._followers.values():
+            broken = follower.look(self._plant.now_ns, self._period_ns)
+            if broken is not None:
+                channel.stop(broken)
+
+    def of(self, probes: Iterable[str]) -> list[Deflection] | None:
+        """Return every deflection of some probes; None where one of them tells no contact."""
+        names = list(probes)
+        if any(name not in self._followers for name in names):
+            return None
+        return [each for name in names for each in self._followers[name].deflections]
+
+    def beyond(self) -> list[tuple[TimeNs, str]]:
+        """Return the deflections beyond a stroke: the cycle that saw it, and what it was."""
+        return [
+            (each.beyond_ns, _in_words(each, follower.table))
+            for follower in self._followers.values()
+            for each in follower.deflections
+            if each.beyond_ns is not None
+        ]
+
+
+def _in_words(found: Deflection, table: PlantTable) -> str:
+    broken = "; it is broken" if table.breaks else ""
+    return (
+        f"{found.probe}: deflected by {found.mm:.4f} mm, beyond its stroke of"
+        f" {table.stroke_mm:g} mm{broken}"
+    )
+
+
+def check_strokes(settings: Settings, probes: Mapping[str, PlantProbe]) -> None:
+    """Refuse a stroke that nothing can watch.
+
+    Raises UserError with file, line and key of the rig.
+    """
+    for name, table in settings.rig.plant.items():
+        if table.stroke_mm is None and not table.breaks:
+            continue
+        why = ""
+        if name not in probes:
+            why = "only a probe has a stroke"
+        elif not probes[name].roles.has_group("contact"):
+            why = "its FMU tells no contact to count the stroke from (contact_count)"
+        elif table.stroke_mm is None:
+            why = "a probe that breaks has a stroke: give stroke_mm"
+        if why:
+            key = "breaks" if table.stroke_mm is None else "stroke_mm"
+            raise rig_error(settings.files, ("plant", name, key), f"plant {name}: {why}")

@@ -1,0 +1,29 @@
+"""A rig in words: its axes with what belongs to each, and probes that nobody reads."""
+
+from axisrig.bench.rig.settings import Settings
+
+
+def describe_axes(settings: Settings) -> list[str]:
+    """Tell of each axis node, segment, drive, plant and wiring; warn of unread sensors."""
+    rig = settings.rig
+    lines = []
+    for name, axis in rig.axis.items():
+        drive = rig.drive[axis.drive]
+        kind = f"EDS {drive.eds}" if drive.eds else f"profile {drive.profile}"
+        wired = [f"{key} = {sensor}" for key, sensor in axis.signals.items()]
+        wired += [f"encoder_2 = {axis.encoder_2}"] if axis.encoder_2 else []
+        lines.append(
+            f"axis {name}: node {axis.node} on {axis.segment}, drive {axis.drive} ({kind}),"
+            f" plant {axis.plant}, {', '.join(wired) or 'no probe wired'}"
+        )
+    moved = {axis.plant for axis in rig.axis.values()}
+    read = {sensor for axis in rig.axis.values() for sensor in axis.signals.values()}
+    read |= {axis.encoder_2 for axis in rig.axis.values() if axis.encoder_2}
+    read |= {entry.sensor for entry in rig.plc.values()}
+    lines += [f"{name} of the PLC: {entry.sensor}" for name, entry in rig.plc.items()]
+    lines += [
+        f"warning: {plant} is wired to no input of a drive: nobody reads it"
+        for plant in rig.plant
+        if plant not in moved | read
+    ]
+    return lines

@@ -1,0 +1,76 @@
+"""What the trace keeps of the distance control of axes, as it stands at the end of an NC cycle."""
+
+import math
+
+import numpy as np
+import pyarrow as pa
+
+from axisrig.kernel.channel import Channel
+
+VALUE_COLUMNS = (
+    "offset_mm",
+    "sensor_mm",
+    "distance_cnc_mm",
+    "surface_cnc_mm",
+    "filtered_mm",
+    "error_mm",
+    "delta_mm",
+    "step_mm",
+    "set_pos_mm",
+    "set_dist_mm",
+    "distance_override_pct",
+)
+STATE_COLUMN, HELD_COLUMN = "distance_state", "distance_held"
+DISTANCE_CONTROL_COLUMNS = (*VALUE_COLUMNS[:1], STATE_COLUMN, HELD_COLUMN, *VALUE_COLUMNS[1:])
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+class DistanceTrace:
+    """Collects DISTANCE_CONTROL_COLUMNS of every axis that has distance control.
+
+    All in mm but the state (`DistanceState`), whether feedhold or override 0 of the axis hold the
+    offset (0, 1), and the override of the axis; what was not known yet, and a set value that is not
+    given, is not a number.
+    """
+
+    def __init__(self) -> None:
+        self._rows: dict[str, list[tuple[float, ...]]] = {}
+        self._states: dict[str, list[int]] = {}
+        self._held: dict[str, list[bool]] = {}
+
+    def note(self, channel: Channel) -> None:
+        """Keep one cycle."""
+        for name, axis in channel.distance.axes.items():
+            control, is_known = axis.control, axis.sensor_mm is not None
+            told = (control.sensor_mm, control.distance_mm, control.surface_mm)
+            self._rows.setdefault(name, []).append(
+                (
+                    control.offset_mm,
+                    *(told if is_known else (math.nan, math.nan, math.nan)),
+                    control.filtered_mm,
+                    control.error_mm,
+                    control.delta_mm,
+                    control.step_mm,
+                    _number(control.set_pos_mm),
+                    _number(control.set_dist_mm),
+                    axis.override * 100.0,
+                )
+            )
+            self._states.setdefault(name, []).append(int(control.state))
+            self._held.setdefault(name, []).append(axis.is_held)
+
+    def columns(self) -> dict[str, pa.Array]:
+        """Return the columns by name, axis after axis."""
+        columns: dict[str, pa.Array] = {}
+        for name, rows in self._rows.items():
+            values = np.array(rows, dtype=np.float64)
+            found = {
+                column: pa.array(values[:, place]) for place, column in enumerate(VALUE_COLUMNS)
+            }
+            found[STATE_COLUMN] = pa.array(self._states[name], pa.int8())
+            found[HELD_COLUMN] = pa.array([int(held) for held in self._held[name]], pa.int8())
+            columns |= {f"{name}.{column}": found[column] for column in DISTANCE_CONTROL_COLUMNS}
+        return columns

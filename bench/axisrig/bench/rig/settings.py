@@ -1,0 +1,267 @@
+"""What a row of a plan (or `--set`) changes on a rig before it is built.
+
+`Settings` applies assignments to the tables of a rig; it knows where each one came from, so that
+a wrong value is told with the place where it was written.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from axisrig.bench.drive.profiles import value_of
+from axisrig.bench.plan.assignment import Assignment
+from axisrig.bench.rig.faults import Fault, needs_heartbeats, read_faults
+from axisrig.bench.rig.file import DriveTable, RigFile, SegmentTable
+from axisrig.bench.rig.lists import (
+    OFFSET_LISTS,
+    inert_notes,
+    offset_notes,
+    read_lists,
+    read_offsets,
+    stop_notes,
+    take_over,
+)
+from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
+from axisrig.kernel.clock import MS, S, TimeNs
+from axisrig.kernel.errors import Alarm, UserError, nearest
+from axisrig.kernel.nc.coordinates import OffsetTables
+from axisrig.kernel.nc.coordinates.circle import CircleLimits
+from axisrig.kernel.nc.coordinates.tables import Lists
+from axisrig.kernel.parameters import Origin, ParameterSet
+
+PER_MILLE = 1000
+SIMULATED_LIMIT_NS = 600 * S
+
+EVERY_ONE = "all"
+"""Stands for all segments in a `bus:` column, for all drives in a `drive:` column."""
+
+FORCED = f"bus:{EVERY_ONE}.overload=run"
+"""The assignment that `--force` stands for."""
+
+AS_CANOPEN = f"drive:{EVERY_ONE}.as_canopen=true"
+"""The assignment that `--as-canopen` stands for."""
+
+Located = Callable[[UserError, Assignment], UserError]
+"""Turns an error of an assignment into one that names the place it was written at."""
+
+Assigned = tuple[Assignment, Located]
+
+
+def as_written(error: UserError, assignment: Assignment) -> UserError:
+    """Name the assignment itself: the place of a `--set` on the command line."""
+    return UserError(
+        f"--set {assignment.column}={assignment.value}: {error.message}",
+        value=error.value,
+        allowed=error.allowed,
+        hint=error.hint,
+    )
+
+
+@dataclass(frozen=True)
+class Operator:
+    """Who starts a program again that M0 has stopped, and gives one up that does not end.
+
+    start_after_ns: how long after the stop; None when nobody does. optional_stop: whether M1
+    stops as well. limit_ns: simulated time that a program may take.
+    """
+
+    start_after_ns: TimeNs | None = None
+    optional_stop: bool = False
+    limit_ns: TimeNs = SIMULATED_LIMIT_NS
+
+
+@dataclass
+class Settings:
+    """A rig with the assignments of one run applied.
+
+    axis, channel: parameter sets. start: plant instance -> assignments of its start values.
+    external: V.E variables by the name behind the prefix. operator: how stops go on. plc: what
+    else the PLC side does.
+    faults: what goes wrong.
+    has_kernel: false where only the drives of the rig run, for the master of somebody else.
+    written: the rig as its files have it. assigned: what was applied to it, in its order.
+    offsets: values of the lists of zero offsets and tools.
+    warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
+    """
+
+    rig: RigFile
+    written: RigFile
+    files: list[Path]
+    channel: ParameterSet
+    axis: dict[str, ParameterSet]
+    segment: dict[str, SegmentTable]
+    start: dict[str, list[tuple[Assignment, Located]]] = field(default_factory=dict)
+    external: dict[str, float] = field(default_factory=dict)
+    operator: Operator = Operator()
+    plc: list[Rule] = field(default_factory=list)
+    faults: list[Fault] = field(default_factory=list)
+    has_kernel: bool = True
+    assigned: Sequence[Assigned] = ()
+    warnings: list[Alarm] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    offsets: Lists = field(default_factory=Lists)
+
+    @property
+    def offset_tables(self) -> OffsetTables:
+        """Zero offsets and tools as a program finds them."""
+        return self.offsets.tables(
+            rotary=[name for name, parameters in self.axis.items() if parameters.is_rotary],
+            ball_radius_counts=not self.channel.flag("meas_pcs_value_no_probe_radius"),
+            circle=CircleLimits(
+                self.channel.mm("mittelpkt_diff"),
+                self.channel.integer("mittelpkt_faktor") / PER_MILLE,
+                self.channel.mm("max_radius_diff_circle"),
+                self.channel.integer("max_proz_radius_diff_circle") / PER_MILLE,
+            ),
+        )
+
+    def apply(self, assignment: Assignment, located: Located) -> None:
+        """Apply one assignment. Raises UserError, with its place, for one that does not fit."""
+        try:
+            {
+                "set": self._set,
+                "plant": self._plant,
+                "drive": self._drive,
+                "bus": self._bus,
+                "plc": self._plc,
+                "fault": self._fault,
+            }[assignment.kind](assignment, located)
+        except UserError as error:
+            raise located(error, assignment) from error
+
+    def _set(self, item: Assignment, _located: Located) -> None:
+        known = {"channel": self.channel, **self.axis}
+        if item.target in OFFSET_LISTS and item.target not in known:
+            name = OFFSET_LISTS[item.target]
+            self.offsets.set(name, item.name, item.value, Origin(item.column))
+            return
+        if item.target not in known:
+            allowed = [*known, *OFFSET_LISTS]
+            raise UserError("the rig has no such axis", value=item.target, allowed=allowed)
+        known[item.target].set(item.name, item.value, item.column)
+
+    def _plant(self, item: Assignment, located: Located) -> None:
+        if item.target not in self.rig.plant:
+            raise UserError("the rig has no such plant", value=item.target, allowed=self.rig.plant)
+        self.start.setdefault(item.target, []).append((item, located))
+
+    def _drive(self, item: Assignment, _located: Located) -> None:
+        for name in _meant(item, "drive", self.rig.drive):
+            self._drive_key(name, item)
+
+    def _drive_key(self, name: str, item: Assignment) -> None:
+        drives, fields = self.rig.drive, DriveTable.model_fields
+        if item.name not in fields:
+            raise UserError(
+                "a drive has no such key",
+                value=item.name,
+                allowed=nearest(item.name, fields) or fields,
+            )
+        value = value_of(item.name, item.value)
+        try:
+            table = drives[name].changed(item.name, value)
+        except ValidationError as error:
+            raise UserError(
+                f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
+            ) from error
+        self.rig = self.rig.model_copy(update={"drive": {**drives, name: table}})
+
+    def _bus(self, item: Assignment, _located: Located) -> None:
+        for name in _meant(item, "segment", self.segment):
+            self._bus_key(name, item)
+
+    def _bus_key(self, segment: str, item: Assignment) -> None:
+        fields = SegmentTable.model_fields
+        if item.name not in fields:
+            raise UserError(
+                "a segment has no such key",
+                value=item.name,
+                allowed=nearest(item.name, fields) or fields,
+            )
+        values = self.segment[segment].model_dump()
+        values[item.name] = int(item.value[:12]) if item.value.isdecimal() else item.value
+        try:
+            self.segment[segment] = SegmentTable.model_validate(values)
+        except ValidationError as error:
+            raise UserError(
+                f"{item.name}: {error.errors()[0]['msg'].lower()}", value=item.value
+            ) from error
+
+    def _plc(self, item: Assignment, _located: Located) -> None:
+        if item.name == "start_ms":
+            if not 0.0 <= item.si() <= 1e9:
+                raise UserError("no time", value=item.value, allowed="0 .. 1e9 ms")
+            self.operator = replace(self.operator, start_after_ns=round(item.si() * MS))
+            return
+        if item.name == "limit_s":
+            if not 0.001 <= item.si() <= 1e7:
+                raise UserError("no time", value=item.value, allowed="0.001 .. 1e7 s")
+            self.operator = replace(self.operator, limit_ns=round(item.si() * S))
+            return
+        if item.name == "optional_stop":
+            if item.value not in ("0", "1"):
+                raise UserError("optional_stop is on or off", value=item.value, allowed="0, 1")
+            self.operator = replace(self.operator, optional_stop=item.value == "1")
+            return
+        if item.name in self.rig.plc:
+            raise UserError(
+                "the PLC side of this rig reads that variable from a sensor ([plc])",
+                value=item.name,
+            )
+        first, rules = read_rules(item, list(self.rig.axis))
+        if first is not None:
+            self.external[item.name.removeprefix(VARIABLE)] = first
+        # The last one counts: --set acts on top of a table
+        self.plc = [rule for rule in self.plc if rule.column != item.column] + rules
+
+    def _fault(self, item: Assignment, _located: Located) -> None:
+        self.faults += read_faults(item.name, item.value, self.rig)
+
+
+def _meant(item: Assignment, what: str, known: Iterable[str]) -> list[str]:
+    """Return the names that an assignment is about; one that is called `all` is just itself."""
+    names = list(known)
+    if item.target not in (*names, EVERY_ONE):
+        allowed = [*names, EVERY_ONE]
+        raise UserError(f"the rig has no such {what}", value=item.target, allowed=allowed)
+    return [item.target] if item.target in names else names
+
+
+def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigned]) -> Settings:
+    """Read the parameter lists of a rig and apply assignments in their order."""
+    channel, axes = read_lists(rig, files)
+    settings = Settings(
+        rig=rig,
+        written=rig,
+        assigned=tuple(assignments),
+        files=files,
+        channel=channel,
+        axis=axes,
+        segment=dict(rig.segment),
+        offsets=read_offsets(rig, files),
+        external={name.removeprefix(VARIABLE): 0.0 for name in rig.plc},
+    )
+    for assignment, located in assignments:
+        settings.apply(assignment, located)
+    try:
+        settings.warnings = take_over(channel, axes)
+        settings.notes = inert_notes(rig, channel, axes)
+        settings.notes += stop_notes(axes)
+        settings.notes += offset_notes(settings.offsets, tuple(axes))
+    except UserError as error:
+        for assignment, located in assignments:
+            if assignment.column == error.file:
+                raise located(error, assignment) from error
+        raise
+    for assignment, located in assignments:  # when drives and variables are known
+        try:
+            if assignment.kind == "fault":
+                faults = read_faults(assignment.name, assignment.value, settings.rig)
+                needs_heartbeats(faults, settings.rig)
+            if assignment.kind == "plc":
+                needs_variables(settings.plc, assignment.column, settings.external)
+        except UserError as error:
+            raise located(error, assignment) from error
+    return settings

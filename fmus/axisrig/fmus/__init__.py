@@ -1,0 +1,24 @@
+"""Plant FMUs of axisrig: a Modelica library and the exporter that builds FMI FMUs from it."""
+
+from axisrig.fmus.build import (
+    CATALOGUE,
+    FMI_VERSIONS,
+    MODELS,
+    ensure_built,
+    is_ours,
+    place_in_cache,
+)
+from axisrig.fmus.compiler import COMPILERS, PLATFORMS
+from axisrig.fmus.errors import BuildError
+
+__all__ = [
+    "CATALOGUE",
+    "COMPILERS",
+    "FMI_VERSIONS",
+    "MODELS",
+    "PLATFORMS",
+    "BuildError",
+    "ensure_built",
+    "is_ours",
+    "place_in_cache",
+]

@@ -1,0 +1,68 @@
+"""Both texts of one FMU, the C source and the model description, and the token that binds them."""
+
+import hashlib
+from dataclasses import dataclass
+
+from axisrig.fmus.equations.system import read_system
+from axisrig.fmus.reading.ir import TARGET, Ir
+from axisrig.fmus.writing.description import TOKEN_MARK, describe, identifier_of
+from axisrig.fmus.writing.folded import folded_slots, with_notes
+from axisrig.fmus.writing.source import write_source
+from axisrig.fmus.writing.variables import read_variables, scalars
+
+RUNTIME = ("runtime.h", "equations.c", "solver.c", "slave.c")
+SLAVES = {
+    "3.0": ("fmi3.c", "fmi3_absent.c"),
+    "2.0": ("fmi2.c", "fmi2_absent.c"),
+}
+
+
+@dataclass(frozen=True)
+class Generated:
+    """Texts of one FMU.
+
+    fmi: version of the standard. identifier: modelIdentifier, the name of the library file. token:
+    instantiationToken or guid, a hash of the two texts and of the runtime.
+    """
+
+    model: str
+    fmi: str
+    identifier: str
+    token: str
+    source: str
+    description: str
+
+
+def runtime_files(fmi: str) -> tuple[str, ...]:
+    """The files of the target folder that an FMU of version `fmi` is compiled from."""
+    return (*RUNTIME, *SLAVES[fmi])
+
+
+def generate(ir: Ir, step_s: float, fmi: str = "3.0") -> Generated:
+    """Write the texts for a compiled model with an internal step of `step_s` seconds.
+
+    fmi: "3.0" or "2.0". Version 2.0 knows no arrays: each element is a variable of its own.
+    Raises BuildError for any construct that the runtime does not hold.
+    """
+    system = read_system(ir)
+    folded = folded_slots(ir, system)
+    variables = read_variables(ir, system)
+    if fmi == "2.0":
+        variables = scalars(variables)
+    variables = with_notes(variables, folded)
+    source = write_source(ir, system, variables, folded, step_s, SLAVES[fmi][0])
+    description = describe(ir, system, variables, step_s, fmi)
+    digest = hashlib.sha256()
+    digest.update(source.encode())
+    digest.update(description.encode())
+    for name in runtime_files(fmi):
+        digest.update((TARGET / name).read_bytes())
+    token = digest.hexdigest()[:32]
+    return Generated(
+        ir.model,
+        fmi,
+        identifier_of(ir.model),
+        token,
+        source.replace(TOKEN_MARK, token),
+        description.replace(TOKEN_MARK, token),
+    )

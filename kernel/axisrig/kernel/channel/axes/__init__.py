@@ -1,0 +1,5 @@
+"""Single axes beside the common path: independent motion, couplings, homing."""
+
+from axisrig.kernel.channel.axes.single import SingleAxes
+
+__all__ = ["SingleAxes"]

@@ -1,0 +1,115 @@
+"""Axis couplings: the set positions of slaves follow those of their masters (soft gantry).
+
+A slave keeps the distance to its master at which it was coupled. Sources: TF5200 programming
+manual 207120267 and 207133579; ISG 285662475 (gantry coupling and its limits).
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+
+from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.settings import AxisSettings
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.motion.dynamics import Dynamics
+from axisrig.kernel.nc import canon
+
+BEYOND_FIRST, BEYOND_SECOND = 900192, 900193
+
+
+@dataclass(frozen=True)
+class _Coupled:
+    """A slave on its way; offset_mm: its set position less that of the master."""
+
+    pair: canon.AxisPair
+    offset_mm: float
+
+
+class Couplings:
+    """The couplings that are on; links: by axis. watched: whether any gantry is among them."""
+
+    def __init__(self, path: Path, links: Mapping[str, AxisLink]) -> None:
+        self._path, self._links = path, links
+        self._groups: dict[int, list[_Coupled]] = {}
+        self._slaves: list[_Coupled] = []
+        self._alone: dict[str, AxisSettings] = {}  # masters as they are without slaves
+        self.watched = False
+
+    def switch_on(self, command: canon.AxisLinkOn) -> None:
+        """Couple standing axes where they are."""
+        self._groups[command.group] = [self._couple(pair) for pair in command.pairs]
+        self._renew()
+
+    def switch_off(self, command: canon.AxisLinkOff) -> None:
+        """Let the slaves of a group stand where they are."""
+        self._groups.pop(command.group, None)
+        self._renew()
+
+    def _couple(self, pair: canon.AxisPair) -> _Coupled:
+        path = self._path
+        self._alone.setdefault(pair.master, path.settings(pair.master))
+        apart_mm = path.position_acs_mm(pair.slave) - path.position_acs_mm(pair.master)
+        return _Coupled(pair, apart_mm)
+
+    def _renew(self) -> None:
+        path = self._path
+        self._slaves = [coupled for group in self._groups.values() for coupled in group]
+        self.watched = any(coupled.pair.limits_mm for coupled in self._slaves)
+        path.follow = self._follow if self._slaves else None
+        for settings in self._alone.values():
+            path.use(settings)
+        for coupled in self._slaves:
+            pair = coupled.pair
+            path.use(_for_both(path.settings(pair.master), path.settings(pair.slave)))
+
+    def _follow(self) -> None:
+        path = self._path
+        for coupled in self._slaves:
+            pair = coupled.pair
+            path.put_beside(pair.slave, path.position_acs_mm(pair.master) + coupled.offset_mm)
+
+    def slaves_of(self, masters: Collection[str]) -> dict[str, str]:
+        """Return the slaves that follow any of these axes, each with its master."""
+        pairs = (coupled.pair for coupled in self._slaves)
+        return {pair.slave: pair.master for pair in pairs if pair.master in masters}
+
+    def watch(self) -> None:
+        """Raise Alarm 900192 or 900193 when the actual positions of a gantry have come apart."""
+        for coupled in self._slaves:
+            pair = coupled.pair
+            if pair.limits_mm is None:
+                continue
+            apart_mm = self._links[pair.slave].actual_mm - self._links[pair.master].actual_mm
+            difference_mm = apart_mm - coupled.offset_mm
+            for alarm_id, limit_mm in zip(
+                (BEYOND_SECOND, BEYOND_FIRST), reversed(pair.limits_mm), strict=True
+            ):
+                if abs(difference_mm) > limit_mm:
+                    raise Alarm(
+                        alarm_id,
+                        axis=pair.slave,
+                        master=pair.master,
+                        difference_mm=f"{difference_mm:.4f}",
+                        limit_mm=f"{limit_mm:g}",
+                    )
+
+
+def _for_both(master: AxisSettings, slave: AxisSettings) -> AxisSettings:
+    """Let the master move only as both axes may."""
+    return replace(
+        master,
+        dynamics={
+            motion: _weaker(dynamics, slave.dynamics[motion])
+            for motion, dynamics in master.dynamics.items()
+        },
+    )
+
+
+def _weaker(one: Dynamics, other: Dynamics) -> Dynamics:
+    return Dynamics(
+        one.acceleration.weaker(other.acceleration),
+        one.deceleration.weaker(other.deceleration),
+        one.stop_deceleration.weaker(other.stop_deceleration),
+        min(one.speed_max_mm_s, other.speed_max_mm_s),
+        one.feedhold and one.feedhold.weaker(other.feedhold or other.deceleration),
+    )

@@ -1,0 +1,151 @@
+"""Everything that single axes do beside or instead of the common path, as the channel sees it."""
+
+from collections.abc import Mapping
+
+from axisrig.kernel.channel.axes.coupling import Couplings
+from axisrig.kernel.channel.axes.homing import Homing
+from axisrig.kernel.channel.axes.independent import IndependentAxes
+from axisrig.kernel.channel.execution import Execution
+from axisrig.kernel.channel.measurement import Measurement
+from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.settings import CycleTiming
+from axisrig.kernel.channel.settling import Rest
+from axisrig.kernel.clock import Clock, TimeNs
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.nc import canon
+
+
+class SingleAxes:
+    """Carries out the commands of single axes; links: by axis.
+
+    is_active: whether anything is to be done in this cycle. homed: every axis that has been homed,
+    with the cycle in which it was known.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        timing: CycleTiming,
+        path: Path,
+        measurement: Measurement,
+        links: Mapping[str, AxisLink],
+    ) -> None:
+        self._clock, self._path, self._links = clock, path, links
+        self._timing, self._measurement = timing, measurement
+        self.independent = IndependentAxes(clock, timing, path, measurement, links)
+        self.couplings = Couplings(path, links)
+        measurement.slaves_of = self.couplings.slaves_of
+        self._homing: Homing | None = None
+        self.homed: list[tuple[TimeNs, str]] = []
+        self._awaited: tuple[str, ...] = ()
+        self._adopted: tuple[str, ...] = ()
+        self._rest: Rest | None = None
+        self.is_active = False
+
+    def assign(self, execution: Execution) -> None:
+        """Say what is carried out here."""
+        execution.while_busy(self._is_busy)
+        execution.register(canon.IndependentMove, self._move)
+        execution.register(canon.WaitIndependent, self._wait)
+        execution.register(canon.AxisLinkOn, self._couple, ready=self._are_in_position)
+        execution.register(canon.AxisLinkOff, self._part, ready=self._stand)
+        execution.register(canon.Homing, self._home, ready=self._are_in_position)
+        execution.register(canon.AxisExchange, self._exchange, ready=self._stand)
+        execution.register(canon.AdoptActual, self._adopt, ready=self._stand)
+
+    def _renew(self) -> None:
+        """Most programs have no single axes, and what is not there must cost nothing."""
+        self.is_active = (
+            self.independent.is_moving
+            or self.couplings.watched
+            or self._homing is not None
+            or self._rest is not None
+        )
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether an independent axis is under way."""
+        return self.independent.is_moving
+
+    def _is_busy(self) -> bool:
+        if self._homing is not None or self._rest is not None:
+            return True
+        if self._awaited and not self.independent.are_moving(self._awaited):
+            self._awaited = ()
+        return bool(self._awaited)
+
+    def _move(self, command: canon.IndependentMove) -> None:
+        self.independent.begin(command)
+        self._renew()
+
+    def _couple(self, command: canon.AxisLinkOn) -> None:
+        self.couplings.switch_on(command)
+        self._renew()
+
+    def _part(self, command: canon.AxisLinkOff) -> None:
+        self.couplings.switch_off(command)
+        self._renew()
+
+    def _wait(self, command: canon.WaitIndependent) -> None:
+        self._awaited = command.axes
+
+    def _stand(self) -> bool:
+        return self._path.has_stopped and not self.independent.is_moving
+
+    def _are_in_position(self) -> bool:
+        return not self.independent.is_moving and self._path.is_in_position()
+
+    def _exchange(self, command: canon.AxisExchange) -> None:
+        """Nothing moves: the drive of an axis that is away holds it."""
+        for axis in command.given:
+            self._measurement.forget_prepared(axis)
+
+    def _home(self, command: canon.Homing) -> None:
+        for group in command.groups:
+            for axis in group:
+                self._measurement.forget_prepared(axis)
+        self._homing = Homing(command.groups, self._path, self._links, self._clock)
+        self._renew()
+
+    def _adopt(self, command: canon.AdoptActual) -> None:
+        """What an axis lags while it comes to rest is no place to stand at: wait for its end."""
+        axes = [(self._path.settings(axis), self._links[axis]) for axis in command.axes]
+        self._adopted = command.axes
+        self._rest = Rest(self._clock, self._timing.period_ns, axes)
+        self._renew()
+
+    def _adopt_at_rest(self, rest: Rest) -> None:
+        if rest.judge():
+            for axis in self._adopted:
+                self._path.put(axis, self._links[axis].actual_mm)
+            self._rest = None
+
+    # Each cycle
+
+    def step(self) -> None:
+        """Evaluate what came with this cycle."""
+        self.independent.step()
+        if self.couplings.watched:
+            self.couplings.watch()
+        if self._rest is not None:
+            self._adopt_at_rest(self._rest)
+        if self._homing is not None:
+            done = self._homing.step()
+            self.homed += [(self._clock.now_ns, axis) for axis in self._homing.homed]
+            if done:
+                self._homing = None
+
+    def advance(self) -> None:
+        """Lead the axes on by one cycle."""
+        self.independent.advance()
+        self._renew()
+
+    def stop(self) -> None:
+        """Stop after an alarm or a reset: every axis on its own, homing broken off."""
+        self.independent.stop()
+        self._awaited = ()
+        self._rest = None
+        if self._homing is not None:
+            self._homing.abort()
+            self._homing = None
+        self._renew()

@@ -1,0 +1,443 @@
+"""One NC channel: executes a program on its axes, once per cycle, over the bus only.
+
+`Channel.cycle` is the order of everything (docs/architecture.md, "One order"). The reaction to an
+edge follows from it: the SYNC after the latch samples the status word, the cycle after that SYNC
+brakes, its set position acts from the next SYNC on.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+from axisrig.kernel.channel.axes import SingleAxes
+from axisrig.kernel.channel.distance.controls import DistanceControls
+from axisrig.kernel.channel.drive_functions import DriveFunctions
+from axisrig.kernel.channel.execution import Execution
+from axisrig.kernel.channel.measurement import Measurement
+from axisrig.kernel.channel.monitor import Monitor, PowerUp
+from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.pauses import Pauses
+from axisrig.kernel.channel.plc import PlcInterface
+from axisrig.kernel.channel.reactions import Reactions, faulty_axes
+from axisrig.kernel.channel.reset import Reset
+from axisrig.kernel.channel.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.soft_limits import SoftLimitWatch
+from axisrig.kernel.channel.state import AT_REST, CONTROLLED, FAILED, ChannelState
+from axisrig.kernel.channel.view import ChannelView
+from axisrig.kernel.clock import Clock, Phase, TimeNs
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.startup import StartUp
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.run import RunRecord
+from axisrig.kernel.motion.interpolator import Interpolator
+from axisrig.kernel.nc import canon
+
+SYNC_COB_ID = 0x80
+
+
+class Channel(ChannelView):
+    """A channel with its axes and drive links, in the same order.
+
+    networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
+    monitor: the watch over drives and buses; without one drives are watched by their telegrams.
+    functions: what #DRIVE acts on; to be set before a program that has it is loaded.
+    has_come_to_rest: asked in every cycle after an alarm once the set positions stand; SYNC and
+    cycles go on until it says so. end_ns: instant at which the last program has ended, or what the
+    PLC side did behind it. program_ends_ns, resets_ns: when a program or a reset was over.
+    put_out: takes every message as soon as it is due. It is the `MachineView` of its own
+    interpreter; the program is handed over by `load`.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        timing: CycleTiming,
+        axes: Sequence[AxisSettings],
+        links: Sequence[AxisLink],
+        networks: Sequence[Any],
+        *,
+        error_no_signal: bool,
+        put_out: Callable[[canon.Message], None],
+        monitor: Monitor | None = None,
+    ) -> None:
+        self._clock, self.timing = clock, timing
+        self.axes, self.links, self._networks = tuple(axes), tuple(links), tuple(networks)
+        self.state = ChannelState.STARTING
+        self._starting = 0
+        self.path = Path(clock, timing, axes, links)
+        by_axis = {link.name: link for link in links}
+        self.measurement = Measurement(
+            clock,
+            self.path,
+            by_axis,
+            timing=timing,
+            error_no_signal=error_no_signal,
+            warn=self.warn,
+        )
+        self.execution = Execution(put_out)
+        self.plc = PlcInterface(clock, self.path, by_axis)
+        in_position = self.path.is_in_position
+        self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc.events)
+        self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
+        self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
+        self.reactions.stops.append(self.single.stop)
+        self.distance = self._distance_controls()
+        uncounted = self.distance.uncounted_mm()
+        self._limits = SoftLimitWatch({a.name: a.limits for a in axes}, by_axis, uncounted)
+        self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
+        self.observers: list[Callable[[Channel], None]] = []
+        self.start_ns: TimeNs | None = None
+        self.end_ns: TimeNs | None = None
+        self.program_ends_ns: list[TimeNs] = []
+        self.resets_ns: list[TimeNs] = []
+        self.has_come_to_rest: Callable[[], bool] = lambda: True
+        self._monitor = monitor or Monitor(self.links, self._networks, clock)
+        self.functions = DriveFunctions({})
+        self._power_up = PowerUp(self.links, timing)
+        self._reset = Reset(
+            self.links,
+            timing,
+            self.path,
+            self.reactions,
+            [
+                self.execution.drop,
+                self.path.brake,
+                self.single.stop,
+                self.measurement.reset,
+                self.distance.reset,
+                self.pauses.reset,
+                lambda: self.functions.reset(),  # noqa: PLW0108 - `functions` is replaced
+                self.plc.acknowledge,
+            ],
+        )
+        self._next_sync_ns, self._sync_count = 0, 0
+        self._assign()
+
+    def _distance_controls(self) -> DistanceControls:
+        plc, single = self.plc, self.single
+        distance = DistanceControls(
+            self.path,
+            self.axes,
+            self.links,
+            plc.axis,
+            plc.values,
+            plc.refreshed,
+            self.timing.period_ns,
+        )
+        distance.warn = self.warn
+        distance.slaves_of = single.couplings.slaves_of
+        distance.is_led = lambda axis: single.independent.are_moving((axis,))
+        distance.measuring_state = self._measuring_state
+        self.measurement.refuse = distance.check_measuring
+        if distance.axes:
+            self.path.superposed_mm = distance.superposed_mm
+            self.path.counted_mm = distance.counted_mm
+        single.independent.override_permille = plc.override_beside_permille
+        return distance
+
+    def is_measuring(self, axis: str) -> bool:
+        """Tell whether a run of an axis is under way."""
+        return self._measuring_state(axis) is not None
+
+    def _measuring_state(self, axis: str) -> str | None:
+        return self.measurement.state_of(axis) or self.single.independent.measuring_state(axis)
+
+    def _assign(self) -> None:
+        """Say who carries out which command."""
+        known, path, measurement = self.execution, self.path, self.measurement
+        known.while_busy(self._is_busy)
+        known.register(canon.LinearMove, self._move)
+        known.register(canon.Warn, lambda command: self.warn(command.alarm))
+        known.register(canon.ArcMove, self._move_on_arc)
+        self.pauses.assign(known)
+        known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
+        known.register(canon.ProbeSettings, measurement.choose, ready=measurement.may_choose)
+        known.register(
+            canon.DefaultProbes, measurement.choose_default, ready=measurement.may_choose
+        )
+        known.register(canon.PrepareProbe, measurement.prepare)
+        known.register(canon.DriveWrite, self._write_function)
+        known.register(canon.DriveRead, self._ask_drive)
+        known.register(canon.DriveWait, self._ask_drive)
+        self.single.assign(known)
+        self.distance.assign(known)
+        known.while_busy(self.plc.is_waiting)
+        known.register(canon.TechnologyFunction, self.plc.tell)
+        known.register(canon.ExternalWrite, self.plc.write)
+        known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
+        known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)
+
+    # Life of a program
+
+    def load(self, commands: Iterator[canon.Command]) -> None:
+        """Take the command stream of an interpreter."""
+        self.execution.load(commands)
+
+    def start_up(self, drives: Sequence[StartUp]) -> None:
+        """Start all drives at the same time, then the cyclic exchange.
+
+        Returns at once. When one of them does not start the program ends, with an alarm for each.
+        """
+        self._monitor.prepare()
+        self._starting = len(drives)
+        for drive in drives:
+            drive.begin(self._on_started)
+
+    def _on_started(self, alarm: Alarm | None) -> None:
+        self._starting -= 1
+        if alarm is not None:
+            self.reactions.register(alarm)
+        if self._starting:
+            return
+        if any(known.ends_program for known in self.alarms):
+            self._monitor.end()
+            self.state = ChannelState.ENDED
+        else:
+            self.start()
+
+    def start(self) -> None:
+        """Begin the cyclic exchange at the next whole period."""
+        self.state = ChannelState.POWERING
+        self._monitor.begin()
+        self.functions.start()
+        period = self.timing.period_ns
+        self._next_sync_ns = -(-self._clock.now_ns // period) * period
+        self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the program has ended, by its end or by an alarm, and the PLC side with it."""
+        return self.state is ChannelState.ENDED
+
+    @property
+    def sync_ns(self) -> TimeNs:
+        """Instant at which the last SYNC was requested."""
+        return self._next_sync_ns - self.timing.period_ns
+
+    def _sync(self) -> None:
+        if self.has_ended:
+            self._monitor.end()
+            return
+        self._monitor.before_sync()
+        for link in self.links:
+            link.begin_cycle()
+        data = self.next_sync_data()
+        for network in self._networks:
+            network.send_message(SYNC_COB_ID, data)
+        self._clock.call_at(
+            self._next_sync_ns + self.timing.offset_ns, Phase.APPLICATION, self.cycle
+        )
+        self._next_sync_ns += self.timing.period_ns
+        self._clock.call_at(self._next_sync_ns, Phase.APPLICATION, self._sync)
+
+    def next_sync_data(self) -> bytes:
+        """Return what the next SYNC carries: nothing, or its counter."""
+        overflow = self.timing.sync_counter
+        if not overflow:
+            return b""
+        self._sync_count = self._sync_count % overflow + 1
+        return bytes((self._sync_count,))
+
+    def cycle(self) -> None:
+        """Run one NC cycle. The order is the design's; each step uses this cycle's values."""
+        was_stopping = self.state is ChannelState.STOPPING
+        try:
+            self._take()  # 1 what the bus delivered
+            if self.start_ns is not None:
+                self.plc.step()  # 1b what the PLC side commands
+                self._obey()
+            self._control()
+            if self.state is ChannelState.RUNNING:
+                self.execution.step()  # 5 refill the queue, begin what comes next
+        except Alarm as alarm:
+            self._come_up(alarm)
+            self._catch_up()
+        if self.single.is_active:
+            self.single.advance()
+        self.path.advance()  # 5, 6 next set positions through the buffer
+        for observer in self.observers:  # 7
+            observer(self)
+        if was_stopping and self._has_stopped():
+            self._stand_behind_alarm()
+        elif self.state in AT_REST and self.plc.is_idle():
+            self.end_ns = self.end_ns or self._clock.now_ns
+            if self.has_come_to_rest():
+                self.state = ChannelState.ENDED
+
+    def _take(self) -> None:
+        """Take the telegrams; in ERROR nothing must keep the PLC side from a reset."""
+        try:
+            self._monitor.take()
+        except Alarm as alarm:
+            if self.state is not ChannelState.ERROR:
+                raise
+            self._come_up(alarm)
+
+    def _control(self) -> None:
+        """Do what follows from the values of this cycle: its steps 2 to 4."""
+        if self.state in CONTROLLED:
+            self.measurement.step()  # 2 signals, with the positions of this cycle
+            if self.single.is_active:
+                self.single.step()
+            self.distance.step()  # 3 distance control
+            self._monitor.check_drives()  # 4 drives and software limit switches
+            self._limits.check()
+            self.functions.check()
+        elif self.state is ChannelState.POWERING:
+            self._power()
+        elif self.state in FAILED and self.start_ns is not None:
+            self.distance.step(is_stopping=True)
+            self._monitor.check_drives()
+        elif self.state is ChannelState.RESETTING:
+            self.distance.step(is_stopping=True)
+            if not self._has_stopped():
+                self._monitor.check_drives()
+            elif self._reset.go_on():
+                self.state = ChannelState.READY
+                self.resets_ns.append(self._clock.now_ns)
+
+    def _stand_behind_alarm(self) -> None:
+        """Go into ERROR for a PLC side that may reset, else end."""
+        self.distance.end_by_error()
+        if self.plc.outlives_program:
+            self.state = ChannelState.ERROR
+            self.program_ends_ns.append(self._clock.now_ns)
+            return
+        self.end_ns = self.end_ns or self._clock.now_ns
+        if self.has_come_to_rest():
+            self.state = ChannelState.ENDED
+
+    def _catch_up(self) -> None:
+        """Give distance control its step when an alarm of something else came before it."""
+        if self.start_ns is None or self.distance.has_stepped:
+            return
+        try:
+            self.distance.step(is_stopping=self.state in FAILED)
+        except Alarm as alarm:
+            self._come_up(alarm)
+
+    def _has_stopped(self) -> bool:
+        path = self.path
+        return path.has_stopped and not self.single.is_moving and self.reactions.has_stopped
+
+    def _power(self) -> None:
+        self.path.take_over(tuple(link.actual_mm for link in self.links))
+        if self._power_up.step():
+            self.state = ChannelState.RUNNING
+            self.start_ns = self._clock.now_ns
+            self.plc.step()
+            self.distance.step()
+
+    # What observers and the command line read
+
+    @property
+    def interpolator(self) -> Interpolator:
+        """The interpolator of the path."""
+        return self.path.interpolator
+
+    @property
+    def records(self) -> list[RunRecord]:
+        """Every measurement run of the program, in order."""
+        return self.measurement.records
+
+    @property
+    def alarms(self) -> list[Alarm]:
+        """What has come up, in order."""
+        return self.reactions.alarms
+
+    @property
+    def alarm_ns(self) -> list[TimeNs]:
+        """When it came up, in the same order."""
+        return self.reactions.alarm_ns
+
+    @property
+    def further_alarms(self) -> list[Alarm]:
+        """What came up besides, while the axes stopped."""
+        return self.reactions.further
+
+    # Carrying out commands
+
+    def _move(self, command: canon.LinearMove) -> None:
+        self.path.move(command.target_acs_mm, None if command.rapid else command.feed_mm_min)
+
+    def _move_on_arc(self, command: canon.ArcMove) -> None:
+        self.path.move_on_arc(
+            command.target_acs_mm,
+            command.centre_acs_mm,
+            command.tangent,
+            command.angle_rad,
+            command.feed_mm_min,
+        )
+
+    def _is_busy(self) -> bool:
+        return self.measurement.is_active or self.path.is_moving or self.functions.is_waiting
+
+    def _ask_drive(self, command: canon.DriveRead | canon.DriveWait) -> None:
+        self.functions.begin(command)
+
+    def _write_function(self, command: canon.DriveWrite) -> None:
+        self.drive_writes.append((self._clock.now_ns, command))
+        self.functions.begin(command)
+
+    def _go_on(self, _command: canon.Wait) -> None:
+        """Nothing to do: the interpreter may decode on."""
+
+    def _may_end(self) -> bool:
+        return (
+            not self.single.is_moving
+            and not self.distance.is_turning_off
+            and self.path.is_in_position()
+            and not self.functions.is_busy
+        )
+
+    def _end(self, command: canon.EndOfProgram) -> None:
+        self.program_ends_ns.append(self._clock.now_ns)
+        if self.plc.outlives_program:
+            self.state = ChannelState.READY
+        else:
+            self.state, self.end_ns = ChannelState.ENDED, self._clock.now_ns
+        self.measurement.end_program()
+        self.distance.end_program(command.block.place)
+
+    # What the PLC side commands
+
+    def _obey(self) -> None:
+        """Begin a reset, or a program; a reset that comes while an alarm stops waits for its end.
+
+        Raises Alarm 900290 (class 1) for a start that no channel in this state takes.
+        """
+        plc = self.plc
+        if plc.wants_reset and self.state is not ChannelState.STOPPING:
+            plc.wants_reset = False
+            self.state = ChannelState.RESETTING
+            self._reset.begin()
+        program, plc.program = plc.program, None
+        if program is None:
+            return
+        if self.state is ChannelState.READY:
+            self.measurement.begin_program()
+            self.load(program)
+            self.state = ChannelState.RUNNING
+        else:
+            self.warn(Alarm(900290, state=self.state.name))
+
+    # Stopping
+
+    def _come_up(self, alarm: Alarm) -> None:
+        """React to an alarm and to what came up with it; the first that ends the program counts."""
+        further = self._monitor.further + self.distance.further
+        self._monitor.further, self.distance.further = [], []
+        for one in (alarm, *further):
+            if self.state in FAILED:
+                self.reactions.register_further(one)
+            elif self.reactions.come_up(one):
+                self.state = ChannelState.STOPPING
+                self.distance.switch_off(faulty_axes(one))
+
+    def stop(self, alarm: Alarm) -> None:
+        """Stop from outside, between two cycles: brake and end, as for an alarm of its own."""
+        if not self.has_ended:
+            self._come_up(alarm)
+
+    def warn(self, alarm: Alarm) -> None:
+        """Note an alarm of class 1: the program goes on."""
+        self.reactions.register(alarm)

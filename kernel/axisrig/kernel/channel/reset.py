@@ -1,0 +1,48 @@
+"""A reset of the channel: the program ends, the axes stand, the drives are in operation again.
+
+The axes stop on the path as an alarm of class 4 stops them, runs end without a result, distance
+controls are off with their offset kept. Sources: FCT-M3 6 and 12.8.4; TF527x kernel API 402223627.
+"""
+
+from collections.abc import Callable, Sequence
+
+from axisrig.kernel.channel.monitor import PowerUp
+from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.reactions import Reactions
+from axisrig.kernel.channel.settings import CycleTiming
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.drives.link import AxisLink
+
+
+class Reset:
+    """Carries out the resets of a channel; ends: what ends what is under way, in their order."""
+
+    def __init__(
+        self,
+        links: Sequence[AxisLink],
+        timing: CycleTiming,
+        path: Path,
+        reactions: Reactions,
+        ends: Sequence[Callable[[], None]],
+    ) -> None:
+        self._links, self._timing, self._path = links, timing, path
+        self._reactions, self._ends = reactions, tuple(ends)
+        self._power_up = PowerUp(links, timing)
+
+    def begin(self) -> None:
+        """End everything; the axes brake."""
+        for end in self._ends:
+            end()
+        self._power_up = PowerUp(self._links, self._timing, resets_faults=True)
+
+    def go_on(self) -> bool:
+        """Do one cycle while the set positions stand; return whether every drive is in operation.
+
+        Faults are acknowledged. An axis whose drive has left operation stands where it is.
+        Raises Alarm 900005 and 900008 as the start does.
+        """
+        self._reactions.reset()
+        for link in self._links:
+            if link.state is not State.OPERATION_ENABLED:
+                self._path.put(link.name, link.actual_mm)
+        return self._power_up.step()

@@ -1,0 +1,54 @@
+"""What a program may ask of its channel while it is decoded (`MachineView` of the interpreter)."""
+
+from collections.abc import Sequence
+
+from axisrig.kernel.channel.distance.controls import DistanceControls
+from axisrig.kernel.channel.drive_functions import DriveFunctions
+from axisrig.kernel.channel.measurement import Measurement
+from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.settings import AxisSettings
+from axisrig.kernel.drives.link import AxisLink
+
+
+class ChannelView:
+    """The part of a channel that answers its interpreter; lengths in mm."""
+
+    path: Path
+    measurement: Measurement
+    distance: DistanceControls
+    functions: DriveFunctions
+    axes: Sequence[AxisSettings]
+    links: Sequence[AxisLink]
+
+    def position_acs_mm(self, axis: str) -> float:
+        """Return where the interpolation stands, axis coordinates."""
+        return self.path.position_acs_mm(axis)
+
+    def measured_acs_mm(self, axis: str) -> float | None:
+        """Return the measured position of the axis' last run, None without a valid one."""
+        return self.measurement.measured_acs_mm(axis)
+
+    def measurement_ok(self, axis: str) -> bool:
+        """Tell whether the axis' last run had a signal (V.A.MERF)."""
+        return self.measurement.measured_acs_mm(axis) is not None
+
+    def actual_acs_mm(self, axis: str) -> float:
+        """Return the actual position of an axis."""
+        return next(link.actual_mm for link in self.links if link.name == axis)
+
+    def may_measure(self, axis: str) -> bool:
+        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
+        return self.path.settings(axis).may_measure
+
+    def distance_state(self, axis: str) -> str | None:
+        """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
+        found = self.distance.axes.get(axis)
+        return None if found is None else found.control.state.name
+
+    def axis_numbered(self, number: int) -> str | None:
+        """Return the axis with a logical number (P-AXIS-00016), None when there is none."""
+        return next((axis.name for axis in self.axes if axis.number == number), None)
+
+    def drive_value(self, axis: str, key: str) -> float:
+        """Return what the last #DRIVE RD of this function brought."""
+        return self.functions.value(axis, key)

@@ -1,0 +1,28 @@
+"""Distance control as far as it knows no axis: filters, controller, limits, states."""
+
+from axisrig.kernel.distance.control import DistanceControl, Reading
+from axisrig.kernel.distance.objects import CncObject, objects
+from axisrig.kernel.distance.settings import DistanceSettings, names_newer
+from axisrig.kernel.distance.states import (
+    FOLLOWING,
+    DistanceCommand,
+    DistanceState,
+    Source,
+    changes,
+)
+from axisrig.kernel.distance.supervision import Silence
+
+__all__ = [
+    "FOLLOWING",
+    "CncObject",
+    "DistanceCommand",
+    "DistanceControl",
+    "DistanceSettings",
+    "DistanceState",
+    "Reading",
+    "Silence",
+    "Source",
+    "changes",
+    "names_newer",
+    "objects",
+]

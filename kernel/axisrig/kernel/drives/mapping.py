@@ -1,0 +1,325 @@
+"""The cyclic telegram of a drive: which objects its PDOs carry, and their codecs.
+
+The table `pdo_map.csv` (or one of the same form that a rig names) is what the kernel writes into
+the drive at start-up and what it packs and unpacks afterwards, so that both cannot differ.
+"""
+
+import csv
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache, cached_property
+from importlib import resources
+from pathlib import Path
+from typing import Any, Final
+
+from axisrig.kernel.clock import MS, TimeNs
+from axisrig.kernel.errors import UserError
+
+# Pre-defined connection set: CiA 301, COB-ID = base + node id
+COB_ID_BASE = {
+    "TPDO1": 0x180, "RPDO1": 0x200, "TPDO2": 0x280, "RPDO2": 0x300,
+    "TPDO3": 0x380, "RPDO3": 0x400, "TPDO4": 0x480, "RPDO4": 0x500,
+}  # fmt: skip
+_FORMAT = {(8, False): "B", (8, True): "b", (16, False): "H", (16, True): "h",
+           (32, False): "I", (32, True): "i", (64, False): "Q", (64, True): "q"}  # fmt: skip
+BITS_MAX: Final = 64  # of a PDO
+LATCH, COUNTER, STAMP = "latch", "counter", "stamp"
+FROM_LATCH_TO_COUNTER: Final = 0x60D5 - 0x60BA  # 60BA to 60BD, 60D5 to 60D8
+FROM_LATCH_TO_STAMP: Final = 0x60D1 - 0x60BA  # 60BA to 60BD, 60D1 to 60D4
+_FROM_LATCH: Final = {LATCH: 0, COUNTER: FROM_LATCH_TO_COUNTER, STAMP: FROM_LATCH_TO_STAMP}
+NO_FIELD = ""
+# What the link works with: field -> whether the kernel sends it. The first four must be mapped,
+# the rest is what measuring and distance control need; an object without a field is for drive
+# functions.
+FIELDS: Final[Mapping[str, bool]] = {
+    "controlword": True, "target": True, "statusword": False, "actual": False,
+    "probe_function": True, "probe_status": False, "latch": False,
+    "latch_count": False, "inputs": False, "second": False,
+}  # fmt: skip
+# Fields that need not come with every SYNC
+AT_THEIR_TIME: Final = ("inputs", "second")
+NEEDED: Final = ("controlword", "target", "statusword", "actual")
+COLUMNS: Final = (
+    "pdo", "transmission", "inhibit_100us", "index", "sub", "bits", "signed", "field",
+)  # fmt: skip
+# A column that a table need not have: greatest time between two event-driven TPDOs, 0 = none
+EVENT_TIMER: Final = "event_ms"
+EVENT_DRIVEN: Final = (254, 255)
+
+
+@dataclass(frozen=True)
+class MappedObject:
+    """One object of a PDO: index, sub-index, length in bits, field name of the link or ""."""
+
+    index: int
+    sub: int
+    bits: int
+    signed: bool
+    field: str
+
+    @property
+    def entry(self) -> int:
+        """The mapping entry as CiA 301 writes it: index << 16 | sub << 8 | bits."""
+        return self.index << 16 | self.sub << 8 | self.bits
+
+
+class BitCodec:
+    """The codec of a PDO with lengths that no `struct` has: the first object lies lowest.
+
+    Same calls as `struct.Struct`. Source: CiA 301 section 7.1, bit sequences are little endian.
+    """
+
+    def __init__(self, objects: tuple[MappedObject, ...]) -> None:
+        starts = [sum(o.bits for o in objects[:n]) for n in range(len(objects))]
+        self._fields = [(s, (1 << o.bits) - 1, o) for s, o in zip(starts, objects, strict=True)]
+        self.size = -(-sum(o.bits for o in objects) // 8)
+
+    def pack(self, *values: int) -> bytes:
+        """Make the payload; raises struct.error for a value that does not fit."""
+        whole = 0
+        for (start, mask, mapped), value in zip(self._fields, values, strict=True):
+            low = -(1 << mapped.bits - 1) if mapped.signed else 0
+            if not low <= value <= low + mask:
+                raise struct.error(f"{value} does not fit into {mapped.bits} bits")
+            whole |= (value & mask) << start
+        return whole.to_bytes(self.size, "little")
+
+    def unpack(self, data: bytes | bytearray) -> tuple[int, ...]:
+        """Take the payload apart; raises struct.error for another length."""
+        if len(data) != self.size:
+            raise struct.error(f"unpack requires a buffer of {self.size} bytes")
+        whole, values = int.from_bytes(data, "little"), []
+        for start, mask, mapped in self._fields:
+            value = whole >> start & mask
+            is_negative = mapped.signed and value >> mapped.bits - 1
+            values.append(value - mask - 1 if is_negative else value)
+        return tuple(values)
+
+
+@dataclass(frozen=True)
+class Telegram:
+    """One PDO: name, transmission type, inhibit time (100 us) and what it carries.
+
+    event_ms: event timer of an event-driven TPDO, 0 = none.
+    """
+
+    name: str
+    transmission: int
+    inhibit_100us: int
+    objects: tuple[MappedObject, ...]
+    event_ms: int = 0
+
+    @property
+    def is_received(self) -> bool:
+        """Whether the drive receives it (RPDO)."""
+        return self.name.startswith("R")
+
+    @property
+    def is_cyclic(self) -> bool:
+        """Whether the PDO is sent or taken at every SYNC (CiA 301 transmission types 1 to 240)."""
+        return 1 <= self.transmission <= 240
+
+    def promised_ns(self, cycle_ns: TimeNs) -> TimeNs | None:
+        """Return the longest time from one telegram to the next, None where nothing promises one.
+
+        Type n is sent with every n-th SYNC; an event-driven TPDO promises a time only with its
+        event timer (CiA 301 section 7.5.2.37, sub-index 5).
+        """
+        if self.is_cyclic:
+            return self.transmission * cycle_ns
+        return self.event_ms * MS or None
+
+    @property
+    def length(self) -> int:
+        """Payload in bytes."""
+        return -(-sum(o.bits for o in self.objects) // 8)
+
+    @cached_property
+    def codec(self) -> Any:
+        """The codec of the payload: little endian, no padding (CiA 301); a `struct.Struct`."""
+        formats = [_FORMAT.get((o.bits, o.signed)) for o in self.objects]
+        if None in formats:
+            return BitCodec(self.objects)
+        return struct.Struct("<" + "".join(str(f) for f in formats))
+
+    @property
+    def communication_index(self) -> int:
+        """Index of the communication parameter; the mapping lies 0x200 behind it."""
+        return (0x1400 if self.is_received else 0x1800) + int(self.name[-1]) - 1
+
+    def cob_id(self, node_id: int) -> int:
+        """Return the COB-ID of the pre-defined connection set."""
+        return COB_ID_BASE[self.name] + node_id
+
+
+@cache
+def telegrams(
+    latch_object: int,
+    table: str | None = None,
+    *,
+    counter: bool = False,
+    inputs: bool = True,
+    second: bool = False,
+) -> dict[str, Telegram]:
+    """Return the PDOs of a drive whose latch object in use is `latch_object` (0x60BA to 0x60BD).
+
+    table: path of a mapping table; without one the kernel's own. counter, inputs, second: whether
+    the kernel's own has the counter of the latch (60D5 to 60D8), the digital inputs (60FD) and the
+    position of the second encoder (60E4:1).
+    Raises UserError, with file and line, for a table that is none.
+    """
+    grouped: dict[str, list[dict[str, str]]] = {}
+    places: dict[str, int] = {}
+    for line, row in _rows(table):
+        is_left_out = (
+            (row["index"] == COUNTER and not counter)
+            or (row["field"] == "inputs" and not inputs)
+            or (row["field"] == "second" and not second)
+        )
+        if table is None and is_left_out:
+            continue
+        grouped.setdefault(row["pdo"], []).append(row)
+        places[row["pdo"]] = line
+    found = {
+        name: Telegram(
+            name=name,
+            transmission=int(rows[0]["transmission"], 0),
+            inhibit_100us=int(rows[0]["inhibit_100us"], 0),
+            objects=tuple(
+                MappedObject(
+                    index=_index(row["index"], latch_object),
+                    sub=int(row["sub"], 0),
+                    bits=int(row["bits"], 0),
+                    signed=row["signed"] == "yes",
+                    field=row["field"],
+                )
+                for row in rows
+            ),
+            event_ms=int(rows[0][EVENT_TIMER], 0),
+        )
+        for name, rows in grouped.items()
+    }
+    _check_whole(found, places, table)
+    return found
+
+
+def _index(text: str, latch_object: int) -> int:
+    from_latch = _FROM_LATCH.get(text)
+    return int(text, 16) if from_latch is None else latch_object + from_latch
+
+
+def _rows(table: str | None) -> list[tuple[int, dict[str, str]]]:
+    if table is None:
+        text = resources.files(__package__).joinpath("pdo_map.csv").read_text(encoding="utf-8")
+    else:
+        try:
+            text = Path(table).read_text(encoding="utf-8-sig")
+        except (OSError, UnicodeDecodeError) as error:
+            raise UserError("the mapping table cannot be read", file=table) from error
+    reader = csv.DictReader(text.splitlines())
+    missing = [name for name in COLUMNS if name not in (reader.fieldnames or ())]
+    if missing:
+        raise UserError(
+            "the mapping table lacks columns", file=table, line=1, value=" ".join(missing),
+            allowed=" ".join(COLUMNS),
+        )  # fmt: skip
+    rows = [
+        (
+            reader.line_num,
+            {name: (row.get(name) or "").strip() for name in COLUMNS}
+            | {EVENT_TIMER: (row.get(EVENT_TIMER) or "").strip() or "0"},
+        )
+        for row in reader
+    ]
+    for line, row in rows:
+        _check_row(row, table, line)
+    return rows
+
+
+def _check_row(row: Mapping[str, str], table: str | None, line: int) -> None:
+    """Raise UserError for a cell that cannot be."""
+
+    def wrong(column: str, allowed: str) -> UserError:
+        return UserError(
+            f"{column} of the mapping table cannot be that",
+            file=table, line=line, value=row[column], allowed=allowed,
+        )  # fmt: skip
+
+    if row["pdo"] not in COB_ID_BASE:
+        raise wrong("pdo", " ".join(COB_ID_BASE))
+    for column, low, high in (
+        ("transmission", 0, 255), ("inhibit_100us", 0, 65535), ("sub", 0, 255), ("bits", 1, 64),
+        (EVENT_TIMER, 0, 65535),
+    ):  # fmt: skip
+        try:
+            fits = low <= int(row[column], 0) <= high
+        except ValueError:
+            fits = False
+        if not fits:
+            raise wrong(column, f"{low} .. {high}")
+    if row["index"] not in _FROM_LATCH:
+        try:
+            int(row["index"], 16)
+        except ValueError:
+            raise wrong("index", "an index such as 0x6064, `latch`, `counter` or `stamp`") from None
+    is_event = not row["pdo"].startswith("R") and int(row["transmission"], 0) in EVENT_DRIVEN
+    if int(row[EVENT_TIMER], 0) and not is_event:
+        raise wrong(EVENT_TIMER, "0, or a TPDO of type 254 or 255: its event timer, ms")
+    if row["signed"] not in ("yes", "no"):
+        raise wrong("signed", "yes or no")
+    if row["field"] not in (NO_FIELD, *FIELDS):
+        raise wrong("field", f"{' '.join(FIELDS)}, or nothing")
+    sends = FIELDS.get(row["field"])
+    if sends is not None and sends is not row["pdo"].startswith("R"):
+        raise wrong("pdo", f"{'an RPDO' if sends else 'a TPDO'} for {row['field']}")
+
+
+def _check_whole(
+    found: Mapping[str, Telegram], places: Mapping[str, int], table: str | None
+) -> None:
+    """Check length, fields and transmission of a whole table."""
+    fields: dict[str, Telegram] = {}
+    for telegram in found.values():
+        bits = sum(o.bits for o in telegram.objects)
+        if bits > BITS_MAX:
+            raise UserError(
+                f"{telegram.name} is longer than a PDO", file=table, line=places[telegram.name],
+                value=f"{bits} bits", allowed=f"{BITS_MAX} bits",
+            )  # fmt: skip
+        for mapped in telegram.objects:
+            if mapped.field in fields:
+                raise UserError(
+                    f"the field {mapped.field} stands twice in the mapping table",
+                    file=table, line=places[telegram.name],
+                )  # fmt: skip
+            if mapped.field:
+                fields[mapped.field] = telegram
+    for name in NEEDED:
+        if name not in fields:
+            raise UserError("the mapping table lacks a field", file=table, value=name)
+    for name, telegram in fields.items():
+        if name in AT_THEIR_TIME:
+            _check_own_time(name, telegram, table, places[telegram.name])
+        elif telegram.transmission != 1:
+            raise UserError(
+                f"{telegram.name} carries {name} and must come with every SYNC",
+                file=table, line=places[telegram.name], value=telegram.transmission, allowed="1",
+            )  # fmt: skip
+
+
+def _check_own_time(name: str, telegram: Telegram, table: str | None, line: int) -> None:
+    """Raise UserError for what nobody sends by itself, or would not be a position."""
+    if name != "second":
+        return
+    if not telegram.is_cyclic and telegram.transmission not in EVENT_DRIVEN:
+        raise UserError(
+            f"{telegram.name} carries second and must come by itself",
+            file=table, line=line, value=telegram.transmission, allowed="1 .. 240, 254, 255",
+        )  # fmt: skip
+    (mapped,) = (mapped for mapped in telegram.objects if mapped.field == name)
+    if (mapped.bits, mapped.signed) != (32, True):
+        raise UserError(
+            "the field second is a signed position of 32 bits", file=table, line=line,
+            value=f"{mapped.bits} bits, signed {'yes' if mapped.signed else 'no'}",
+        )  # fmt: skip

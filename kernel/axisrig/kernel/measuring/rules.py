@@ -1,0 +1,146 @@
+"""What the measuring types say about a run: speed, stroke of the probe, overtravel, no signal.
+
+`measuring_types.csv` says which of it holds for a type. Nothing here knows of a machine: an
+independent axis and the path ask the same functions.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import dist, inf, sqrt
+
+from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.nc.measuring_types import MeasuringType
+from axisrig.kernel.parameters import ParameterSet
+
+SIGNAL = "kenngr.measure.signal"
+SPHERE = 6  # mode of P-AXIS-00112
+LATCHED = ("DRIVE", "DRIVE_TYPE_DEFAULT")  # a CANopen drive latches by itself
+FIXED_STOP = "FIXED_STOP"
+
+
+@dataclass(frozen=True)
+class MeasuringAxis:
+    """What the parameter list of an axis says about measuring.
+
+    speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way behind
+    the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
+    probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
+    comes from, P-AXIS-00516 or the older switches. simulated: mode and parameter of a probe that
+    the CNC simulates, P-AXIS-00112 and 00145; mode 0: a real one. fixed_stop: of runs to one.
+    """
+
+    speed_mm_s: float = 16.666
+    stroke_mm: float = inf
+    offset_mm: float = 0.0
+    old_offset_mm: float = 0.0
+    delay_ns: TimeNs = 0
+    probe_inputs: tuple[int, int] = (1, 1)
+    source: str = "DRIVE"
+    simulated: tuple[int, int] = (0, 0)
+    fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
+
+    @classmethod
+    def read(cls, axis: ParameterSet) -> "MeasuringAxis":
+        """Take them from the parameters of an axis."""
+        return cls(
+            speed_mm_s=axis.mm_s("kenngr.vb_messen"),
+            stroke_mm=axis.mm("kenngr.hub_messtaster"),
+            offset_mm=axis.mm("kenngr.probing_offset"),
+            old_offset_mm=axis.mm("kenngr.mess_offset"),
+            delay_ns=axis.ns("kenngr.probe_actuation_time_delay"),
+            probe_inputs=(
+                axis.integer("kenngr.measure.probe[0].input"),
+                axis.integer("kenngr.measure.probe[1].input"),
+            ),
+            source=axis.word(SIGNAL),
+            simulated=(
+                axis.integer("meas_simu.meas_simu_mode"),
+                axis.integer("meas_simu.parameter1"),
+            ),
+            fixed_stop=FixedStopSettings.read(axis),
+        )
+
+    def check(self, axis: str, kind: MeasuringType, source: str, *, is_beside: bool) -> None:
+        """Refuse a run that another signal than the one of its type would end.
+
+        source: in use, by the list or by #MEAS. is_beside: for an axis beside the path.
+        Raises Alarm 900100, 900241 and 900242.
+        """
+        mode = self.simulated[0]
+        if mode and (mode == SPHERE or is_beside or kind.runs_to_stop):
+            word = f"meas_simu.meas_simu_mode = {mode} of axis {axis}"
+            where = "in a run to a fixed stop" if kind.runs_to_stop else "beside the path"
+            what = "sphere as probe" if mode == SPHERE else f"simulated probe {where}"
+            raise Alarm(900100, word=word, what=what)
+        if kind.runs_to_stop:
+            if source != FIXED_STOP:
+                raise Alarm(900241, axis=axis, source=source, type=kind.number)
+        elif source == FIXED_STOP and not mode:
+            raise Alarm(900242, axis=axis, source=source, type=kind.number)
+        elif source not in LATCHED and not mode:
+            word = f"{SIGNAL} = {source} of axis {axis}"
+            raise Alarm(900100, word=word, what="source of the probing signal")
+
+    def overtravel_mm(self, kind: MeasuringType) -> float:
+        """Return how far the axis may go behind its target in a run of a type."""
+        known = {"P-AXIS-00467": self.offset_mm, "P-AXIS-00114": self.old_offset_mm}
+        return next((known[name] for name in kind.overtravel if known[name]), 0.0)
+
+
+def speed_within(stroke_mm: float, deceleration: Slope) -> float:
+    """Return the highest speed, mm/s, from which a path can stop on `stroke_mm`.
+
+    The inverse of `Slope.distance_mm`: v^2 = 2 a_low s up to the change-over speed v_s, above it
+    v^2 = v_s^2 + 2 a_high (s - v_s^2 / 2 a_low).
+    """
+    change_mm_s = deceleration.change_over_mm_s
+    below_mm = change_mm_s * change_mm_s / (2.0 * deceleration.a_low_mm_s2)
+    if stroke_mm <= below_mm:
+        return sqrt(2.0 * deceleration.a_low_mm_s2 * stroke_mm)
+    return sqrt(change_mm_s**2 + 2.0 * deceleration.a_high_mm_s2 * (stroke_mm - below_mm))
+
+
+def highest_speed(
+    kind: MeasuringType, moving: Sequence[MeasuringAxis], stop_deceleration: Slope
+) -> float:
+    """Return how fast, mm/s, a run may be so that it stops within the stroke of its probe.
+
+    moving: the axes that the path moves; the smallest stroke counts for the whole path.
+    stop_deceleration: the slope of the path that acts at the signal. Neither the time until it
+    acts nor the lag of the drives is counted: the manual has the stroke of the list allow for it.
+    Source: FCT-C4, P-AXIS-00086 with its remark.
+    """
+    if not kind.keeps_stroke:
+        return inf
+    return speed_within(min(axis.stroke_mm for axis in moving), stop_deceleration)
+
+
+def lengthened(
+    here: Mapping[str, float], target: Mapping[str, float], overtravel_mm: Mapping[str, float]
+) -> dict[str, float]:
+    """Return the target of a path that is longer by what its axes may go behind theirs.
+
+    The axis that allows least decides. All in mm. Source: FCT-C4, P-AXIS-00467.
+    """
+    start, end = tuple(here.values()), tuple(target[name] for name in here)
+    length_mm = dist(start, end)
+    extra_mm = min(
+        overtravel_mm[name] * length_mm / abs(target[name] - here[name])
+        for name in here
+        if target[name] != here[name]
+    )
+    if not extra_mm:
+        return dict(target)
+    scale = 1.0 + extra_mm / length_mm
+    return {name: here[name] + (target[name] - here[name]) * scale for name in here}
+
+
+def misses_signal(kind: MeasuringType, error_no_signal: bool) -> bool:
+    """Tell whether a run without a signal is an alarm.
+
+    error_no_signal: P-CHAN-00176, or ERR_NO_SIGNAL of #MEAS.
+    """
+    return kind.no_signal == "alarm" or (kind.no_signal == "P-CHAN-00176" and error_no_signal)

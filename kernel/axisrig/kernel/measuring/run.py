@@ -1,0 +1,283 @@
+"""One measurement run of any measuring type that ends by a signal.
+
+The run is a small state machine that is evaluated once per NC cycle with this cycle's values:
+
+    CLEARING    latch control word 0 until no drive shows an enabled probe or a stored edge; so a
+                latch of an earlier run can never be taken for one of this run
+    ARMING      latch control word set until every drive has acknowledged
+    MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go,
+                unless the run goes on to its target (type 3 with G106)
+    COLLECTING  the axes stand; it is waited for what tells whether an edge came before they had
+                come to rest (`latest_edge.py`). Then every measuring axis must deliver a value that
+                is proved, and confirm it by SDO
+    DONE        results are final
+
+It touches the machine through `LatchPort` only, one per measuring axis: the latch in a drive
+(P-AXIS-00516 = DRIVE) is one, and so can be everything that tells a signal and a position.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum, auto
+from typing import Protocol
+
+from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
+from axisrig.kernel.measuring.latest_edge import LatestEdge, StatusPort
+
+# Cycles that a drive may take to show a changed latch control word: four times the two to four
+# cycles of known drives (docs/touch-probe.md).
+HANDSHAKE_CYCLES_MAX = 16
+# Cycles that the proof of a value may take once the edge is told and the axes stand
+PROOF_CYCLES_MAX = 16
+# Cycles that a drive may take to tell counter and latch by SDO: some answer after tens of ms
+CHECK_CYCLES_MAX = 200
+
+
+class LatchPort(StatusPort, Protocol):
+    """The latch of one measuring axis.
+
+    latched_speed_mm: travel of the axis in one cycle at the speed that it had at the latch.
+    """
+
+    @property
+    def name(self) -> str: ...  # noqa: D102
+    @property
+    def is_clear(self) -> bool: ...  # noqa: D102
+    @property
+    def is_armed(self) -> bool: ...  # noqa: D102
+    @property
+    def latched_speed_mm(self) -> float: ...  # noqa: D102
+    @property
+    def is_actuated(self) -> bool | None: ...  # noqa: D102
+    @property
+    def is_prepared(self) -> bool: ...  # noqa: D102
+
+    def arm(self) -> None: ...  # noqa: D102
+    def disarm(self) -> None: ...  # noqa: D102
+    def is_confirmed(self) -> bool: ...  # noqa: D102
+
+
+class RunState(Enum):
+    """Where a measurement run stands; see the module text."""
+
+    CLEARING = auto()
+    ARMING = auto()
+    MOVING = auto()
+    COLLECTING = auto()
+    DONE = auto()
+
+
+class Order(Enum):
+    """What the run asks of the motion in this cycle; RELAX: go to the places that the run tells."""
+
+    NONE = auto()
+    START = auto()
+    BRAKE = auto()
+    RELAX = auto()
+
+
+@dataclass
+class RunRecord:
+    """What a finished run delivers and when things happened (cycle instants, ns).
+
+    axes: the measuring axes. latched_mm: measured position per axis, ACS; empty without signal.
+    block: NC block for messages. signal_ns: cycle in which the first stored edge was seen.
+    goes_on: the signal does not end the motion. inputs: probing input in use per axis. fixed_stop:
+    of a run to a fixed stop, whose signal is that the stop is found.
+    """
+
+    axes: tuple[str, ...]
+    block: str = ""
+    goes_on: bool = False
+    inputs: dict[str, int] = field(default_factory=dict)
+    begin_ns: TimeNs = 0
+    start_ns: TimeNs | None = None
+    signal_ns: TimeNs | None = None
+    end_ns: TimeNs | None = None
+    latched_mm: dict[str, float] = field(default_factory=dict)
+    fixed_stop: FixedStopRecord | None = None
+
+    @property
+    def has_signal(self) -> bool:
+        """Whether every measuring axis has delivered a value."""
+        return len(self.latched_mm) == len(self.axes)
+
+
+class MeasuringRun:
+    """Evaluates one run; `evaluate` is called once per cycle until `state` is DONE.
+
+    ports: one latch per measuring axis. error_no_signal: alarm when no signal comes. goes_on: the
+    signal does not brake. delay_cycles: per axis how many cycles the probe signals too late
+    (P-AXIS-00487); the measured value is led back by them at the speed of the latch, so that an
+    acceleration a leaves a t^2 / 2. Source: TF5200 axis parameters 117371403.
+    Raises Alarm 50052 (probe actuated before the run), 900001 (latch without value), 900002 (drive
+    does not acknowledge), 900003 (only some axes signalled), 900004 (no signal),
+    900009 (stale latch), 900082 (switched off on the way),
+    900083 (not confirmed by SDO).
+    """
+
+    def __init__(
+        self,
+        ports: Sequence[LatchPort],
+        block: str,
+        now_ns: TimeNs,
+        error_no_signal: bool,
+        *,
+        goes_on: bool = False,
+        delay_cycles: Mapping[str, float] | None = None,
+    ) -> None:
+        self._ports = tuple(ports)
+        self._edges = {port.name: LatestEdge(port, now_ns) for port in ports}
+        self._error_no_signal = error_no_signal
+        self._delay_cycles = delay_cycles or {}
+        self._waited = 0
+        self.state = RunState.CLEARING
+        self.record = RunRecord(
+            tuple(p.name for p in ports), block, goes_on=goes_on, begin_ns=now_ns
+        )
+        self._rest_ns: TimeNs | None = None
+        self._steps: dict[RunState, Callable[[TimeNs, bool], Order]] = {
+            RunState.CLEARING: self._clearing,
+            RunState.ARMING: self._arming,
+            RunState.MOVING: self._moving,
+            RunState.COLLECTING: self._collecting,
+        }
+        self._check_not_actuated()
+        for port in ports:
+            port.disarm()
+
+    def _check_not_actuated(self) -> None:
+        for port in self._ports:
+            if port.is_actuated:
+                raise Alarm(50052, axis=port.name)
+
+    @property
+    def is_done(self) -> bool:
+        """Whether the results are final."""
+        return self.state is RunState.DONE
+
+    def evaluate(self, now_ns: TimeNs, is_standing: bool, rest_ns: TimeNs | None) -> Order:
+        """Advance the run with this cycle's values.
+
+        is_standing: the interpolation has ended and every axis is within its exact-stop window.
+        rest_ns: the SYNC in which the measuring axes came to rest there, None before that.
+        """
+        self._rest_ns = rest_ns
+        step = self._steps.get(self.state)
+        return step(now_ns, is_standing) if step else Order.NONE
+
+    def abort(self) -> None:
+        """End without a result: every probe is switched off."""
+        for port in self._ports:
+            port.disarm()
+        self._enter(RunState.DONE)
+
+    def _enter(self, state: RunState) -> None:
+        self.state, self._waited = state, 0
+
+    def _wait(self, alarm_id: int, port: LatchPort, cycles_max: int = HANDSHAKE_CYCLES_MAX) -> None:
+        self._waited += 1
+        if self._waited > cycles_max:
+            raise Alarm(alarm_id, axis=port.name, cycles=self._waited - 1)
+
+    def _clearing(self, _now_ns: TimeNs, _is_standing: bool) -> Order:
+        for port in self._ports:
+            if not port.is_clear:
+                self._wait(900009, port)
+                return Order.NONE
+        for port in self._ports:
+            port.arm()
+        self._enter(RunState.ARMING)
+        return Order.NONE
+
+    def _arming(self, now_ns: TimeNs, _is_standing: bool) -> Order:
+        for port in self._ports:
+            if not port.is_armed:
+                self._wait(900002, port)
+                return Order.NONE
+            if not port.is_prepared:
+                self._wait(900083, port, CHECK_CYCLES_MAX)
+                return Order.NONE
+        self._check_not_actuated()
+        self.record.start_ns = now_ns
+        self._enter(RunState.MOVING)
+        return Order.START
+
+    def _check_still_armed(self) -> None:
+        for port in self._ports:
+            if not port.is_armed:
+                raise Alarm(900082, axis=port.name)
+
+    def _moving(self, now_ns: TimeNs, is_standing: bool) -> Order:
+        self._check_still_armed()
+        if self._is_first_signal(now_ns) and not self.record.goes_on:
+            return Order.BRAKE
+        if is_standing:
+            self._enter(RunState.COLLECTING)
+            return self._collecting(now_ns, is_standing)
+        return Order.NONE
+
+    def _is_first_signal(self, now_ns: TimeNs) -> bool:
+        """Judge the edges of this cycle; whether one of them is the first that counts."""
+        for edge in self._edges.values():
+            edge.look(now_ns, self._rest_ns)
+        if self.record.signal_ns is None and any(e.counts for e in self._edges.values()):
+            self.record.signal_ns = now_ns
+            return True
+        return False
+
+    def _collecting(self, now_ns: TimeNs, _is_standing: bool) -> Order:
+        self._check_still_armed()
+        self._is_first_signal(now_ns)
+        for port in self._ports:
+            value, is_open = port.latched_mm, port.name not in self.record.latched_mm
+            is_wanted = is_open and self._edges[port.name].counts
+            if value is not None and is_wanted and port.is_confirmed():
+                late_mm = self._delay_cycles.get(port.name, 0.0) * port.latched_speed_mm
+                self.record.latched_mm[port.name] = value - late_mm
+        if self.record.has_signal:
+            return self._finish(now_ns)
+        if any(e.is_open and not e.waits_for_stamp for e in self._edges.values()):
+            return Order.NONE  # an edge may still be told
+        late = self._without_proof()
+        if late:
+            self._waited += 1
+            is_told = all(self._is_proved(port) for port in late)
+            if self._waited <= (CHECK_CYCLES_MAX if is_told else PROOF_CYCLES_MAX):
+                return Order.NONE
+        self._judge_missing()
+        return self._finish(now_ns)
+
+    def _without_proof(self) -> list[LatchPort]:
+        """Return the latches whose edge is told, and its value or its time not proved."""
+        return [
+            port
+            for port in self._ports
+            if port.name not in self.record.latched_mm and not self._edges[port.name].is_over
+        ]
+
+    def _is_proved(self, port: LatchPort) -> bool:
+        return port.latched_mm is not None and self._edges[port.name].counts
+
+    def _judge_missing(self) -> None:
+        """Values are missing for good: tell which of the four reasons it is."""
+        for port in self._without_proof():
+            if self._is_proved(port):
+                raise Alarm(900083, axis=port.name, cycles=self._waited - 1)
+            raise Alarm(900001, axis=port.name, cycles=self._waited - 1)
+        signalled = [p for p in self._ports if self._edges[p.name].counts]
+        silent = [p.name for p in self._ports if not self._edges[p.name].counts]
+        if signalled:
+            others = " ".join(p.name for p in signalled)
+            raise Alarm(900003, axis=" ".join(silent), others=others)
+        if self._error_no_signal:
+            raise Alarm(900004, axis=" ".join(silent))
+
+    def _finish(self, now_ns: TimeNs) -> Order:
+        for port in self._ports:
+            port.disarm()
+        self.record.end_ns = now_ns
+        self._enter(RunState.DONE)
+        return Order.NONE

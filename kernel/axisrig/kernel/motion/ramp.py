@@ -1,0 +1,36 @@
+"""The ramp of one axis that stops by itself, off the path."""
+
+from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.motion.profile import Profile, Slope, plan
+
+STANDING_MM_S = 1e-6  # below it is what rounding leaves of standstill
+
+
+class Ramp:
+    """Brakes one axis from where it is; without a deceleration it stands at once.
+
+    position_mm, velocity_mm_s: of the last set position. Formula: s = v t - a t² / 2.
+    """
+
+    def __init__(
+        self, position_mm: float, velocity_mm_s: float, deceleration: Slope | None, cycle_ns: TimeNs
+    ) -> None:
+        self._start_mm, self._cycle_ns, self._cycle = position_mm, cycle_ns, 0
+        self._sign = 1.0 if velocity_mm_s > 0.0 else -1.0
+        self._profile = Profile(0.0, 0.0, ())
+        speed_mm_s = abs(velocity_mm_s)
+        if deceleration is not None and speed_mm_s > STANDING_MM_S:
+            way_mm = deceleration.distance_mm(speed_mm_s)
+            self._profile = plan(way_mm, speed_mm_s, deceleration, deceleration, speed_mm_s)
+
+    @property
+    def is_standing(self) -> bool:
+        """Whether the ramp has ended."""
+        return self._cycle * self._cycle_ns / S >= self._profile.duration_s
+
+    def advance(self) -> float:
+        """Go on by one cycle and return the set position, mm."""
+        if not self.is_standing:
+            self._cycle += 1
+        way_mm, _ = self._profile.at(self._cycle * self._cycle_ns / S)
+        return self._start_mm + self._sign * way_mm

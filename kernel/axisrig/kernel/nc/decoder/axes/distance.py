@@ -1,0 +1,182 @@
+"""DIST_CTRL: words for the distance control of an axis; what a control that is on forbids.
+
+The words of a block act in their order, in front of its motion. Sources: FCT-M3 6; TF5200 distance
+control 290203275, programming manual 208654987, diagnosis 1257123723.
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.decoder.axes.state import forbidden
+from axisrig.kernel.nc.decoder.axes.values import number, shown
+from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.variables.external import spelled_by_plc
+from axisrig.kernel.nc.decoder.variables.own import spelled
+from axisrig.kernel.nc.syntax import AxisCommand, Name, Option, Text, Variable
+from axisrig.kernel.parameters.table import Parameter, table
+
+NAME: Final = "DIST_CTRL"
+ACTIONS: Final = {
+    "ON": "on",
+    "DRYRUN": "on",
+    "OFF": "off",
+    "FREEZE": "freeze",
+    "CHECK_POS": "check",
+    "REF": "ref",
+}
+FREE_VALUES: Final = ("VAL1", "VAL2", "VAL3", "VAL4", "VAL5")
+FIELD: Final = "V.E."
+_LIST: Final = "kenngr.dist_ctrl[0]."
+
+
+@dataclass(frozen=True)
+class _Parameter:
+    """A keyword that sets a parameter.
+
+    name: in `DistanceControl.program`. path: whose range counts, behind `kenngr.dist_ctrl[0].`;
+    empty where the control itself looks whether it can be (310001, 310003).
+    """
+
+    name: str
+    path: str = ""
+    is_whole: bool = False
+
+
+# DISTC_N_CYCLES and DISTC_ORDER: TF5200 diagnosis 1097719947 and 882893195
+_PARAMETERS: Final[Mapping[str, _Parameter]] = {
+    "KP": _Parameter("kp", "kp"),
+    "I_TN": _Parameter("tn_s", "i_tn"),
+    "D_TV": _Parameter("tv_s", "d_tv"),
+    "N_CYCLES": _Parameter("n_cycles", is_whole=True),
+    "DISTC_N_CYCLES": _Parameter("n_cycles", is_whole=True),
+    "FG_F0": _Parameter("low_pass_filter_fg_f0"),
+    "ORDER": _Parameter("low_pass_filter_order", "low_pass_filter_order", is_whole=True),
+    "DISTC_ORDER": _Parameter("low_pass_filter_order", "low_pass_filter_order", is_whole=True),
+    "SMOOTH_FACT": _Parameter("smoothing_factor"),
+    "KALMAN_SIGMA": _Parameter("kalman_sigma"),
+}
+
+
+def control(context: Context, block: Block, command: AxisCommand) -> Iterator[canon.Command]:
+    """`Z[DIST_CTRL ..]`; behind OFF NO_MOVE the program counts from where the axis stands.
+
+    Raises Alarm 22096, 22142, 22349 and 900300; 900196 for a slave that is to be switched on.
+    """
+    axis, options = command.axis, dict(command.options)
+    action = next((ACTIONS[word] for word in options if word in ACTIONS), None)
+    no_move = "NO_MOVE" in options
+    alarm = forbidden(context, block, axis) if action == "on" else None
+    if alarm is not None:
+        raise alarm
+    yield canon.DistanceCommand(
+        block,
+        axis,
+        "on_const" if "CONST_DIST" in options else action,
+        wait="WAIT" in options,
+        no_move=no_move,
+        dry_run="DRYRUN" in options,
+        set_pos_mm=_length(context, block, axis, options.get("SET_POS")),
+        set_dist_mm=_length(context, block, axis, options.get("SET_DIST")),
+        parameters=dict(_parameters(context, block, axis, options)),
+        sensor_source=_name(options.get("SENSOR_SOURCE")),
+        sensor_variable=_variable(context, block, options.get("SENSOR_VAR")),
+        values=tuple(number(context, block, options.get(word)) for word in FREE_VALUES),
+    )
+    if no_move:
+        yield canon.Wait(block)
+        context.coordinates.begin_at({axis: context.machine.position_acs_mm(axis)})
+
+
+def _length(context: Context, block: Block, axis: str, option: Option) -> float | None:
+    value = number(context, block, option)
+    return None if value is None else context.mm(axis, value)
+
+
+def _name(option: Option) -> str | None:
+    return option.value if isinstance(option, Name) else None
+
+
+def _variable(context: Context, block: Block, option: Option) -> str | None:
+    """Give the variable as the PLC side spells it, without `V.E.`; as programmed if it has none."""
+    if not isinstance(option, Variable):
+        return None
+    indices = tuple(round(context.value(block, index)) for index in option.indices)
+    written = spelled(option.name, indices)
+    known = None
+    if written.startswith(FIELD):
+        known = spelled_by_plc(context, written.removeprefix(FIELD))
+    return written if known is None else known
+
+
+def _parameters(
+    context: Context, block: Block, axis: str, options: Mapping[str, Option]
+) -> Iterator[tuple[str, float | str]]:
+    """Give the parameters of the command under their names in the control."""
+    for keyword, option in options.items():
+        if keyword == "FILTER_TYPE" and isinstance(option, Name):
+            yield "filter_type", option.value
+        elif keyword == "BOTH_ENCODER":
+            is_number = not isinstance(option, Text)
+            value = number(context, block, option) if is_number else None
+            if value not in (0.0, 1.0):
+                raise context.alarm(22349, block, value=shown(context, block, option))
+            yield "both_encoders", bool(value)
+        elif keyword in _PARAMETERS:
+            yield _PARAMETERS[keyword].name, _value(context, block, axis, keyword, option)
+
+
+def _value(context: Context, block: Block, axis: str, keyword: str, option: Option) -> float:
+    """Give the number behind a keyword; raises Alarm 22096, 22142 and 900300 for a wrong one."""
+    known = _PARAMETERS[keyword]
+    value = number(context, block, option)
+    assert value is not None, "the table of commands has checked it"
+    row: Parameter | None = table("axis").find(_LIST + known.path)[0] if known.path else None
+    fits = row is None or row.is_within(value)
+    if fits and not (known.is_whole and value != int(value)):
+        return int(value) if known.is_whole else value
+    if row is None or row.minimum is None or row.maximum is None:
+        allowed = "whole numbers"
+    elif known.name == "tn_s":
+        raise context.alarm(22096, block, value_s=value, low_s=row.minimum, high_s=row.maximum)
+    elif known.name == "low_pass_filter_order":
+        raise context.alarm(22142, block, value=f"{value:g}", low=row.minimum, high=row.maximum)
+    else:
+        allowed = row.allowed
+    raise context.alarm(
+        900300, block, keyword=keyword, value=f"{value:g}", axis=axis, allowed=allowed
+    )
+
+
+# ---- what else stands in the program while a control is on
+
+OFF_STATE: Final = "INACTIVE"
+HOLDING: Final = (OFF_STATE, "FREEZE")
+# On which positions the offset is superposed: those of the axis itself
+PLANE: Final = "ACS"
+
+
+def known_states(context: Context, block: Block, axes: Iterable[str]) -> Iterator[canon.Command]:
+    """Wait until the states of the controls of these axes are those that the block finds."""
+    if any(context.machine.distance_state(axis) is not None for axis in axes):
+        yield canon.Wait(block)
+
+
+def must_stay(context: Context, block: Block, axis: str) -> Alarm | None:
+    """Give the alarm of an axis that is to leave the channel while its control is on."""
+    state = context.machine.distance_state(axis)
+    return None if state in (None, OFF_STATE) else context.alarm(70333, block, axis=axis)
+
+
+def initialises(
+    context: Context, block: Block, axes: Iterable[str], word: str
+) -> Iterator[canon.Command]:
+    """Refuse to initialise positions of axes whose offset changes; raises Alarm 51062."""
+    axes = tuple(axes)
+    yield from known_states(context, block, axes)
+    for axis in axes:
+        if context.machine.distance_state(axis) not in (None, *HOLDING):
+            raise context.alarm(51062, block, word=word, plane=PLANE)

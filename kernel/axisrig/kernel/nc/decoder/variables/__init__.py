@@ -1,0 +1,11 @@
+"""Variables of the decoder itself: own ones, state, PLC side."""
+
+from axisrig.kernel.nc.decoder.topic import Topic
+from axisrig.kernel.nc.decoder.variables import external, own, state
+
+TOPIC = Topic(
+    statements=own.TOPIC.statements,
+    commands=own.TOPIC.commands,
+    readers={**own.TOPIC.readers, **state.TOPIC.readers, "V.E": external.read},
+    writers={**own.TOPIC.writers, "V.E": external.write},
+)

@@ -1,0 +1,14 @@
+"""The feed in force as a variable."""
+
+from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.topic import Topic
+
+
+def _feed(context: Context, block: Block, rest: str) -> float:
+    """V.G.FEEDRATE: the feed programmed last, in the unit of the program per minute; 0 without."""
+    feed_mm_min = context.modal.feed_mm_min
+    return 0.0 if feed_mm_min is None else feed_mm_min / context.unit_mm
+
+
+TOPIC = Topic(readers={"V.G.FEEDRATE": _feed})

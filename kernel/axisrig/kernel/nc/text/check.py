@@ -1,0 +1,64 @@
+"""Reads a program without running it: everything that is wrong, and what to know beside."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.syntax import Program, ProgramBlock
+from axisrig.kernel.nc.text.constants import ending_words
+from axisrig.kernel.nc.text.parser import Reading
+
+# DIN 66025: the letters of axes
+USUAL_AXES = ("X", "Y", "Z", "A", "B", "C", "U", "V", "W")
+_NUMBERED_AXIS = re.compile(r"(?<![A-Za-z0-9_.@])([ABCUVWXYZ][0-9]+)(?=[ \t]*(?:=(?!=)|\[))")
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something to know that is no error. line, column: from 1."""
+
+    line: int
+    column: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Checked:
+    """What the check of a program found.
+
+    errors: in the order of the text. notes: what does not act, what ends a run, and what was
+    read in another way than it is written. blocks: how many blocks there are, local subprograms
+    included. program: what was read; without the blocks that have errors.
+    """
+
+    errors: tuple[UserError, ...]
+    notes: tuple[Note, ...]
+    blocks: int
+    program: Program
+
+
+def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Checked:
+    """Read a whole program for a rig with these axes."""
+    reading = Reading(text, file, axes)
+    reading.run()
+    program = reading.program()
+    parts: list[ProgramBlock] = [*program.blocks]
+    for blocks in program.subprograms.values():
+        parts += blocks
+    notes = {Note(line, column, remark) for remark, line, column in reading.remarks}
+    for part in parts:
+        for word in part.not_acting:
+            told = f"{word.word} is known to the manuals and does not act yet ({word.what})"
+            notes.add(Note(word.line, word.column, told))
+    for line, column, told in ending_words(parts, axes[0] if axes else ""):
+        notes.add(Note(line, column, f"a run ends here: {told}"))
+    ordered = sorted(notes, key=lambda note: (note.line, note.column, note.text))
+    return Checked(tuple(reading.errors), tuple(ordered), reading.block_count, program)
+
+
+def axes_of(text: str) -> tuple[str, ...]:
+    """Give axes for a program without a rig: the usual letters, and numbered ones that it names."""
+    numbered = sorted(set(_NUMBERED_AXIS.findall(text.upper())))
+    return (*USUAL_AXES, *numbered)

@@ -1,0 +1,176 @@
+"""What the control corrects when it takes over the parameter lists, with its class 1 warnings.
+
+Sources: the pages of the warnings in `errors.csv`, FCT-C4 section 8.2, TF5200 axis parameters.
+"""
+
+import csv
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+from axisrig.kernel.errors import Alarm, catalogue
+from axisrig.kernel.parameters.origin import Origin
+from axisrig.kernel.parameters.types import Value, written
+from axisrig.kernel.parameters.values import Corrected, ParameterSet
+
+DRIVE_TYPES = {
+    1: "conventional", 2: "SERCOS", 3: "PROFIDRIVE MC", 4: "simulation", 5: "Lightbus",
+    6: "terminal", 7: "RT-Ethernet", 8: "CANopen", 16: "virtual", 32: "CAN",
+}  # fmt: skip
+SERCOS, CANOPEN = 2, 8
+DRIVE_TYPE = "kenngr.antr_typ"
+WITH_DISTANCE_CONTROL = (SERCOS, 3, CANOPEN)  # FCT-M3 2
+WITH_EDGE_BANDING_INPUT = (SERCOS, 3)  # P-AXIS-00539
+WITH_TWO_INPUTS = (SERCOS, 3, CANOPEN)  # FCT-C4 8.2.2, P-AXIS-00517
+
+SIGNAL, INPUT = "kenngr.measure.signal", "kenngr.measure.input"
+NO_BIT, REALTIME_BITS = -1, (6, 7)
+_CONTROL, _STATUS = ("S-0-0134",), ("S-0-0135", "S-0-135")
+# SERCOS words of a bit, the warning of an unknown process datum and that of an invalid bit
+# (TF5200 axis parameters 117340683 to 117348363)
+_PROBE_BITS = (
+    ("start_probing", _CONTROL, 110612, 110613),
+    ("value_latched", _STATUS, 110608, 110609),
+    ("probe_actuated", _STATUS, 110610, 110611),
+)
+
+
+@dataclass(frozen=True)
+class _Source:
+    drive_types: tuple[int, ...]
+    inputs: int | None
+
+
+@cache
+def _sources() -> Mapping[str, _Source]:
+    text = resources.files(__package__).joinpath("signal_sources.csv").read_text(encoding="utf-8")
+    return {
+        row["signal"]: _Source(
+            tuple(map(int, row["drive_types"].split())),
+            int(row["inputs"]) if row["inputs"] else None,
+        )
+        for row in csv.DictReader(text.splitlines())
+    }
+
+
+def start_up(parameters: ParameterSet, name: str) -> list[Alarm]:
+    """Correct the parameters of an axis or of the channel as the control does; tell each warning.
+
+    name: of the axis; of the channel whatever. To be called once, when everything is set.
+    Raises UserError for a probing input that the signal source does not have.
+    """
+    is_axis = parameters.kind == "axis"
+    number = parameters.integer("channel_id") or 1 if parameters.kind == "channel" else 0
+    owner = f"axis {name}" if is_axis else f"channel {number}"
+    warnings = [_warning(item, owner, name) for item in parameters.corrected()]
+    if is_axis:
+        _check_input(parameters)
+        warnings += _axis(parameters, name)
+    elif parameters.kind == "channel":
+        warnings += _channel(parameters, owner)
+    return warnings
+
+
+def _warning(item: Corrected, owner: str, name: str) -> Alarm:
+    """Build the warning of a value out of its range from what its text needs."""
+    row = item.parameter
+    numbers: dict[str, Value] = {
+        "value": item.wrong,
+        "low": row.minimum if row.minimum is not None else item.wrong,
+        "high": row.maximum if row.maximum is not None else item.wrong,
+        "limit": row.maximum if row.maximum is not None else item.wrong,
+        "corrected": item.corrected,
+    }
+    values: dict[str, object] = {
+        wanted: written(numbers[wanted.partition("_")[0]])
+        for wanted in catalogue()[item.alarm_id].values
+        if wanted not in ("owner", "axis")
+    }
+    return Alarm(item.alarm_id, owner=owner, axis=name, place=item.origin.short, **values)
+
+
+def drive_type(parameters: ParameterSet) -> tuple[int, str]:
+    """Return number and word of the drive type of an axis (P-AXIS-00020)."""
+    number = parameters.integer(DRIVE_TYPE)
+    return number, DRIVE_TYPES.get(number, str(number))
+
+
+def _check_input(parameters: ParameterSet) -> None:
+    """Refuse an input that the signal source does not have; no ID is documented for it."""
+    source = _sources()[parameters.word(SIGNAL)]
+    found = parameters.resolve(INPUT)
+    if source.inputs is None or int(found.value) <= source.inputs:
+        return
+    place = found.origin or Origin(INPUT)
+    raise place.error(
+        f"signal source {parameters.word(SIGNAL)} has no such probing input",
+        value=written(found.value),
+        allowed=f"1 .. {source.inputs}",
+    )
+
+
+def _axis(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
+    number, drive = drive_type(parameters)
+    on = "lr_param.distance_control_on"
+    if parameters.flag(on) and number not in WITH_DISTANCE_CONTROL:
+        parameters.correct(on, False)
+        yield Alarm(110547, axis=axis, drive_type=drive)
+    signal = parameters.word(SIGNAL)
+    if parameters.is_set(SIGNAL) and number not in _sources()[signal].drive_types:
+        parameters.correct(SIGNAL, "PLC")
+        yield Alarm(110586, axis=axis, drive_type=drive, wrong=signal, corrected="PLC")
+    most = 2 if number in WITH_TWO_INPUTS else 1
+    for probe in (0, 1):
+        path = f"kenngr.measure.probe[{probe}].input"
+        wrong = _own(parameters, path)
+        if not 0 <= wrong <= most:
+            parameters.correct(path, 0)  # so that its fallback decides
+            corrected = parameters.integer(path)
+            yield Alarm(110622, axis=axis, probe=probe, wrong=wrong, corrected=corrected)
+    edge_banding = "kenngr.measure.input_edge_banding"
+    wrong = _own(parameters, edge_banding)
+    if wrong and number not in WITH_EDGE_BANDING_INPUT:
+        parameters.correct(edge_banding, 0)
+        yield Alarm(110614, axis=axis, drive_type=drive, wrong=wrong)
+    if number == SERCOS:
+        yield from _sercos(parameters, axis)
+
+
+def _own(parameters: ParameterSet, path: str) -> int:
+    """Return what was set for a number whose unset value is 0, without its fallback."""
+    found = parameters.resolve(path)
+    return int(found.value) if found.key == path else 0
+
+
+def _sercos(parameters: ParameterSet, axis: str) -> Iterator[Alarm]:
+    """Check the process data of probe 1: without a telegram there are only the SERCOS words.
+
+    What is wrong takes the axis out of measuring and edge banding.
+    """
+    for what, words, unknown, invalid in _PROBE_BITS:
+        path = f"antr.sercos.probe_1_realtime_bits.{what}"
+        name = parameters.word(f"{path}.element_name")
+        if name and name.replace("_", "-") not in words:
+            _release(parameters)
+            yield Alarm(unknown, axis=axis, name=name)
+        bit = parameters.integer(f"{path}.bit_nr")
+        if bit not in (NO_BIT, *REALTIME_BITS):
+            _release(parameters)
+            yield Alarm(invalid, axis=axis, value=bit)
+
+
+def _release(parameters: ParameterSet) -> None:
+    """Take the axis out of measuring and edge banding."""
+    for path in ("kenngr.messachse", "kenngr.kasto_achse"):
+        if parameters.flag(path):
+            parameters.correct(path, False)
+
+
+def _channel(parameters: ParameterSet, owner: str) -> Iterator[Alarm]:
+    """3D distance control has no acceleration to fall back on."""
+    path = "dist_ctrl[0].a_max"
+    is_3d = parameters.word("configuration.decoder.function") == "FCT_3D_DIST_CTRL"
+    if is_3d and parameters.integer(path) == 0:
+        parameters.correct(path, 1)
+        yield Alarm(315001, owner=owner, value_mm_s2=0, corrected_mm_s2=1)

@@ -1,5 +1,0 @@
-"""Single axes beside the common path: independent motion, couplings, homing."""
-
-from kernel.channel.axes.single import SingleAxes
-
-__all__ = ["SingleAxes"]

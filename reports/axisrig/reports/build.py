@@ -1,0 +1,346 @@
+"""Builds `report.html`: one page that opens offline by double click, from the result files alone.
+
+Equal result folders give equal bytes: the page holds no clock and no path of the machine.
+"""
+
+import math
+import re
+import shlex
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from decimal import Decimal
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+from jinja2 import Environment, FunctionLoader, StrictUndefined
+from markupsafe import Markup
+
+from axisrig.bench.files import write_whole
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.results.stored import StoredResults, StoredRun, read_results
+from axisrig.bench.results.writer import BESIDES
+from axisrig.kernel.errors import UserError
+from axisrig.reports.bar import bar
+from axisrig.reports.distance.section import sections
+from axisrig.reports.fixed_stop.section import timelines
+from axisrig.reports.realtime import real_time
+from axisrig.reports.signals import chart, table
+
+_PLACE = re.compile(r" \([^()]*line \d+[^()]*\)")
+_ALARM = re.compile(r"ID (?P<id>\d+) class \d+[^:]*: (?P<text>.*)", re.DOTALL)
+_WHOLE, _TINY = 1e15, 1e-3
+_SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
+
+
+def build_report(results_dir: Path) -> Path:
+    """Write `report.html` into a results folder and return its path.
+
+    Raises UserError when the folder is none, OSError with the name of the file.
+    """
+    results = read_results(results_dir)
+    environment = Environment(
+        loader=FunctionLoader(_file),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    page = environment.get_template("page.html").render(
+        view=_page(results),
+        style=Markup(_file("vendor/uplot/uPlot.min.css") + _file("style.css")),
+        library=Markup(_file("vendor/uplot/uPlot.iife.min.js")),
+        script=Markup(_file("page.js")),
+        licence=_file("vendor/uplot/LICENSE"),
+    )
+    path = results_dir / "report.html"
+    write_whole(path, page)
+    return path
+
+
+def _file(name: str) -> str:
+    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+
+
+def _page(results: StoredResults) -> dict[str, Any]:
+    """Everything the template prints."""
+    manifest = results.manifest
+    output = str(manifest.get("output", results.folder.name))
+    runs = []
+    for run in results.runs:
+        with _readable(run, "what it left"):
+            runs.append(_run(run, results.input_columns, output))
+    counts = [
+        (_verdict(verdict), sum(run.verdict == verdict for run in results.planned))
+        for verdict in Verdict
+    ]
+    return {
+        "plans": list(dict.fromkeys(run.case["plan"] for run in results.runs)),
+        "verdict": _verdict(results.verdict),
+        "counts": counts,
+        "missing": results.missing,
+        "done": len(results.planned),
+        "planned": results.runs_planned,
+        "facts": _facts(results),
+        "files": _files(manifest),
+        "packages": manifest.get("packages", {}),
+        "runs": runs,
+        "glossary": table("glossary.csv"),
+    }
+
+
+def _verdict(verdict: Verdict) -> dict[str, str]:
+    return {"word": verdict.word, "glyph": verdict.glyph}
+
+
+def _facts(results: StoredResults) -> list[tuple[str, str]]:
+    """The header of the report: what is known about the campaign."""
+    manifest, runs = results.manifest, results.runs
+    facts = {
+        "started": manifest.get("started"),
+        "command": shlex.join(manifest.get("command", [])),
+        "axisrig": manifest.get("axisrig"),
+        "Python": manifest.get("python"),
+        "platform": manifest.get("platform"),
+        "CANopen drive in place of": "; ".join(_substituted(runs)),
+        "rigs": ", ".join(dict.fromkeys(run.case.get("rig", "") for run in runs)),
+        "simulated": _time_of([run for run in runs if not run.info.get("real_time")]),
+        "on a real bus": _time_of([run for run in runs if run.info.get("real_time")]),
+        "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
+        "of earlier calls": "; ".join(_earlier(manifest)),
+    }
+    return [(name, str(value)) for name, value in facts.items() if value]
+
+
+def _substituted(runs: Sequence[StoredRun]) -> list[str]:
+    """What drives stood for that the lists do not name, and in how many runs."""
+    found = [run.case.get("drive_substituted", "") for run in runs]
+    told = Counter(text for text in found if text)
+    return [f"{text} ({_runs(count)})" for text, count in told.items()]
+
+
+def _earlier(manifest: Mapping[str, Any]) -> Iterator[str]:
+    """Calls before the last one whose results are still in the folder."""
+    for call in manifest.get("earlier", []):
+        command = shlex.join(call.get("command", []))
+        yield f"{_runs(len(call['runs']))} of {call.get('started', '')} {command}".rstrip()
+
+
+def _runs(count: int) -> str:
+    return f"{count} run{'s' if count > 1 else ''}"
+
+
+def _time_of(runs: list[StoredRun]) -> str:
+    if not runs:
+        return ""
+    total_s = sum(float(run.case["sim_s"]) for run in runs)
+    return f"{total_s:.3f} s in {_runs(len(runs))}"
+
+
+def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Files of the campaign with their SHA-256."""
+    plans = {plan["path"]: plan["sha256"] for plan in manifest.get("plans", [])}
+    return list({**plans, **manifest.get("files", {}), **manifest.get("fmus", {})}.items())
+
+
+def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
+    case, info = run.case, run.info
+    trace = _trace(run)
+    alarms = _alarms(case["alarms"], info.get("log", []))
+    told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
+    with _readable(run, "fixed_stop"):
+        stops = timelines(info, trace, run.run, told)
+    with _readable(run, "distance"):
+        controls = sections(info, trace, told)
+    with _readable(run, "trace"):
+        description, packed = ({}, "") if trace is None else chart(trace, info)
+    checks = [_check(row, info.get("notes", {})) for row in run.checks]
+    replaced = case.get("drive_substituted", "")
+    inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
+    return {
+        "id": run.run,
+        "case": run.run.removeprefix(f"{case['plan']}-"),
+        "verdict": _verdict(run.verdict),
+        "is_in_plan": run.is_in_plan,
+        "title": case.get("title", ""),
+        "about": [
+            *((n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)),
+            *([("CANopen drive in place of", replaced)] if replaced else []),
+        ],
+        "inputs": inputs,
+        "seed": case["seed"],
+        "clock": "ran" if info.get("real_time") else "simulated",
+        "sim_s": f"{float(case['sim_s']):.3f}",
+        "alarms": alarms,
+        "hash": case["frame_log_sha256"],
+        "unproved": case.get("unproved_latches", ""),
+        "checks": checks,
+        # A run that ended before it could be judged needs one line, not one for each check.
+        "unjudged": bool(info.get("error")) and not any(row["value"] for row in run.checks),
+        "error": info.get("error"),
+        "messages": info.get("messages", []),
+        "log": info.get("log", []),
+        "stops": stops,
+        "controls": controls,
+        "events": _events(info),
+        "real_time": real_time(info.get("real_time")),
+        "buses": [_bus(bus) for bus in info.get("bus", [])],
+        "replay": shlex.join(["axisrig", "replay", output, run.run]),
+        "chart": description,
+        "data": packed,
+    }
+
+
+@contextmanager
+def _readable(run: StoredRun, block: str) -> Iterator[None]:
+    """Raise UserError for a part of a run that was edited, or that another version wrote."""
+    try:
+        yield
+    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+        raise UserError(
+            f"`{block}` of run {run.run} cannot be read: {_one_line(error)}",
+            hint="run the case again with this version",
+        ) from error
+
+
+def _one_line(error: Exception) -> str:
+    return repr(error) if isinstance(error, KeyError) else str(error).strip().partition("\n")[0]
+
+
+def _trace(run: StoredRun) -> pa.Table | None:
+    """The signals of a run, None when it left none. Raises UserError when they are damaged."""
+    try:
+        trace = pq.read_table(run.trace) if run.trace else None
+    except (pa.ArrowException, OSError) as error:
+        if isinstance(error, OSError) and error.errno is not None:
+            raise  # the file cannot be read at all
+        raise UserError(f"the trace is damaged: {_one_line(error)}", file=run.trace) from error
+    if trace is None:
+        return None
+    if "time_ns" not in trace.column_names or trace["time_ns"].type != pa.int64():
+        raise UserError("the trace is damaged: no column time_ns of whole numbers", file=run.trace)
+    for name, column in zip(trace.column_names, trace.columns, strict=True):
+        kind = column.type
+        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+            raise UserError(f"the trace is damaged: {name!r} holds no numbers", file=run.trace)
+    return trace
+
+
+def _alarms(ids: str, log: list[str]) -> list[dict[str, str]]:
+    """Each alarm with its number and, from the log, what it says."""
+    told = [match for line in log if (match := _ALARM.match(line))]
+    texts = {match["id"]: match["text"] for match in told}
+    lines = [line.removeprefix(BESIDES) for line in log if line.startswith(BESIDES)]
+    besides = [match for line in lines if (match := _ALARM.match(line))]
+    return [
+        *(_alarm(number, texts.get(number, "")) for number in ids.split()),
+        *(_alarm(match["id"], BESIDES + match["text"]) for match in besides),
+    ]
+
+
+def _alarm(number: str, text: str) -> dict[str, str]:
+    """An alarm with what it says; short: its first sentence, without the place in the program."""
+    return {"id": number, "text": text, "short": _PLACE.sub("", text).partition(". ")[0]}
+
+
+def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:
+    uncertainty = float(row["uncertainty"])
+    return {
+        "metric": row["metric"],
+        "condition": row["check"],
+        "value": _short(row["value"]),
+        "full": row["value"],
+        "unit": _unit(row["unit"]),
+        "uncertainty": _plain(uncertainty, 2) if uncertainty else "",
+        "verdict": _verdict(Verdict.of(row["verdict"])),
+        "reference": row["reference"],
+        "note": notes.get(row["metric"], ""),
+        "bar": _bar(row, uncertainty),
+    }
+
+
+def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
+    """The drawing of value and limits, or nothing where there is no number to draw."""
+    lower, upper = _number(row["lower"]), _number(row["upper"])
+    value = _number(row["value"])
+    # Between equal limits there is nothing to draw
+    limited = lower != upper
+    if value is None or not limited or not math.isfinite(uncertainty):
+        return Markup("")
+    label = (
+        f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
+    )
+    return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
+
+
+def _unit(name: str) -> str:
+    """A unit of the result files as a reader writes it."""
+    return name.replace("um", "µm").replace("pct", "%")
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _short(text: str) -> str:
+    """A number with the digits that a reader compares; any other or short text as it is."""
+    number = _number(text)
+    if number is not None and number.is_integer() and abs(number) < _WHOLE:
+        return f"{number:.0f}"
+    if number is None or len(text) <= 9:
+        return text
+    return _plain(number, 7 if abs(number) >= _TINY else 3)
+
+
+def _plain(number: float, digits: int) -> str:
+    """A number with so many significant digits, without exponent where that stays short."""
+    text = f"{number:.{digits}g}"
+    if "e-" in text and abs(number) >= 1e-7:
+        text = f"{Decimal(text):f}"
+    return text
+
+
+def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
+    """The figures of a segment as the table prints them."""
+    return {
+        "segment": bus["segment"],
+        "bitrate": f"{bus['bitrate'] / 1000:g} kbit/s",
+        "loads": [f"{bus[key]:.1f}" for key in ("load_pct", "load_100ms_pct", "load_1ms_pct")],
+        "frames": bus["frames"],
+        "error_frames": bus["error_frames"],
+        "overload": bus["overload"],
+        "counters": [
+            {"port": port, "tec": tec, "rec": rec, "state": state}
+            for port, tec, rec, state in bus["counters"]
+        ],
+        "waiting": [
+            {"name": wait["name"], "id": f"{wait['can_id']:03X}", "us": f"{wait['worst_us']:.1f}"}
+            for wait in bus["waiting"]
+        ],
+    }
+
+
+def _events(info: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Events with their time, and the time since the contact (else the edge) before them."""
+    rows, origin_ns = [], None
+    for event in info.get("events", []):
+        if event["kind"] == "contact" or (event["kind"] == "edge" and origin_ns is None):
+            origin_ns = event["time_ns"]
+        since = "" if origin_ns is None else f"{(event['time_ns'] - origin_ns) / 1e6:.6f}"
+        rows.append(
+            {
+                "time": f"{event['time_ns'] / 1e6:.6f}",
+                "since": since,
+                "kind": event["kind"],
+                "label": event["label"],
+                "axis": event["axis"] or "",
+            }
+        )
+    return rows

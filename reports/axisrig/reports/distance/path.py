@@ -1,0 +1,138 @@
+"""The tool over the workpiece, seen from the side: where another axis moves, as a small drawing."""
+
+import math
+from collections.abc import Sequence
+from html import escape
+
+import numpy as np
+import pyarrow as pa
+
+from axisrig.reports.distance.signals import FOLLOWING, STATES, Control, Signal, column
+
+WIDTH, HEIGHT = 900, 220
+_LEFT, _RIGHT, _TOP, _BOTTOM = 54, 10, 14, 26
+_POINTS = 300
+_LEAST_WAY_MM = 1.0
+_ROOM = 0.08
+_LINES = (
+    ("dp-program", "programmed"),
+    ("dp-surface", "surface"),
+    ("dp-tool", "tool tip"),
+)
+
+
+def drawing(trace: pa.Table | None, control: Control) -> str:
+    """Draw surface, tool tip and programmed path over the axis that moves most while it follows.
+
+    Empty where no other axis moves by more than 1 mm, or the plant does not tell the surface. The
+    trace is that of the run, with the columns as recorded.
+    """
+    if trace is None:
+        return ""
+    axis = control["axis"]
+    state = column(trace, f"{axis}.distance_state")
+    tool = column(trace, f"{axis}.truth_mm")
+    gap = column(trace, f"{control['sensor']}.distance_true_mm")
+    if state is None or tool is None or gap is None:
+        return ""
+    rows = np.isin(state, [STATES.index(name) for name in FOLLOWING])
+    along = _widest(trace, axis, rows)
+    if along is None:
+        return ""
+    name, way = along
+    lines = {"surface": tool - gap, "tool tip": tool}
+    wanted, offset = column(trace, f"{axis}.set_mm"), column(trace, f"{axis}.offset_mm")
+    if wanted is not None and offset is not None:
+        late = control["late_cycles"]
+        lines["programmed"] = wanted - np.concatenate([offset[:late], offset[: len(offset) - late]])
+    shown = {label: values[rows] for label, values in lines.items()}
+    return _svg(way[rows], shown, f"{name} in mm", f"{axis} in mm")
+
+
+def _widest(trace: pa.Table, axis: str, rows: np.ndarray) -> tuple[str, Signal] | None:
+    """The other axis that travels farthest in some rows."""
+    ways = {
+        name.removesuffix(".truth_mm"): values
+        for name in trace.column_names
+        if name.endswith(".truth_mm") and name != f"{axis}.truth_mm"
+        if (values := column(trace, name)) is not None
+    }
+    if not ways or not rows.any():
+        return None
+    name = max(ways, key=lambda key: float(np.ptp(ways[key][rows])))
+    return (name, ways[name]) if float(np.ptp(ways[name][rows])) >= _LEAST_WAY_MM else None
+
+
+def _svg(way: Signal, lines: dict[str, Signal], across: str, up: str) -> str:
+    finite = [values[np.isfinite(values)] for values in lines.values()]
+    low = min(float(values.min()) for values in finite if len(values))
+    high = max(float(values.max()) for values in finite if len(values))
+    room = max(_ROOM * (high - low), 1e-3)
+    x_range = (float(way.min()), float(way.max()))
+    y_range = (low - room, high + room)
+    parts = [
+        f'<svg class="dp" viewBox="0 0 {WIDTH} {HEIGHT}" role="img"'
+        f' aria-label="{escape(f"{up} of surface and tool over {across}", quote=True)}">'
+    ]
+    parts += _grid(x_range, y_range)
+    for kind, label in _LINES:
+        if label in lines:
+            points = _points(way, lines[label], x_range, y_range)
+            parts.append(f'<polyline class="{kind}" points="{points}"/>')
+    parts.append(f'<text x="{_LEFT}" y="10">{escape(up)}</text>')
+    parts.append(
+        f'<text class="dp-end" x="{WIDTH - _RIGHT}" y="{HEIGHT - 2}">{escape(across)}</text>'
+    )
+    return "".join((*parts, "</svg>"))
+
+
+def _x(value: float, x_range: tuple[float, float]) -> float:
+    share = (value - x_range[0]) / (x_range[1] - x_range[0])
+    return _LEFT + share * (WIDTH - _LEFT - _RIGHT)
+
+
+def _y(value: float, y_range: tuple[float, float]) -> float:
+    share = (value - y_range[0]) / (y_range[1] - y_range[0])
+    return HEIGHT - _BOTTOM - share * (HEIGHT - _TOP - _BOTTOM)
+
+
+def _grid(x_range: tuple[float, float], y_range: tuple[float, float]) -> list[str]:
+    parts = []
+    for tick in ticks(*x_range):
+        x = _x(tick, x_range)
+        parts.append(f'<line class="dp-grid" x1="{x:.1f}" x2="{x:.1f}" y1="{_TOP}" y2="194"/>')
+        parts.append(f'<text class="dp-x" x="{x:.1f}" y="{HEIGHT - 13}">{tick:.10g}</text>')
+    for tick in ticks(*y_range):
+        y = _y(tick, y_range)
+        parts.append(
+            f'<line class="dp-grid" x1="{_LEFT}" x2="{WIDTH - _RIGHT}" y1="{y:.1f}" y2="{y:.1f}"/>'
+        )
+        parts.append(f'<text class="dp-y" x="{_LEFT - 5}" y="{y + 4:.1f}">{tick:.10g}</text>')
+    return parts
+
+
+def ticks(low: float, high: float) -> list[float]:
+    """Return round values between two ends: about three to eight."""
+    size = 10.0 ** math.floor(math.log10((high - low) / 3.0))
+    step = max(factor * size for factor in (1.0, 2.0, 5.0) if factor * size <= (high - low) / 3.0)
+    first, last = math.ceil(low / step), math.floor(high / step)
+    return [round(number * step, 12) for number in range(first, last + 1)]
+
+
+def _points(
+    way: Signal, values: Signal, x_range: tuple[float, float], y_range: tuple[float, float]
+) -> str:
+    """A line of few points: of each bin of the rows lowest and highest, in their order."""
+    keep: Sequence[int] = range(len(way))
+    if len(way) > 2 * _POINTS:
+        kept: set[int] = {0, len(way) - 1}
+        for rows in np.array_split(np.arange(len(way)), _POINTS):
+            part = values[rows]
+            if np.isfinite(part).any():
+                kept |= {int(rows[np.nanargmin(part)]), int(rows[np.nanargmax(part)])}
+        keep = sorted(kept)
+    return " ".join(
+        f"{_x(float(way[row]), x_range):.1f},{_y(float(values[row]), y_range):.1f}"
+        for row in keep
+        if np.isfinite(values[row])
+    )

@@ -1,0 +1,224 @@
+"""A run to a fixed stop in words: why it was found here, whether that is true, what it pressed."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import pyarrow as pa
+
+from axisrig.reports.fixed_stop.signals import (
+    Shortfall,
+    Stop,
+    contact,
+    contact_ns,
+    largest,
+    mark,
+    shortfall,
+    value_at,
+)
+
+_NS_PER_MS = 1e6
+_SHORT_MM = 0.1
+
+
+def state(stop: Stop, trouble: Sequence[Mapping[str, Any]]) -> str:
+    """Return `found`, `false` (a trigger without a contact), `missed` or `ended` (by trouble).
+
+    trouble: alarms and faults in the run, as marks.
+    """
+    if stop["is_found"]:
+        return "false" if tells_contact(stop) and not _touches(stop) else "found"
+    return "ended" if trouble else "missed"
+
+
+def _touches(stop: Stop) -> bool:
+    """Whether an axis is in contact when the stop is detected."""
+    touched = contact(stop)
+    return touched is not None and _broken(stop, touched).get("since_ns", 0) is not None
+
+
+def _broken(stop: Stop, touched: Stop) -> Mapping[str, Any]:
+    """What is told of a contact that was lost before the detection, empty when it was not."""
+    told: Mapping[str, Any] = stop["broken_contacts"].get(touched["axis"], {})
+    return told
+
+
+def tells_contact(stop: Stop) -> bool:
+    """Whether a plant tells a contact when there is one."""
+    told = any(row["key"] == "contact" and row["measured_ns"] for row in stop["marks"])
+    return told or any("stop_force_n" in names for names in stop["signals"].values())
+
+
+def answers(
+    stop: Stop, trouble: Sequence[Mapping[str, Any]], trace: pa.Table | None
+) -> list[tuple[str, str]]:
+    """Return what a reader asks first, each with its answer.
+
+    trace: with the columns of `with_changes`.
+    """
+    ended = "; ".join(row["label"] + (f": {row['note']}" if row["note"] else "") for row in trouble)
+    told = [("ended by", ended)]
+    told += [("why here", _why(stop))] if stop["is_found"] else _missing(stop, trace)
+    if stop["is_found"] or contact_ns(stop) is not None:
+        told.append(("real stop", _real(stop)))
+    told.append(("pressed with", _pressed(stop, trace)))
+    if mark(stop, "relax_end") is not None:
+        told.append(("left after relaxing", _left(stop, trace)))
+    return [(question, answer) for question, answer in told if answer]
+
+
+def _why(stop: Stop) -> str:
+    """The criteria that found the stop, and which of two came last."""
+    decided = stop["decided_by"]
+    if decided is None:
+        return ""
+    axis, limits = decided["axis"], stop["limits"].get(decided["axis"])
+    if limits is None:
+        return f"{axis}: {decided['criterion']}"
+    tau = f"{limits['min_time_ms']:g} ms"
+    lag, window, way = limits["lag_limit_mm"], limits["window_mm"], _way_of(stop, axis)
+    told = []
+    if lag is not None:
+        told.append(f"lag beyond {way(lag)} for {tau}")
+    if window is not None:
+        told.append(f"moved no more than {way(window)} in {tau}")
+    text = f"{axis}: " + " and ".join(told)
+    beyond, still = mark(stop, "beyond", axis), mark(stop, "window", axis)
+    if len(told) == 2 and beyond is not None and still is not None:
+        ripe = beyond + round(limits["min_time_ms"] * _NS_PER_MS)
+        text += f"; the {'lag' if ripe > still else 'window'} came last"
+    return text
+
+
+def _missing(stop: Stop, trace: pa.Table | None) -> list[tuple[str, str]]:
+    """How far each watched axis came towards its criteria."""
+    if mark(stop, "armed") is None:
+        ways = {limits["arming_mm"] for limits in stop["limits"].values()} - {None}
+        way = _way_of(stop, stop["main_axis"])
+        words = " or ".join(way(each) for each in sorted(ways)) or "their part"
+        return [("what was missing", f"the criteria are armed after {words} of the path only")]
+    texts = [
+        f"{axis}: "
+        + _short_of(stop["limits"][axis], shortfall(trace, stop, axis), _way_of(stop, axis))
+        for axis in stop["watched"]
+        if axis in stop["limits"]
+    ]
+    return [("what was missing", "; ".join(texts))]
+
+
+def _short_of(limits: Mapping[str, Any], seen: Shortfall, way: Callable[[float], str]) -> str:
+    """How far one axis came; both criteria off is told as such. way: writes one of the axis."""
+    lag, window, tau = limits["lag_limit_mm"], limits["window_mm"], limits["min_time_ms"]
+    told = []
+    if lag is not None:
+        text = f"lag limit {way(lag)}"
+        if seen.largest_lag_mm is not None:
+            text = f"largest lag {way(seen.largest_lag_mm)} of {way(lag)}"
+        if seen.beyond_ms:
+            text += f", beyond it for {seen.beyond_ms:g} of {tau:g} ms"
+        told.append(text)
+    if window is not None:
+        text = f"window {way(window)}"
+        if seen.change_um is not None:
+            moved = way(seen.change_um / 1000.0)
+            text = f"moved {moved} or more in {tau:g} ms, window {way(window)}"
+        told.append(text)
+    return ", ".join(told) or "both criteria are off"
+
+
+def _real(stop: Stop) -> str:
+    """Whether a stop was there, by the truth of the plant."""
+    detected, touched = mark(stop, "detected"), contact(stop)
+    if touched is not None:
+        decided = (stop["decided_by"] or {}).get("axis")
+        who = "" if touched["axis"] == decided else f"{touched['axis']} "
+        if detected is None:
+            return f"yes: {who}was in contact"
+        return _lasted(detected, touched, who, _broken(stop, touched))
+    if not tells_contact(stop):
+        return "not known: no plant tells a contact"
+    later = mark(stop, "contact")
+    if later is None or detected is None:
+        return "no: nothing was touched"
+    return f"no: contact came {(later - detected) / _NS_PER_MS:.1f} ms after the detection"
+
+
+def _lasted(detected: int, touched: Stop, who: str, broken: Mapping[str, Any]) -> str:
+    """How long the contact had lasted; one that was lost counts from its return."""
+    since_ms = _ms(detected - touched["measured_ns"])
+    if not broken:
+        return f"yes: {who}in contact for {since_ms:.1f} ms when detected"
+    lost = f"first contact {since_ms:.1f} ms before, lost for {_ms(broken['lost_ns']):.0f} ms"
+    if broken["since_ns"] is None:
+        return f"no: {touched['axis']} had lost its contact when detected; {lost}"
+    since_ms = _ms(detected - broken["since_ns"])
+    return f"yes: {who}in contact for {since_ms:.1f} ms when detected; {lost}"
+
+
+def _pressed(stop: Stop, trace: pa.Table | None) -> str:
+    """Largest and last force of each axis at its stop; where the bench gives none, of the trace."""
+    texts = []
+    for axis in stop["watched"]:
+        name = stop["signals"].get(axis, {}).get("stop_force_n")
+        most = _value(stop, "stop_force_max", axis)
+        last = _value(stop, "stop_force_end", axis)
+        most = largest(trace, name, stop) if most is None else most
+        last = value_at(trace, name, stop["end_ns"]) if last is None else last
+        if most == 0.0:
+            texts.append(f"{axis}: nothing")
+        elif most is not None or last is not None:
+            parts = [
+                *([f"at most {most:.4g} {_unit(stop, axis)}"] if most is not None else []),
+                *([f"{last:.4g} {_unit(stop, axis)} at the end"] if last is not None else []),
+            ]
+            texts.append((f"{axis}: " if len(stop["watched"]) > 1 else "") + ", ".join(parts))
+    if texts and all(text.endswith("nothing") for text in texts):
+        return "nothing: no force at the stop"
+    return "; ".join(texts) or "not known: no plant tells the force"
+
+
+def _left(stop: Stop, trace: pa.Table | None) -> str:
+    """Lag and force of the main axis when its relaxing motion is over."""
+    axis = stop["main_axis"]
+    names = stop["signals"].get(axis, {})
+    end = mark(stop, "end") or stop["end_ns"]
+    lag, force = (value_at(trace, names.get(name), end) for name in ("cnc_lag_mm", "stop_force_n"))
+    told = []
+    if lag is not None:
+        told.append(f"lag {_way_of(stop, axis)(lag)}")
+    if force is not None:
+        told.append(f"{force:.4g} {_unit(stop, axis)}")
+    return ", ".join(told)
+
+
+def _ms(time_ns: int) -> float:
+    return time_ns / _NS_PER_MS
+
+
+def _value(stop: Stop, key: str, axis: str) -> float | None:
+    for row in stop["values"]:
+        if row["key"] == key and row["axis"] == axis and row["measured"] is not None:
+            return float(row["measured"])
+    return None
+
+
+def _unit(stop: Stop, axis: str) -> str:
+    """Of what an axis presses with."""
+    return "N.m" if stop["rotary"].get(axis) else "N"
+
+
+def _way_of(stop: Stop, axis: str) -> Callable[[float], str]:
+    """Return what writes a way of an axis."""
+    return angle if axis in stop["rotary"] else length
+
+
+def angle(value_deg: float) -> str:
+    """Write the amount of an angle."""
+    return f"{abs(value_deg):.4g}°"
+
+
+def length(value_mm: float) -> str:
+    """Write the amount of a length in the unit that needs no long row of zeros."""
+    if abs(value_mm) < _SHORT_MM:
+        text = f"{1000.0 * abs(value_mm):.3f}".rstrip("0").rstrip(".")
+        return f"{text} µm"
+    return f"{abs(value_mm):.4g} mm"

@@ -1,0 +1,265 @@
+"""From a trace to plots: which signal goes where, and which stretch of time is worth looking at."""
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cache
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from axisrig.bench.results.writer import WARNING
+from axisrig.reports.distance import signals as distance_signals
+from axisrig.reports.encode import encode_signal, pack
+from axisrig.reports.fixed_stop import signals as stop_signals
+
+SHARED = "*"
+"""Stands for the axis where a signal belongs to every axis, such as a probe."""
+
+_UNKNOWN_DIGITS = 6
+_APART_NS = 500_000_000
+_MARGIN_BEFORE = 0.6
+_MARGIN_AFTER = 0.4
+_MARGIN_LEAST_NS = 10_000_000
+_EDGE_LEAST_NS = 100_000
+_BEFORE_ALARM_NS = 50_000_000
+_AFTER_ALARM_NS = 150_000_000
+_PLOT_HEIGHT, _LETTER = 120, 9
+_OF_A_RUN = frozenset({"latch", "pdo", "brake", "standstill"})
+_OF_AN_EDGE = frozenset({"contact", "edge", "latch"})
+_OF_A_MEASUREMENT = frozenset({"contact", "edge", "latch", "pdo", "brake", "standstill"})
+
+
+@dataclass(frozen=True)
+class Signal:
+    """One row of `signals.csv`: how a column of a trace is drawn."""
+
+    suffix: str
+    plot: str
+    label: str
+    unit: str
+    digits: int
+    style: str
+    meaning: str
+
+
+@cache
+def signals() -> Mapping[str, Signal]:
+    """Read `signals.csv`, keyed by the part of the column name behind the first point."""
+    return {
+        row["suffix"]: Signal(**{**row, "digits": int(row["digits"])})
+        for row in table("signals.csv")
+    }
+
+
+def table(name: str) -> list[dict[str, Any]]:
+    """Read a CSV file of this package."""
+    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return list(csv.DictReader(text.splitlines()))
+
+
+def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+    """Return what the page needs to draw a run: the description, and the packed signals.
+
+    content: its trace. info: the run's JSON file (events, limits). The description is empty when
+    the trace is.
+    """
+    if content.num_rows == 0:
+        return {}, ""
+    stops = stop_signals.stops_of(info, content.column_names)
+    content = stop_signals.with_changes(content, stops)
+    controls = distance_signals.controls_of(info)
+    content = distance_signals.with_surfaces(content, controls)
+    columns, parts = _encode(content)
+    series = _series(content.column_names)
+    axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
+    time_ns = content.column("time_ns").to_numpy()
+    events = info.get("events", [])
+    description = {
+        "rows": content.num_rows,
+        "columns": columns,
+        "axes": axes,
+        "axis": _first_axis(content, axes, events, stops, controls),
+        "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
+        "events": events,
+        "limits": [
+            *info.get("limits", []),
+            *stop_signals.limits(content, stops),
+            *distance_signals.limits(controls),
+        ],
+        "windows": _windows(events, stops, controls, int(time_ns[0]), int(time_ns[-1])),
+    }
+    if controls:
+        description["lanes"] = distance_signals.lanes(controls)
+    if stops:
+        description["opens"] = len(stop_signals.windows(stops[:-1]))
+        description["bands"] = stop_signals.bands(stops)
+        description["ranges"] = stop_signals.ranges(stops)
+    return description, pack(parts)
+
+
+def _encode(content: pa.Table) -> tuple[list[dict[str, Any]], list[bytes]]:
+    columns, parts = [], []
+    for name in content.column_names:
+        values = content.column(name).to_numpy()
+        if name == "time_ns":
+            head, part = encode_signal(values.astype(np.int64), 0)
+        else:
+            head, part = encode_signal(values.astype(np.float64), _signal(name).digits)
+        columns.append({"name": name, **asdict(head)})
+        parts.append(part)
+    return columns, parts
+
+
+def _signal(column: str) -> Signal:
+    """How a column is drawn; one that the table does not know gets a plot of its own."""
+    suffix = column.partition(".")[2]
+    unknown = Signal(suffix, suffix, suffix, "", _UNKNOWN_DIGITS, "other", "")
+    return signals().get(suffix, unknown)
+
+
+def _series(columns: Sequence[str]) -> dict[str, dict[str, list[dict[str, str]]]]:
+    """Plot -> axis (or SHARED) -> series."""
+    plots: dict[str, dict[str, list[dict[str, str]]]] = {}
+    for column in columns:
+        if column == "time_ns":
+            continue
+        owner = column.partition(".")[0]
+        signal = _signal(column)
+        shared = signal.plot == "probe"
+        entry = {
+            "column": column,
+            "label": owner if shared else signal.label,
+            "unit": signal.unit,
+            "style": signal.style,
+        }
+        plots.setdefault(signal.plot, {}).setdefault(SHARED if shared else owner, []).append(entry)
+    return plots
+
+
+def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
+    """The plots that have something to show, in the order of `plots.csv`, unknown ones last."""
+    known = [{**row, "height": int(row["height"])} for row in table("plots.csv")]
+    names = {row["plot"] for row in known}
+    other = [
+        {"plot": name, "title": name, "unit": "", "height": _height(name)}
+        for name in series
+        if name not in names
+    ]
+    return [row for row in (*known, *other) if row["plot"] in series]
+
+
+def _height(title: str) -> int:
+    """Of a plot whose title stands upright beside it, in px."""
+    return max(_PLOT_HEIGHT, _LETTER * len(title))
+
+
+def _first_axis(
+    content: pa.Table,
+    axes: Sequence[str],
+    events: Sequence[Mapping[str, Any]],
+    stops: Sequence[stop_signals.Stop],
+    controls: Sequence[distance_signals.Control],
+) -> str | None:
+    """The axis to show first: of the run to a fixed stop that is open, else with distance control,
+    else of an event, else the one that travels farthest.
+    """
+    if stops and stops[-1]["main_axis"] in axes:
+        return str(stops[-1]["main_axis"])
+    for control in controls:
+        if control["axis"] in axes:
+            return str(control["axis"])
+    for event in events:
+        if event["axis"] in axes:
+            return str(event["axis"])
+    travel = {
+        axis: float(np.ptp(content.column(name).to_numpy()))
+        for axis in axes
+        for name in content.column_names
+        if name in (f"{axis}.actual_mm", f"{axis}.actual_deg")
+    }
+    return max(travel, key=lambda axis: travel[axis]) if travel else next(iter(axes), None)
+
+
+def _windows(
+    events: Sequence[Mapping[str, Any]],
+    stops: Sequence[stop_signals.Stop],
+    controls: Sequence[distance_signals.Control],
+    start_ns: int,
+    end_ns: int,
+) -> list[dict[str, Any]]:
+    """The stretches of `windows`; runs to a fixed stop and distance controls have their own, before
+    an alarm in them.
+    """
+    spans = [(stop["begin_ns"], stop["end_ns"]) for stop in stops]
+
+    def is_outside(event: Mapping[str, Any]) -> bool:
+        return not any(begin <= event["time_ns"] <= end for begin, end in spans)
+
+    own = [
+        {**w, "start_ns": max(start_ns, w["start_ns"]), "end_ns": min(end_ns, w["end_ns"])}
+        for w in (*stop_signals.windows(stops), *distance_signals.windows(controls))
+    ]
+    return [*own, *windows([event for event in events if is_outside(event)], start_ns, end_ns)]
+
+
+def windows(
+    events: Sequence[Mapping[str, Any]], start_ns: int, end_ns: int
+) -> list[dict[str, Any]]:
+    """Find the stretches worth a button: the alarm, each measurement, its edge; the first opens.
+
+    A measurement ends with its standstill; the edge when the probe leaves the surface is no part
+    of it. Each stretch has a margin and stays inside the run; its keys are `label`, `start_ns`,
+    `end_ns`.
+    """
+    measurements = _measurements(events)
+    stretches = _around_alarm(events)
+    for number, group in enumerate(measurements, start=1):
+        count = f" {number}" if len(measurements) > 1 else ""
+        kinds = {event["kind"] for event in group}
+        first = group[0]["time_ns"]
+        reaction = [event["time_ns"] for event in group if event["kind"] != "standstill"]
+        for label, needed, last, least in (
+            ("measurement", _OF_A_RUN, group[-1]["time_ns"], _MARGIN_LEAST_NS),
+            ("edge", _OF_AN_EDGE, max(reaction, default=first), _EDGE_LEAST_NS),
+        ):
+            if not kinds & needed:
+                continue
+            length = max(last - first, least)
+            begin_ns = first - round(length * _MARGIN_BEFORE)
+            stretches.append((label + count, begin_ns, last + round(length * _MARGIN_AFTER)))
+    return [
+        {"label": label, "start_ns": max(start_ns, begin), "end_ns": min(end_ns, end)}
+        for label, begin, end in stretches
+        if begin < end_ns and end > start_ns
+    ]
+
+
+def _around_alarm(events: Sequence[Mapping[str, Any]]) -> list[tuple[str, int, int]]:
+    """The stretch around the first alarm that ended the program; nothing for warnings."""
+    for event in sorted(events, key=lambda e: int(e["time_ns"])):
+        if event["kind"] == "alarm" and not event.get("label", "").endswith(WARNING):
+            at = int(event["time_ns"])
+            return [("alarm", at - _BEFORE_ALARM_NS, at + _AFTER_ALARM_NS)]
+    return []
+
+
+def _measurements(events: Sequence[Mapping[str, Any]]) -> list[list[Mapping[str, Any]]]:
+    """Group the events of each measurement: until its standstill, or half a second of nothing."""
+    groups: list[list[Mapping[str, Any]]] = []
+    for event in sorted(events, key=lambda e: int(e["time_ns"])):
+        if event["kind"] not in _OF_A_MEASUREMENT:
+            continue
+        last = groups[-1][-1] if groups else None
+        if (
+            last is None
+            or last["kind"] == "standstill"
+            or event["time_ns"] - last["time_ns"] > _APART_NS
+        ):
+            groups.append([])
+        groups[-1].append(event)
+    # A lone edge is the probe leaving the surface, unless there is nothing else to look at.
+    whole = [group for group in groups if {event["kind"] for event in group} != {"edge"}]
+    return whole or groups
