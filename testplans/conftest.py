@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.pytest_plugin import PlanFile, collect_plan, pytest_addoption
+from axisrig.bench.campaign.pytest_plugin import PlanFile, collect_plan, pytest_addoption
 
 __all__ = ["pytest_addoption"]
 

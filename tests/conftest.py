@@ -25,8 +25,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.campaign.pytest_plugin import CaseItem
 from axisrig.bench.plan.plan import Case
-from axisrig.bench.pytest_plugin import CaseItem
 from axisrig.kernel.channel.reactions import Reactions
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.nc.text.words import not_acting

@@ -18,12 +18,12 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT))
 
+from axisrig.bench.campaign.runner import settings_of  # noqa: E402
+from axisrig.bench.machine.machine import Machine  # noqa: E402
 from axisrig.bench.plan.plan import read_plan  # noqa: E402
-from axisrig.bench.rig.machine import Machine  # noqa: E402
-from axisrig.bench.run.runner import settings_of  # noqa: E402
-from axisrig.kernel.clock import MS  # noqa: E402
 from axisrig.kernel.distance.filters import FilterSettings, filter_kinds, make_filter  # noqa: E402
 from axisrig.kernel.nc.text.parser import read_program  # noqa: E402
+from axisrig.kernel.time.clock import MS  # noqa: E402
 
 PLAN = ROOT / "testplans" / "distance_filters.csv"
 PERIOD_NS = 1 * MS

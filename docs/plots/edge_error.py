@@ -24,9 +24,9 @@ sys.path.insert(0, str(HERE.parents[1]))
 
 from axisrig.fmus import ensure_built  # noqa: E402
 from axisrig.fmus.build import build  # noqa: E402
-from axisrig.kernel.cosim.axis import PlantAxis  # noqa: E402
-from axisrig.kernel.cosim.fmu import load_fmu  # noqa: E402
-from axisrig.kernel.cosim.plant import Plant  # noqa: E402
+from axisrig.kernel.cosim.fmi.fmu import load_fmu  # noqa: E402
+from axisrig.kernel.cosim.plant.axis import PlantAxis  # noqa: E402
+from axisrig.kernel.cosim.plant.plant import Plant  # noqa: E402
 
 SYNC_NS, OFFSET_NS = 10_000_000, 48_000
 STEPS_US = (100, 200, 500, 1000, 2000, 5000, 10_000)

@@ -6,7 +6,7 @@ import pytest
 
 from axisrig.bench.bus.arithmetic import SYNC, PlannedFrame, cycle_arithmetic
 from axisrig.bench.bus.frame import worst_case_bits
-from axisrig.kernel.clock import MS, US
+from axisrig.kernel.time.clock import MS, US
 
 RATE = 1_000_000
 

@@ -16,10 +16,10 @@ from canopen.objectdictionary import ODVariable, ObjectDictionary, INTEGER32, VI
 from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.faults import FrameFault, ErrorAtBit
 from axisrig.bench.bus.logs import open_log
-from axisrig.bench.bus.record import FrameHash
+from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 def dictionary():
     od = ObjectDictionary()

@@ -14,8 +14,8 @@ from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
 from axisrig.bench.bus.faults import ErrorAtBit, FaultAction
 from axisrig.bench.bus.frame import data_frame, wire_bits
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 Watch = Callable[[Segment], list[tuple[int, int, str]]]
 SYNC_BITS = 48

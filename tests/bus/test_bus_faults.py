@@ -18,8 +18,8 @@ from axisrig.bench.bus.faults import (
 from axisrig.bench.bus.frame import Frame, frame_bits
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.kernel.clock import MS, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 Watch = Callable[[Segment], list[tuple[int, int, str]]]
 

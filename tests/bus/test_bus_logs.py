@@ -10,8 +10,8 @@ from axisrig.bench.bus.faults import ErrorAtBit
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.logs import LOG_SUFFIXES, log_kinds, open_log
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 
 Seen = list[tuple[int, Frame, bool]]
 

@@ -15,8 +15,8 @@ from axisrig.bench.bus.arithmetic import PlannedFrame, cycle_arithmetic
 from axisrig.bench.bus.controller import QueueKind
 from axisrig.bench.bus.load import LoadFigures
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS, US, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, US, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 CYCLES = 1000
 TPDOS, RPDOS = {0x180: 8, 0x280: 8}, {0x200: 8, 0x300: 5}

@@ -17,8 +17,8 @@ from axisrig.bench.bus.faults import ErrorAtBit
 from axisrig.bench.bus.frame import Frame, data_frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.kernel.clock import MS, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 PORTS = 4
 REQUESTS = st.lists(

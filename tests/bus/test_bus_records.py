@@ -9,11 +9,11 @@ import pytest
 
 from axisrig.bench.bus.faults import ErrorAtBit
 from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.logs import blf_writer
-from axisrig.bench.bus.record import FrameHash
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
 
 Seen = list[tuple[int, str, Frame, bool]]
 

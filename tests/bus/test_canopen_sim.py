@@ -28,7 +28,7 @@ from axisrig.bench.bus.faults import FrameFault
 from axisrig.bench.bus.frame import Frame, data_frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.kernel.clock import MS, Phase, S
+from axisrig.kernel.time.clock import MS, Phase, S
 
 Bits = Callable[[Frame], int]
 NAME = "a device name of twenty-nine"

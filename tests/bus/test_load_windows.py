@@ -3,7 +3,7 @@
 import pytest
 
 from axisrig.bench.bus.load import LoadMeter
-from axisrig.kernel.clock import MS
+from axisrig.kernel.time.clock import MS
 
 
 def test_a_run_shorter_than_the_window_is_judged_by_its_own_length() -> None:

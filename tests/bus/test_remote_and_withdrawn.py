@@ -7,7 +7,7 @@ import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS
+from axisrig.kernel.time.clock import MS
 
 
 def test_remote_frames_reach_those_who_subscribed_to_them(segment: Segment) -> None:

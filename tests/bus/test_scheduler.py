@@ -2,8 +2,8 @@ import random
 
 import pytest
 
-from axisrig.kernel.clock import Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 
 def test_order_is_time_then_phase_then_call(scheduler: Scheduler) -> None:

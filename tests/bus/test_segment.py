@@ -13,8 +13,8 @@ from axisrig.bench.bus import registry
 from axisrig.bench.bus.frame import Frame, data_frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.kernel.clock import MS, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 Bits = Callable[[Frame], int]
 Watch = Callable[[Segment], list[tuple[int, int, str]]]

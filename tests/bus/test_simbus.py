@@ -13,15 +13,15 @@ import pytest
 from axisrig.bench.bus.frame import data_frame, frame_bits
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.kernel.clock import MS, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 ROOT = Path(__file__).resolve().parents[2]
 
 OPEN_BY_NAME = """
 import can
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler
 with Segment("can1", 250_000, Scheduler()) as segment:
     with can.Bus(interface="axisrig", channel="can1", bitrate=250_000) as bus:
         print(type(bus).__name__, bus.segment is segment, bus.port_name)

@@ -9,29 +9,19 @@ from itertools import count
 from typing import Any
 
 import pytest
-from tests.channel.programs import (
-    end,
-    message,
-    move,
-    prepare,
-    probe,
-    probe_settings,
-    wait,
-)
+from tests.channel.programs import end, message, move, prepare, probe, probe_settings, wait
 from tests.channel.world import FirstOrderAxis, PlaneProbe, World
 
 from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.bench.drive.node import DriveNode
-from axisrig.bench.drive.profile import DriveProfile
 from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
-from axisrig.kernel.channel.monitor import Monitor
-from axisrig.kernel.channel.settings import OverrideMode
-from axisrig.kernel.channel.soft_limits import SoftLimits
-from axisrig.kernel.clock import MS, US, S
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.channel.path.settings import OverrideMode
+from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.sdo import SdoClient
@@ -49,6 +39,8 @@ from axisrig.kernel.measuring.rules import MeasuringAxis
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS, US, S
+from axisrig.kernel.time.scheduler import Scheduler
 
 INCREMENTS_PER_MM = 2**20 / 10
 OFFSET_NS = 620 * US

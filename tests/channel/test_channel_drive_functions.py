@@ -9,11 +9,11 @@ import pytest
 
 from axisrig.bench.bus.faults import Drop, FrameFault
 from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
-from axisrig.kernel.clock import MS, S
 from axisrig.kernel.drives.functions import DriveFunction
 from axisrig.kernel.drives.sdo import SdoClient
 from axisrig.kernel.drives.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS, S
 
 Make = Callable[..., Any]
 SDO_REQUEST, SDO_ANSWER = 0x601, 0x581

@@ -7,10 +7,10 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.run import RunRecord
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 INCREMENT_MM = 10 / 2**20

@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
-from axisrig.kernel.clock import MS
 from axisrig.kernel.drives.sdo import SdoClient
 from axisrig.kernel.drives.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 SDO_REQUEST = 0x601

@@ -10,9 +10,9 @@ import pytest
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.faults import Alter, Drop, ErrorAtBit, FaultAction
 from axisrig.bench.bus.frame import Frame
-from axisrig.kernel.clock import MS, S
 from axisrig.kernel.drives.startup_steps import StartUpSettings
 from axisrig.kernel.drives.watch import WatchSettings
+from axisrig.kernel.time.clock import MS, S
 
 Make = Callable[..., Any]
 Change = Callable[[Frame], FaultAction | None]

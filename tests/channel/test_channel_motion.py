@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS
 
 
 def block(number: int) -> canon.Block:

@@ -10,10 +10,10 @@ from typing import Any
 import pytest
 from tests.channel.conftest import ChannelBench
 
-from axisrig.kernel.channel.settings import OverrideMode
-from axisrig.kernel.clock import MS
+from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., ChannelBench]
 

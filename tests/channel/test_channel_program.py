@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.lookahead import DEPTH, Lookahead
+from axisrig.kernel.channel.path.lookahead import DEPTH, Lookahead
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program

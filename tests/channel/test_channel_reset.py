@@ -9,10 +9,10 @@ from tests.channel.conftest import ChannelBench
 
 from axisrig.bench.bus.faults import Drop
 from axisrig.kernel.channel import ChannelState
-from axisrig.kernel.clock import MS
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., ChannelBench]
 Acts = dict[int, Callable[[], None]]

@@ -4,13 +4,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from axisrig.kernel.channel.settings import AxisSettings, CycleTiming
-from axisrig.kernel.channel.settling import (
-    REST_LIMIT_NS,
-    SETTLED_CYCLES,
-    Settling,
-    Standstill,
-)
+from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.settling import REST_LIMIT_NS, SETTLED_CYCLES, Settling, Standstill
 from axisrig.kernel.errors import Alarm
 
 MS, OFFSET_NS, WINDOW_MM = 1_000_000, 600_000, 0.01

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.soft_limits import SoftLimits
+from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.nc import canon
 from axisrig.kernel.parameters import ParameterSet
 

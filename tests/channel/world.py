@@ -8,8 +8,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from axisrig.bench.drive.ports import ControlKind
-from axisrig.kernel.clock import S
+from axisrig.bench.drive.application.functions.ports import ControlKind
+from axisrig.kernel.time.clock import S
 
 
 @dataclass(frozen=True)

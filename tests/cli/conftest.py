@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.cli import main
+from axisrig.bench.cli.main import main
 
 sys.path.insert(0, str(Path(__file__).parent))  # cli_plan.py
 

@@ -234,8 +234,8 @@ def test_output_folder_with_blanks_is_cleared_by_the_option(plan: Path, axisrig:
 @pytest.fixture(scope="session")
 def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A results folder of one run, made once."""
-    from axisrig.bench.run.campaign import run_campaign  # noqa: PLC0415
-    from axisrig.bench.run.runner import no_stopwatch  # noqa: PLC0415
+    from axisrig.bench.campaign.campaign import run_campaign  # noqa: PLC0415
+    from axisrig.bench.campaign.runner import no_stopwatch  # noqa: PLC0415
 
     place = tmp_path_factory.mktemp("results")
     shutil.copytree(originals, place, dirs_exist_ok=True)

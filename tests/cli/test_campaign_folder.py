@@ -15,7 +15,7 @@ from cli_plan import write_plan
 from pyarrow import parquet
 from typer import Exit
 
-from axisrig.bench.options import rejecting
+from axisrig.bench.cli.options import rejecting
 from axisrig.kernel.errors import UserError
 
 Outcome = tuple[int, str, str]

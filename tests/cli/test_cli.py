@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 from cli_plan import write_plan
 
+from axisrig.bench.campaign import runner
 from axisrig.bench.plan.plan import Case
-from axisrig.bench.run import runner
 from axisrig.fmus import MODELS
 
 Outcome = tuple[int, str, str]

@@ -4,7 +4,7 @@ import sys
 
 import pytest
 
-from axisrig.bench import library
+from axisrig.bench.tools.fmu import library
 from axisrig.fmus import CATALOGUE, MODELS
 from axisrig.kernel.errors import UserError
 

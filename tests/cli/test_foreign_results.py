@@ -17,8 +17,8 @@ import pyarrow.parquet as pq
 import pytest
 from cli_plan import HEADER
 
-from axisrig.bench.cli import main
-from axisrig.bench.run.bus_words import Names
+from axisrig.bench.cli.main import main
+from axisrig.bench.tools.bus_log.bus_words import Names
 
 Call = Callable[..., tuple[int, str, str]]
 
@@ -38,8 +38,8 @@ ODD_CELLS = [
 @pytest.fixture(scope="session")
 def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A results folder of one run with every kind of log, made once."""
-    from axisrig.bench.run.campaign import run_campaign  # noqa: PLC0415
-    from axisrig.bench.run.runner import no_stopwatch  # noqa: PLC0415
+    from axisrig.bench.campaign.campaign import run_campaign  # noqa: PLC0415
+    from axisrig.bench.campaign.runner import no_stopwatch  # noqa: PLC0415
 
     place = tmp_path_factory.mktemp("foreign")
     shutil.copytree(originals, place, dirs_exist_ok=True)
@@ -214,7 +214,7 @@ def test_a_table_that_a_spreadsheet_has_saved_is_read(results: Path, tmp_path: P
 
 @pytest.mark.parametrize("number", [-1, -2, 1, 7, -40000])
 def test_a_channel_outside_the_rig_names_no_segment_of_it(results: Path, number: int) -> None:
-    from axisrig.bench.rig.file import read_rig  # noqa: PLC0415
+    from axisrig.bench.rig.reading.file import read_rig  # noqa: PLC0415
     from axisrig.bench.rig.settings import read_settings  # noqa: PLC0415
 
     names = Names(read_settings(*read_rig(results.parent / "rig.toml"), []))

@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.bench.run.object_words import bits_words
+from axisrig.bench.tools.bus_log.object_words import bits_words
 from axisrig.kernel.drives.ds402 import ProbeFunction, ProbeStatus
 
 

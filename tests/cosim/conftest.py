@@ -10,7 +10,7 @@ import fmpy
 import pytest
 
 from axisrig.fmus.compiler import find_compiler, this_platform
-from axisrig.kernel.cosim.fmu import FmuSlave, load_fmu
+from axisrig.kernel.cosim.fmi.fmu import FmuSlave, load_fmu
 
 SOURCES = Path(__file__).parent
 BEHAVIOURS = (

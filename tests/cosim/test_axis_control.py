@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from axisrig.fmus import ensure_built
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.axis import PlantAxis
-from axisrig.kernel.cosim.demand import ControlKind
-from axisrig.kernel.cosim.fmu import load_fmu
-from axisrig.kernel.cosim.plant import Plant
-from axisrig.kernel.cosim.roles import Source, map_roles
+from axisrig.kernel.cosim.fmi.fmu import load_fmu
+from axisrig.kernel.cosim.fmi.roles import Source, map_roles
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.demand import ControlKind
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.time.clock import MS
 
 MASS = 120 + 1.8e-4 * (2 * math.pi / 0.01) ** 2  # kg
 FREE = {"coulomb_friction": 0.0, "breakaway_friction": 0.0, "viscous_friction": 0.0}

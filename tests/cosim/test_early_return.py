@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from axisrig.bench.cli import main
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.cli.main import main
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
-from axisrig.kernel.cosim.fmu import PlantError
+from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.nc.text.parser import read_program
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"

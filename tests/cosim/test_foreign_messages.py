@@ -12,7 +12,7 @@ from zipfile import ZipFile
 import pandas as pd
 import pytest
 
-from axisrig.bench.cli import main
+from axisrig.bench.cli.main import main
 
 FEED_MM_S = 500 / 60
 INPUT_DELAY_S = 4e-6

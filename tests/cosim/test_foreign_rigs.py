@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.nc.text.parser import read_program
 

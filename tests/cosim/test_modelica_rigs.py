@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.plants import build_plant, describe_plants
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
-from axisrig.bench.rig.plants import build_plant, describe_plants
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.fmus.build import build
 from axisrig.kernel.nc.text.parser import read_program

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.plan import assignment
-from axisrig.kernel.cosim.fmu import Exchange, FmuSlave, load_fmu
-from axisrig.kernel.cosim.roles import Source, guess_kind, map_roles, role_table
-from axisrig.kernel.cosim.units import known_units, unit_of
+from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_fmu
+from axisrig.kernel.cosim.fmi.roles import Source, guess_kind, map_roles, role_table
+from axisrig.kernel.cosim.fmi.units import known_units, unit_of
 from axisrig.kernel.errors import UserError
 
 AXIS = {"demand": Source("control.s_set"), "position": Source("table.s")}

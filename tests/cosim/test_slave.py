@@ -7,9 +7,9 @@ from zipfile import ZipFile
 
 import pytest
 
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.fmu import Exchange, FmuSlave, PlantError, load_fmu
+from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, PlantError, load_fmu
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, US
 
 Odd = Callable[..., FmuSlave]
 

@@ -6,11 +6,11 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from axisrig.fmus import ensure_built
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.axis import STOP_FACE, STOP_FORCE, PlantAxis
-from axisrig.kernel.cosim.fmu import load_fmu
-from axisrig.kernel.cosim.plant import Plant
-from axisrig.kernel.cosim.roles import map_roles
+from axisrig.kernel.cosim.fmi.fmu import load_fmu
+from axisrig.kernel.cosim.fmi.roles import map_roles
+from axisrig.kernel.cosim.plant.axis import STOP_FACE, STOP_FORCE, PlantAxis
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.time.clock import MS, US
 
 MASS = 120 + 1.8e-4 * (2 * math.pi / 0.01) ** 2  # kg
 FREE = {"coulomb_friction": 0.0, "breakaway_friction": 0.0, "viscous_friction": 0.0}

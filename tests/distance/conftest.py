@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.distance import (
     DistanceCommand,
     DistanceControl,
@@ -15,6 +14,7 @@ from axisrig.kernel.distance import (
     Reading,
     Source,
 )
+from axisrig.kernel.time.clock import MS
 
 OWNER = "axis Z"
 STATE_WAYS: dict[DistanceState, tuple[DistanceCommand, ...]] = {

@@ -7,16 +7,11 @@ import pytest
 from scipy import signal
 
 from axisrig.bench.oracles.distance import filters as oracle
-from axisrig.kernel.clock import MS
-from axisrig.kernel.distance.filters import (
-    Filter,
-    FilterSettings,
-    filter_kinds,
-    make_filter,
-)
+from axisrig.kernel.distance.filters import Filter, FilterSettings, filter_kinds, make_filter
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.parameters.values import ParameterSet
+from axisrig.kernel.time.clock import MS
 
 T_S, SIGMA_PER_MM = 1e-3, 1e4
 COUNTS, FACTORS, SIGMAS = (

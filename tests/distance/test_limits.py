@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.distance import DistanceCommand, DistanceSettings, DistanceState
 from axisrig.kernel.distance.limiter import Limiter
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 T = 0.001

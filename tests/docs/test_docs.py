@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.cli import app
+from axisrig.bench.cli.main import app
 
 ROOT = Path(__file__).parents[2]
 DOCUMENTS = sorted(

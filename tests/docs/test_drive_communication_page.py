@@ -5,10 +5,10 @@ from itertools import groupby, takewhile
 from pathlib import Path
 
 from axisrig.bench.drive.communication import emergency, exchange, slave, sync
-from axisrig.bench.drive.communication.aborts import AbortCode
 from axisrig.bench.drive.communication.lss import BIT_RATES
 from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.bench.drive.objects import ObjectRow, object_rows
+from axisrig.bench.drive.dictionary.aborts import AbortCode
+from axisrig.bench.drive.dictionary.objects import ObjectRow, object_rows
 
 PAGE = Path(__file__).parents[2] / "docs" / "drive-communication.md"
 HEAD = "| object | name | type | access | values | default | meaning | acts |"

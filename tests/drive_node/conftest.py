@@ -11,12 +11,12 @@ import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.application.functions.ports import ControlKind
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.bench.drive.node import DriveNode
-from axisrig.bench.drive.ports import ControlKind
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, US
+from axisrig.kernel.time.scheduler import Scheduler
 
 NODE = 3
 

@@ -10,8 +10,8 @@ from canopen.profiles.p402 import BaseNode402
 from canopen.sdo.exceptions import SdoAbortedError, SdoCommunicationError
 
 from axisrig.bench.bus.canopen_sim import SimRemoteNode
-from axisrig.kernel.clock import MS
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 

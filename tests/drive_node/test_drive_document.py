@@ -4,9 +4,9 @@ import csv
 import re
 from pathlib import Path
 
+from axisrig.bench.drive.application.functions.states import OPTIONS
 from axisrig.bench.drive.application.modes import MODES
-from axisrig.bench.drive.application.states import OPTIONS
-from axisrig.bench.drive.objects import variables
+from axisrig.bench.drive.dictionary.objects import variables
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "drive.md").read_text("utf-8")

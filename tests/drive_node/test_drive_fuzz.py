@@ -15,12 +15,12 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from axisrig.bench.drive.application.servo import Servo
-from axisrig.bench.drive.objects import variables
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.demand import ControlKind
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.drives.ds402 import State, state_of
+from axisrig.kernel.time.clock import MS, US
+from axisrig.kernel.time.scheduler import Scheduler
 
 PER_M = 104_857_600
 Make = Callable[..., Any]

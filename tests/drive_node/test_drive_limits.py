@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import MS
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 PER_M = 104_857_600

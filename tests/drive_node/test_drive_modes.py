@@ -10,9 +10,9 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.kernel.clock import MS, US, S
-from axisrig.kernel.cosim.demand import ControlKind
+from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS, US, S
 
 Make = Callable[..., Any]
 PER_M = 104_857_600

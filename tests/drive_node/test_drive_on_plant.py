@@ -12,11 +12,11 @@ from typing import Any
 import pytest
 
 from axisrig.fmus.build import ensure_built
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.axis import PlantAxis
-from axisrig.kernel.cosim.fmu import load_fmu
-from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.cosim.fmi.fmu import load_fmu
+from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS, US
 
 Make = Callable[..., Any]
 PER_M = 104_857_600

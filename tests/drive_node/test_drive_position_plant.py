@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.demand import ControlKind
+from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 SYNC_NS = 48_000

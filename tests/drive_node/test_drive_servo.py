@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import MS, US
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS, US
 
 Make = Callable[..., Any]
 SYNC_NS = 48_000  # SYNC without data at 1 Mbit/s: 44 bit to the end of frame, 4 stuff bits

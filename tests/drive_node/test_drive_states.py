@@ -11,11 +11,11 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.application.states import OPTIONS, StateMachine
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import US
+from axisrig.bench.drive.application.functions.states import OPTIONS, StateMachine
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import US
 
 Make = Callable[..., Any]
 PATTERNS = {

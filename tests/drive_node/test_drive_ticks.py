@@ -1,8 +1,8 @@
 """Ticks of the drive: counted from the last SYNC on, and none where nothing needs them."""
 
-from axisrig.bench.drive.application.ticks import Ticker
-from axisrig.kernel.clock import US
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.bench.drive.application.functions.ticks import Ticker
+from axisrig.kernel.time.clock import US
+from axisrig.kernel.time.scheduler import Scheduler
 
 
 def test_ticks_are_counted_from_the_last_sync_on() -> None:

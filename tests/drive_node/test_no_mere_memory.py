@@ -12,8 +12,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.objects import variables
-from axisrig.kernel.clock import MS
+from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 Write = Callable[[], None]

@@ -7,11 +7,11 @@ from collections.abc import Sequence
 
 import pytest
 
-from axisrig.bench.drive.application.index_pulse import IndexPulse
-from axisrig.bench.drive.application.latch_position import LatchPosition
-from axisrig.bench.drive.application.touch_probe import Encoders, TouchProbe
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
+from axisrig.bench.drive.application.functions.latch_position import LatchPosition
+from axisrig.bench.drive.application.functions.touch_probe import Encoders, TouchProbe
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 
 PROFILE = DriveProfile(input_delay_ns=0)
 

@@ -18,8 +18,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import Phase
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.kernel.time.clock import Phase
 
 Make = Callable[..., Any]
 MS, US = 1_000_000, 1_000

@@ -9,9 +9,9 @@ from typing import Any
 import pytest
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.objects import variables
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.bench.drive.profiles import named_profile, profile_names
+from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
 from axisrig.kernel.drives.ds402 import counter_object, latch_object
 
 Make = Callable[..., Any]

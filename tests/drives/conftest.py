@@ -8,12 +8,10 @@ import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
 from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.drive.application.functions.ports import ControlKind
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.bench.drive.node import DriveNode
-from axisrig.bench.drive.ports import ControlKind
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.scheduler import Scheduler
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
@@ -27,6 +25,8 @@ from axisrig.kernel.drives.startup_steps import (
     start_up_steps,
 )
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS, US
+from axisrig.kernel.time.scheduler import Scheduler
 
 NODE = 3
 OFFSET_NS = 600 * US

@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.drive.eds import object_dictionary
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.dictionary import check_functions
 from axisrig.kernel.drives.functions import DriveFunction, read_functions
 from axisrig.kernel.drives.mapping import telegrams

@@ -8,7 +8,7 @@ import pytest
 from axisrig.bench.bus.faults import Drop, ErrorAtBit, FaultAction, FrameFault
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 

@@ -10,9 +10,9 @@ from canopen.objectdictionary import ObjectDictionary, ODVariable, datatypes
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.scheduler import Scheduler
 from axisrig.kernel.drives.sdo import SdoClient, SdoError
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
 
 NODE = 5
 TEXT = 0x2001

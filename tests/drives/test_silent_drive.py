@@ -5,13 +5,13 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS, S
-from axisrig.kernel.cosim.scheduler import Scheduler
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.watch import DriveWatch, WatchSettings
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS, S
+from axisrig.kernel.time.scheduler import Scheduler
 
 LIMIT_NS = 40 * MS
 TABLE = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field

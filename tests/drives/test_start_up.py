@@ -8,10 +8,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.eds import object_dictionary
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.bench.rig.file import DriveTable
-from axisrig.kernel.clock import MS
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.rig.reading.file import DriveTable
 from axisrig.kernel.drives.mapping import MappedObject, telegrams
 from axisrig.kernel.drives.startup_steps import (
     BusSettings,
@@ -22,6 +21,7 @@ from axisrig.kernel.drives.startup_steps import (
     start_up_steps,
 )
 from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 NODE = 3

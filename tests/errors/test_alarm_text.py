@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.alarms import alarm_listing, explained, page, unit_of
+from axisrig.bench.tools.listings.alarms import alarm_listing, explained, page, unit_of
 from axisrig.kernel.errors import UserError, catalogue, reaction_classes
 
 

@@ -1,8 +1,8 @@
 """A telegram that contradicts another is no measurement: the kernel's end of one drive."""
 
-from axisrig.bench.scenarios.campaign import run_scenario
-from axisrig.bench.scenarios.oracle import Judgement, Result
-from axisrig.bench.scenarios.scenario import Scenario
+from axisrig.bench.tools.scenarios.campaign import run_scenario
+from axisrig.bench.tools.scenarios.oracle import Judgement, Result
+from axisrig.bench.tools.scenarios.scenario import Scenario
 
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.faults import (
+from axisrig.bench.rig.reading.faults import (
     Fault,
     Moment,
     fault_keys,
@@ -15,7 +15,7 @@ from axisrig.bench.rig.faults import (
     faults_table,
     read_faults,
 )
-from axisrig.bench.rig.file import RigFile, read_rig
+from axisrig.bench.rig.reading.file import RigFile, read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.errors import UserError
 

@@ -2,9 +2,9 @@
 
 import pytest
 
-from axisrig.bench.scenarios.campaign import run_scenario, run_scenarios
-from axisrig.bench.scenarios.oracle import DEFECTS, Judgement
-from axisrig.bench.scenarios.scenario import Scenario
+from axisrig.bench.tools.scenarios.campaign import run_scenario, run_scenarios
+from axisrig.bench.tools.scenarios.oracle import DEFECTS, Judgement
+from axisrig.bench.tools.scenarios.scenario import Scenario
 
 pytestmark = pytest.mark.long
 

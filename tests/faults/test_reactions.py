@@ -10,10 +10,10 @@ import pytest
 
 from axisrig.bench.plan.checks import parse_condition
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.rig.faults import fault_kinds
-from axisrig.bench.scenarios.campaign import examine
-from axisrig.bench.scenarios.oracle import Result
-from axisrig.bench.scenarios.scenario import Scenario
+from axisrig.bench.rig.reading.faults import fault_kinds
+from axisrig.bench.tools.scenarios.campaign import examine
+from axisrig.bench.tools.scenarios.oracle import Result
+from axisrig.bench.tools.scenarios.scenario import Scenario
 from axisrig.kernel.errors import catalogue
 
 ROOT = Path(__file__).parents[2]

@@ -2,9 +2,9 @@
 
 import pytest
 
-from axisrig.bench.scenarios.campaign import Tally, run_scenario, run_scenarios
-from axisrig.bench.scenarios.oracle import Judgement, Result
-from axisrig.bench.scenarios.scenario import Scenario, make_scenario
+from axisrig.bench.tools.scenarios.campaign import Tally, run_scenario, run_scenarios
+from axisrig.bench.tools.scenarios.oracle import Judgement, Result
+from axisrig.bench.tools.scenarios.scenario import Scenario, make_scenario
 
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 

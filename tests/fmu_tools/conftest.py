@@ -11,9 +11,9 @@ from pathlib import Path
 import fmpy
 import pytest
 
-from axisrig.bench.cli import main
+from axisrig.bench.cli.main import main
 from axisrig.fmus.compiler import find_compiler, this_platform
-from axisrig.kernel.cosim.archive import inspect, session_folder, unpack
+from axisrig.kernel.cosim.fmi.archive import inspect, session_folder, unpack
 from axisrig.kernel.errors import UserError
 
 sys.path.insert(0, str(Path(__file__).parent))  # fmu_rigs.py

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.kernel.cosim import archive
-from axisrig.kernel.cosim.archive import unpack
+from axisrig.kernel.cosim.fmi import archive
+from axisrig.kernel.cosim.fmi.archive import unpack
 
 Pack = Callable[..., Path]
 Refused = Callable[[Path], str]

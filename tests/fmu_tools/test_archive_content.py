@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.kernel.cosim import archive
-from axisrig.kernel.cosim.archive import inspect, session_folder, unpack
+from axisrig.kernel.cosim.fmi import archive
+from axisrig.kernel.cosim.fmi.archive import inspect, session_folder, unpack
 from axisrig.kernel.errors import UserError
 
 ROOT = Path(__file__).parents[2]
@@ -162,7 +162,8 @@ def test_the_same_content_is_unpacked_once_and_other_content_again(
 def test_what_was_unpacked_goes_with_the_process(pack: Pack) -> None:
     path = pack(("resources/a", b"one"))
     script = (
-        "import os, sys; from pathlib import Path; from axisrig.kernel.cosim.archive import unpack;"
+        "import os, sys; from pathlib import Path;"
+        "from axisrig.kernel.cosim.fmi.archive import unpack;"
         "folder = unpack(Path(sys.argv[1])); print(folder);"
         "child = os.fork(); child or sys.exit(0); os.waitpid(child, 0);"
         "print((folder / 'resources' / 'a').is_file())"

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.fmu.binaries import find_binaries, folder_platform
-from axisrig.bench.fmu.show import read_fmu
+from axisrig.bench.tools.fmu.binaries import find_binaries, folder_platform
+from axisrig.bench.tools.fmu.show import read_fmu
 from axisrig.fmus import CATALOGUE, MODELS
 
 Outcome = tuple[int, str, str]

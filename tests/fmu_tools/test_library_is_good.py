@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.fmu import stages
-from axisrig.bench.fmu.examine import examine
-from axisrig.bench.fmu.findings import Finding, Level
-from axisrig.bench.run.apart import run_apart
+from axisrig.bench.campaign.processes import run_apart
+from axisrig.bench.tools.fmu import stages
+from axisrig.bench.tools.fmu.examine import examine
+from axisrig.bench.tools.fmu.findings import Finding, Level
 from axisrig.fmus import MODELS, ensure_built
 
 STAGES = (*stages.FIRST, *stages.REST)

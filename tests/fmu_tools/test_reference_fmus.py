@@ -19,16 +19,10 @@ import fmpy
 import numpy as np
 import pytest
 
-from axisrig.bench.fmu.check import check_fmu
-from axisrig.kernel.clock import TimeNs
-from axisrig.kernel.cosim.fmu import (
-    EndedError,
-    Exchange,
-    FmuSlave,
-    load_description,
-    load_fmu,
-)
+from axisrig.bench.tools.fmu.check import check_fmu
+from axisrig.kernel.cosim.fmi.fmu import EndedError, Exchange, FmuSlave, load_description, load_fmu
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import TimeNs
 
 LISTS = Path(__file__).parents[2] / "testplans" / "rigs" / "lists"
 FOLDER = os.environ.get("AXISRIG_REFERENCE_FMUS", "")

@@ -18,12 +18,12 @@ import pytest
 from fmu_rigs import write_plan, write_rig
 
 from axisrig.bench.bus.logs import log_kinds
-from axisrig.bench.cli import main
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.foreign import foreign_rigs
+from axisrig.bench.campaign.campaign import run_campaign
+from axisrig.bench.campaign.hardware_runs import Outside, allow
+from axisrig.bench.cli.main import main
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.bench.rig.settings import read_settings
-from axisrig.bench.run.campaign import run_campaign
-from axisrig.bench.run.outside import Outside, allow
 from axisrig.fmus import ensure_built
 
 Outcome = tuple[int, str, str]
@@ -257,7 +257,7 @@ def test_before_axes_outside_move_it_is_said_what_cannot_be_caught(
 
 def test_our_own_rows_stay_in_this_process(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     write_rig(place, "model.toml", Path("AxisRig.Drives.ServoAxis"))
-    monkeypatch.setattr("axisrig.bench.run.apart._Worker.__init__", _refuse)
+    monkeypatch.setattr("axisrig.bench.campaign.processes._Worker.__init__", _refuse)
     campaign = run_campaign(
         [place / write_plan(place, "model.toml")],
         out=place / "results", select=None, jobs=1, timeout_s=None, assignments=[],

@@ -15,11 +15,9 @@ import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.eds import object_dictionary
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming
-from axisrig.kernel.clock import MS, US, S
-from axisrig.kernel.cosim.scheduler import Scheduler
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.sdo import SdoClient
@@ -33,6 +31,8 @@ from axisrig.kernel.drives.startup_steps import (
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS, US, S
+from axisrig.kernel.time.scheduler import Scheduler
 
 NODE_ID = 5
 PER_REVOLUTION, LEAD_MM = 1 << 20, 10

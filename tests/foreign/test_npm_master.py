@@ -14,12 +14,12 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.eds import eds_text
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
-from axisrig.kernel.clock import MS
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import MS
 
 HERE = Path(__file__).parent
 RIG = HERE.parents[1] / "testplans" / "rigs" / "probe-z.toml"

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.bus.deadlines import Deadlines
-from axisrig.bench.cli import main
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.outside import check_outside, outside_axes, simulated_plants
+from axisrig.bench.cli.main import main
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.real_axes import check_outside, outside_axes, simulated_plants
 from axisrig.bench.rig.settings import read_settings
 from axisrig.kernel.errors import UserError
-from axisrig.reports.realtime import real_time
+from axisrig.reports.parts.realtime import real_time
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
 Call = Callable[..., tuple[int, str, str]]

@@ -8,10 +8,10 @@ import can
 import pytest
 
 from axisrig.bench.bus.faults import FrameFault
+from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.hardware import interface_names, open_bus, parse_options
-from axisrig.bench.bus.record import FrameHash
-from axisrig.kernel.clock import Phase
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import Phase
 
 MS = 1_000_000
 

@@ -4,8 +4,8 @@ from functools import partial
 from typing import Any
 
 from axisrig.bench.bus.deadlines import BINS_US, Deadlines
-from axisrig.bench.bus.outside import OutsideSegment
-from axisrig.kernel.clock import Phase
+from axisrig.bench.bus.real_segment import OutsideSegment
+from axisrig.kernel.time.clock import Phase
 
 US, MS = 1_000, 1_000_000
 SYNC, TPDO = 0x80, 0x183

@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.frame import data_frame
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.run.watch import Watcher
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.tools.virtual_drive.watch import Watcher
 from axisrig.kernel.drives.ds402 import State
 
 

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.motion.curves import Arc, Line, swing
 from axisrig.kernel.motion.dynamics import Dynamics, arc_dynamics
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.profile import Slope, plan
+from axisrig.kernel.time.clock import MS
 
 NM = 1e-6
 

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.motion.curves import Arc, Line
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.profile import Slope, plan
+from axisrig.kernel.time.clock import MS
 
 OWN, WEAK = Slope(1000.0, 1000.0, 1000.0), Slope(500.0, 500.0, 1000.0)
 LENGTH_MM, FEED_MM_S = 100.0, 50.0

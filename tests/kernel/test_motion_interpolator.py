@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.motion.interpolator import Interpolator, SetpointBuffer
 from axisrig.kernel.motion.profile import Slope, plan
+from axisrig.kernel.time.clock import MS
 
 SLOPE = Slope(1000.0, 1000.0, 1000.0)
 

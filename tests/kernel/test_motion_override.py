@@ -8,12 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.motion.curves import Arc, Line
 from axisrig.kernel.motion.dynamics import Dynamics, arc_dynamics
 from axisrig.kernel.motion.feed import Feed
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.profile import Slope, plan, plan_rest
+from axisrig.kernel.time.clock import MS
 
 UP, DOWN = Slope(1000.0, 1000.0, 1000.0), Slope(2000.0, 2000.0, 1000.0)
 FASTEST, FEED, LENGTH, T = 80.0, 50.0, 100.0, 1e-3

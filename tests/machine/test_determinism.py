@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.run.runner import run_case
 
 Run = Callable[..., Any]
 ROOT = Path(__file__).parents[2]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from axisrig.bench.rig.distance.check import describe_distance
-from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
 
 Run = Callable[..., Any]

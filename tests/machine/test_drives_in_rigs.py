@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.run.observe import Observed
+from axisrig.bench.judge.observe import Observed
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

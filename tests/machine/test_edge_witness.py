@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.machine.machine import Machine
 from axisrig.fmus.build import LIBRARY, build
 
 WITNESS = """within AxisRig.Drives;

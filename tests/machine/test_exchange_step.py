@@ -10,9 +10,9 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.judge.metrics import observe
+from axisrig.bench.judge.observe import Observed
 from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.run.metrics import observe
-from axisrig.bench.run.observe import Observed
 
 Run = Callable[..., Any]
 INCREMENT_MM = 5 / 2**23

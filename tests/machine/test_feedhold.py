@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.run.plc import plc_side
-from axisrig.bench.run.single import run_program
-from axisrig.kernel.clock import MS, S
+from axisrig.bench.campaign.single import run_program
+from axisrig.bench.judge.plc import plc_side
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, S
 
 RunNc = Callable[..., Any]
 BASE = "probe-z.toml"

@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.rig.lag import largest_lag
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.recording.lag import largest_lag
 
 
 def test_peak_of_a_parabola_between_two_rows() -> None:

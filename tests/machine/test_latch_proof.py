@@ -11,9 +11,13 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.campaign.campaign import check_file, run_campaign
+from axisrig.bench.campaign.runner import no_stopwatch
+from axisrig.bench.campaign.single import run_program
+from axisrig.bench.judge.metrics import observe
+from axisrig.bench.judge.observe import Observed
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.rig.file import read_rig
 from axisrig.bench.rig.latches import (
     SdoRoom,
     describe_latches,
@@ -21,12 +25,8 @@ from axisrig.bench.rig.latches import (
     unproved_axes,
     unproved_notes,
 )
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, read_settings
-from axisrig.bench.run.campaign import check_file, run_campaign
-from axisrig.bench.run.metrics import observe
-from axisrig.bench.run.observe import Observed
-from axisrig.bench.run.runner import no_stopwatch
-from axisrig.bench.run.single import run_program
 from axisrig.reports.build import build_report
 
 RunNc = Callable[..., Any]

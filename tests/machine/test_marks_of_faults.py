@@ -1,8 +1,8 @@
 """The marks of a run name the faults brought in, the frames hit, and what the drive did then."""
 
-from axisrig.bench.run.observe import Observed
-from axisrig.bench.scenarios.campaign import examine
-from axisrig.bench.scenarios.scenario import Scenario
+from axisrig.bench.judge.observe import Observed
+from axisrig.bench.tools.scenarios.campaign import examine
+from axisrig.bench.tools.scenarios.scenario import Scenario
 
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 MS = 1_000_000

@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.judge.metrics import observe
+from axisrig.bench.judge.observe import Touch
 from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.run.metrics import observe
-from axisrig.bench.run.observe import Touch
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.probe import Contact
+from axisrig.kernel.cosim.plant.probe import Contact
+from axisrig.kernel.time.clock import MS, US
 
 CONTACT_NS = 123_456_789
 

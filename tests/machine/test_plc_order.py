@@ -3,8 +3,8 @@
 from collections.abc import Callable
 from typing import Any
 
-from axisrig.bench.run.observe import Observed
-from axisrig.bench.run.plc import plc_log
+from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.plc import plc_log
 
 
 def test_the_events_of_one_instant_keep_the_order_of_the_program(

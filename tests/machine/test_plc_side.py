@@ -7,11 +7,11 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.run.observe import Observed
-from axisrig.bench.run.plc import plc_log, plc_side
-from axisrig.kernel.clock import MS
+from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.plc import plc_log, plc_side
 from axisrig.kernel.drives import mapping
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 
 RunNc = Callable[..., Any]
 BASE = "drive-functions.toml"

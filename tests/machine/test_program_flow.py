@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.run.single import run_program
+from axisrig.bench.campaign.single import run_program
 
 PLANS = Path(__file__).parents[2] / "testplans"
 RIG = PLANS / "rigs" / "probe-xyz.toml"

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.bench.judge.metrics import Observation, observe
+from axisrig.bench.judge.observe import Observed
 from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.run.metrics import Observation, observe
-from axisrig.bench.run.observe import Observed
 
 Run = Callable[..., Any]
 INCREMENT_MM = 10 / 2**20

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from axisrig.kernel.clock import MS
+from axisrig.kernel.time.clock import MS
 
 RunNc = Callable[..., Any]
 BASE = "probe-z.toml"

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.run.observe import Observed
+from axisrig.bench.judge.observe import Observed
 from axisrig.kernel.errors import Alarm
 
 Run = Callable[..., Any]

@@ -8,15 +8,15 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.record import FrameHash
-from axisrig.bench.drive.eds import object_dictionary
+from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.drive.dictionary.eds import object_dictionary
+from axisrig.bench.machine.parts import build_nodes, build_segments
+from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.parts import build_nodes, build_segments
-from axisrig.bench.rig.plants import build_plant, check_plants, start_plant
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
 
 RIG = Path("testplans/rigs/homing-z.toml")
 UNITS_PER_MM = 2**20 / 10

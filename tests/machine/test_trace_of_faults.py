@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from axisrig.bench.scenarios.campaign import examine
-from axisrig.bench.scenarios.scenario import Scenario
+from axisrig.bench.tools.scenarios.campaign import examine
+from axisrig.bench.tools.scenarios.scenario import Scenario
 
 INPUTS = ("plc:V.E.FEED1=900", "plc:V.E.FEED2=300", "plc:V.E.RETRACT=0.2")
 

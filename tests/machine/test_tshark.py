@@ -17,12 +17,12 @@ import pytest
 from axisrig.bench.bus.dissect import Dissected, dissect
 from axisrig.bench.bus.faults import ErrorAtBit
 from axisrig.bench.bus.frame import Frame
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
-from axisrig.kernel.clock import MS, Phase
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import MS, Phase
 
 TSHARK = shutil.which("tshark")
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

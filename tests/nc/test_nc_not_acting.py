@@ -3,8 +3,8 @@
 import pytest
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc import not_acting
 from axisrig.kernel.nc.canon import LinearMove
+from axisrig.kernel.nc.decoder import not_acting
 from axisrig.kernel.nc.text.check import check_program
 
 # What the language has to do by now, as the project has set it out; what belongs to 3D distance

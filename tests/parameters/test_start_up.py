@@ -6,14 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.kernel.parameters import (
-    Kind,
-    Origin,
-    ParameterSet,
-    read_list,
-    start_up,
-    write_list,
-)
+from axisrig.kernel.parameters import Kind, Origin, ParameterSet, read_list, start_up, write_list
 
 Listed = Callable[..., ParameterSet]
 Refused = Callable[..., UserError]

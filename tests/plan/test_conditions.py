@@ -7,13 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from axisrig.bench.plan.checks import (
-    Check,
-    known_metrics,
-    parse_check,
-    parse_condition,
-    value_text,
-)
+from axisrig.bench.plan.checks import Check, known_metrics, parse_check, parse_condition, value_text
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError, catalogue
 

@@ -12,17 +12,17 @@ import pyarrow.parquet as pq
 import pytest
 from results_setup import TEXT, rows, run_case, write
 
-from axisrig.bench.plan.checks import judge, parse_check
-from axisrig.bench.plan.plan import Plan, read_plan
-from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.results.stored import read_results
-from axisrig.bench.results.writer import (
+from axisrig.bench.campaign.campaign import show_verdicts
+from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
     build_manifest,
     no_values,
 )
-from axisrig.bench.run.campaign import show_verdicts
+from axisrig.bench.plan.checks import judge, parse_check
+from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]

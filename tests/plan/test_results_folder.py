@@ -11,12 +11,12 @@ import pyarrow.parquet as pq
 import pytest
 from results_setup import TEXT, rows, run_case, write
 
+from axisrig.bench.campaign.results.folder import recover
+from axisrig.bench.campaign.results.lock import FolderLock
+from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.results.folder import recover
-from axisrig.bench.results.lock import FolderLock
-from axisrig.bench.results.stored import read_results
-from axisrig.bench.results.writer import ResultsWriter
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]

@@ -8,10 +8,10 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import pytest
 
+from axisrig.bench.campaign import campaign
 from axisrig.bench.plan import workbook
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.workbook import cell_name
-from axisrig.bench.run import campaign
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]

@@ -11,12 +11,13 @@ import pytest
 from tests.reports.distances import MS, info, law, samples, trace
 from tests.reports.test_report import Page
 
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import CONST_DIST
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.results.writer import CaseResult, Event, ResultsWriter, build_manifest
+from axisrig.bench.record.event import Event
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
 from axisrig.reports.distance.path import drawing, ticks

@@ -9,7 +9,7 @@ import pytest
 from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
-from axisrig.bench.cli import app
+from axisrig.bench.cli.main import app
 from axisrig.reports.signals import chart, signals
 
 PLANS = Path(__file__).parents[2] / "testplans"

@@ -18,7 +18,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from axisrig.reports.build import build_report
-from axisrig.reports.encode import encode_signal, pack
+from axisrig.reports.parts.encode import encode_signal, pack
 
 Array = npt.NDArray[np.float64]
 

@@ -10,10 +10,10 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
-from axisrig.bench.results.writer import WARNING
+from axisrig.bench.record.event import WARNING
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.reports.bar import WIDTH, bar, scale
 from axisrig.reports.build import _alarms, _events, build_report
+from axisrig.reports.parts.bar import WIDTH, bar, scale
 from axisrig.reports.signals import chart, signals, table, windows
 
 VOID = {"meta", "link", "input", "br", "img", "hr"}

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 
 RIG = """\

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.rig.deflection import DeflectionLog
-from axisrig.bench.rig.file import PlantTable
-from axisrig.bench.rig.plants import check_plant
+from axisrig.bench.rig.reading.file import PlantTable
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.probe import Contact
+from axisrig.kernel.cosim.plant.probe import Contact
 from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.time.clock import MS
 
 Write = Callable[..., Path]
 Read = Callable[..., Settings]

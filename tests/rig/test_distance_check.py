@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.campaign.campaign import check_file
 from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.distance.check import (
@@ -15,9 +16,8 @@ from axisrig.bench.rig.distance.check import (
     sensors_of,
     unstable,
 )
-from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
-from axisrig.bench.run.campaign import check_file
 from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -6,17 +6,17 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.drive.eds import eds_text, object_dictionary
-from axisrig.bench.drive.objects import variables
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.bench.drive.profiles import (
+from axisrig.bench.drive.dictionary.eds import eds_text, object_dictionary
+from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.dictionary.profiles import (
     habits,
     named_profile,
     profile_keys,
     profile_listing,
     profile_names,
 )
-from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.machine.cnc import build_link
 from axisrig.bench.rig.arrival import describe_arrival, stamp_clock
-from axisrig.bench.rig.master import build_link
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.measuring.latest_edge import StampClock
 

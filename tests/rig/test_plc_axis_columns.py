@@ -13,9 +13,9 @@ from axisrig.bench.rig.plc.axis_words import (
 from axisrig.bench.rig.plc.channel_words import Feedhold
 from axisrig.bench.rig.plc.override import OverrideCourse
 from axisrig.bench.rig.plc.words import Moment, Rule, read_rules
-from axisrig.kernel.clock import MS
 from axisrig.kernel.distance import DistanceCommand
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS
 
 
 def rules(column: str, cell: str) -> list[Rule]:

@@ -4,17 +4,17 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment, parse_column
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
 from axisrig.bench.rig.plc.channel_words import ProgramStart, Reset, channel_columns
 from axisrig.bench.rig.plc.override import OverrideCourse
 from axisrig.bench.rig.plc.words import Moment, Rule, read_rules
 from axisrig.bench.rig.programs import programs_of
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
-from axisrig.kernel.clock import MS
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import read_program
+from axisrig.kernel.time.clock import MS
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-z.toml"
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.campaign.runner import settings_of
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.rig.file import read_rig
 from axisrig.bench.rig.plc.channel_words import Feedhold
 from axisrig.bench.rig.plc.words import (
     Moment,
@@ -17,11 +17,11 @@ from axisrig.bench.rig.plc.words import (
     plc_objects,
     read_rules,
 )
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
-from axisrig.bench.run.runner import settings_of
-from axisrig.kernel.clock import MS, US
 from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, US
 
 ROOT = Path(__file__).parents[2]
 RIG = ROOT / "testplans" / "rigs" / "drive-functions.toml"

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.file import read_rig
-from axisrig.bench.rig.machine import Machine
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.parser import parse_program

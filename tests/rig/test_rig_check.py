@@ -6,12 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.rig.check import (
-    axis_telegrams,
-    check_rig,
-    has_latch_counter,
-    segment_schedules,
-)
+from axisrig.bench.rig.check import axis_telegrams, check_rig, has_latch_counter, segment_schedules
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 

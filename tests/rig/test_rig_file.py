@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.rig.file import MapTable, read_rig, rig_error
+from axisrig.bench.rig.reading.file import MapTable, read_rig, rig_error
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]

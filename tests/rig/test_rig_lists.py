@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.campaign.campaign import check_file
 from axisrig.bench.rig.check import check_rig
-from axisrig.bench.rig.lists import drive_input, substituted
+from axisrig.bench.rig.reading.lists import drive_input, substituted
 from axisrig.bench.rig.settings import AS_CANOPEN, Settings
-from axisrig.bench.run.campaign import check_file
 from axisrig.kernel.errors import UserError
 
 Write = Callable[..., Path]

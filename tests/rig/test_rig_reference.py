@@ -7,7 +7,7 @@ import pytest
 from pydantic import BaseModel
 from pydantic_core import PydanticUndefined
 
-from axisrig.bench.rig.file import (
+from axisrig.bench.rig.reading.file import (
     AxisTable,
     ChannelTable,
     CycleTable,
@@ -16,8 +16,8 @@ from axisrig.bench.rig.file import (
     RealtimeTable,
     SegmentTable,
 )
-from axisrig.bench.rig.plc.sensors import PlcSensorTable
-from axisrig.kernel.cosim.roles import role_table
+from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
+from axisrig.kernel.cosim.fmi.roles import role_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
 MODELS: dict[str, type[BaseModel]] = {

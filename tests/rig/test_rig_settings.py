@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
-from axisrig.bench.rig.file import read_rig
+from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, read_settings
 from axisrig.kernel.errors import UserError
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.machine.cnc import build_link
 from axisrig.bench.rig.check import axis_telegrams, check_rig, segment_schedules
-from axisrig.bench.rig.master import build_link
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 

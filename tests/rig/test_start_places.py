@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.rig.plants import (
+from axisrig.bench.machine.plants import (
     build_plant,
     check_plant,
     check_plants,

@@ -12,9 +12,9 @@ import pytest
 
 from axisrig.fmus import MODELS, ensure_built
 from axisrig.fmus.build import build
-from axisrig.kernel.cosim.fmu import FmuSlave, load_fmu
-from axisrig.kernel.cosim.plant import Plant
-from axisrig.kernel.cosim.roles import Roles, Source, map_roles, roles_of
+from axisrig.kernel.cosim.fmi.fmu import FmuSlave, load_fmu
+from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles, roles_of
+from axisrig.kernel.cosim.plant.plant import Plant
 
 ROOT = Path(__file__).parents[2]
 LIBRARIES = {

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS, US
+from axisrig.kernel.time.clock import MS, US
 
 Make = Callable[..., Any]
 BENT, FOLLOWER = "EdgeProof.Bent", "SteppingTest.Follower"

@@ -11,9 +11,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.fmu import load_fmu
-from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.cosim.fmi.fmu import load_fmu
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.time.clock import MS, US
 
 Fmu = Callable[[str], Path]
 PLANE, WORKPIECE = "AxisRig.Sensors.TouchProbe", "AxisRig.Sensors.WorkpieceProbe"

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.fmu import PlantError
-from axisrig.kernel.cosim.probe import SPEED_GAIN_M_S2, free_s
+from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.kernel.cosim.plant.probe import SPEED_GAIN_M_S2, free_s
+from axisrig.kernel.time.clock import MS, US
 
 Make = Callable[..., Any]
 BOUNCER, JUMPER, BENT = "SteppingTest.Bouncer", "SteppingTest.Jumper", "EdgeProof.Bent"

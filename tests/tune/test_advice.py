@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from axisrig.bench.tune.advice import (
+from axisrig.bench.tools.tune.advice import (
     KP_MAX,
     OVERSHOOT,
     SENSITIVITY_MAX,
@@ -11,7 +11,7 @@ from axisrig.bench.tune.advice import (
     advise,
     quality,
 )
-from axisrig.bench.tune.loop import Floats, Law, Loop, const_dist, set_pos
+from axisrig.bench.tools.tune.loop import Floats, Law, Loop, const_dist, set_pos
 
 T_S = 1e-3
 SLOW = np.concatenate([np.zeros(2), 0.05 * 0.95 ** np.arange(300)])

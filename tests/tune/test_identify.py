@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from axisrig.bench.tune.identify import Floats, Path, identify
+from axisrig.bench.tools.tune.identify import Floats, Path, identify
 
 BEGIN, STEP_MM = 100, 0.1
 SLOW = np.concatenate([np.zeros(3), 0.05 * 0.95 ** np.arange(297)])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from axisrig.bench.tune.loop import Floats, Law, Loop, both_encoders, const_dist, set_pos
+from axisrig.bench.tools.tune.loop import Floats, Law, Loop, both_encoders, const_dist, set_pos
 
 T_S = 1e-3
 

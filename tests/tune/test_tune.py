@@ -9,19 +9,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from axisrig.bench.cli import app
+from axisrig.bench.cli.main import app
 from axisrig.bench.oracles.distance.stability import mean_limit
-from axisrig.bench.tune.distance import (
-    BOTH_ENCODERS,
-    CONST_DIST,
-    SET_POS,
-    Mode,
-    Tuning,
-    tune,
-)
-from axisrig.bench.tune.loop import Law
-from axisrig.bench.tune.measure import Signals, Steps, choose, distance_step
-from axisrig.bench.tune.report import text_of, warnings_of
+from axisrig.bench.tools.tune.distance import BOTH_ENCODERS, CONST_DIST, SET_POS, Mode, Tuning, tune
+from axisrig.bench.tools.tune.loop import Law
+from axisrig.bench.tools.tune.measure import Signals, Steps, choose, distance_step
+from axisrig.bench.tools.tune.report import text_of, warnings_of
 from axisrig.kernel.errors import UserError
 
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"

@@ -9,7 +9,7 @@ from axisrig.fmus.build import (
     place_in_cache,
 )
 from axisrig.fmus.compiler import COMPILERS, PLATFORMS
-from axisrig.fmus.errors import BuildError
+from axisrig.fmus.reading.errors import BuildError
 
 __all__ = [
     "CATALOGUE",

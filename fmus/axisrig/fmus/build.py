@@ -29,8 +29,8 @@ from axisrig.fmus.compiler import (
     this_platform,
     universal_library,
 )
-from axisrig.fmus.errors import BuildError
 from axisrig.fmus.openmodelica import build_with_omc, omc_identity
+from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.ir import TARGET, compile_model
 from axisrig.fmus.writing.generate import SLAVES, Generated, generate, runtime_files
 

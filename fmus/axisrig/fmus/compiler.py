@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from axisrig.fmus.errors import BuildError
+from axisrig.fmus.reading.errors import BuildError
 
 PLATFORMS_FILE = Path(__file__).parent / "platforms.csv"
 # No fast-math and no contraction: the same sources give the same bits of results. No debug

@@ -7,7 +7,7 @@ import tempfile
 import zipfile
 from pathlib import Path
 
-from axisrig.fmus.errors import BuildError
+from axisrig.fmus.reading.errors import BuildError
 
 _SCRIPT = """setCommandLineOptions("--fmiFlags=s:cvode"); getErrorString();
 loadFile("{entry}"); getErrorString();

@@ -19,15 +19,15 @@ import pyarrow.parquet as pq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
+from axisrig.bench.campaign.results.stored import StoredResults, StoredRun, read_results
 from axisrig.bench.files import write_whole
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.results.stored import StoredResults, StoredRun, read_results
-from axisrig.bench.results.writer import BESIDES
+from axisrig.bench.record.event import BESIDES
 from axisrig.kernel.errors import UserError
-from axisrig.reports.bar import bar
 from axisrig.reports.distance.section import sections
 from axisrig.reports.fixed_stop.section import timelines
-from axisrig.reports.realtime import real_time
+from axisrig.reports.parts.bar import bar
+from axisrig.reports.parts.realtime import real_time
 from axisrig.reports.signals import chart, table
 
 _PLACE = re.compile(r" \([^()]*line \d+[^()]*\)")

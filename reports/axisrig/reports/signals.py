@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from axisrig.bench.results.writer import WARNING
+from axisrig.bench.record.event import WARNING
 from axisrig.reports.distance import signals as distance_signals
-from axisrig.reports.encode import encode_signal, pack
 from axisrig.reports.fixed_stop import signals as stop_signals
+from axisrig.reports.parts.encode import encode_signal, pack
 
 SHARED = "*"
 """Stands for the axis where a signal belongs to every axis, such as a probe."""

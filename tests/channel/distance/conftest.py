@@ -13,9 +13,9 @@ import pytest
 
 from axisrig.kernel.channel.distance.sensor import SensorSettings
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
-from axisrig.kernel.clock import MS, US
 from axisrig.kernel.distance import DistanceSettings, DistanceState
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS, US
 
 OFFSET_NS = 620 * US
 IDEAL_KV = 1e9

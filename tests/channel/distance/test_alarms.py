@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.faults import Drop
-from axisrig.kernel.clock import MS
 from axisrig.kernel.distance import DistanceCommand, DistanceState
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 LIMITS = {"min_pos_mm": -12.0, "max_pos_mm": -8.0}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.kernel.clock import MS, US
+from axisrig.kernel.time.clock import MS, US
 
 OFFSET_NS = 620 * US
 STEP_NS = 300 * MS + 300 * US  # between two SYNCs

@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS
 
 RISE_NS = 200 * MS
 RATE_MM_S = 2.0

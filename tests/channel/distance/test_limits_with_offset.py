@@ -5,8 +5,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.soft_limits import SoftLimits
-from axisrig.kernel.clock import MS
+from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 LIMITS = SoftLimits(negative_mm=0.0, positive_mm=12.0, tolerance_mm=0.1)

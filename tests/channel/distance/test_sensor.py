@@ -7,14 +7,10 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.distance.sensor import (
-    EncoderSensor,
-    SensorSettings,
-    VariableSensor,
-)
-from axisrig.kernel.clock import MS
+from axisrig.kernel.channel.distance.sensor import EncoderSensor, SensorSettings, VariableSensor
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 

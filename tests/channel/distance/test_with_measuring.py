@@ -5,9 +5,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 OFFSET_MM, STOP_MM = 0.75, 12.0

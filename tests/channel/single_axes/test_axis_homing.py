@@ -14,9 +14,9 @@ from axisrig.kernel.channel.axes.homing import (
     AxisHoming,
     Phase,
 )
-from axisrig.kernel.clock import MS
 from axisrig.kernel.drives.sdo import SdoError
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS
 
 MODE, DISPLAY, METHOD, ERROR = 0x6060, 0x6061, 0x6098, 0x603F
 ATTAINED, AT_REST, FAILED = 1 << 12, 1 << 10, 1 << 13

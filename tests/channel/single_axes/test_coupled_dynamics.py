@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.channel.axes.coupling import Couplings
-from axisrig.kernel.channel.settings import AxisSettings
+from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon

@@ -9,8 +9,8 @@ import pytest
 
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.bench.drive.node import DriveNode
-from axisrig.kernel.clock import MS
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS
 
 NODE = 3
 

@@ -15,11 +15,11 @@ from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
-from axisrig.bench.drive.eds import eds_text
+from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
 from axisrig.bench.drive.node import DriveNode
-from axisrig.bench.drive.profiles import named_profile, profile_names
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
 
 Make = Callable[..., Any]
 

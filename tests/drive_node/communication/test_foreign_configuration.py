@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.bench.drive.eds import eds_text
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 
 Make = Callable[..., Any]
 

@@ -12,8 +12,8 @@ from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.communication.nmt import NmtState
 from axisrig.bench.drive.node import DriveNode
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
 
 Make = Callable[..., Any]
 IDENTITY = (0, 402, 0x10000, 3)

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.node import DriveNode
-from axisrig.kernel.clock import MS
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS
+from axisrig.kernel.time.scheduler import Scheduler
 
 NODE = 3
 IDENTIFIERS = (

@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.drive.objects import ObjectRow, variables
-from axisrig.bench.drive.profiles import named_profile, profile_names
-from axisrig.kernel.clock import MS
+from axisrig.bench.drive.dictionary.objects import ObjectRow, variables
+from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
+from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.drive.communication.nmt import NmtState
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
 
 Make = Callable[..., Any]

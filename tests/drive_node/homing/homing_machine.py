@@ -2,12 +2,12 @@
 
 from bisect import bisect_left
 
+from axisrig.bench.drive.application.functions.ports import ControlKind
 from axisrig.bench.drive.application.servo import Servo
-from axisrig.bench.drive.ports import ControlKind
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import MS, US
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS, US
+from axisrig.kernel.time.scheduler import Scheduler
 
 UNITS_PER_MM = 2**20 / 10
 LOOK_NS = 125 * US

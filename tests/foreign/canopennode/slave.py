@@ -13,8 +13,8 @@ from pathlib import Path
 import can
 
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.kernel.clock import MS, US, Phase
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import MS, US, Phase
+from axisrig.kernel.time.scheduler import Scheduler
 
 from .dictionary import RECORDS, write_dictionary
 

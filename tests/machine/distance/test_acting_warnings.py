@@ -10,10 +10,10 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.rig.plants import plant_log
-from axisrig.bench.run.campaign import check_file
-from axisrig.bench.run.distance.acting import acting_warnings
-from axisrig.bench.run.single import run_program
+from axisrig.bench.campaign.campaign import check_file
+from axisrig.bench.campaign.single import run_program
+from axisrig.bench.judge.distance.acting import acting_warnings
+from axisrig.bench.machine.plants import plant_log
 
 RunDistance = Callable[..., Any]
 TESTPLANS = Path(__file__).parents[3] / "testplans"

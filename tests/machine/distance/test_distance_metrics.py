@@ -5,11 +5,11 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
+from axisrig.bench.judge.metrics import observe
+from axisrig.bench.judge.observation import Observation
+from axisrig.bench.judge.observe import Observed
 from axisrig.bench.plan.checks import known_metrics, parse_check
-from axisrig.bench.run.distance.metrics import DISTANCE_METRICS
-from axisrig.bench.run.metrics import observe
-from axisrig.bench.run.observation import Observation
-from axisrig.bench.run.observe import Observed
 
 LEVEL = "Z[DIST_CTRL ON CONST_DIST SET_DIST=1.9]\nG04 0.3\nZ[DIST_CTRL OFF NO_MOVE]"
 STEEP = ("set:Z.kenngr.distc.v_max=500000", "set:Z.kenngr.distc.a_max=10000000")

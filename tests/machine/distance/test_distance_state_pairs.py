@@ -6,9 +6,9 @@ from the texts on states and transitions (FCT-M3 8.1, TF5200 distance control 29
 
 import pytest
 
-from axisrig.kernel.channel.distance.unit import UnitCommand
 from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
 from axisrig.kernel.distance.states import changes
+from axisrig.kernel.plc.unit import UnitCommand
 
 ON = "Z[DIST_CTRL ON SET_POS=30]"
 ON_CONST = "Z[DIST_CTRL ON CONST_DIST SET_DIST=3]"

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.clock import MS
+from axisrig.kernel.time.clock import MS
 
 RunDistance = Callable[..., Any]
 PROGRAM = "N10 {on}\nN20 G4 0.4\nN30 Z[DIST_CTRL OFF NO_MOVE]"

@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.judge.fixed_stop.truth import power_of_arm
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.results.writer import CaseResult, ResultsWriter
-from axisrig.bench.run.fixed_stop.truth import power_of_arm
-from axisrig.bench.run.runner import run_case
-from axisrig.kernel.cosim.units import known_units
+from axisrig.kernel.cosim.fmi.units import known_units
 from axisrig.reports.build import build_report
 
 PLAN = read_plan(Path(__file__).parents[3] / "testplans" / "fixed_stop_rotary.csv")

@@ -6,9 +6,9 @@ import pytest
 from tests.machine.conftest import RIGS, run_files
 from tests.machine.fixed_stop.conftest import DETECT, RunStop, StopOutcome
 
-from axisrig.bench.run.plc import plc_side
-from axisrig.kernel.clock import MS
+from axisrig.bench.judge.plc import plc_side
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import MS
 
 BY_PLC = """\
 %by_plc

@@ -6,8 +6,8 @@
 import pytest
 from tests.machine.fixed_stop.conftest import RunStop, StopOutcome
 
-from axisrig.bench.run.plc import plc_side
-from axisrig.kernel.clock import MS
+from axisrig.bench.judge.plc import plc_side
+from axisrig.kernel.time.clock import MS
 
 LAG = {"pos_lag_limit": 15_000, "min_time": 100_000}  # 1.5 mm, 100 ms
 WINDOW = {"pos_lag_limit": 0, "max_delta_position_window": 1800, "min_time": 20_000}

@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from tests.machine.conftest import RIGS
 
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.results.writer import CaseResult
-from axisrig.bench.run.runner import run_case
 
 DETECT = "set:Z.kenngr.measure.fixed_stop_detect."
 METRICS = (

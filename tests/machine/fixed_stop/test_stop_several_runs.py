@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from tests.machine.conftest import RIGS
 
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.results.writer import CaseResult
-from axisrig.bench.run.runner import run_case
 
 PRESSED_MM = 0.1 * 2 * np.pi * 9.0 / 0.010 / 20e6 * 1e3  # 10 % of 9 N.m, 10 mm, 20 N/um
 LIMITED = "\n".join(

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.run.runner import run_case
 
 PLAN = Path(__file__).parents[3] / "testplans/fixed_stop_gantry.csv"
 LIMIT_N = 0.1 * 2 * np.pi * 9.0 / 0.010  # 10 % of 9 N.m on a screw of 10 mm

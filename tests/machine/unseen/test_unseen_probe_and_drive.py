@@ -5,7 +5,7 @@ import math
 import pytest
 from unseen_geometry import A_MM_S2, Run, near, plane, show, starts
 
-from axisrig.kernel.cosim.axis import PlantAxis
+from axisrig.kernel.cosim.plant.axis import PlantAxis
 
 
 def test_ball_pretravel_and_delays_add_up_along_the_normal(run_nc: Run) -> None:

@@ -12,8 +12,8 @@ from math import hypot, inf
 
 import pytest
 
-from axisrig.kernel.measuring.fixed_stop.run import FixedStopRun, StopPlan, Watched
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopPlan, Watched
 from axisrig.kernel.measuring.run import Order
 
 MS = 1_000_000

@@ -5,15 +5,7 @@ from axis_statements import Machine, alone, decode, kinds, measuring_type, moves
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.syntax import (
-    AxisCommand,
-    Command,
-    Group,
-    Name,
-    Number,
-    Variable,
-    Words,
-)
+from axisrig.kernel.nc.syntax import AxisCommand, Command, Group, Name, Number, Variable, Words
 
 
 def test_axes_of_one_block_begin_together_and_the_next_block_waits_for_both() -> None:

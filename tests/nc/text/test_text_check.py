@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.bench.cli import main
+from axisrig.bench.cli.main import main
 from axisrig.kernel.nc.text.check import axes_of, check_program
 
 XYZ = ("X", "Y", "Z")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.language import language_listing, page
+from axisrig.bench.tools.listings.language import language_listing, page
 from axisrig.kernel.nc.text.check import check_program
 from axisrig.kernel.nc.text.words import commands, examples, words
 

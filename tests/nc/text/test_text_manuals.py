@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.language import page
+from axisrig.bench.tools.listings.language import page
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.syntax import Command, Group, Name, Number, Variable, Words
 from axisrig.kernel.nc.text.check import check_program

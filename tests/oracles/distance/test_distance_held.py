@@ -8,12 +8,7 @@ import pytest
 from axisrig.bench.oracles.distance.held import held_growth, held_limit
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.model import first_order_drive
-from axisrig.bench.oracles.distance.smoothing import (
-    cascade,
-    exponential,
-    moving_average,
-    none,
-)
+from axisrig.bench.oracles.distance.smoothing import cascade, exponential, moving_average, none
 
 MS = 1_000_000
 

@@ -5,12 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from axisrig.bench.oracles.distance.cycles import (
-    NotMeasurableError,
-    Told,
-    measured,
-    predicted,
-)
+from axisrig.bench.oracles.distance.cycles import NotMeasurableError, Told, measured, predicted
 from axisrig.bench.oracles.distance.lists import Control, Limits, as_written
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.model import Law, Rig, simulate

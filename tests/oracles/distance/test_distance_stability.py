@@ -8,14 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from axisrig.bench.oracles.distance.lists import Control
-from axisrig.bench.oracles.distance.loop import (
-    BOTH,
-    CONST_DIST,
-    SET_POS,
-    Loop,
-    growth,
-    poles,
-)
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth, poles
 from axisrig.bench.oracles.distance.model import Law, Rig, first_order_drive, simulate
 from axisrig.bench.oracles.distance.smoothing import (
     Smoothing,

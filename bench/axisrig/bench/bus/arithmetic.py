@@ -10,13 +10,8 @@ a higher priority goes first. Source of the argument: Davis et al. 2007 (see
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from axisrig.bench.bus.frame import (
-    IFS_BITS,
-    STANDARD_ID_MAX,
-    arbitration_key,
-    worst_case_bits,
-)
-from axisrig.kernel.clock import US, S, TimeNs
+from axisrig.bench.bus.frame import IFS_BITS, STANDARD_ID_MAX, arbitration_key, worst_case_bits
+from axisrig.kernel.time.clock import US, S, TimeNs
 
 
 @dataclass(frozen=True)

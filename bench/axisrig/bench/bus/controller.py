@@ -8,8 +8,8 @@ from typing import Any, Literal, Protocol
 
 from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
 from axisrig.bench.bus.frame import Frame
-from axisrig.kernel.clock import TimeNs
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.scheduler import Scheduler
 
 Request = tuple[int, int, TimeNs, int, Frame]
 """A frame waiting to be sent: (arbitration key, sequence, time of the request, attempt, frame)."""

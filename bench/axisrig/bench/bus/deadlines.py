@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from math import ceil
 from typing import Any
 
-from axisrig.kernel.clock import US, TimeNs
+from axisrig.kernel.time.clock import US, TimeNs
 
 BINS_US = (0, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 50_000)
 """Lower ends of the bins of a histogram; the last one is open. The same in every run."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 
 from axisrig.bench.bus.controller import Controller
 from axisrig.bench.bus.frame import Frame
-from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 
 @dataclass(frozen=True)

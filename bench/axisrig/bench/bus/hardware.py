@@ -20,8 +20,8 @@ import can
 from can.interfaces import BACKENDS
 
 from axisrig.bench.bus.socketcand import SocketcandServer
-from axisrig.kernel.clock import MS, TimeNs
 from axisrig.kernel.errors import UserError, nearest
+from axisrig.kernel.time.clock import MS, TimeNs
 
 SIMULATED = "axisrig"
 _TRACEBACK = "Traceback (most recent call last)"

@@ -6,8 +6,8 @@ from functools import partial
 from axisrig.bench.bus.controller import Controller, Request
 from axisrig.bench.bus.faults import Delay, Swap
 from axisrig.bench.bus.standing import further_attempt
-from axisrig.kernel.clock import Phase, TimeNs
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import Phase, TimeNs
+from axisrig.kernel.time.scheduler import Scheduler
 
 
 class Held:

@@ -6,7 +6,7 @@ from functools import partial
 
 from axisrig.bench.bus.faults import Window
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.clock import Phase, TimeNs
+from axisrig.kernel.time.clock import Phase, TimeNs
 
 
 class Babbler:

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from axisrig.bench.bus.frame import Frame
-from axisrig.kernel.clock import MS, S, TimeNs
+from axisrig.kernel.time.clock import MS, S, TimeNs
 
 WINDOW_NS = MS
 """Resolution of the record; longer windows are sums of these."""

@@ -20,8 +20,8 @@ import can
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.files import named, naming
-from axisrig.kernel.clock import S, TimeNs
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import S, TimeNs
 
 LOG_SUFFIXES = {"blf": ".blf", "candump": ".log", "asc": ".asc", "pcap": ".pcap"}
 """Kind of log -> suffix of its file."""

@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from axisrig.bench.bus.deadlines import Deadlines
-from axisrig.kernel.clock import MS, US, Phase, S, TimeNs
-from axisrig.kernel.cosim.scheduler import Event, Scheduler
+from axisrig.kernel.time.clock import MS, US, Phase, S, TimeNs
+from axisrig.kernel.time.scheduler import Event, Scheduler
 
 SPIN_NS = 200 * US
 """So long before an instant the loop no longer sleeps: a sleep ends some 60 us late on Linux."""

@@ -8,8 +8,8 @@ frame that made a controller bus-off does not count.
 from collections.abc import Callable
 
 from axisrig.bench.bus.controller import Controller
-from axisrig.kernel.clock import Phase, S, TimeNs
-from axisrig.kernel.cosim.scheduler import Event, Scheduler
+from axisrig.kernel.time.clock import Phase, S, TimeNs
+from axisrig.kernel.time.scheduler import Event, Scheduler
 
 OCCURRENCES = 128
 RECESSIVE_BITS = 11

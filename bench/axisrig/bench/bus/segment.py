@@ -48,6 +48,7 @@ from axisrig.bench.bus.frame import (
     frame_bits,
     worst_case_bits,
 )
+from axisrig.bench.bus.frame_hash import FrameObserver
 from axisrig.bench.bus.held import Held
 from axisrig.bench.bus.load import LoadFigures, LoadMeter
 from axisrig.bench.bus.oddity import (
@@ -58,11 +59,10 @@ from axisrig.bench.bus.oddity import (
     SUSPEND_BITS,
     Oddity,
 )
-from axisrig.bench.bus.record import FrameObserver
 from axisrig.bench.bus.simbus import SimBus, message
 from axisrig.bench.bus.standing import Standing, passive
-from axisrig.kernel.clock import Phase, S, TimeNs
-from axisrig.kernel.cosim.scheduler import Event, Scheduler
+from axisrig.kernel.time.clock import Phase, S, TimeNs
+from axisrig.kernel.time.scheduler import Event, Scheduler
 
 _BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
 

@@ -28,7 +28,7 @@ from axisrig.bench.bus.frame import (
     Frame,
     arbitration_key,
 )
-from axisrig.kernel.clock import Phase, S, TimeNs, seconds_to_ns
+from axisrig.kernel.time.clock import Phase, S, TimeNs, seconds_to_ns
 
 MessageCallback = Callable[[can.Message], None]
 DataCallback = Callable[[int, bytes, float], None]

@@ -5,8 +5,8 @@ from collections.abc import Container, Sequence
 from axisrig.bench.bus.confinement import ErrorState
 from axisrig.bench.bus.controller import Controller, Request
 from axisrig.bench.bus.recovery import Recovery
-from axisrig.kernel.clock import TimeNs
-from axisrig.kernel.cosim.scheduler import Scheduler
+from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.scheduler import Scheduler
 
 
 class Standing:

@@ -10,18 +10,18 @@ from canopen.sdo.exceptions import SdoAbortedError
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.drive.application.functions.ports import AxisPort, SignalPort
 from axisrig.bench.drive.application.servo import Servo
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
 from axisrig.bench.drive.communication.nmt import NmtState
 from axisrig.bench.drive.communication.slave import CanopenSlave, Needs
-from axisrig.bench.drive.eds import eds_text
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.objects import variables
-from axisrig.bench.drive.ports import AxisPort, SignalPort
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.bench.drive.store import Owner
-from axisrig.kernel.clock import Clock, Phase
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.objects import variables
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.dictionary.store import Owner
 from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.time.clock import Clock, Phase
 
 CYCLIC_MODES = (8, 9, 10)  # cyclic synchronous position, velocity, torque
 MOVING = (State.OPERATION_ENABLED, State.QUICK_STOP_ACTIVE)

@@ -2,13 +2,13 @@
 
 from axisrig.bench.bus.arithmetic import SYNC
 from axisrig.bench.bus.frame import IFS_BITS, data_frame, frame_bits
-from axisrig.bench.drive.profile import CLOCK_NS
+from axisrig.bench.drive.dictionary.profile import CLOCK_NS
 from axisrig.bench.rig.check import axis_telegrams, latch_object_of
-from axisrig.bench.rig.outside import is_real
+from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.clock import MS, US, S
 from axisrig.kernel.drives.mapping import FROM_LATCH_TO_STAMP
 from axisrig.kernel.measuring.latest_edge import StampClock
+from axisrig.kernel.time.clock import MS, US, S
 
 
 def stamp_clock(settings: Settings, name: str) -> StampClock | None:

@@ -4,26 +4,21 @@ import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from axisrig.bench.bus.arithmetic import (
-    SYNC,
-    CycleArithmetic,
-    PlannedFrame,
-    cycle_arithmetic,
-)
-from axisrig.bench.drive.profiles import DEFAULT_PROFILE
-from axisrig.bench.rig.blame import blamed
-from axisrig.bench.rig.file import LOAD, DriveTable, rig_error
-from axisrig.bench.rig.lists import check_drive_types, check_numbers, drive_input
-from axisrig.bench.rig.outside import check_outside, is_real
+from axisrig.bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
+from axisrig.bench.drive.dictionary.profiles import DEFAULT_PROFILE
+from axisrig.bench.rig.cause import blamed
+from axisrig.bench.rig.reading.file import LOAD, DriveTable, rig_error
+from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers, drive_input
+from axisrig.bench.rig.reading.startup import drive_dictionary, drive_steps
+from axisrig.bench.rig.real_axes import check_outside, is_real
 from axisrig.bench.rig.settings import Settings
-from axisrig.bench.rig.startup import drive_dictionary, drive_steps
-from axisrig.kernel.clock import US
 from axisrig.kernel.drives.dictionary import check_functions, variable
 from axisrig.kernel.drives.ds402 import latch_object
 from axisrig.kernel.drives.functions import read_functions
 from axisrig.kernel.drives.mapping import FROM_LATCH_TO_COUNTER, Telegram, telegrams
 from axisrig.kernel.drives.startup_steps import BusSettings, Step
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import US
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added
 EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700

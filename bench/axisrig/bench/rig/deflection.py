@@ -8,13 +8,13 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
 
-from axisrig.bench.rig.file import PlantTable, rig_error
+from axisrig.bench.rig.reading.file import PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.clock import TimeNs
-from axisrig.kernel.cosim.plant import Plant
-from axisrig.kernel.cosim.probe import Contact, PlantProbe
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import TimeNs
 
 RESTING_M_S = 1e-9
 """Below this speed an axis has no direction."""

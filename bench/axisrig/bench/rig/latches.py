@@ -6,8 +6,8 @@ from enum import Enum
 from axisrig.bench.bus.arithmetic import PlannedFrame
 from axisrig.bench.rig.check import SDO_FRAMES, axis_telegrams, schedule_of
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.clock import S
 from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.time.clock import S
 
 MEASURES = "kenngr.messachse"
 WHAT_PASSES = "a latch that is altered alike in every telegram passes if it lies where the axis was"

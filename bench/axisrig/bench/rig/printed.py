@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 
-from axisrig.bench.rig.outside import simulated_plants
+from axisrig.bench.rig.real_axes import simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import printable
 

@@ -6,7 +6,7 @@ plant turns where the rig maps its angle with 360 mm for a revolution (docs/rigs
 
 from math import isclose, pi
 
-from axisrig.bench.rig.file import MapTable
+from axisrig.bench.rig.reading.file import MapTable
 from axisrig.bench.rig.settings import Settings
 
 FULL_TURN_M = 0.36

@@ -10,11 +10,12 @@ from pathlib import Path
 
 from pydantic import ValidationError
 
-from axisrig.bench.drive.profiles import value_of
+from axisrig.bench.drive.dictionary.profiles import value_of
 from axisrig.bench.plan.assignment import Assignment
-from axisrig.bench.rig.faults import Fault, needs_heartbeats, read_faults
-from axisrig.bench.rig.file import DriveTable, RigFile, SegmentTable
-from axisrig.bench.rig.lists import (
+from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
+from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
+from axisrig.bench.rig.reading.file import DriveTable, RigFile, SegmentTable
+from axisrig.bench.rig.reading.lists import (
     OFFSET_LISTS,
     inert_notes,
     offset_notes,
@@ -23,13 +24,12 @@ from axisrig.bench.rig.lists import (
     stop_notes,
     take_over,
 )
-from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
-from axisrig.kernel.clock import MS, S, TimeNs
 from axisrig.kernel.errors import Alarm, UserError, nearest
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.parameters import Origin, ParameterSet
+from axisrig.kernel.time.clock import MS, S, TimeNs
 
 PER_MILLE = 1000
 SIMULATED_LIMIT_NS = 600 * S

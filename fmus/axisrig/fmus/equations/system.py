@@ -11,13 +11,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from axisrig.fmus.equations.actions import (
-    Action,
-    actions_of,
-    kind_of,
-    read_message,
-    start_check,
-)
+from axisrig.fmus.equations.actions import Action, actions_of, kind_of, read_message, start_check
 from axisrig.fmus.equations.clocks import Schedule, read_clocks
 from axisrig.fmus.equations.events import AT_ZERO, Memories, Relation, Row, is_synthetic
 from axisrig.fmus.equations.sorting import Block, Equation, Solver

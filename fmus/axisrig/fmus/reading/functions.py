@@ -10,24 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from axisrig.fmus.reading.arrays import (
-    ARRAYS,
-    Value,
-    elementwise,
-    indexed,
-    matrix_product,
-    whole,
-)
+from axisrig.fmus.reading.arrays import ARRAYS, Value, elementwise, indexed, matrix_product, whole
 from axisrig.fmus.reading.calls import read_owners
-from axisrig.fmus.reading.expressions import (
-    ONE,
-    UNARY,
-    ZERO,
-    Expr,
-    UnsupportedError,
-    apply,
-    const,
-)
+from axisrig.fmus.reading.expressions import ONE, UNARY, ZERO, Expr, UnsupportedError, apply, const
 from axisrig.fmus.reading.ir import Ir
 
 MAX_NODES = 200_000  # of one call, with everything that it calls

@@ -12,8 +12,8 @@ from typing import Any
 
 import rumoca
 
-from axisrig.fmus.errors import BuildError
 from axisrig.fmus.reading.classes import used_classes
+from axisrig.fmus.reading.errors import BuildError
 
 SCHEMA_VERSION = 71
 TARGET = Path(__file__).parent.parent / "target"

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from axisrig.fmus.errors import BuildError
 from axisrig.fmus.reading.classes import used_classes
+from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.expressions import Expr
 from axisrig.fmus.reading.ir import Ir, Source
 

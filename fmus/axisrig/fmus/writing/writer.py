@@ -4,14 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 
-from axisrig.fmus.reading.expressions import (
-    BINARY,
-    COMPARE,
-    UNARY,
-    Expr,
-    c_number,
-    in_order,
-)
+from axisrig.fmus.reading.expressions import BINARY, COMPARE, UNARY, Expr, c_number, in_order
 
 MAX_DEPTH = 30  # of nested expressions on one line
 

@@ -9,27 +9,28 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from axisrig.kernel.channel.axes import SingleAxes
-from axisrig.kernel.channel.distance.controls import DistanceControls
+from axisrig.kernel.channel.control_units import ControlUnits
+from axisrig.kernel.channel.distance_controls import DistanceControls
 from axisrig.kernel.channel.drive_functions import DriveFunctions
-from axisrig.kernel.channel.execution import Execution
-from axisrig.kernel.channel.measurement import Measurement
-from axisrig.kernel.channel.monitor import Monitor, PowerUp
-from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.path.execution import Execution
+from axisrig.kernel.channel.path.measurement import Measurement
+from axisrig.kernel.channel.path.monitor import Monitor, PowerUp
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.soft_limits import SoftLimitWatch
 from axisrig.kernel.channel.pauses import Pauses
-from axisrig.kernel.channel.plc import PlcInterface
 from axisrig.kernel.channel.reactions import Reactions, faulty_axes
 from axisrig.kernel.channel.reset import Reset
-from axisrig.kernel.channel.settings import AxisSettings, CycleTiming
-from axisrig.kernel.channel.soft_limits import SoftLimitWatch
 from axisrig.kernel.channel.state import AT_REST, CONTROLLED, FAILED, ChannelState
 from axisrig.kernel.channel.view import ChannelView
-from axisrig.kernel.clock import Clock, Phase, TimeNs
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.startup import StartUp
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.interface import PlcInterface
+from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
 SYNC_COB_ID = 0x80
 
@@ -74,7 +75,8 @@ class Channel(ChannelView):
             warn=self.warn,
         )
         self.execution = Execution(put_out)
-        self.plc = PlcInterface(clock, self.path, by_axis)
+        self.plc = PlcInterface(clock, by_axis)
+        self._units = ControlUnits(self.plc, self.path)
         in_position = self.path.is_in_position
         self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc.events)
         self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
@@ -131,7 +133,7 @@ class Channel(ChannelView):
         if distance.axes:
             self.path.superposed_mm = distance.superposed_mm
             self.path.counted_mm = distance.counted_mm
-        single.independent.override_permille = plc.override_beside_permille
+        single.independent.override_permille = self._units.override_beside_permille
         return distance
 
     def is_measuring(self, axis: str) -> bool:
@@ -243,7 +245,7 @@ class Channel(ChannelView):
         try:
             self._take()  # 1 what the bus delivered
             if self.start_ns is not None:
-                self.plc.step()  # 1b what the PLC side commands
+                self._units.step()  # 1b what the PLC side commands
                 self._obey()
             self._control()
             if self.state is ChannelState.RUNNING:
@@ -324,7 +326,7 @@ class Channel(ChannelView):
         if self._power_up.step():
             self.state = ChannelState.RUNNING
             self.start_ns = self._clock.now_ns
-            self.plc.step()
+            self._units.step()
             self.distance.step()
 
     # What observers and the command line read

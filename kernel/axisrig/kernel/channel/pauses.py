@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 
-from axisrig.kernel.channel.execution import Execution
-from axisrig.kernel.channel.plc import PlcAction, PlcEvent
-from axisrig.kernel.clock import Clock, TimeNs
+from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.interface import PlcAction, PlcEvent
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 
 class Pauses:

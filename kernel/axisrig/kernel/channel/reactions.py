@@ -9,13 +9,13 @@ Source: ISG kernel, overview of the error reaction classes (249161867); P-AXIS-0
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 
-from axisrig.kernel.channel.execution import Execution
-from axisrig.kernel.channel.measurement import Measurement
-from axisrig.kernel.channel.path import Path
-from axisrig.kernel.clock import Clock, TimeNs
+from axisrig.kernel.channel.path.execution import Execution
+from axisrig.kernel.channel.path.measurement import Measurement
+from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.ramp import Ramp
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 OWNER = "axis "  # before the name where a value may also name the channel
 NOT_FOLLOWING = 900029  # braking the set position would not stop this axis

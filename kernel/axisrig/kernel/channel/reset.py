@@ -6,10 +6,10 @@ controls are off with their offset kept. Sources: FCT-M3 6 and 12.8.4; TF527x ke
 
 from collections.abc import Callable, Sequence
 
-from axisrig.kernel.channel.monitor import PowerUp
-from axisrig.kernel.channel.path import Path
+from axisrig.kernel.channel.path.monitor import PowerUp
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import CycleTiming
 from axisrig.kernel.channel.reactions import Reactions
-from axisrig.kernel.channel.settings import CycleTiming
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.drives.link import AxisLink
 

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from axisrig.kernel.channel.distance.controls import DistanceControls
+from axisrig.kernel.channel.distance_controls import DistanceControls
 from axisrig.kernel.channel.drive_functions import DriveFunctions
-from axisrig.kernel.channel.measurement import Measurement
-from axisrig.kernel.channel.path import Path
-from axisrig.kernel.channel.settings import AxisSettings
+from axisrig.kernel.channel.path.measurement import Measurement
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.drives.link import AxisLink
 
 

@@ -15,7 +15,6 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.distance.controller import Controller
 from axisrig.kernel.distance.filters import Filter, make_filter, memory_cycles
 from axisrig.kernel.distance.limiter import Limiter
@@ -28,13 +27,9 @@ from axisrig.kernel.distance.states import (
     Source,
     changes,
 )
-from axisrig.kernel.distance.supervision import (
-    Silence,
-    change_alarm,
-    deviation_alarm,
-    range_alarm,
-)
+from axisrig.kernel.distance.supervision import Silence, change_alarm, deviation_alarm, range_alarm
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import TimeNs
 
 # Newer and older ID
 NO_SET_VALUE: Mapping[DistanceState, tuple[int, ...]] = {

@@ -5,8 +5,8 @@ delta = kp (e + (T/Tn) sum of e + (Tv/T) (e - e before)), from the meaning of P-
 ramp of the error the D part is that which the P part is after Tv.
 """
 
-from axisrig.kernel.clock import TimeNs, ns_to_seconds
 from axisrig.kernel.distance.settings import DistanceSettings
+from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
 
 class Controller:

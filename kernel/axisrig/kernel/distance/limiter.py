@@ -7,8 +7,8 @@ offset is run out, speed follows a braking curve and ends at exactly 0. Sources:
 
 import math
 
-from axisrig.kernel.clock import TimeNs, ns_to_seconds
 from axisrig.kernel.distance.settings import DistanceSettings
+from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
 PERMILLE = 1000
 # The braking curve leaves the acceleration room for the rounding of floats

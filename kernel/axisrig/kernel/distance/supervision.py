@@ -2,9 +2,9 @@
 
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import TimeNs, ns_to_seconds
 from axisrig.kernel.distance.settings import DistanceSettings
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
 SILENT = (900314,)
 # Newer and older ID

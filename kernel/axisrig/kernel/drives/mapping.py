@@ -13,8 +13,8 @@ from importlib import resources
 from pathlib import Path
 from typing import Any, Final
 
-from axisrig.kernel.clock import MS, TimeNs
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, TimeNs
 
 # Pre-defined connection set: CiA 301, COB-ID = base + node id
 COB_ID_BASE = {

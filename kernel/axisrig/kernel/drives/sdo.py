@@ -13,7 +13,7 @@ from functools import cache
 from importlib import resources
 from typing import Any, Final, Protocol
 
-from axisrig.kernel.clock import MS, Clock, Phase, TimeNs
+from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 REQUEST_BASE: Final = 0x600
 RESPONSE_BASE: Final = 0x580

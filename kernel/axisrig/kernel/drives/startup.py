@@ -8,7 +8,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from axisrig.kernel.clock import MS, Clock, Phase
 from axisrig.kernel.drives.sdo import Network, SdoClient, SdoError, object_name
 from axisrig.kernel.drives.startup_steps import (
     SCALING,
@@ -23,6 +22,7 @@ from axisrig.kernel.drives.startup_steps import (
     Write,
 )
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS, Clock, Phase
 
 HEARTBEAT_BASE = 0x700
 NMT_ID = 0x000

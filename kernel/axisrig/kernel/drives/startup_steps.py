@@ -11,11 +11,11 @@ from typing import Final, Literal
 
 from canopen.objectdictionary import ObjectDictionary
 
-from axisrig.kernel.clock import MS, TimeNs
 from axisrig.kernel.drives.dictionary import check_mapping, encode, variable
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.drives.sdo import object_name
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import MS, TimeNs
 
 NOT_VALID: Final = 1 << 31
 PROFILE_MASK = 0xFFFF  # low word of 1000: number of the device profile

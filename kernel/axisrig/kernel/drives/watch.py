@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from axisrig.kernel.clock import MS, Clock, Phase, TimeNs
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.drives.emergency import Emergency
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 ERROR_CONTROL_BASE = 0x700
 BOOT_UP, STOPPED, OPERATIONAL, PRE_OPERATIONAL = 0, 4, 5, 127

@@ -10,7 +10,7 @@ Source: docs/ambiguities.md, "When is there no signal?".
 from dataclasses import dataclass
 from typing import Protocol
 
-from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 _STAMP_MASK = 0xFFFF_FFFF
 

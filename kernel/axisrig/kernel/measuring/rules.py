@@ -8,12 +8,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from math import dist, inf, sqrt
 
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc.measuring_types import MeasuringType
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import TimeNs
 
 SIGNAL = "kenngr.measure.signal"
 SPHERE = 6  # mode of P-AXIS-00112

@@ -21,10 +21,10 @@ from dataclasses import dataclass, field
 from enum import Enum, auto
 from typing import Protocol
 
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
 from axisrig.kernel.measuring.latest_edge import LatestEdge, StatusPort
+from axisrig.kernel.time.clock import TimeNs
 
 # Cycles that a drive may take to show a changed latch control word: four times the two to four
 # cycles of known drives (docs/touch-probe.md).

@@ -3,9 +3,9 @@
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
-from axisrig.kernel.clock import S, TimeNs
 from axisrig.kernel.motion.curves import Curve, Line, Positions, put
 from axisrig.kernel.motion.profile import Profile, Slope, plan_rest
+from axisrig.kernel.time.clock import S, TimeNs
 
 __all__ = ["Interpolator", "Positions", "SetpointBuffer"]
 

@@ -1,7 +1,7 @@
 """The ramp of one axis that stops by itself, off the path."""
 
-from axisrig.kernel.clock import S, TimeNs
 from axisrig.kernel.motion.profile import Profile, Slope, plan
+from axisrig.kernel.time.clock import S, TimeNs
 
 STANDING_MM_S = 1e-6  # below it is what rounding leaves of standstill
 

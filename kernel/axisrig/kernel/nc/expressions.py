@@ -6,16 +6,7 @@ Source: TF5200 programming manual 206014219 (expressions), 206901003 (what count
 import math
 from collections.abc import Callable, Iterator, Mapping
 
-from axisrig.kernel.nc.syntax import (
-    Call,
-    Chain,
-    Expression,
-    Negative,
-    Not,
-    Number,
-    Text,
-    Variable,
-)
+from axisrig.kernel.nc.syntax import Call, Chain, Expression, Negative, Not, Number, Text, Variable
 
 Value = float | str
 Read = Callable[[Variable], Value]

@@ -7,19 +7,12 @@ kernel. For a rotary axis mm reads degrees: the divisors are the same.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import US, TimeNs
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.parameters.origin import Origin
-from axisrig.kernel.parameters.table import (
-    KINDS,
-    NUMBER,
-    Kind,
-    Parameter,
-    indices_of,
-    table,
-)
+from axisrig.kernel.parameters.table import KINDS, NUMBER, Kind, Parameter, indices_of, table
 from axisrig.kernel.parameters.types import Value
 from axisrig.kernel.parameters.units import UNITS
+from axisrig.kernel.time.clock import US, TimeNs
 
 ROTARY = ("ACHSTYP_ROTATOR", "ACHSTYP_SPINDEL", "2", "4", "0x0002", "0x0004")
 

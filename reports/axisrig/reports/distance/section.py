@@ -9,11 +9,11 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.bench.results.writer import WARNING
-from axisrig.reports.bar import bar
+from axisrig.bench.record.event import WARNING
 from axisrig.reports.distance.path import drawing
 from axisrig.reports.distance.signals import Control, controls_of
 from axisrig.reports.distance.words import happened, is_unstable, law_words, state
+from axisrig.reports.parts.bar import bar
 
 _NS_PER_MS = 1e6
 _REACHED = 1e-6

@@ -7,14 +7,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from axisrig.reports.distance.signals import (
-    DISTANCE,
-    FOLLOWING,
-    SURFACE,
-    Control,
-    Signal,
-    column,
-)
+from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Control, Signal, column
 
 _NS_PER_MS = 1e6
 _SETTLED = 0.05

@@ -9,8 +9,7 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.bench.results.writer import WARNING
-from axisrig.reports.bar import bar
+from axisrig.bench.record.event import WARNING
 from axisrig.reports.fixed_stop.signals import (
     Stop,
     contact_ns,
@@ -22,6 +21,7 @@ from axisrig.reports.fixed_stop.signals import (
 )
 from axisrig.reports.fixed_stop.timeline import Row, Span, axis, lane
 from axisrig.reports.fixed_stop.words import answers, state
+from axisrig.reports.parts.bar import bar
 
 _NS_PER_MS = 1e6
 _AFTER_END_NS = 20_000_000

@@ -2,23 +2,23 @@
 
 from collections.abc import Mapping
 
-from axisrig.bench.drive.application.index_pulse import IndexPulse
-from axisrig.bench.drive.application.latch_position import LatchPosition
-from axisrig.bench.drive.application.limits import Limits
-from axisrig.bench.drive.application.modes.base import Parts
-from axisrig.bench.drive.application.motion import Motion
-from axisrig.bench.drive.application.stop import Standstill
-from axisrig.bench.drive.application.switches import Switches
-from axisrig.bench.drive.application.touch_probe import (
+from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
+from axisrig.bench.drive.application.functions.latch_position import LatchPosition
+from axisrig.bench.drive.application.functions.limits import Limits
+from axisrig.bench.drive.application.functions.motion import Motion
+from axisrig.bench.drive.application.functions.ports import AxisPort, SignalPort
+from axisrig.bench.drive.application.functions.stop import Standstill
+from axisrig.bench.drive.application.functions.switches import Switches
+from axisrig.bench.drive.application.functions.touch_probe import (
     HARDWARE_INDEX,
     SOFTWARE_INDEX,
     Encoders,
     TouchProbe,
 )
-from axisrig.bench.drive.application.units import Units
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.ports import AxisPort, SignalPort
-from axisrig.bench.drive.profile import DriveProfile
+from axisrig.bench.drive.application.functions.units import Units
+from axisrig.bench.drive.application.modes.base import Parts
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 
 Signals = tuple[SignalPort | None, SignalPort | None]
 

@@ -2,13 +2,13 @@
 
 import math
 
-from axisrig.bench.drive.application.held import Held
-from axisrig.bench.drive.application.limits import Limits
+from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.limits import Limits
+from axisrig.bench.drive.application.functions.ports import AxisPort
+from axisrig.bench.drive.application.functions.units import U32_MAX
 from axisrig.bench.drive.application.modes import Mode
-from axisrig.bench.drive.application.units import U32_MAX
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.ports import AxisPort
-from axisrig.kernel.clock import TimeNs
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.kernel.time.clock import TimeNs
 
 FOLLOWING_ERROR = 0x8611  # emergency code of CiA 402
 OVERSPEED = 0x8400  # emergency code of CiA 402: velocity controller

@@ -7,11 +7,10 @@ method gets the present simulated time.
 from collections.abc import Callable, Mapping
 
 from axisrig.bench.drive.application.assembly import make_parts
-from axisrig.bench.drive.application.modes import MODES, Mode
-from axisrig.bench.drive.application.monitor import FOLLOWING_ERROR, Monitor
-from axisrig.bench.drive.application.motion import POSITION
-from axisrig.bench.drive.application.sampler import SELDOM, Sampler
-from axisrig.bench.drive.application.states import (
+from axisrig.bench.drive.application.functions.motion import POSITION
+from axisrig.bench.drive.application.functions.ports import AxisPort, SignalPort
+from axisrig.bench.drive.application.functions.sampler import SELDOM, Sampler
+from axisrig.bench.drive.application.functions.states import (
     BY_LIMIT,
     CONTINUE,
     OPTIONS,
@@ -19,18 +18,19 @@ from axisrig.bench.drive.application.states import (
     Reaction,
     StateMachine,
 )
-from axisrig.bench.drive.application.stop import Stop
-from axisrig.bench.drive.application.ticks import Ticker
+from axisrig.bench.drive.application.functions.stop import Stop
+from axisrig.bench.drive.application.functions.ticks import Ticker
+from axisrig.bench.drive.application.modes import MODES, Mode
+from axisrig.bench.drive.application.monitor import FOLLOWING_ERROR, Monitor
 from axisrig.bench.drive.communication.emergency import (
     COMMUNICATION_ERROR,
     PROFILE_ERROR,
     Emergency,
 )
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.ports import AxisPort, SignalPort
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.kernel.clock import Clock, TimeNs
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import STATES, State, Status, automatic
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 REFERENCE_LIMIT = 0x8612  # emergency code of CiA 402: a limit switch has stopped the axis
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat

@@ -9,12 +9,12 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
 from axisrig.bench.drive.communication.identifiers import NOT_VALID, check_cob_id
 from axisrig.bench.drive.communication.timer import Timer
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.store import ObjectStore, Owner
-from axisrig.kernel.clock import US, Clock
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.store import ObjectStore, Owner
+from axisrig.kernel.time.clock import US, Clock
 
 NO_ERROR: Final = 0x0000
 GENERIC_ERROR: Final = 1 << 0

@@ -10,10 +10,10 @@ from functools import partial
 from typing import Final
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
 from axisrig.bench.drive.communication.timer import Timer
-from axisrig.bench.drive.store import ObjectStore, Owner
-from axisrig.kernel.clock import MS, Clock, Phase, TimeNs
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.store import ObjectStore, Owner
+from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 GUARD_TIME, LIFE_TIME_FACTOR = 0x100C, 0x100D
 CONSUMER_TIME, PRODUCER_TIME = 0x1016, 0x1017

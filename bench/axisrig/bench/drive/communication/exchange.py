@@ -19,9 +19,9 @@ from axisrig.bench.drive.communication.pdo import (
     read_tpdo,
 )
 from axisrig.bench.drive.communication.timer import Timer
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.store import ObjectStore, Owner
-from axisrig.kernel.clock import Clock, Phase
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.store import ObjectStore, Owner
+from axisrig.kernel.time.clock import Clock, Phase
 
 # Emergency codes of CiA 301
 TOO_SHORT = 0x8210  # PDO not processed: shorter than its mapping

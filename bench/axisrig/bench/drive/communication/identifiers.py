@@ -5,7 +5,7 @@ Source: CiA 301, structures of the COB-ID entries and table of restricted CAN-ID
 
 from typing import Final
 
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
 
 NOT_VALID: Final = 1 << 31
 BIT_30: Final = 1 << 30

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from axisrig.kernel.clock import MS, Clock, Phase
+from axisrig.kernel.time.clock import MS, Clock, Phase
 
 REQUEST_ID, ANSWER_ID = 0x7E5, 0x7E4
 UNCONFIGURED: Final = 255

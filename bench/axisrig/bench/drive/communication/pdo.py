@@ -9,17 +9,12 @@ from dataclasses import dataclass
 from operator import attrgetter
 from typing import Final
 
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
-from axisrig.bench.drive.communication.identifiers import (
-    BIT_30,
-    ID_MASK,
-    NOT_VALID,
-    check_cob_id,
-)
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.objects import DUMMIES
-from axisrig.bench.drive.store import ObjectStore
-from axisrig.kernel.clock import MS, US, TimeNs
+from axisrig.bench.drive.communication.identifiers import BIT_30, ID_MASK, NOT_VALID, check_cob_id
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.objects import DUMMIES
+from axisrig.bench.drive.dictionary.store import ObjectStore
+from axisrig.kernel.time.clock import MS, US, TimeNs
 
 COUNT: Final = 4  # RPDOs and TPDOs of a node
 RPDO_COMMUNICATION, RPDO_MAPPING = 0x1400, 0x1600

@@ -12,7 +12,6 @@ from typing import Final, Protocol
 
 from canopen.sdo.exceptions import SdoAbortedError
 
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
 from axisrig.bench.drive.communication.sdo_transfers import (
     BlockDownload,
     BlockUpload,
@@ -22,7 +21,8 @@ from axisrig.bench.drive.communication.sdo_transfers import (
     Transfer,
 )
 from axisrig.bench.drive.communication.timer import Timer
-from axisrig.kernel.clock import MS, Clock, Phase, TimeNs
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.kernel.time.clock import MS, Clock, Phase, TimeNs
 
 TIMEOUT_NS: Final = 1000 * MS  # how long a transfer waits for its client
 EXPEDITED_MAX = 4

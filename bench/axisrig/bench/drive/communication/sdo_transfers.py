@@ -8,8 +8,8 @@ import binascii
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
-from axisrig.kernel.clock import Clock, Phase, TimeNs
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
 SEGMENT = 7  # data bytes of a segment
 _TOGGLE = 0x10

@@ -24,11 +24,7 @@ from axisrig.bench.drive.communication.error_control import (
     HeartbeatProducer,
     NodeGuarding,
 )
-from axisrig.bench.drive.communication.exchange import (
-    TIMED_OUT,
-    ExchangeEvents,
-    PdoExchange,
-)
+from axisrig.bench.drive.communication.exchange import TIMED_OUT, ExchangeEvents, PdoExchange
 from axisrig.bench.drive.communication.nmt import (
     COMMANDS,
     ERROR_BEHAVIOUR,
@@ -43,10 +39,10 @@ from axisrig.bench.drive.communication.sdo_server import SdoServer
 from axisrig.bench.drive.communication.sdo_transfers import SegmentOutlet
 from axisrig.bench.drive.communication.storage import ParameterStorage
 from axisrig.bench.drive.communication.sync import SYNC_LOST, SyncConsumer, SyncEvents
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.bench.drive.store import ObjectStore
-from axisrig.kernel.clock import US, Clock, Phase, TimeNs
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.dictionary.store import ObjectStore
+from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 EVERYTHING: Final = (0x1000, 0xFFFF)
 COMMUNICATION: Final = (0x1000, 0x1FFF)

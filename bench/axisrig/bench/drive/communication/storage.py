@@ -7,11 +7,11 @@ Process data, that is everything an RPDO can carry, is not stored.
 from collections.abc import Mapping
 from typing import Final
 
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
-from axisrig.bench.drive.defaults import default_value
-from axisrig.bench.drive.objects import ObjectRow
-from axisrig.bench.drive.profile import DriveProfile
-from axisrig.bench.drive.store import Key, ObjectStore, Owner
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.defaults import default_value
+from axisrig.bench.drive.dictionary.objects import ObjectRow
+from axisrig.bench.drive.dictionary.profile import DriveProfile
+from axisrig.bench.drive.dictionary.store import Key, ObjectStore, Owner
 
 STORE, RESTORE, VERIFY = 0x1010, 0x1011, 0x1020
 SAVE: Final = int.from_bytes(b"save", "little")

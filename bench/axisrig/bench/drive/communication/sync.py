@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Final
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.drive.communication.aborts import AbortCode, abort
 from axisrig.bench.drive.communication.emergency import COMMUNICATION_ERROR, Emergency
 from axisrig.bench.drive.communication.identifiers import (
     BIT_30,
@@ -17,8 +16,9 @@ from axisrig.bench.drive.communication.identifiers import (
     check_identifier,
 )
 from axisrig.bench.drive.communication.timer import Timer
-from axisrig.bench.drive.store import ObjectStore, Owner
-from axisrig.kernel.clock import US, Clock, Phase, TimeNs
+from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
+from axisrig.bench.drive.dictionary.store import ObjectStore, Owner
+from axisrig.kernel.time.clock import US, Clock, Phase, TimeNs
 
 SYNC_ID, PERIOD, WINDOW, COUNTER_OVERFLOW = 0x1005, 0x1006, 0x1007, 0x1019
 LENGTH_ERROR: Final = 0x8240  # emergency code of CiA 301: unexpected SYNC data length

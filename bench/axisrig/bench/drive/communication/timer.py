@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from axisrig.kernel.clock import Clock, Phase, TimeNs
+from axisrig.kernel.time.clock import Clock, Phase, TimeNs
 
 
 class Timer:

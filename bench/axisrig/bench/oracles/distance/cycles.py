@@ -10,7 +10,7 @@ Sources: docs/architecture.md, "One order"; P-AXIS-00509.
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 # Sent in a cycle, acting at the next SYNC, reached at the one behind it
 WAY_CYCLES = 2

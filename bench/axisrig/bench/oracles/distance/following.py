@@ -10,16 +10,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy import signal
 
-from axisrig.bench.oracles.distance.loop import (
-    BOTH,
-    SET_POS,
-    Loop,
-    growth,
-    polynomials,
-    transfer,
-)
+from axisrig.bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth, polynomials, transfer
 from axisrig.bench.oracles.distance.smoothing import Polynomial
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 Answer = npt.NDArray[np.complex128]
 

@@ -6,7 +6,7 @@ Sources: FCT-M3 7.2, 7.4; P-AXIS-00414 to 00417, 00501 to 00505, 00533, 00534.
 
 import math
 
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 PER_MILLE = 1000.0
 

@@ -7,7 +7,7 @@ structure `kenngr.dist_ctrl[0].` wins over the older `kenngr.distc.`.
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 Written = Mapping[str, object]
 """Parameter -> value, only of those that a list or a plan has written."""

@@ -15,7 +15,7 @@ from axisrig.bench.oracles.distance.limits import adaptive_mm_s2, downwards, low
 from axisrig.bench.oracles.distance.lists import Control, Limits
 from axisrig.bench.oracles.distance.loop import BOTH, SET_POS
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 Signal = npt.NDArray[np.float64]
 UNLIMITED = Limits(math.inf, math.inf, math.inf, math.inf, -math.inf, math.inf)

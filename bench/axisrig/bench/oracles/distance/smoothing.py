@@ -12,7 +12,7 @@ from scipy import signal
 
 from axisrig.bench.oracles.distance.filters import PROCESS_SIGMA_MM
 from axisrig.bench.oracles.distance.lists import Control
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 Polynomial = npt.NDArray[np.float64]
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from axisrig.bench.oracles.distance.lists import Limits
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 Signal = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.kernel.cosim.axis import hermite
+from axisrig.kernel.cosim.plant.axis import hermite
 
 Signal = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]

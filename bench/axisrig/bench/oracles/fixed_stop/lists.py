@@ -7,7 +7,7 @@ Source: FCT-C4 8.2.2, P-AXIS-00774 to 00778 with their fall-backs P-AXIS-00769 t
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import US, TimeNs
+from axisrig.kernel.time.clock import US, TimeNs
 
 _MEASURING = "kenngr.measure.fixed_stop_detect."
 _DRIVE = "antr.fixed_stop.detect."

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from axisrig.bench.oracles.fixed_stop.lists import Limits
 from axisrig.bench.oracles.fixed_stop.pressing import Pressing
 from axisrig.bench.oracles.fixed_stop.timing import least_path_mm
-from axisrig.kernel.clock import S
+from axisrig.kernel.time.clock import S
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ before the contact.
 import math
 from dataclasses import dataclass, replace
 
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 # An RPDO acts at the next SYNC; the telegram of a SYNC is read in the cycle of that SYNC
 SET_CYCLES, ACTUAL_CYCLES = 1, 0

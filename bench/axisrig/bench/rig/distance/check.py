@@ -18,13 +18,13 @@ from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import none, of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.check import axis_telegrams
-from axisrig.bench.rig.file import LOAD, MapTable
+from axisrig.bench.rig.reading.file import LOAD, MapTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, SECOND_ENCODER, VARIABLE
-from axisrig.kernel.clock import MS, US, S, TimeNs
-from axisrig.kernel.cosim.plant import Plant
+from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import MS, US, S, TimeNs
 
 RELEASED = "lr_param.distance_control_on"
 INVERTS = "lr_hw[1].vz_istw"

@@ -9,12 +9,12 @@ from importlib import resources
 from axisrig.bench.plan.assignment import number
 from axisrig.bench.rig.plc.override import OverrideCourse, read_override
 from axisrig.bench.rig.plc.times import duration, lasting
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.distance import DistanceCommand
 from axisrig.kernel.distance.objects import accept
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters.origin import Origin
 from axisrig.kernel.parameters.types import Value
+from axisrig.kernel.time.clock import TimeNs
 
 OBJECT = "object."
 SET_VALUES = {"set_pos": "set_pos_mm", "set_dist": "set_dist_mm"}

@@ -8,8 +8,8 @@ from importlib import resources
 
 from axisrig.bench.rig.plc.override import OverrideCourse, read_override
 from axisrig.bench.rig.plc.times import duration
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import TimeNs
 
 HIGHEST_PCT = 200
 ACT_ONCE = ("reset", "program_start")

@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Hashable
 
-from axisrig.kernel.clock import Clock, TimeNs
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 At = Callable[[TimeNs, Callable[[], None]], None]
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from axisrig.bench.plan.assignment import number
 from axisrig.bench.rig.plc.times import lasting
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import TimeNs
 
 PERMILLE_PER_PCT = 10
 

@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping
 
-from axisrig.bench.rig.faults import read_time
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.bench.rig.reading.faults import read_time
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import S, TimeNs
 
 LONGEST_NS = 600 * S
 

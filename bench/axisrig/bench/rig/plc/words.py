@@ -23,23 +23,18 @@ from functools import cache
 from importlib import resources
 
 from axisrig.bench.plan.assignment import Assignment, number
-from axisrig.bench.rig.faults import read_time
-from axisrig.bench.rig.plc.axis_words import (
-    AxisAction,
-    axis_columns,
-    find_column,
-    read_action,
-)
+from axisrig.bench.rig.plc.axis_words import AxisAction, axis_columns, find_column, read_action
 from axisrig.bench.rig.plc.channel_words import (
     ACT_ONCE,
     ChannelAction,
     channel_columns,
     read_channel_action,
 )
-from axisrig.kernel.clock import TimeNs
+from axisrig.bench.rig.reading.faults import read_time
 from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.errors import UserError, nearest
-from axisrig.kernel.nc.decoder.technology import INTERNAL, NUMBER_MAX, SPINDLE
+from axisrig.kernel.nc.decoder.topics.technology import INTERNAL, NUMBER_MAX, SPINDLE
+from axisrig.kernel.time.clock import TimeNs
 
 VARIABLE = "V.E."
 PLAIN_KEYS = ("start_ms", "optional_stop", "limit_s")

@@ -7,8 +7,8 @@ manual 207120267 and 207133579; ISG 285662475 (gantry coupling and its limits).
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
-from axisrig.kernel.channel.path import Path
-from axisrig.kernel.channel.settings import AxisSettings
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.dynamics import Dynamics

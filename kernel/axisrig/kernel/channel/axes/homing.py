@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from enum import Enum, auto
 from typing import Final
 
-from axisrig.kernel.channel.path import Path
-from axisrig.kernel.clock import Clock, S, TimeNs
+from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.drives.ds402 import Status
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.sdo import SdoError, object_name
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import Clock, S, TimeNs
 
 HOMING_MODE: Final = 6
 MODE, MODE_DISPLAY, METHOD, ERROR_CODE = 0x6060, 0x6061, 0x6098, 0x603F

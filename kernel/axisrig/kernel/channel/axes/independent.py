@@ -7,14 +7,13 @@ a run of the path. Sources: FCT-C4 section 2, TF5200 programming manual 20861223
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from axisrig.kernel.channel.measurement import Measurement
-from axisrig.kernel.channel.path import Path
-from axisrig.kernel.channel.settings import AxisSettings, CycleTiming
-from axisrig.kernel.channel.settling import Settling, Standstill
-from axisrig.kernel.clock import Clock
+from axisrig.kernel.channel.path.measurement import Measurement
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.settling import Settling, Standstill
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.measuring.fixed_stop.run import FixedStopRun
+from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun
 from axisrig.kernel.measuring.run import MeasuringRun, Order
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.feed import FULL, Feed
@@ -23,6 +22,7 @@ from axisrig.kernel.motion.profile import plan
 from axisrig.kernel.motion.timed import speed_for
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.measuring_types import measuring_types
+from axisrig.kernel.time.clock import Clock
 
 # What the run of an axis tells by these is one documented alarm for independent axes
 NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664

@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from axisrig.kernel.channel.axes.coupling import Couplings
 from axisrig.kernel.channel.axes.homing import Homing
 from axisrig.kernel.channel.axes.independent import IndependentAxes
-from axisrig.kernel.channel.execution import Execution
-from axisrig.kernel.channel.measurement import Measurement
-from axisrig.kernel.channel.path import Path
-from axisrig.kernel.channel.settings import CycleTiming
-from axisrig.kernel.channel.settling import Rest
-from axisrig.kernel.clock import Clock, TimeNs
+from axisrig.kernel.channel.path.execution import Execution
+from axisrig.kernel.channel.path.measurement import Measurement
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import CycleTiming
+from axisrig.kernel.channel.path.settling import Rest
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 
 class SingleAxes:

@@ -7,17 +7,16 @@ from axisrig.kernel.channel.distance.sensor import (
     SECOND_ENCODER,
     VARIABLE,
     EncoderSensor,
-    Refreshed,
     Sensor,
     VariableSensor,
 )
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
-from axisrig.kernel.channel.distance.unit import UnitState
-from axisrig.kernel.clock import MS, TimeNs
 from axisrig.kernel.distance import DistanceControl, DistanceState, Reading, Silence
 from axisrig.kernel.distance.states import FOLLOWING
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.plc.unit import Refreshed, UnitState
+from axisrig.kernel.time.clock import MS, TimeNs
 
 NO_VARIABLE, SOURCE_CHANGED, NO_SECOND_ENCODER = 310027, 310028, 310029
 WITHOUT_AGE = 900315

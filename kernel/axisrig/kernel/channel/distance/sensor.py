@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Final
 
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.plc.unit import Refreshed
+from axisrig.kernel.time.clock import TimeNs
 
 SECOND_ENCODER: Final = "SECOND_ENCODER"
 VARIABLE: Final = "VARIABLE"
@@ -48,17 +49,6 @@ class SensorSettings:
             is_inverted=axis.flag("lr_hw[1].vz_istw"),
             ref_offset_mm=axis.mm("kenngr.dist_ctrl[0].ref_offset"),
         )
-
-
-@dataclass
-class Refreshed:
-    """A variable that the PLC side promises to bring anew.
-
-    period_ns: after so long at the latest. age_cycles: NC cycles since it was.
-    """
-
-    period_ns: TimeNs
-    age_cycles: int = 0
 
 
 class EncoderSensor:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from enum import IntEnum
 
-from axisrig.kernel.clock import US, S, TimeNs
 from axisrig.kernel.distance.filters.filter import Filter
 from axisrig.kernel.distance.filters.low_pass import LowPass
 from axisrig.kernel.distance.filters.table import filter_kinds
@@ -16,6 +15,7 @@ from axisrig.kernel.distance.filters.weighted import (
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters.table import table
 from axisrig.kernel.parameters.values import ParameterSet
+from axisrig.kernel.time.clock import US, S, TimeNs
 
 # Unit of P-AXIS-00783 (docs/ambiguities.md): 0.1 um as all lengths of the lists
 SIGMA_PER_MM = 10_000

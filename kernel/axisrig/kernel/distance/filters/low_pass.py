@@ -2,7 +2,7 @@
 
 import math
 
-from axisrig.kernel.clock import TimeNs, ns_to_seconds
+from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 
 
 class LowPass:

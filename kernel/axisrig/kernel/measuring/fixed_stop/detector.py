@@ -2,8 +2,8 @@
 
 from collections import deque
 
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.measuring.fixed_stop.record import Criteria
+from axisrig.kernel.time.clock import TimeNs
 
 
 class StopDetector:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from axisrig.kernel.clock import TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,10 @@
 
 from dataclasses import dataclass
 
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.record import Criteria
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import TimeNs
 
 PER_MILLE = 1000
 _DETECT = "kenngr.measure.fixed_stop_detect."

@@ -16,12 +16,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from axisrig.kernel.nc.coordinates.circle import (
-    CircleWords,
-    GeometryError,
-    PlaneArc,
-    plane_arc,
-)
+from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError, PlaneArc, plane_arc
 from axisrig.kernel.nc.coordinates.frames import MAIN_AXES, Array, Frame
 from axisrig.kernel.nc.coordinates.places import XY, Plane, main_places
 from axisrig.kernel.nc.coordinates.shifts import Shifts

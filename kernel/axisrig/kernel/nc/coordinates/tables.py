@@ -5,13 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.kernel.nc.coordinates.circle import DEFAULT_LIMITS, CircleLimits
-from axisrig.kernel.nc.coordinates.lists import (
-    TOOLS,
-    ZERO_OFFSETS,
-    Entry,
-    read_entries,
-    read_entry,
-)
+from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entries, read_entry
 from axisrig.kernel.nc.coordinates.tools import Tools, make_tools
 from axisrig.kernel.nc.coordinates.zero_offsets import ZeroOffsets, make_zero_offsets
 from axisrig.kernel.parameters import Origin

@@ -7,15 +7,16 @@ from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.coordinates import GeometryError, OffsetTables
-from axisrig.kernel.nc.decoder import axes, circles, measuring, motion, registry, technology
-from axisrig.kernel.nc.decoder.cells import Store
-from axisrig.kernel.nc.decoder.context import Context, MachineView
-from axisrig.kernel.nc.decoder.frames import Flow
-from axisrig.kernel.nc.decoder.subprograms import Unit, link
-from axisrig.kernel.nc.decoder.topic import Handler
+from axisrig.kernel.nc.decoder import axes, registry
+from axisrig.kernel.nc.decoder.base.cells import Store
+from axisrig.kernel.nc.decoder.base.context import Context, MachineView
+from axisrig.kernel.nc.decoder.base.frames import Flow
+from axisrig.kernel.nc.decoder.base.subprograms import Unit, link
+from axisrig.kernel.nc.decoder.base.topic import Handler
+from axisrig.kernel.nc.decoder.base.waiting import Waiting
+from axisrig.kernel.nc.decoder.topics import circles, measuring, motion, technology
 from axisrig.kernel.nc.decoder.variables import external as external_variables
 from axisrig.kernel.nc.decoder.variables import own
-from axisrig.kernel.nc.decoder.waiting import Waiting
 from axisrig.kernel.nc.syntax import Command, Program, ProgramBlock, Statement, Words
 from axisrig.kernel.nc.text.parser import read_text
 from axisrig.kernel.nc.text.source import Source

@@ -6,8 +6,12 @@ from typing import TypeVar
 
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
-from axisrig.kernel.nc.decoder import (
-    axes,
+from axisrig.kernel.nc.decoder import axes, systems
+from axisrig.kernel.nc.decoder import variables as variables_
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.base.topic import Handler, Reader, Writer
+from axisrig.kernel.nc.decoder.base.walk import read_by
+from axisrig.kernel.nc.decoder.topics import (
     circles,
     drives,
     flow,
@@ -18,14 +22,9 @@ from axisrig.kernel.nc.decoder import (
     offsets,
     pauses,
     probes,
-    systems,
     technology,
     tools,
 )
-from axisrig.kernel.nc.decoder import variables as variables_
-from axisrig.kernel.nc.decoder.context import Context
-from axisrig.kernel.nc.decoder.topic import Handler, Reader, Writer
-from axisrig.kernel.nc.decoder.walk import read_by
 from axisrig.kernel.nc.expressions import Value
 from axisrig.kernel.nc.syntax import Statement, Variable
 from axisrig.kernel.nc.text.words import find_variable

@@ -7,8 +7,8 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.coordinates import MAIN_AXES, Frame
 from axisrig.kernel.nc.decoder import axes
-from axisrig.kernel.nc.decoder.context import Context
-from axisrig.kernel.nc.decoder.topic import Handler, Topic, silent
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.base.topic import Handler, Topic, silent
 from axisrig.kernel.nc.syntax import Command, Expression, Group, Name, Number
 
 COMPONENTS = 6

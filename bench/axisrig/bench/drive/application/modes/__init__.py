@@ -3,11 +3,7 @@
 from typing import Final
 
 from axisrig.bench.drive.application.modes.base import Mode, Parts
-from axisrig.bench.drive.application.modes.cyclic import (
-    CyclicForce,
-    CyclicPosition,
-    CyclicVelocity,
-)
+from axisrig.bench.drive.application.modes.cyclic import CyclicForce, CyclicPosition, CyclicVelocity
 from axisrig.bench.drive.application.modes.homing import Homing
 from axisrig.bench.drive.application.modes.profile_position import ProfilePosition
 from axisrig.bench.drive.application.modes.profile_velocity import ProfileVelocity

@@ -4,16 +4,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar
 
-from axisrig.bench.drive.application.index_pulse import IndexPulse
-from axisrig.bench.drive.application.limits import Limits
-from axisrig.bench.drive.application.motion import Motion
-from axisrig.bench.drive.application.stop import Standstill
-from axisrig.bench.drive.application.switches import Switches
-from axisrig.bench.drive.application.touch_probe import TouchProbe
-from axisrig.bench.drive.application.units import Units
-from axisrig.bench.drive.image import ProcessImage
-from axisrig.bench.drive.ports import ControlKind
-from axisrig.kernel.clock import US, S, TimeNs
+from axisrig.bench.drive.application.functions.index_pulse import IndexPulse
+from axisrig.bench.drive.application.functions.limits import Limits
+from axisrig.bench.drive.application.functions.motion import Motion
+from axisrig.bench.drive.application.functions.ports import ControlKind
+from axisrig.bench.drive.application.functions.stop import Standstill
+from axisrig.bench.drive.application.functions.switches import Switches
+from axisrig.bench.drive.application.functions.touch_probe import TouchProbe
+from axisrig.bench.drive.application.functions.units import Units
+from axisrig.bench.drive.dictionary.image import ProcessImage
+from axisrig.kernel.time.clock import US, S, TimeNs
 
 
 @dataclass(frozen=True, slots=True)

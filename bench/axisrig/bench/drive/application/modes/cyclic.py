@@ -4,11 +4,11 @@ Source: CiA 402-2, csp, csv, cst; the demand is interpolated linearly over one p
 acts at once.
 """
 
-from axisrig.bench.drive.application.limits import PER_MILLE
+from axisrig.bench.drive.application.functions.limits import PER_MILLE
+from axisrig.bench.drive.application.functions.motion import FORCE, POSITION, VELOCITY
 from axisrig.bench.drive.application.modes.base import Mode
-from axisrig.bench.drive.application.motion import FORCE, POSITION, VELOCITY
-from axisrig.kernel.clock import US, S, TimeNs
 from axisrig.kernel.drives.ds402 import Status
+from axisrig.kernel.time.clock import US, S, TimeNs
 
 FOLLOWS_COMMAND = int(Status.FOLLOWS_COMMAND)
 

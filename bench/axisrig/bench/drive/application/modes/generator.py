@@ -1,9 +1,9 @@
 """The profile generator of a mode: a course as position demands from tick to tick."""
 
+from axisrig.bench.drive.application.functions.motion import POSITION
+from axisrig.bench.drive.application.functions.ramp import Course
 from axisrig.bench.drive.application.modes.base import Parts
-from axisrig.bench.drive.application.motion import POSITION
-from axisrig.bench.drive.application.ramp import Course
-from axisrig.kernel.clock import S, TimeNs
+from axisrig.kernel.time.clock import S, TimeNs
 
 
 class Generator:

@@ -7,15 +7,15 @@ pulse is known to the increment. Source: CiA 402-2, homing mode.
 
 from enum import Enum, auto
 
-from axisrig.bench.drive.application.held import Held
-from axisrig.bench.drive.application.homing_methods import METHODS
-from axisrig.bench.drive.application.limits import PER_MILLE
+from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.homing_methods import METHODS
+from axisrig.bench.drive.application.functions.limits import PER_MILLE
+from axisrig.bench.drive.application.functions.ramp import to_velocity
+from axisrig.bench.drive.application.functions.switches import NEGATIVE, POSITIVE
 from axisrig.bench.drive.application.modes.base import Mode, Parts
 from axisrig.bench.drive.application.modes.generator import Generator
-from axisrig.bench.drive.application.ramp import to_velocity
-from axisrig.bench.drive.application.switches import NEGATIVE, POSITIVE
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.drives.ds402 import Status
+from axisrig.kernel.time.clock import TimeNs
 
 START = 1 << 4  # bit of the controlword
 STALLED = 0.1  # below this share of the demanded speed an axis counts as blocked

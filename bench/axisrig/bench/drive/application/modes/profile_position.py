@@ -5,13 +5,13 @@ Source: CiA 402-2, pp; handshake of bit 4 of the controlword with bit 12 of the 
 
 from dataclasses import dataclass
 
-from axisrig.bench.drive.application.held import Held
+from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.ramp import Course, to_point, to_velocity
+from axisrig.bench.drive.application.functions.units import U32_MAX
 from axisrig.bench.drive.application.modes.base import Mode, Parts
 from axisrig.bench.drive.application.modes.generator import Generator
-from axisrig.bench.drive.application.ramp import Course, to_point, to_velocity
-from axisrig.bench.drive.application.units import U32_MAX
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.drives.ds402 import Status
+from axisrig.kernel.time.clock import TimeNs
 
 NEW_SET_POINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6  # bits of the controlword
 

@@ -5,12 +5,12 @@ Source: CiA 402-2, pv; the drive leads its position demand, so that a steady lag
 
 import math
 
-from axisrig.bench.drive.application.held import Held
+from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.ramp import Course, to_point, to_velocity
 from axisrig.bench.drive.application.modes.base import Mode, Parts
 from axisrig.bench.drive.application.modes.generator import Generator
-from axisrig.bench.drive.application.ramp import Course, to_point, to_velocity
-from axisrig.kernel.clock import TimeNs
 from axisrig.kernel.drives.ds402 import Status
+from axisrig.kernel.time.clock import TimeNs
 
 
 class ProfileVelocity(Mode):

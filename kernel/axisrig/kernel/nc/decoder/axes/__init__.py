@@ -14,7 +14,7 @@ from axisrig.kernel.nc.decoder.axes.independent import (
     before_turning,
     synchronised,
 )
-from axisrig.kernel.nc.decoder.topic import Topic
+from axisrig.kernel.nc.decoder.base.topic import Topic
 
 __all__ = ["TOPIC", "after_block", "before_block", "before_turning", "synchronised"]
 

@@ -12,7 +12,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import AxisPair, Block
 from axisrig.kernel.nc.decoder.axes.state import AxisStates, states
 from axisrig.kernel.nc.decoder.axes.values import axis_named, brackets, number, shown, whole
-from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.syntax import Argument, Command, Group, Name, Option
 
 Finder = Callable[[Context, Block, str, Option], tuple[str, str] | None]

@@ -13,7 +13,7 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.decoder.axes.state import forbidden
 from axisrig.kernel.nc.decoder.axes.values import number, shown
-from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.variables.external import spelled_by_plc
 from axisrig.kernel.nc.decoder.variables.own import spelled
 from axisrig.kernel.nc.syntax import AxisCommand, Name, Option, Text, Variable

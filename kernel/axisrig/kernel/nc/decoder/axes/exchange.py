@@ -15,7 +15,7 @@ from axisrig.kernel.nc.decoder.axes import distance
 from axisrig.kernel.nc.decoder.axes.independent import wait_for_all
 from axisrig.kernel.nc.decoder.axes.state import states
 from axisrig.kernel.nc.decoder.axes.values import axis_named, brackets, shown, whole
-from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.syntax import Command, Group, Name
 
 

@@ -11,11 +11,11 @@ from typing import Final
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.coordinates.stack import SAME_POSITION_MM
-from axisrig.kernel.nc.decoder import measuring, technology
 from axisrig.kernel.nc.decoder.axes import coupling, distance
 from axisrig.kernel.nc.decoder.axes.state import forbidden, states
 from axisrig.kernel.nc.decoder.axes.values import axis_named, brackets
-from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.topics import measuring, technology
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, Option, Words
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc.canon import AxisPair, Block
-from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.base.context import Context
 
 
 @dataclass

@@ -1,7 +1,7 @@
 """Reading what stands in the brackets of axis commands."""
 
 from axisrig.kernel.nc.canon import Block
-from axisrig.kernel.nc.decoder.context import Context
+from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.syntax import Argument, Command, Group, Name, Text
 
 

@@ -1,6 +1,6 @@
 """Variables of the decoder itself: own ones, state, PLC side."""
 
-from axisrig.kernel.nc.decoder.topic import Topic
+from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.decoder.variables import external, own, state
 
 TOPIC = Topic(

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Mapping
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
-from axisrig.kernel.nc.decoder.context import Context
-from axisrig.kernel.nc.decoder.subprograms import Unit, reachable
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.base.subprograms import Unit, reachable
+from axisrig.kernel.nc.decoder.base.waiting import Waiting
 from axisrig.kernel.nc.decoder.variables.own import nearest_with_value, spelled
-from axisrig.kernel.nc.decoder.waiting import Waiting
 from axisrig.kernel.nc.expressions import Value
 
 

@@ -14,11 +14,11 @@ from typing import NoReturn
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
-from axisrig.kernel.nc.decoder.cells import RANGES, STRING, Cell, Store
-from axisrig.kernel.nc.decoder.context import Context
-from axisrig.kernel.nc.decoder.subprograms import Unit, reachable
-from axisrig.kernel.nc.decoder.topic import Reader, Topic, Writer, silent
-from axisrig.kernel.nc.decoder.walk import written_by
+from axisrig.kernel.nc.decoder.base.cells import RANGES, STRING, Cell, Store
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.base.subprograms import Unit, reachable
+from axisrig.kernel.nc.decoder.base.topic import Reader, Topic, Writer, silent
+from axisrig.kernel.nc.decoder.base.walk import written_by
 from axisrig.kernel.nc.expressions import Value
 from axisrig.kernel.nc.syntax import Assign, Command, Declare, For
 

@@ -1,8 +1,8 @@
 """The feed in force as a variable."""
 
 from axisrig.kernel.nc.canon import Block
-from axisrig.kernel.nc.decoder.context import Context
-from axisrig.kernel.nc.decoder.topic import Topic
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.base.topic import Topic
 
 
 def _feed(context: Context, block: Block, rest: str) -> float:

@@ -1,0 +1,370 @@
+"""A campaign: plans in, results folder and report out, with progress on the way."""
+
+import sys
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import closing, nullcontext, suppress
+from dataclasses import dataclass, replace
+from pathlib import Path
+from textwrap import fill
+from typing import Any
+
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table as RichTable
+
+from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
+from axisrig.bench.campaign.processes import CALL_LIMIT_S
+from axisrig.bench.campaign.results.lock import FolderLock
+from axisrig.bench.campaign.results.writer import (
+    CaseResult,
+    ResultsWriter,
+    build_manifest,
+    refuse_folder,
+)
+from axisrig.bench.campaign.runner import Stopwatch, prepare, prepare_all, run_cases
+from axisrig.bench.files import in_words
+from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
+from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.plan.checks import known_metrics
+from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.select import matches
+from axisrig.bench.plan.table import SUFFIXES
+from axisrig.bench.plan.verdict import Verdict, exit_code, worst
+from axisrig.bench.rig.arrival import describe_arrival
+from axisrig.bench.rig.check import check_rig, describe_schedules
+from axisrig.bench.rig.contents import contents_text
+from axisrig.bench.rig.describe import describe_axes
+from axisrig.bench.rig.distance.check import (
+    age_warnings,
+    describe_distance,
+    distance_warnings,
+    drive_lags_s,
+)
+from axisrig.bench.rig.latches import describe_latches
+from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.reading.foreign import foreign_rigs
+from axisrig.bench.rig.settings import AS_CANOPEN, FORCED, as_written, read_settings
+from axisrig.kernel.errors import UserError
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What a call left: the results folder, and the results of its runs in plan order.
+
+    failure: why the rest could not be written, with the name of the file. report: its report.
+    """
+
+    folder: Path
+    results: Sequence[CaseResult]
+    planned: int
+    failure: OSError | None = None
+    report: Path | None = None
+
+    @property
+    def is_interrupted(self) -> bool:
+        """Whether it ended before its last run, or what it was to write is not all there."""
+        return len(self.results) < self.planned or self.failure is not None
+
+    @property
+    def exit_code(self) -> int:
+        """The exit code of the worst verdict; an interrupted campaign is aborted."""
+        verdicts = [result.verdict for result in self.results]
+        return exit_code(worst([*verdicts, Verdict.ABORTED] if self.is_interrupted else verdicts))
+
+
+def plans_in(folder: Path) -> list[Path]:
+    """Return every table that lies directly in a plan folder, by name."""
+    if not folder.is_dir():
+        raise UserError(
+            "no folder with plans here",
+            file=folder,
+            hint="run it in a checkout of axisrig, or name one with --plans",
+        )
+    plans = sorted(path for path in folder.iterdir() if path.suffix.lower() in SUFFIXES)
+    if not plans:
+        raise UserError("the folder holds no plan", file=folder, allowed=" ".join(SUFFIXES))
+    return plans
+
+
+def run_campaign(  # noqa: PLR0913
+    paths: Sequence[Path],
+    *,
+    out: Path | None,
+    select: str | None,
+    jobs: int,
+    timeout_s: float | None,
+    assignments: Sequence[str],
+    command: Sequence[str],
+    started: str,
+    stopwatch: Stopwatch,
+    is_isolated: bool = False,
+    call_limit_s: float = CALL_LIMIT_S,
+    outside: Outside | None = None,
+    bus_logs: Sequence[str] = ("blf",),
+    is_fresh: bool = False,
+    build_report: Callable[[Path], Path] | None = None,
+) -> Campaign:
+    """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
+
+    is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
+    they drive real hardware. call_limit_s: wall time that one call into an FMU may take there.
+    outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
+    the results that the folder has go first. build_report: writes the report while the folder is
+    still held.
+
+    Everything is checked first: the folder, plans, programs, rigs, parameters, FMUs and start
+    values of every case. Raises UserError before the results folder is touched.
+    """
+    plans = _read(paths, assignments, outside)
+    parts = [_selected(plan, select) for plan in plans]
+    cases = [case for part in parts for case in part.cases]
+    if not cases:
+        raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
+    real = real_cases(cases)
+    if real:
+        refuse_processes(jobs, is_isolated or timeout_s is not None)
+    folder = out or _default_folder(plans, assignments)
+    refuse_folder(folder, plans, is_fresh=is_fresh)
+    with FolderLock(folder):
+        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
+        if real and outside is not None:
+            allow(real, outside)
+        manifest = build_manifest(parts, command=command, started=started, output=str(folder))
+        results: list[CaseResult] = []
+        failure = report = None
+        with (
+            suppress(KeyboardInterrupt),
+            outside.open_hardware() if real and outside else nullcontext() as hardware,
+        ):
+            runs = [case.run for case in cases]
+            writer = ResultsWriter(
+                folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
+            )
+            running = run_cases(
+                cases,
+                writer.bus_paths,
+                jobs=jobs,
+                timeout_s=timeout_s,
+                stopwatch=stopwatch,
+                apart=apart,
+                call_limit_s=call_limit_s,
+                hardware=hardware,
+            )
+            failure = _write(running, writer, results, len(cases))
+        try:
+            report = build_report(folder) if build_report else None
+        except OSError as error:
+            failure = failure or error
+    return Campaign(folder, results, len(cases), failure, report)
+
+
+def _prepared(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float) -> Collection[Path]:
+    """Prepare every case; return the rigs whose cases run in a process of their own."""
+    rigs = {case.rig for case in cases}
+    apart = rigs if is_isolated else foreign_rigs(rigs)
+    prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
+    return apart
+
+
+def _write(
+    running: Iterator[CaseResult], writer: ResultsWriter, results: list[CaseResult], count: int
+) -> OSError | None:
+    """Write the results as they come and add them to `results`; return why it ended early."""
+    try:
+        with closing(running), writer, _progress() as progress:  # type: ignore[type-var]
+            task = progress.add_task("", total=count)
+            for result in running:
+                writer.add(result)
+                results.append(result)
+                progress.console.print(_line(result))
+                progress.update(task, advance=1, description=result.case.run)
+    except OSError as error:
+        return error
+    return None
+
+
+def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:
+    """Return the folder of plans; with changed inputs the results are not those of the plans."""
+    is_set = any(text not in (FORCED, AS_CANOPEN) for text in assignments)
+    return Path("out") / ("-".join(plan.name for plan in plans) + ("-set" if is_set else ""))
+
+
+def _read(paths: Sequence[Path], assignments: Sequence[str], outside: Outside | None) -> list[Plan]:
+    """Read plans with the inputs of the command line."""
+    changes = [parse_assignment(text) for text in assignments]
+    plans = [read_plan(path) for path in paths]
+    return [p.with_inputs([*changes, *(outside.changes_of(p) if outside else ())]) for p in plans]
+
+
+def _selected(plan: Plan, select: str | None) -> Plan:
+    if select is None:
+        return plan
+    exact = tuple(case for case in plan.cases if select in (case.case, case.run))
+    fitting = exact or tuple(case for case in plan.cases if matches(select, case))
+    return replace(plan, cases=fitting)
+
+
+def _progress() -> Progress:
+    return Progress(
+        SpinnerColumn(),
+        TextColumn("{task.completed}/{task.total} {task.description}"),
+        TimeElapsedColumn(),
+        console=Console(stderr=True, highlight=False, markup=False, emoji=False),
+        transient=True,
+    )
+
+
+def _line(result: CaseResult) -> str:
+    verdict = result.verdict
+    return f"{verdict.glyph} {verdict.word:<12} {result.case.run}"
+
+
+def show_campaign(campaign: Campaign) -> None:
+    """Print the verdicts and the path of the report; what went wrong to standard error."""
+    if campaign.results:
+        show_verdicts(campaign.results)
+    if campaign.failure is not None:
+        print(f"error: {in_words(campaign.failure)}", file=sys.stderr)
+    if campaign.is_interrupted:
+        done = f"{len(campaign.results)} of {campaign.planned} runs"
+        print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
+    if campaign.report is not None:
+        print(campaign.report)
+
+
+def show_verdicts(results: Sequence[CaseResult]) -> None:
+    """Print the verdict table: what did not pass with its worst check, the rest in one line."""
+    table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
+    for column in ("verdict", "case", "checks", "what did not pass", "alarms"):
+        table.add_column(column, overflow="fold", no_wrap=column in ("verdict", "case"))
+    for result in results:
+        worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
+        text = ""
+        if worst_check is not None and worst_check.verdict is not Verdict.PASS:
+            text = worst_check.summary
+            if worst_check.note:
+                text += f" ({worst_check.note})"
+        passed = sum(check.verdict is Verdict.PASS for check in result.checks)
+        table.add_row(
+            f"{result.verdict.glyph} {result.verdict.word}",
+            result.case.run,
+            f"{passed}/{len(result.checks)}",
+            result.error or text,
+            " ".join(str(number) for number in result.alarms),
+        )
+    console = Console(highlight=False, markup=False, emoji=False)  # `:X:` and `[..]` are text
+    console.print(table)
+    for result in results:
+        for bus in result.bus:
+            if bus["overload"]:
+                console.print(_overload(result, bus), soft_wrap=True)
+        if result.verdict > Verdict.MARGINAL:
+            for line in result.log:
+                if " is overloaded: " not in line:  # told above, with what came of it
+                    console.print(f"{result.case.run}: {line}", soft_wrap=True)
+
+
+def _overload(result: CaseResult, bus: Mapping[str, Any]) -> str:
+    """Say what a segment was asked for that it cannot hold, and what came of it."""
+    text = f"{result.case.run}: segment {bus['segment']} is overloaded: {bus['overload']};"
+    text += f" load {bus['load_pct']:.1f} %, worst ms {bus['load_1ms_pct']:.1f} %"
+    if bus["waiting"]:
+        longest = bus["waiting"][0]
+        text += f", {longest['name']} waited {longest['worst_us']:.0f} us"
+    return text
+
+
+LIST_SUFFIXES = (".lst", ".lis")
+PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
+
+
+def rigs_of(path: Path) -> list[Path]:
+    """Return the rigs that `check_file` loads for a file. Raises UserError for a bad plan."""
+    if path.suffix.lower() == ".toml":
+        return [path]
+    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
+        return []
+    return sorted({case.rig for case in read_plan(path).cases})
+
+
+def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
+    """Check a plan, a rig or a parameter list and describe it.
+
+    Raises UserError when it is rejected.
+
+    assignments: texts of `--set`.
+    """
+    changes = [parse_assignment(text) for text in assignments]
+    if path.suffix.lower() == ".toml":
+        return _check_rig_file(path, changes)
+    if path.suffix.lower() in LIST_SUFFIXES:
+        return f"{path}\n{contents_text(path)}"
+    if path.suffix.lower() in PROGRAM_SUFFIXES:
+        hint = f"for an NC program: `axisrig nc --check {path}`"
+        raise UserError("no plan, rig or list", file=path, hint=hint)
+    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
+        message = "a folder, no file to check" if path.is_dir() else "not a file to check"
+        allowed = ", ".join([*SUFFIXES, ".toml", *LIST_SUFFIXES])
+        value = None if path.is_dir() else path.suffix
+        raise UserError(message, file=path, value=value, allowed=allowed)
+    plan = read_plan(path).with_inputs(changes)
+    for case in plan.cases:
+        prepare(case)
+    lines = [f"  {_titled(case)}" for case in plan.cases]
+    lines += [f"note: {note}" for note in plan.notes]
+    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
+
+
+def _titled(case: Case) -> str:
+    return f"{case.run}  {case.title}".rstrip()
+
+
+def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
+    rig, files = read_rig(path)
+    settings = read_settings(rig, files, [(change, as_written) for change in changes])
+    check_rig(settings)
+    plant = build_plant(settings)
+    try:
+        check_plants(settings, plant)
+        start_plant(settings, plant)
+        told = [*describe_plants(settings, plant), *printed_log(settings)]
+        loops = describe_distance(settings, drive_lags_s(settings, plant))
+    finally:
+        plant.close()
+    tables = describe_schedules(settings)
+    plants = ["\n".join(told)] if told else []
+    told_lists = [f"warning: {warning}" for warning in settings.warnings]
+    told_lists += [f"note: {note}" for note in settings.notes]
+    lacking = [*distance_warnings(settings), *age_warnings(settings)]
+    told_lists += [f"warning: {warning}" for warning in lacking]
+    described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
+    axes = "\n".join([*described, *told_lists])
+    return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])
+
+
+_JUDGED = {
+    "": "",
+    "last": ". Of several runs: the last{}",
+    "every": ". Of several runs: the worst{}",
+}
+
+
+def metrics_table() -> str:
+    """Describe every metric: how a check asks for it, its unit, its meaning."""
+    lines = [
+        "A column check:<metric> of a plan asks for a metric; its cells are conditions:",
+        "`<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
+        "Of several measurement runs in a program one is judged: the last, with :AXIS the",
+        "last in which that axis takes part; where it says so, the worst of all.",
+        "",
+    ]
+    for metric in known_metrics().values():
+        form = {"axis": f"{metric.name}[:AXIS]", "block": f"{metric.name}:N<number>[.<k>]"}.get(
+            metric.scope, metric.name
+        )
+        lines.append(f"{form}  {metric.unit}".rstrip())
+        judged = _JUDGED[metric.judged].format(" of the axis" if metric.scope == "axis" else "")
+        text = metric.meaning + judged
+        lines.append(fill(text, 78, initial_indent="    ", subsequent_indent="    "))
+    return "\n".join(lines)

@@ -1,0 +1,360 @@
+"""Runs functions that call foreign code in processes of their own, and says how one died.
+
+A crash (or an FMU that ends the process, with whatever code) costs one result, a call that never
+comes back is ended. The processes themselves are watched, not what they say: one that is gone
+without its answer has died. What it was in the middle of is read from its journal
+(kernel/axisrig/kernel/cosim/fmi/journal.py).
+"""
+
+import faulthandler
+import os
+import pickle
+import signal
+import time
+import traceback
+from collections.abc import Callable, Generator, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from multiprocessing import get_context
+from multiprocessing.connection import Connection, wait
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any, NamedTuple, TypeVar
+
+from axisrig.bench.rig.printed import cut, divert, lines_in, told
+from axisrig.bench.rig.reading.foreign import foreign_rigs
+from axisrig.kernel.cosim.fmi import journal
+from axisrig.kernel.cosim.fmi.archive import session_folder, share_session_folder
+from axisrig.kernel.errors import UserError
+
+T = TypeVar("T")
+
+CALL_LIMIT_S = 60.0
+_LOOK_S = 0.25  # how often the parent looks at processes and journals when nothing is heard
+_GRACE_S = 2.0  # so long a process may take to end after its connection has broken off
+_HINTS = {
+    "SIGSEGV": "it reached for memory that is not its own",
+    "SIGBUS": "it reached for memory that is not its own",
+    "SIGABRT": "it gave up: abort(), a failed assertion, or a damaged heap",
+    "SIGFPE": "an integer division by zero",
+    "SIGILL": "an instruction that this processor does not have",
+    "SIGKILL": "killed from outside; is the memory of this machine exhausted?",
+}
+
+
+@dataclass(frozen=True)
+class Died:
+    """Why a process gave no result.
+
+    is_timeout: it took longer than the whole was allowed to. log: what it had written to standard
+    output.
+    """
+
+    reason: str
+    is_timeout: bool = False
+    log: Sequence[str] = ()
+
+
+class _Said(NamedTuple):
+    """A line for standard output."""
+
+    text: str
+
+
+class _Answer(NamedTuple):
+    """What the function returned, or raised."""
+
+    value: Any
+    error: Exception | None = None
+
+
+class _Order(NamedTuple):
+    """What a process is to do next; note: where it writes what it does."""
+
+    note: Path
+    function: Callable[..., Any]
+    arguments: Sequence[Any]
+
+
+# ---- In the process apart
+
+_PARENT: list[Connection] = []
+
+
+def say(text: str) -> None:
+    """Put a line out on standard output; in a process apart, on that of who started it."""
+    if _PARENT:
+        _PARENT[0].send(_Said(text))
+    else:
+        print(text, flush=True)
+
+
+def _work(pipe: Connection, folder: Path) -> None:
+    """Do what is ordered until nobody is there any more."""
+    # How it dies is told from outside, with the name of the FMU; a stack of Python tells nothing
+    faulthandler.disable()
+    # Ctrl-C reaches every process of a terminal; the one that watches ends this one
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # The command line's handler would wait for a call that never comes back
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    share_session_folder(folder)
+    _PARENT[:] = [pipe]
+    try:
+        while True:
+            _answer(pipe, pipe.recv())
+    except (EOFError, OSError):
+        os._exit(1)  # without the exit handlers of foreign libraries
+
+
+def _answer(pipe: Connection, order: _Order) -> None:
+    journal.begin(order.note)
+    divert(_output(order.note))
+    try:
+        pipe.send(_Answer(order.function(*order.arguments)))
+    except Exception as error:
+        pipe.send(_Answer(None, _portable(error)))
+
+
+def _portable(error: Exception) -> Exception:
+    """Return an exception that can be raised in another process, with the stack of this one."""
+    stack = "".join(traceback.format_exception(error))
+    try:
+        error.add_note(stack)
+        pickle.loads(pickle.dumps(error))
+        return error
+    except Exception:
+        return RuntimeError(stack)
+
+
+def _output(note: Path) -> Path:
+    return note.with_suffix(".out")
+
+
+# ---- In the process that watches
+
+
+class _Worker:
+    """A process and what it is doing. number: of its task, None when it waits for one."""
+
+    def __init__(self, context: Any, folder: Path) -> None:
+        self.pipe, theirs = context.Pipe()
+        # Daemons end with this process, whatever it ends by in Python
+        self.process = context.Process(target=_work, args=(theirs, folder), daemon=True)
+        self.process.start()
+        theirs.close()  # so that its end is heard here
+        self.number: int | None = None
+        self.note = Path()
+        self.began_s = self.call_s = 0.0
+        self.call = 0
+
+    def order(self, number: int, order: _Order) -> bool:
+        """Hand out a task; False when the process is there no more."""
+        try:
+            self.pipe.send(order)
+        except OSError:
+            return False
+        self.number, self.note, self.call = number, order.note, 0
+        self.began_s = self.call_s = time.monotonic()
+        return True
+
+    def end(self) -> None:
+        """End the process if it has not ended: an endless thread of an FMU would keep it."""
+        self.process.kill()
+        self.process.join()
+        self.process.close()
+        self.pipe.close()
+
+
+@dataclass
+class _Crew:
+    """Processes at work on tasks; `answers` has those that came and were not taken, by number.
+
+    is_fresh: for each task, whether it gets a new process that does nothing else.
+    """
+
+    function: Callable[..., Any]
+    tasks: Sequence[Sequence[Any]]
+    is_fresh: Sequence[bool]
+    jobs: int
+    context: Any
+    timeout_s: float | None
+    call_limit_s: float
+
+    def __post_init__(self) -> None:
+        self.answers: dict[int, _Answer] = {}
+        self._workers: list[_Worker] = []
+        self._next = 0
+        self._folder = session_folder()  # made here, so that it outlives the children
+
+    @cached_property
+    def _notes(self) -> Path:
+        return Path(mkdtemp(prefix="notes-", dir=self._folder))
+
+    def look(self) -> None:
+        """Hand out what is to be done, wait for news, and take what has ended."""
+        while self._next < len(self.tasks) and (worker := self._free(self._next)) is not None:
+            note = self._notes / str(self._next)
+            journal.create(note)
+            order = _Order(note, self.function, self.tasks[self._next])
+            if worker.order(self._next, order):
+                self._next += 1
+            else:
+                self._dismiss(worker)
+        news = [item for w in self._workers for item in (w.pipe, w.process.sentinel)]
+        wait(news, _LOOK_S)
+        for worker in list(self._workers):
+            if worker.number is not None:
+                self._hear(worker)
+        for worker in [w for w in self._workers if w.number is None]:
+            if self._next == len(self.tasks) or worker.process.exitcode is not None:
+                self._dismiss(worker)
+
+    def _free(self, number: int) -> _Worker | None:
+        """Return a process for a task, None when all are busy."""
+        idle = [worker for worker in self._workers if worker.number is None]
+        if idle and not self.is_fresh[number] and idle[0].process.exitcode is None:
+            return idle[0]
+        for worker in idle[:1]:
+            self._dismiss(worker)
+        if len(self._workers) >= self.jobs:
+            return None
+        self._workers.append(_Worker(self.context, self._folder))
+        return self._workers[-1]
+
+    def _hear(self, worker: _Worker) -> None:
+        """Take what a process says; see whether it is there still and within its limits."""
+        is_gone = worker.process.exitcode is not None  # asked first: it may answer and end then
+        while True:
+            try:
+                said = worker.pipe.recv() if worker.pipe.poll() else None
+            except (EOFError, OSError):
+                said, is_gone = None, True
+            if isinstance(said, _Said):
+                say(said.text)
+            elif said is not None:
+                return self._take(worker, said, is_last=False)
+            else:
+                break
+        died = self._death(worker) if is_gone else self._excess(worker)
+        if died is not None:
+            self._take(worker, _Answer(died), is_last=True)
+
+    def _take(self, worker: _Worker, answer: _Answer, *, is_last: bool) -> None:
+        assert worker.number is not None
+        self.answers[worker.number] = answer
+        if is_last or self.is_fresh[worker.number]:
+            self._dismiss(worker)
+        worker.number = None
+
+    def _dismiss(self, worker: _Worker) -> None:
+        self._workers.remove(worker)
+        worker.end()
+
+    def _excess(self, worker: _Worker) -> Died | None:
+        """Say which limit a process has passed."""
+        cut(_output(worker.note))
+        now_s, call = time.monotonic(), journal.last_call(worker.note)
+        if self.timeout_s is not None and now_s - worker.began_s >= self.timeout_s:
+            reason = f"no end within {self.timeout_s:g} s of wall time{_was_in(call)}"
+            return Died(reason, True, _printed(worker))
+        if call is None or not call.is_inside or call.number != worker.call:
+            worker.call, worker.call_s = (call.number if call else 0), now_s
+        elif now_s - worker.call_s >= self.call_limit_s:
+            reason = f"a call did not come back within {self.call_limit_s:g} s{_was_in(call)}"
+            return Died(reason, log=_printed(worker))
+        return None
+
+    def _death(self, worker: _Worker) -> Died:
+        worker.process.join(_GRACE_S)
+        reason = _in_words(worker.process.exitcode, journal.last_call(worker.note))
+        return Died(reason, log=_printed(worker))
+
+    def dismiss(self) -> None:
+        """End every process."""
+        for worker in list(self._workers):
+            self._dismiss(worker)
+
+
+def run_apart(
+    function: Callable[..., T],
+    tasks: Sequence[Sequence[Any]],
+    *,
+    jobs: int = 1,
+    is_fresh: bool | Sequence[bool] = True,
+    timeout_s: float | None = None,
+    call_limit_s: float = CALL_LIMIT_S,
+    is_unrelated: bool = False,
+) -> Generator[T | Died, None, None]:
+    """Yield `function(*task)` of every task, in their order, from processes.
+
+    jobs: processes at a time. is_fresh: a new process for every task, or for which; another may do
+    several. is_unrelated: new processes share no memory layout with this one, and start slower.
+    timeout_s: wall time of one task, None = no limit. call_limit_s: wall time that one call into
+    an FMU may take. Exceptions of the function are raised here.
+    """
+    fresh = [is_fresh] * len(tasks) if isinstance(is_fresh, bool) else is_fresh
+    context = get_context("spawn" if is_unrelated else None)
+    crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s)
+    try:
+        for number in range(len(tasks)):
+            while number not in crew.answers:
+                crew.look()
+            answer = crew.answers.pop(number)
+            if answer.error is not None:
+                raise answer.error
+            yield answer.value
+    finally:
+        crew.dismiss()
+
+
+def do_apart(
+    function: Callable[..., T],
+    *arguments: Any,
+    rigs: Iterable[Path],
+    file: Path,
+    limits: tuple[bool, float | None] = (False, None),
+) -> T:
+    """Return `function(*arguments)`, which loads the plants of `rigs`.
+
+    From a process of its own where a rig names a foreign FMU, or `limits` (--isolate,
+    --call-timeout in s) ask for one. Raises what it raises, and UserError with `file` when a
+    process gives no result.
+    """
+    is_isolated, call_limit_s = limits
+    if not (is_isolated or call_limit_s is not None or foreign_rigs(rigs)):
+        return function(*arguments)
+    (result,) = run_apart(function, [arguments], call_limit_s=call_limit_s or CALL_LIMIT_S)
+    if isinstance(result, Died):
+        raise UserError(result.reason, file=file)
+    return result
+
+
+def _printed(worker: _Worker) -> list[str]:
+    return told("the process", lines_in(_output(worker.note)))
+
+
+def _was_in(call: journal.LastCall | None) -> str:
+    return f": it was in {call}" if call is not None and call.is_inside else ""
+
+
+def _in_words(exit_code: int | None, call: journal.LastCall | None) -> str:
+    """Say how a process ended; exit_code: None when it only broke off its connection."""
+    how = "it broke off its connection" if exit_code is None else _how(exit_code)
+    if call is None:
+        return f"the process ended before any call into an FMU: {how}"
+    if not call.is_inside:
+        return f"the process ended: {how}; the last call into an FMU was {call}"
+    verb = "crashed" if exit_code is not None and exit_code < 0 else "ended the process"
+    return f"FMU {call.file} (plant {call.instance}) {verb} in {call.function} at t = " + (
+        f"{call.time_ns / 1e6:.6f} ms: {how}"
+    )
+
+
+def _how(exit_code: int) -> str:
+    if exit_code >= 0:
+        return f"exit code {exit_code}"
+    try:
+        name = signal.Signals(-exit_code).name
+    except ValueError:
+        return f"signal {-exit_code}"
+    return f"{name}, {_HINTS[name]}" if name in _HINTS else name

@@ -1,0 +1,216 @@
+"""What lies in a results folder, and how the results of one run take their place in it.
+
+A row in `cases.csv` says that everything else of the run is there and belongs to it. A run that is
+new in the folder writes its files where they belong, and its row last. A run that has results
+already writes beside them, in `.new`; when it has ended, `.new/<run>.commit` holds its rows, and
+only then the old row goes, the files change, the new rows come. A process that is killed meanwhile
+leaves the commit, and whoever opens the folder next carries it out.
+"""
+
+import csv
+import glob
+import io
+import json
+import shutil
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import Path
+
+from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.campaign.results.lock import LOCK, FolderLock
+from axisrig.bench.campaign.results.stored import (
+    CASE_COLUMNS,
+    IN_PLAN,
+    RESULT_COLUMNS,
+    is_results_folder,
+    read_manifest,
+    read_rows,
+)
+from axisrig.bench.files import append, beside, json_text, write_whole
+from axisrig.kernel.errors import UserError
+
+FOLDERS = ("traces", "runs", "bus")
+_MADE = ("junit.xml", "report.html")
+_FILES = ("results.csv", "cases.csv", *_MADE, "manifest.json")
+_NEW, _COMMIT = ".new", ".commit"
+
+Checks = Sequence[Mapping[str, str]]
+
+
+def refuse_foreign(folder: Path) -> None:
+    """Raise UserError where a folder holds anything that is no results folder."""
+    if not folder.exists():
+        return
+    if not folder.is_dir():
+        raise UserError("the output is not a folder", file=folder)
+    own = {LOCK, _NEW, *(beside(folder / name).name for name in _FILES)}
+    if any(item.name not in own for item in folder.iterdir()) and not is_results_folder(folder):
+        raise UserError(
+            "the folder holds something that is no results folder",
+            file=folder,
+            hint="name an empty or a new folder",
+        )
+
+
+def clear(folder: Path) -> None:
+    """Remove the results of a folder that this process holds, the manifest last."""
+    for name in (_NEW, *FOLDERS):
+        shutil.rmtree(folder / name, ignore_errors=True)
+    for name in _FILES:
+        (folder / name).unlink(missing_ok=True)
+
+
+def recover(folder: Path) -> None:
+    """Carry out what a campaign that was killed had begun, unless another one holds the folder."""
+    if any((folder / _NEW).glob(f"*{_COMMIT}")):
+        try:
+            with FolderLock(folder):
+                ResultsFolder(folder).open()
+        except UserError:
+            pass  # in use: its campaign does this itself
+
+
+class ResultsFolder:
+    """The rows and the files of a results folder; whoever writes holds its lock.
+
+    cases: row of `cases.csv` of each run. checks: its rows of `results.csv`. columns: those of
+    `cases.csv` beyond `CASE_COLUMNS`.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.columns: list[str] = []
+        self.cases: dict[str, Mapping[str, str]] = {}
+        self.checks: dict[str, Checks] = {}
+        self._replaced: frozenset[str] = frozenset()
+
+    def open(self) -> None:
+        """Read the rows and bring the folder into order after a process that was killed.
+
+        What is made of the rows goes: whoever reads it would take it for that of the present call.
+        Raises UserError when the rows are damaged.
+        """
+        new = self.folder / _NEW
+        for name in FOLDERS:
+            (self.folder / name).mkdir(exist_ok=True)
+        if (self.folder / "cases.csv").is_file():
+            self._read()
+            for name in _MADE:
+                (self.folder / name).unlink(missing_ok=True)
+            self.write_rows()  # without rows of runs that were killed while they were written
+            for path in sorted(new.glob(f"*{_COMMIT}")):
+                self._carry_out(path)
+        shutil.rmtree(new, ignore_errors=True)
+        for name in FOLDERS:
+            (new / name).mkdir(parents=True, exist_ok=True)
+        self._replaced = frozenset(self.cases)
+
+    def path_of(self, kind: str, run: str, suffix: str) -> Path:
+        """Return where a file of a run is to be written; kind: one of `FOLDERS`."""
+        root = self.folder / _NEW if run in self._replaced else self.folder
+        return root / kind / f"{run}{suffix}"
+
+    def put(self, run: str, case: Mapping[str, str], checks: Checks) -> None:
+        """Add the rows of a run whose files are written; those it had before go."""
+        if run not in self._replaced:
+            self._put_rows(run, case, checks)
+            return
+        staged = self._files_of(self.folder / _NEW, run)
+        content = {"run": run, "files": staged, "case": case, "checks": checks}
+        path = self.folder / _NEW / f"{run}{_COMMIT}"
+        write_whole(path, json_text(content))
+        self._carry_out(path)
+
+    def drop_files(self, runs: Iterable[str]) -> None:
+        """Remove the files of runs without a row, such as logs of runs that were broken off."""
+        for run in runs:
+            if run not in self.cases:
+                for name in self._files_of(self.folder, run):
+                    (self.folder / name).unlink(missing_ok=True)
+
+    def write_rows(self) -> None:
+        """Write both tables in the order in which the runs are kept."""
+        self._write_checks()
+        self._write_cases()
+
+    def sort(self, key: Callable[[str], object]) -> None:
+        """Put the runs into the order of `key`."""
+        self.cases = {run: self.cases[run] for run in sorted(self.cases, key=key)}  # type: ignore[arg-type]
+        self.checks = {run: self.checks.get(run, ()) for run in self.cases}
+
+    def close(self) -> None:
+        """Remove what is left of runs that have not ended."""
+        new = self.folder / _NEW
+        if not any(new.glob(f"*{_COMMIT}")):  # else a disk was full; `open` goes on with it
+            shutil.rmtree(new, ignore_errors=True)
+
+    def _read(self) -> None:
+        is_whole = bool(read_manifest(self.folder).get("finished"))
+        path = self.folder / "cases.csv"
+        header, rows = read_rows(path, CASE_COLUMNS, is_whole=is_whole)
+        self.cases = {row["run"]: row for row in rows}
+        self.columns = [column for column in header if column not in (*CASE_COLUMNS, IN_PLAN)]
+        checks: dict[str, list[Mapping[str, str]]] = {run: [] for run in self.cases}
+        for row in read_rows(self.folder / "results.csv", RESULT_COLUMNS, is_whole=is_whole)[1]:
+            if row["run"] in checks:  # else its run was killed before its row came
+                checks[row["run"]].append(row)
+        self.checks = dict(checks)
+
+    def _carry_out(self, path: Path) -> None:
+        """Let the results of a run take the place of those it had; may be done over again."""
+        content = json.loads(path.read_text(encoding="utf-8"))
+        run: str = content["run"]
+        self.columns += [c for c in content["case"] if c not in (*self._header, IN_PLAN)]
+        if self.cases.pop(run, None) is not None:
+            self._write_cases()
+        for name in self._files_of(self.folder, run):
+            if name not in content["files"]:
+                (self.folder / name).unlink()
+        for name in content["files"]:
+            staged = self.folder / _NEW / name
+            if staged.is_file():
+                staged.replace(self.folder / name)
+        self._put_rows(run, content["case"], content["checks"])
+        path.unlink()
+
+    def _put_rows(self, run: str, case: Mapping[str, str], checks: Checks) -> None:
+        is_replaced = run in self.checks
+        self.checks[run] = checks
+        if is_replaced:
+            self._write_checks()
+        else:
+            append(self.folder / "results.csv", _csv(RESULT_COLUMNS, checks))
+        append(self.folder / "cases.csv", _csv(self._header, [case]))
+        self.cases[run] = case
+
+    @property
+    def _header(self) -> list[str]:
+        marked = any(case.get(IN_PLAN) for case in self.cases.values())
+        return [*CASE_COLUMNS, *self.columns, *([IN_PLAN] if marked else [])]
+
+    def _write_cases(self) -> None:
+        header = self._header
+        text = _line(header) + _csv(header, self.cases.values())
+        write_whole(self.folder / "cases.csv", text)
+
+    def _write_checks(self) -> None:
+        rows = (row for checks in self.checks.values() for row in checks)
+        write_whole(self.folder / "results.csv", _line(RESULT_COLUMNS) + _csv(RESULT_COLUMNS, rows))
+
+    @staticmethod
+    def _files_of(root: Path, run: str) -> list[str]:
+        """Names of the files of a run below `root`, with their folder."""
+        names = [f"traces/{run}.parquet", f"runs/{run}.json"]
+        names += [f"bus/{run}{suffix}" for suffix in LOG_SUFFIXES.values()]
+        found = [name for name in names if (root / name).is_file()]
+        several = (root / "bus").glob(glob.escape(f"{run}{SEGMENT_MARK}") + "*")
+        return [*found, *sorted(f"bus/{path.name}" for path in several)]
+
+
+def _line(cells: Sequence[str]) -> str:
+    text = io.StringIO(newline="")
+    csv.writer(text, lineterminator="\n").writerow(cells)
+    return text.getvalue()
+
+
+def _csv(header: Sequence[str], rows: Iterable[Mapping[str, str]]) -> str:
+    return "".join(_line([row.get(column, "") for column in header]) for row in rows)

@@ -1,0 +1,406 @@
+"""The results folder: what a run leaves behind, written so that an interruption loses nothing.
+
+    results.csv            one row per check
+    cases.csv              one row per run, with every input column of the plan
+    traces/<run>.parquet   signals over time
+    runs/<run>.json        events, limits to draw, notes, messages, log, figures of buses, error,
+                           runs to a fixed stop, distance controls
+    bus/<run>.blf          every frame; or .log, .asc, .pcap
+    junit.xml, manifest.json, report.html
+
+Rows are appended as runs end, in whatever order that is, and put into plan order by `close`. A run
+that the folder has from an earlier call keeps its results until it has ended again.
+Equal runs give equal bytes, except for `wall_s` and the manifest.
+"""
+
+import os
+import platform
+import re
+from collections.abc import Collection, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from dataclasses import asdict, dataclass, field
+from importlib import metadata
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from axisrig.bench.bus.logs import LOG_SUFFIXES
+from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
+from axisrig.bench.campaign.results.history import History, refuse_other_plans
+from axisrig.bench.campaign.results.junit import write_junit
+from axisrig.bench.campaign.results.lock import FolderLock
+from axisrig.bench.campaign.results.stored import (
+    CASE_COLUMNS,
+    IN_PLAN,
+    LATER_COLUMNS,
+    RESULT_COLUMNS,
+)
+from axisrig.bench.files import json_text, naming, sha256_of, write_whole
+from axisrig.bench.plan.checks import CheckResult, value_text
+from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.record.event import Event
+from axisrig.bench.rig.reading.sources import rig_files
+from axisrig.kernel.errors import UserError
+
+_NOT_CARRIED = frozenset({"case", "seed", "repeats"})
+_PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
+
+
+@dataclass
+class CaseResult:
+    """What one run yielded.
+
+    checks: one per check of the case. alarms: IDs in order. trace: columns `time_ns` (int64),
+    `<axis>.<signal>_<unit>` and `<probe>.signal` (0 or 1), rows in order of time.
+    messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
+    error: why the run ended in `error` or `aborted`.
+    real_time: how well real time was kept (`axisrig.bench.bus.deadlines`), None in simulated time.
+    drive_substituted: axes whose lists name another drive than the CANopen one they ran on.
+    fixed_stop: the runs to a fixed stop beside their oracle
+    (`axisrig.bench.judge.fixed_stop.findings`). distance: the distance controls beside their closed
+    forms (`axisrig.bench.judge.distance.findings`). unproved_latches: axes with a measured value
+    that rests on telegrams alone.
+    """
+
+    case: Case
+    verdict: Verdict
+    checks: list[CheckResult]
+    sim_s: float = 0.0
+    wall_s: float = 0.0
+    alarms: list[int] = field(default_factory=list)
+    frame_log_sha256: str = ""
+    drive_substituted: str = ""
+    trace: pa.Table | None = None
+    events: list[Event] = field(default_factory=list)
+    messages: list[str] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
+    bus: list[dict[str, Any]] = field(default_factory=list)
+    error: str | None = None
+    real_time: dict[str, Any] | None = None
+    fixed_stop: list[dict[str, Any]] = field(default_factory=list)
+    distance: list[dict[str, Any]] = field(default_factory=list)
+    unproved_latches: list[str] = field(default_factory=list)
+
+
+def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
+    """Make the result of a run that ended before anything could be judged.
+
+    verdict: ERROR or ABORTED, given to every check as well, with `reason` as its note.
+    """
+    checks = [CheckResult(check, None, 0.0, verdict, reason) for check in case.checks]
+    return CaseResult(case, verdict, checks, wall_s=wall_s, error=reason)
+
+
+def refuse_folder(folder: Path, plans: Sequence[Plan], *, is_fresh: bool) -> None:
+    """Raise UserError where results of these plans cannot go into a folder; writes nothing.
+
+    is_fresh: results of other plans are no hindrance.
+    """
+    refuse_foreign(folder)
+    if not is_fresh:
+        refuse_other_plans(folder, plans)
+
+
+class ResultsWriter:
+    """Writes a results folder; a context manager that closes it however the campaign ends."""
+
+    def __init__(
+        self,
+        folder: Path,
+        plans: Sequence[Plan],
+        manifest: Mapping[str, object],
+        bus_logs: Sequence[str] = ("blf",),
+        *,
+        runs: Collection[str] | None = None,
+        is_fresh: bool = False,
+        is_held: bool = False,
+    ) -> None:
+        """Open `folder` for runs of `plans`; other results of theirs that it has stay.
+
+        manifest: see `build_manifest`. bus_logs: kinds of `bench.bus.logs`. runs: ids of those that
+        this call is to run, None = all. is_fresh: what lies there is removed first.
+        is_held: the caller holds the folder (`FolderLock`).
+        Raises UserError when the folder is in use, or holds results of another plan, damaged ones,
+        or anything that is no results folder.
+        """
+        self.folder = folder
+        self._bus_logs = list(bus_logs)
+        ids = [case.run for case in _cases(plans)]
+        if len(set(ids)) != len(ids):
+            raise UserError("two plans of one campaign have the same name", file=folder)
+        self._runs = {run for run in ids if runs is None or run in runs}
+        self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
+        self._written: set[str] = set()
+        refuse_folder(folder, plans, is_fresh=is_fresh)
+        with ExitStack() as held:
+            if not is_held:
+                held.enter_context(FolderLock(folder))
+            refuse_folder(folder, plans, is_fresh=is_fresh)
+            if is_fresh:
+                clear(folder)
+            self._history = History(folder, plans, manifest, self._runs)
+            self._rows = ResultsFolder(folder)
+            if not (folder / "manifest.json").exists():
+                self._write_manifest()  # a folder without one is somebody else's
+            self._rows.open()
+            self._history.found(self._rows.cases)
+            self._write_manifest()
+            self._rows.drop_files(self._history.asked)
+            self._arrange()
+            self._held = held.pop_all()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        # A full disk is reported once, with the file that met it first
+        with suppress(OSError) if isinstance(error, OSError) else ExitStack():
+            self.close()
+
+    def bus_paths(self, run: str) -> list[Path]:
+        """Return where the bus logs of a run are to be written."""
+        return [self._rows.path_of("bus", run, LOG_SUFFIXES[kind]) for kind in self._bus_logs]
+
+    def add(self, result: CaseResult) -> None:
+        """Write one run. A check without a result becomes `error`; the worst verdict wins.
+
+        Raises OSError with the name of the file that cannot be written, ValueError for a run that
+        is not in the plans or was written before: a defect.
+        """
+        case = result.case
+        if case.run not in self._runs or case.run in self._written:
+            raise ValueError(f"run {case.run!r} is unknown or was written before")
+        judged = {item.check.metric: item for item in result.checks}
+        checks = [
+            judged.get(check.metric)
+            or CheckResult(check, None, 0.0, Verdict.ERROR, "the bench did not judge this check")
+            for check in case.checks
+        ]
+        verdict = worst([result.verdict, *(item.verdict for item in checks)])
+        if result.trace is not None:
+            write_trace(result.trace, self._rows.path_of("traces", case.run, ".parquet"))
+        path = self._rows.path_of("runs", case.run, ".json")
+        with naming(path):
+            path.write_text(json_text(_run_info(result, checks)), encoding="utf-8", newline="")
+        rows = [dict(zip(RESULT_COLUMNS, _check_row(case, item), strict=True)) for item in checks]
+        self._rows.put(case.run, self._case_row(result, verdict), rows)
+        self._written.add(case.run)
+        if self._history.replaced(case.run):
+            self._write_manifest()
+
+    def close(self) -> None:
+        """Put the rows into plan order, write junit.xml, and finish the manifest.
+
+        Bus logs of runs that were broken off go: a file here belongs to a row.
+        """
+        with self._held:
+            self._rows.close()
+            self._rows.drop_files(self._runs)
+            self._arrange()
+            write_junit(self.folder)
+            self._write_manifest()
+
+    def _arrange(self) -> None:
+        """Mark the rows that their plan has no more, and put columns and rows into order."""
+        cases, history = self._rows.cases, self._history
+        for run, row in cases.items():
+            is_in_plan = history.is_in_plan(run, row["plan"], row.get(IN_PLAN, ""))
+            cases[run] = {**row, IN_PLAN: "" if is_in_plan else "no"}
+        known = self._rows.columns
+        used = [column for column in known if any(row.get(column) for row in cases.values())]
+        inputs = [*([] if history.is_whole else known), *self._carried, *used]
+        self._rows.columns = list(dict.fromkeys([*LATER_COLUMNS, *inputs]))
+        self._rows.sort(lambda run: history.place(cases[run]))
+        self._rows.write_rows()
+
+    def _case_row(self, result: CaseResult, verdict: Verdict) -> dict[str, str]:
+        case = result.case
+        inputs = {
+            "program": _as_written(case, case.program),
+            "rig": _as_written(case, case.rig),
+            "title": case.title,
+            "tags": " ".join(case.tags),
+            "requirement": case.requirement,
+            **case.inputs,
+        }
+        own = [
+            case.plan,
+            case.case,
+            case.run,
+            verdict.word,
+            repr(float(result.sim_s)),
+            repr(float(result.wall_s)),
+            str(case.seed),
+            value_text(result.alarms),
+            result.frame_log_sha256,
+        ]
+        carried = {column: inputs.get(column, "") for column in self._carried}
+        later = [result.drive_substituted, " ".join(result.unproved_latches)]
+        known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
+        return dict(known) | carried
+
+    def _write_manifest(self) -> None:
+        cases = self._rows.cases
+        found = {run: row.get("drive_substituted", "") for run, row in cases.items()}
+        substituted = {run: text for run, text in found.items() if text}
+        manifest = self._history.manifest(cases, self._written)
+        manifest |= {"drive_substituted": substituted}
+        write_whole(self.folder / "manifest.json", json_text(manifest))
+
+
+def build_manifest(
+    plans: Sequence[Plan],
+    *,
+    command: Sequence[str],
+    started: str,
+    output: str,
+    extra: Mapping[str, object] | None = None,
+) -> dict[str, object]:
+    """Collect what a campaign was made with: versions, platform, hashes of its files.
+
+    command: the command line. started: wall time as text, from the command line, since nothing
+    below it reads a clock. output: the results folder as the user named it.
+    extra: more entries, e.g. the hashes of the FMUs.
+    """
+
+    return {
+        "axisrig": _version("axisrig"),
+        "started": started,
+        "command": list(command),
+        "output": output,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "machine": platform.machine(),
+        "packages": {name: _version(name) for name in _PACKAGES},
+        "plans": [
+            {"name": p.name, "path": str(p.path), "sha256": sha256_of(p.path), "runs": len(p.cases)}
+            for p in plans
+        ],
+        "files": _hashes(_cases(plans)),
+        **(extra or {}),
+    }
+
+
+def write_trace(trace: pa.Table, path: Path) -> None:
+    """Write signals as Parquet: zstd, floats split into byte streams, time as differences.
+
+    Raises OSError with the name of the file, ValueError when there is no int64 column `time_ns`:
+    a defect.
+    """
+    if "time_ns" not in trace.column_names or trace.schema.field("time_ns").type != pa.int64():
+        raise ValueError("a trace needs an int64 column time_ns")
+    floats = [item.name for item in trace.schema if pa.types.is_floating(item.type)]
+    with naming(path):
+        pq.write_table(
+            trace,
+            path,
+            compression="zstd",
+            use_dictionary=False,
+            use_byte_stream_split=floats,
+            column_encoding={"time_ns": "DELTA_BINARY_PACKED"},
+        )
+
+
+def _cases(plans: Sequence[Plan]) -> list[Case]:
+    return [case for plan in plans for case in plan.cases]
+
+
+def _started(case: Case) -> list[Path]:
+    """Programs that the PLC side of a case starts beside its own."""
+    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
+    return [case.program.parent / file for file in files]
+
+
+def _hashes(cases: Sequence[Case]) -> dict[str, str]:
+    """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
+    files = {
+        (_as_written(case, path), path)
+        for case in cases
+        for path in (case.program, *_started(case), case.rig)
+    }
+    for folder, rig in {(case.file.parent, case.rig) for case in cases}:
+        files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
+    return {name: sha256_of(path) for name, path in sorted(files)}
+
+
+def _from_folder(path: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(path, folder.resolve())).as_posix()
+    except ValueError:  # on another drive of Windows
+        return path.as_posix()
+
+
+def _is_carried(column: str) -> bool:
+    return column not in _NOT_CARRIED and not column.startswith("check:")
+
+
+def _as_written(case: Case, path: Path) -> str:
+    """A file as the cell of the plan names it."""
+    folder = case.file.parent
+    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
+
+
+def _check_row(case: Case, item: CheckResult) -> list[str]:
+    condition = item.check.condition
+    return [
+        case.plan,
+        case.case,
+        case.run,
+        condition.text,
+        item.check.metric,
+        value_text(item.value),
+        item.check.unit,
+        value_text(condition.lower),
+        value_text(condition.upper),
+        repr(float(item.uncertainty)),
+        item.verdict.word,
+        item.check.reference,
+    ]
+
+
+def _run_info(result: CaseResult, checks: Sequence[CheckResult]) -> dict[str, Any]:
+    told = {} if result.real_time is None else {"real_time": result.real_time}
+    return {
+        **told,
+        "run": result.case.run,
+        "repeat": result.case.repeat,
+        "error": result.error,
+        "events": [asdict(event) for event in sorted(result.events, key=lambda e: e.time_ns)],
+        "limits": [limit for item in checks for limit in _limits(item)],
+        "notes": {item.check.metric: item.note for item in checks if item.note},
+        "messages": result.messages,
+        "log": result.log,
+        "bus": result.bus,
+        "fixed_stop": result.fixed_stop,
+        "distance": result.distance,
+    }
+
+
+def _limits(item: CheckResult) -> list[dict[str, object]]:
+    """Limits that a plot can show: those of metrics which are a value of a plotted signal."""
+    check = item.check
+    limits = [v for v in (check.condition.lower, check.condition.upper) if v is not None]
+    if not check.definition.plot:
+        return []
+    if check.name.endswith("_max"):  # a magnitude: the signal may reach the limit on both sides
+        limits += [-v for v in limits]
+    return [
+        {"plot": check.definition.plot, "axis": check.axis, "value": v, "label": check.metric}
+        for v in dict.fromkeys(limits)
+    ]
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,294 @@
+"""Runs the cases of plans: one machine per case, in this process or in a pool of them.
+
+The order of the results never depends on the number of processes, and neither does a result: each
+case is built from its row and its seed alone.
+"""
+
+import gc
+import traceback
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
+from functools import partial
+from pathlib import Path
+
+from axisrig.bench.bus.deadlines import in_words
+from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
+from axisrig.bench.campaign.results.writer import CaseResult, no_values
+from axisrig.bench.files import DISK_FULL
+from axisrig.bench.judge.distance.acting import acting_warnings
+from axisrig.bench.judge.distance.findings import told
+from axisrig.bench.judge.fixed_stop.findings import as_data
+from axisrig.bench.judge.metrics import observe
+from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.turned import turned_trace
+from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
+from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.machine.plants import check_plant, plant_log
+from axisrig.bench.plan.assignment import Assignment
+from axisrig.bench.plan.checks import judge
+from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.record.event import BESIDES
+from axisrig.bench.rig.distance.check import distance_warnings
+from axisrig.bench.rig.latches import unproved_axes, unproved_notes
+from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.programs import programs_of
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.reading.lists import substituted_in_words
+from axisrig.bench.rig.real_axes import is_paced
+from axisrig.bench.rig.settings import Settings, read_settings
+from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.syntax import Command, Program
+from axisrig.kernel.nc.text.parser import read_program
+
+Stopwatch = Callable[[], float]
+"""Gives seconds of wall time; handed down by the command line, which alone may read a clock."""
+
+
+def no_stopwatch() -> float:
+    """Give no wall time: for runs whose duration nobody asks for."""
+    return 0.0
+
+
+def settings_of(case: Case) -> Settings:
+    """Read the rig of a case and apply its row. Raises UserError with the place of a mistake."""
+
+    def located(error: UserError, assignment: Assignment) -> UserError:
+        return case.error(
+            error.message,
+            assignment.column,
+            value=error.value if error.value is not None else assignment.value,
+            allowed=error.allowed,
+            hint=error.hint,
+        )
+
+    rig, files = read_rig(case.rig)
+    return read_settings(rig, files, [(item, located) for item in case.assignments()])
+
+
+def prepare(case: Case) -> None:
+    """Build the machine of a case and take it down again.
+
+    Raises UserError for everything that can be known before a run, so that a plan with a mistake
+    in its last row leaves nothing half-written.
+    """
+    settings = settings_of(case)
+    program = read_program(case.program, tuple(settings.rig.axis))
+    programs = programs_of(settings, program).values()
+    _check_metrics(case, tuple(settings.rig.axis), programs)
+    if is_paced(settings):
+        check_plant(settings)  # without the bus: nothing is sent before the run
+    else:
+        Machine(settings, program).close()
+
+
+def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:
+    """Refuse checks of axes that the rig, and of blocks that the programs, do not have."""
+    blocks = [
+        f"N{part.block.number}"
+        for program in programs
+        for part in program.blocks
+        if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
+    ]
+    for check in case.checks:
+        column = f"check:{check.metric}"
+        if check.axis is not None and check.axis not in axes:
+            raise case.error("the rig has no such axis", column, value=check.axis, allowed=axes)
+        if check.block is not None and check.block[0] not in blocks:
+            raise case.error(
+                "the program has no #MSG in such a block",
+                column,
+                value=check.block[0],
+                allowed=blocks or "none",
+            )
+
+
+@contextmanager
+def _without_collector() -> Iterator[None]:
+    """Keep the garbage collector out of the cycles; a run allocates much and drops nothing."""
+    was_enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if was_enabled:
+            gc.enable()
+
+
+def run_case(
+    case: Case,
+    bus_logs: Sequence[Path],
+    stopwatch: Stopwatch = no_stopwatch,
+    hardware: Hardware | None = None,
+) -> CaseResult:
+    """Run one case and judge it; what goes wrong with the bench itself is verdict `error`.
+
+    hardware: for rigs with a real bus. Raises OSError when a disk is full: nobody is to judge that.
+    """
+    started = stopwatch()
+    try:
+        return _run_case(case, bus_logs, stopwatch, started, hardware)
+    except Exception as error:  # a defect costs its own row, never the campaign
+        if isinstance(error, OSError) and error.errno in DISK_FULL:
+            raise
+        reason = f"defect of the bench: {type(error).__name__}: {error}"
+        result = no_values(case, Verdict.ERROR, reason, wall_s=stopwatch() - started)
+        result.log = traceback.format_exc().splitlines()
+        return result
+
+
+def _run_case(
+    case: Case,
+    bus_logs: Sequence[Path],
+    stopwatch: Stopwatch,
+    started: float,
+    hardware: Hardware | None,
+) -> CaseResult:
+    try:
+        settings = settings_of(case)
+        program = read_program(case.program, tuple(settings.rig.axis))
+        machine = Machine(settings, program, bus_logs=bus_logs, seed=case.seed, hardware=hardware)
+    except UserError as error:
+        return no_values(case, Verdict.ERROR, str(error))
+    try:
+        with _without_collector():
+            try:
+                sim_ns = machine.run()
+            except (PlantError, SimulatedTimeoutError, UserError) as error:
+                row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
+                row.log += printed_log(settings)
+                return row
+        return _judged(case, machine, sim_ns, stopwatch() - started)
+    finally:
+        machine.close()
+
+
+def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseResult:
+    observed = Observed(machine)
+    buses = observed.buses
+    checks = []
+    for check in case.checks:
+        seen = observe(observed, check)
+        checks.append(
+            judge(check, seen.value, seen.uncertainty, seen.note, is_hidden=seen.is_hidden)
+        )
+    verdicts = [check.verdict for check in checks]
+    return CaseResult(
+        case=case,
+        verdict=worst([*verdicts, Verdict.ABORTED] if machine.is_stopped else verdicts),
+        checks=checks,
+        sim_s=sim_ns / 1e9,
+        wall_s=wall_s,
+        alarms=[alarm.id for alarm in machine.channel.alarms],
+        frame_log_sha256=machine.frame_hash.hexdigest(),
+        drive_substituted=substituted_in_words(machine.settings.axis),
+        unproved_latches=unproved_axes(machine.links),
+        trace=turned_trace(observed),
+        events=observed.events(),
+        messages=[message.shown for message in machine.messages],
+        log=[
+            *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
+            *machine.settings.notes,
+            *distance_warnings(machine.settings),
+            *acting_warnings(machine),
+            *unproved_notes(machine.links),
+            *plant_log(machine.plant),
+            *(text for _, text in machine.deflections.beyond()),
+            *printed_log(machine.settings),
+            *(str(alarm) for alarm in machine.channel.alarms),
+            *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
+            *(fault.in_words() for fault in machine.faults),
+            *machine.plc_side.not_come(),
+            *in_words(machine.real_time()),
+        ],
+        bus=[figures.as_data() for figures in buses],
+        error="stopped by the operator" if machine.is_stopped else None,
+        real_time=machine.real_time(),
+        fixed_stop=[as_data(run) for run in observed.stop_runs],
+        distance=[
+            told(truth, machine.distance_log.of(truth.axis)) for truth in observed.distance_truths
+        ],
+    )
+
+
+def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float) -> None:
+    """Prepare every case, in plan order.
+
+    apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
+    call_limit_s: wall time that one call into an FMU may take there.
+    Raises UserError as `prepare` does.
+    """
+    elsewhere = [case for case in cases if case.rig in apart]
+    with closing(
+        run_apart(
+            prepare, [[case] for case in elsewhere], is_fresh=False, call_limit_s=call_limit_s
+        )
+    ) as results:
+        for case in cases:
+            if case.rig in apart:
+                next(results)
+            else:
+                prepare(case)
+
+
+def run_cases(
+    cases: Sequence[Case],
+    bus_paths: Callable[[str], Sequence[Path]],
+    *,
+    jobs: int,
+    timeout_s: float | None,
+    stopwatch: Stopwatch,
+    apart: Collection[Path] = (),
+    call_limit_s: float = CALL_LIMIT_S,
+    hardware: Hardware | None = None,
+) -> Iterator[CaseResult]:
+    """Yield the results as they come.
+
+    jobs: processes; 1 stays in this one unless there is a time-out. timeout_s: wall time that one
+    case may take, None = no limit. apart: rigs of which every case gets a new process. A case that
+    hangs or ends its process costs its own row only. hardware: for rigs with a real bus, one case
+    after the other, those with a real bus in this process whatever their FMUs are, until the
+    operator stops.
+    """
+    run_elsewhere = partial(
+        _run_apart, bus_paths, stopwatch, apart, timeout_s=timeout_s, call_limit_s=call_limit_s
+    )
+    if hardware is None and (jobs > 1 or timeout_s is not None):
+        yield from run_elsewhere(cases, jobs)
+        return
+    for case in cases:
+        if case.rig in apart and (hardware is None or not is_paced(settings_of(case))):
+            yield from run_elsewhere([case], 1)
+            continue
+        yield run_case(case, bus_paths(case.run), stopwatch, hardware)
+        if hardware is not None and hardware.stop():
+            return
+
+
+def _run_apart(
+    bus_paths: Callable[[str], Sequence[Path]],
+    stopwatch: Stopwatch,
+    apart: Collection[Path],
+    cases: Sequence[Case],
+    jobs: int,
+    *,
+    timeout_s: float | None,
+    call_limit_s: float,
+) -> Iterator[CaseResult]:
+    results = run_apart(
+        run_case,
+        [[case, bus_paths(case.run), stopwatch] for case in cases],
+        jobs=jobs,
+        is_fresh=[case.rig in apart for case in cases],
+        timeout_s=timeout_s,
+        call_limit_s=call_limit_s,
+    )
+    for case, result in zip(cases, results, strict=True):
+        if isinstance(result, Died):
+            wall_s = timeout_s if result.is_timeout and timeout_s is not None else 0.0
+            row = no_values(case, Verdict.ERROR, result.reason, wall_s=wall_s)
+            row.log += result.log
+            yield row
+        else:
+            yield result

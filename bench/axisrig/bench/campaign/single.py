@@ -1,0 +1,101 @@
+"""One NC program on one rig: what `axisrig nc` does."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from axisrig.bench.bus.deadlines import in_words
+from axisrig.bench.campaign.hardware_runs import Outside, allow, refuse_processes
+from axisrig.bench.judge.distance.acting import acting_warnings
+from axisrig.bench.judge.plc import plc_log
+from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
+from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.machine.plants import check_plant, plant_warnings
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.record.event import BESIDES
+from axisrig.bench.rig.check import overloads
+from axisrig.bench.rig.distance.check import distance_warnings
+from axisrig.bench.rig.latches import unproved_notes
+from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.real_axes import is_paced
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.text.parser import read_program
+
+
+@dataclass(frozen=True)
+class Ended:
+    """What is to be said of a run, an alarm or a note, and whether it ended the program."""
+
+    text: str
+    ends_program: bool
+
+
+def run_outside(
+    outside: Outside,
+    program: Path,
+    rig: Path,
+    assignments: Sequence[str],
+    bus_logs: Sequence[Path],
+    put_out: Callable[[str], None],
+    *,
+    is_apart: bool,
+) -> list[Ended] | None:
+    """Run a program on axes outside, as `run_program`; None when the rig has no real bus."""
+    table, files = read_rig(rig)
+    changes = [*assignments]
+    changes += [f"{item.column}={item.value}" for item in outside.changes([*table.segment], rig)]
+    assigned = [(parse_assignment(text), as_written) for text in changes]
+    settings = read_settings(table, files, assigned)
+    if not is_paced(settings):
+        return None
+    refuse_processes(1, is_apart)
+    read_program(program, tuple(table.axis))
+    check_plant(settings)
+    allow([settings], outside)
+    with outside.open_hardware() as hardware:
+        return run_program(program, rig, changes, bus_logs, put_out, hardware)
+
+
+def run_program(
+    program: Path,
+    rig: Path,
+    assignments: Sequence[str],
+    bus_logs: Sequence[Path],
+    put_out: Callable[[str], None],
+    hardware: Hardware | None = None,
+) -> list[Ended]:
+    """Run a program to its end; return what is to be noted of it, and its alarms in order.
+
+    assignments: texts of `--set`. put_out: takes each message when it is due. hardware: for rigs
+    with a real bus; how well real time was kept is among the notes then.
+    Raises UserError for what is rejected before or while the program runs.
+    """
+    changes = [(parse_assignment(text), as_written) for text in assignments]
+    table, files = read_rig(rig)
+    settings = read_settings(table, files, changes)
+    parsed = read_program(program, tuple(table.axis))
+    machine = Machine(settings, parsed, bus_logs=bus_logs, put_out=put_out, hardware=hardware)
+    try:
+        machine.run()
+    except (PlantError, SimulatedTimeoutError) as error:
+        raise UserError(str(error), file=program) from error
+    finally:
+        machine.close()
+    told = [*settings.notes, *distance_warnings(settings), *acting_warnings(machine)]
+    told += unproved_notes(machine.links)
+    notes = [Ended(text, False) for text in told]
+    notes += [
+        Ended(f"segment {name} is overloaded: {text}", False)
+        for name, text in overloads(settings).items()
+    ]
+    notes += [Ended(text, False) for text in plant_warnings(machine.plant)]
+    notes += [Ended(text, False) for _, text in machine.deflections.beyond()]
+    notes += [Ended(text, False) for text in printed_log(settings)]
+    notes += [Ended(text, False) for text in in_words(machine.real_time())]
+    notes += [Ended(text, False) for text in plc_log(machine)]
+    ended = [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
+    besides = [Ended(f"{BESIDES}{alarm}", False) for alarm in machine.channel.further_alarms]
+    return notes + ended + besides

@@ -1,0 +1,107 @@
+"""The commands that list what plans, rigs and this installation have."""
+
+from typing import Annotated, Literal
+
+import typer
+
+from axisrig.bench.cli.options import rejecting
+from axisrig.bench.cli.params_command import params
+
+
+@rejecting
+def metrics() -> None:
+    """List what a check column may ask for."""
+    from axisrig.bench.campaign.campaign import metrics_table
+
+    print(metrics_table())
+
+
+@rejecting
+def drives(
+    profile: Annotated[
+        str | None, typer.Argument(help="Name of a profile: all its keys, not the list.")
+    ] = None,
+) -> None:
+    """List the drive profiles that a rig may name, or the keys of one."""
+    from axisrig.bench.drive.dictionary.profiles import profile_listing
+
+    print(profile_listing(profile))
+
+
+@rejecting
+def faults(
+    kind: Annotated[
+        str | None, typer.Argument(help="A kind: what bus, drive and kernel do, not the list.")
+    ] = None,
+) -> None:
+    """List what a fault column may bring about, or the reactions to one kind."""
+    from axisrig.bench.rig.reading.faults import faults_table
+
+    print(faults_table(kind))
+
+
+@rejecting
+def objects() -> None:
+    """List the CNC objects of distance control, which a plc: column may write."""
+    from axisrig.bench.rig.cnc_objects import objects_table
+
+    print(objects_table())
+
+
+@rejecting
+def errors(
+    word: Annotated[
+        str | None, typer.Argument(help="An ID: all about it. Or a word: the alarms that have it.")
+    ] = None,
+    reaction_class: Annotated[
+        int | None, typer.Option("--class", min=1, max=7, help="Only this reaction class.")
+    ] = None,
+    area: Annotated[str | None, typer.Option("--area", help="Only this area.")] = None,
+    form: Annotated[
+        Literal["text", "markdown"],
+        typer.Option("--format", help="Form of the list; markdown is docs/errors.md."),
+    ] = "text",
+) -> None:
+    """List the alarms, or tell all about one: class, values, remedy, twin, source."""
+    from axisrig.bench.tools.listings.alarms import alarm_listing, page
+
+    if form == "markdown":
+        print(page(), end="")
+    else:
+        print(alarm_listing(word, reaction_class, area))
+
+
+@rejecting
+def explain(alarm_id: Annotated[str, typer.Argument(metavar="ID", help="ID of an alarm.")]) -> None:
+    """Tell all about one alarm: class, values, remedy, twin, source."""
+    from axisrig.bench.tools.listings.alarms import alarm_listing
+
+    print(alarm_listing(alarm_id))
+
+
+@rejecting
+def language(
+    word: Annotated[
+        str | None, typer.Argument(help="A word of NC programs: all about it, not the list.")
+    ] = None,
+    markdown: Annotated[
+        bool, typer.Option("--markdown", help="The page docs/nc-language.md instead.")
+    ] = False,
+) -> None:
+    """List the words, commands and variables of NC programs; (-) marks what does not act."""
+    from axisrig.bench.tools.listings.language import language_listing, page
+
+    print(page() if markdown else f"{language_listing(word)}\n", end="")
+
+
+@rejecting
+def doctor() -> None:
+    """Say what this installation has, what it lacks, and what to do about it."""
+    from axisrig.bench.tools.listings.doctor import examine
+
+    text, is_well = examine()
+    print(text)
+    raise typer.Exit(0 if is_well else 1)
+
+
+LISTINGS = (metrics, drives, faults, objects, params, errors, explain, language, doctor)

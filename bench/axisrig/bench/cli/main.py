@@ -1,0 +1,438 @@
+"""The command line: `axisrig <command>`. The only place that reads a wall clock.
+
+Heavy modules are imported inside the commands, so that `axisrig --help` answers at once
+(PLC0415 is switched off for this file).
+Exit codes: run and demo by the worst verdict (axisrig.bench.plan.verdict), nc 0 or 1; 2 for what
+is rejected before anything runs. replay: as run when every frame came again, else 1.
+"""
+
+import io
+import signal
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
+from datetime import UTC, datetime
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from axisrig.bench.cli.fmu_commands import build, fmu_app
+from axisrig.bench.cli.list_commands import LISTINGS
+from axisrig.bench.cli.options import (
+    CALL_LIMIT_S,
+    EXIT_REJECTED,
+    AsCanopenOption,
+    BitrateOption,
+    BusOption,
+    CallTimeoutOption,
+    ChannelOption,
+    ForceOption,
+    FreshOption,
+    InterfaceOption,
+    IsolateOption,
+    SegmentOption,
+    SetOption,
+    VersionOption,
+    YesOption,
+    rejecting,
+)
+from axisrig.bench.cli.tune_commands import tune_app
+from axisrig.kernel.errors import UserError
+
+if TYPE_CHECKING:
+    from axisrig.bench.machine.pacing import Hardware
+
+app = typer.Typer(
+    name="axisrig",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+app.add_typer(fmu_app, name="fmu")
+app.add_typer(tune_app, name="tune")
+for listing in LISTINGS:
+    app.command()(listing)
+
+
+@app.callback()
+def options(_is_asked: VersionOption = False) -> None:
+    """Co-simulation test bench for measurement runs and distance control of CNC machines."""
+
+
+def _hardware() -> AbstractContextManager["Hardware"]:
+    """Give real time to a run with a real bus."""
+    from axisrig.bench.bus.paced import RealTime
+    from axisrig.bench.campaign.hardware_runs import stoppable
+
+    return stoppable(RealTime(time.monotonic_ns, time.sleep), _to_stderr)
+
+
+def _to_stderr(text: str) -> None:
+    print(text, file=sys.stderr, flush=True)
+
+
+def _inputs(assignments: list[str] | None, is_forced: bool, as_canopen: bool) -> list[str]:
+    """Return the inputs of the command line; what `--force` and `--as-canopen` stand for is among
+    them, so a replay has it too.
+    """
+    from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
+
+    said = [*([FORCED] if is_forced else []), *([AS_CANOPEN] if as_canopen else [])]
+    return [*(assignments or []), *said]
+
+
+def _logs(path: Path | None) -> list[Path]:
+    """Refuse a bus log that would overwrite a file of another kind."""
+    from axisrig.bench.bus.logs import LOG_SUFFIXES
+
+    suffixes = list(LOG_SUFFIXES.values())
+    if path is not None and path.suffix.lower() not in suffixes:
+        raise UserError("no kind of bus log", value=str(path), allowed=suffixes)
+    return [] if path is None else [path]
+
+
+@app.command()
+@rejecting
+def run(
+    plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX or ODS tables.")],
+    out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
+    select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
+    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    timeout_s: Annotated[
+        float | None,
+        typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes."),
+    ] = None,
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = None,
+    assignments: SetOption = None,
+    is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    options: BusOption = None,
+    bitrate: BitrateOption = None,
+    segment: SegmentOption = None,
+    may_move: YesOption = False,
+    bus_logs: Annotated[
+        str,
+        typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
+    ] = "blf",
+    is_fresh: FreshOption = False,
+) -> None:
+    """Run plans, judge them, and write results and report.
+
+    Results that the folder has of other runs of the plan stay.
+    With --interface, or a rig that names one, the kernel drives axes outside in real time.
+    """
+    from axisrig.bench.bus.logs import log_kinds
+    from axisrig.bench.campaign.campaign import run_campaign, show_campaign
+    from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.reports.build import build_report
+
+    campaign = run_campaign(
+        plans,
+        out=out,
+        select=select,
+        jobs=jobs,
+        timeout_s=timeout_s,
+        assignments=_inputs(assignments, is_forced, as_canopen),
+        command=["axisrig", *sys.argv[1:]],
+        started=datetime.now(UTC).isoformat(timespec="seconds"),
+        stopwatch=time.perf_counter,
+        is_isolated=is_isolated or call_limit_s is not None,
+        call_limit_s=call_limit_s or CALL_LIMIT_S,
+        outside=Outside(
+            _hardware, may_move, _to_stderr, interface, channel, options, bitrate, segment
+        ),
+        bus_logs=log_kinds(bus_logs),
+        is_fresh=is_fresh,
+        build_report=build_report,
+    )
+    show_campaign(campaign)
+    raise typer.Exit(campaign.exit_code)
+
+
+@app.command()
+@rejecting
+def demo(
+    folder: Annotated[Path, typer.Option("--plans", help="Folder with the plans.")] = Path(
+        "testplans"
+    ),
+    out: Annotated[Path, typer.Option("-o", "--out", help="Results folder.")] = Path("out/demo"),
+    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    is_fresh: FreshOption = False,
+) -> None:
+    """Build the FMUs, run every shipped plan, and say where the report lies."""
+    from axisrig.bench.campaign.campaign import plans_in
+
+    build(None)
+    run(plans_in(folder), out, None, jobs, None, is_fresh=is_fresh)
+
+
+@app.command()
+@rejecting
+def nc(
+    program: Annotated[Path, typer.Argument(help="NC program.")],
+    rig: Annotated[Path | None, typer.Option("--rig", help="Rig file (TOML).")] = None,
+    is_check: Annotated[
+        bool, typer.Option("--check", help="Read and check the program; run nothing.")
+    ] = False,
+    bus_log: Annotated[
+        Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
+    ] = None,
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = None,
+    assignments: SetOption = None,
+    is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    options: BusOption = None,
+    bitrate: BitrateOption = None,
+    segment: SegmentOption = None,
+    may_move: YesOption = False,
+) -> None:
+    """Run one NC program on a rig; #MSG goes to standard output, alarms to standard error.
+
+    It may take 600 s of simulated time; --set plc:limit_s=5 changes that.
+    With --interface, or a rig that names one, the kernel drives axes outside in real time.
+    """
+    from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.bench.campaign.processes import do_apart, say
+    from axisrig.bench.campaign.single import run_outside, run_program
+
+    if is_check:
+        from axisrig.bench.cli.nc_check import check_file
+
+        raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
+    if rig is None:
+        raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
+    inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
+    said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
+    is_apart = is_isolated or bool(call_limit_s)
+    alarms = run_outside(Outside(_hardware, *said), *inputs, is_apart=is_apart)
+    if alarms is None:
+        limits = (is_isolated, call_limit_s)
+        alarms = do_apart(run_program, *inputs, rigs=[rig], file=program, limits=limits)
+    for alarm in alarms:
+        print(alarm.text, file=sys.stderr)
+    raise typer.Exit(1 if any(alarm.ends_program for alarm in alarms) else 0)
+
+
+@app.command()
+@rejecting
+def drive(
+    rig: Annotated[Path, typer.Argument(help="Rig file (TOML).")],
+    interface: InterfaceOption = None,
+    channel: ChannelOption = None,
+    options: BusOption = None,
+    bitrate: BitrateOption = None,
+    segment: SegmentOption = None,
+    axes: Annotated[
+        list[str] | None, typer.Option("--axis", help="Only this axis; several allowed.")
+    ] = None,
+    for_s: Annotated[
+        float | None, typer.Option("--for", min=0.0, help="End after so many seconds.")
+    ] = None,
+    by_sync: Annotated[
+        bool,
+        typer.Option(
+            "--by-sync",
+            help="Time of the drives goes on by one period with each SYNC, however late it is.",
+        ),
+    ] = False,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", help="Folder for bus log, events, latches and trace."),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option("--store", help="File that keeps the parameters stored by 1010."),
+    ] = None,
+    eds: Annotated[
+        Path | None, typer.Option("--eds", help="Write the EDS of the drive there, and end.")
+    ] = None,
+    assignments: SetOption = None,
+) -> None:
+    """Run the virtual drives of a rig for the master of somebody else, until Ctrl-C."""
+    from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.bench.tools.virtual_drive.serve import drive_settings, serve, whose_eds, write_eds
+
+    said = Outside(_hardware, True, _to_stderr, interface, channel, options, bitrate, segment)
+    settings = drive_settings(rig, said, axes or [], assignments or [])
+    if eds is not None:
+        print(write_eds(settings, eds))
+        print(f"the drive of {whose_eds(settings)}", file=sys.stderr)
+        return
+    files = {"folder": out, "store": store}
+    serve(settings, said, partial(print, flush=True), by_sync=by_sync, for_s=for_s, **files)
+
+
+@app.command()
+@rejecting
+def check(
+    files: Annotated[list[Path], typer.Argument(help="Plans, rigs, parameter lists.")],
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = None,
+    is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
+) -> None:
+    """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
+    from axisrig.bench.campaign.campaign import check_file, rigs_of
+    from axisrig.bench.campaign.processes import do_apart
+
+    for file in files:
+        what = (check_file, file, _inputs(None, is_forced, as_canopen))
+        limits = (is_isolated, call_limit_s)
+        print(do_apart(*what, rigs=rigs_of(file), file=file, limits=limits))
+
+
+@app.command()
+@rejecting
+def replay(
+    folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
+    run_id: Annotated[str, typer.Argument(metavar="RUN", help="Run id, as in cases.csv.")],
+    bus_log: Annotated[
+        Path | None, typer.Option("--bus-log", help="Write every frame: .blf, .log, .asc or .pcap.")
+    ] = None,
+    is_isolated: IsolateOption = False,
+    call_limit_s: CallTimeoutOption = None,
+) -> None:
+    """Run one case of a results folder again and say whether every frame came again.
+
+    Exit code: that of its verdict, as for run; 1 when a frame differs, whatever the verdict is.
+    """
+    from axisrig.bench.campaign.campaign import show_verdicts
+    from axisrig.bench.campaign.processes import do_apart
+    from axisrig.bench.campaign.replay import recorded_case
+    from axisrig.bench.campaign.replay import replay as run_again
+    from axisrig.bench.plan.verdict import exit_code
+
+    logs, limits = _logs(bus_log), (is_isolated, call_limit_s)
+    case, row = recorded_case(folder, run_id)
+    what = (run_again, case, row, logs)
+    again = do_apart(*what, rigs=[case.rig], file=folder, limits=limits)
+    show_verdicts([again.result])
+    print(f"frame_log_sha256 {'equal' if again.is_same else 'DIFFERS from the recorded one'}")
+    raise typer.Exit(exit_code(again.result.verdict) if again.is_same else 1)
+
+
+@app.command()
+@rejecting
+def bus(
+    place: Annotated[
+        Path,
+        typer.Argument(metavar="LOG", help="Results folder, folder of `drive -o`, or a log file."),
+    ],
+    run_id: Annotated[
+        str | None, typer.Argument(metavar="RUN", help="Run id, where LOG is a folder.")
+    ] = None,
+    rig: Annotated[
+        Path | None, typer.Option("--rig", help="Rig of a file: names of axes, values of PDOs.")
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", help="Services, axes, telegrams, objects: SDO,Z,Z.TPDO1,6041."),
+    ] = None,
+    from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
+    to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
+    is_all: Annotated[
+        bool, typer.Option("--all", help="SYNCs and PDOs that bring nothing new as well.")
+    ] = False,
+) -> None:
+    """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
+    from axisrig.bench.rig.reading.file import read_rig
+    from axisrig.bench.rig.settings import read_settings
+    from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, tell_log
+
+    paths, settings = find_log(place, run_id)
+    if rig is not None:
+        settings = read_settings(*read_rig(rig), [])
+    words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
+    for line in tell_log(paths, settings, Selection(words, from_ms, to_ms, is_all)):
+        print(line)
+
+
+@app.command()
+@rejecting
+def report(
+    folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
+) -> None:
+    """Write report.html again from a results folder."""
+    from axisrig.bench.campaign.results.folder import recover
+    from axisrig.reports.build import build_report
+
+    recover(folder)
+    print(build_report(folder))
+
+
+@app.command()
+@rejecting
+def scenarios(
+    count: Annotated[int, typer.Option("--count", min=1, help="How many.")] = 200,
+    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the campaign.")] = 1,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Processes.")] = 1,
+) -> None:
+    """Run random faults on a small machine and judge every reported value by the plant's truth."""
+    from axisrig.bench.tools.scenarios.campaign import Tally, run_scenarios
+
+    tally = Tally()
+    for scenario, judgement in run_scenarios(seed, first, count, jobs):
+        tally.add(scenario, judgement)
+    print(tally.table())
+    if tally.defects:
+        raise typer.Exit(1)
+
+
+@app.command()
+@rejecting
+def perf(
+    plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
+        "testplans/latch_accuracy.csv"
+    ),
+    case: Annotated[str | None, typer.Option("--case", help="Row; the first by default.")] = None,
+    repeats: Annotated[int, typer.Option("--repeats", min=1, help="Runs to time.")] = 5,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+    fmu: Annotated[
+        bool, typer.Option("--fmu", help="Time a step of the axis FMU instead.")
+    ] = False,
+    bus: Annotated[
+        bool, typer.Option("--bus", help="Time the bus and the codecs instead.")
+    ] = False,
+    parse: Annotated[bool, typer.Option("--parse", help="Time the NC text instead.")] = False,
+) -> None:
+    """Time one row with all its files written, and split a cycle into its parts."""
+    if parse:
+        from axisrig.bench.tools.perf.parse_perf import time_parse
+
+        return print(time_parse(repeats, time.perf_counter_ns, as_json))
+    if bus:
+        from axisrig.bench.tools.perf.bus_perf import measure_bus, show_bus
+
+        return print(show_bus(measure_bus(repeats, time.perf_counter_ns), as_json))
+    if fmu:
+        from axisrig.bench.tools.perf.fmu_perf import measure_fmu, show_fmu
+
+        print(show_fmu(measure_fmu(repeats, time.perf_counter_ns), as_json))
+        return
+    from axisrig.bench.campaign.campaign import rigs_of
+    from axisrig.bench.campaign.processes import do_apart
+    from axisrig.bench.tools.perf.perf import measure, show
+    from axisrig.reports.build import build_report
+
+    what = (plan, case, repeats, time.perf_counter_ns, build_report)
+    result = do_apart(measure, *what, rigs=rigs_of(plan), file=plan)
+    print(show(result, as_json))
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line; entry point of the package."""
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as with Ctrl-C
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a console that lacks a sign gets a `?`
+    app(list(arguments) if arguments is not None else None)

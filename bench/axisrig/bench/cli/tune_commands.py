@@ -1,0 +1,60 @@
+"""The commands `axisrig tune ...`; heavy modules are imported inside them."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axisrig.bench.cli.options import SetOption, rejecting
+
+tune_app = typer.Typer(no_args_is_help=True, help="Measure a control loop and say what to set.")
+
+
+@tune_app.callback()
+def _group() -> None:
+    """Keep `distance` a word of its own while it is the only command."""
+
+
+@tune_app.command()
+@rejecting
+def distance(
+    rig: Annotated[Path, typer.Option("--rig", help="Rig file (TOML).")],
+    axis: Annotated[
+        str | None, typer.Option("--axis", help="Axis; where several have distance control.")
+    ] = None,
+    variable: Annotated[
+        str | None,
+        typer.Option("--variable", help="V.E. variable with the distance, not encoder 2."),
+    ] = None,
+    step_mm: Annotated[
+        float | None,
+        typer.Option("--step", min=0.001, max=5.0, help="Step, mm; by the noise when not said."),
+    ] = None,
+    picture: Annotated[
+        Path | None,
+        typer.Option("--picture", help="Picture: .svg, .png, .pdf; tune-AXIS.svg when not said."),
+    ] = None,
+    assignments: SetOption = None,
+    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+) -> None:
+    """Measure dead time and loop of distance control; tell stable and suggested kp, Tn, Tv.
+
+    It runs the rig with small steps and writes a picture. Warnings go to standard error.
+    """
+    import json
+
+    from axisrig.bench.campaign.processes import do_apart
+    from axisrig.bench.tools.tune.distance import tune
+    from axisrig.bench.tools.tune.measure import choose
+    from axisrig.bench.tools.tune.picture import draw, kind_of
+    from axisrig.bench.tools.tune.report import data_of, text_of, warnings_of
+
+    bench = choose(rig, axis, variable, assignments or [])
+    target = kind_of(picture or Path(f"tune-{bench.axis}.svg"))
+    found = do_apart(tune, bench, step_mm, rigs=[rig], file=rig)
+    draw(found, target)
+    print(json.dumps(data_of(found), indent=2) if as_json else text_of(found))
+    for warning in warnings_of(found):
+        print(f"warning: {warning}", file=sys.stderr)
+    print(target, file=sys.stderr)

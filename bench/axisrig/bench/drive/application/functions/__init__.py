@@ -1,0 +1,1 @@
+"""Functions of the drive application: limits, ramps, latch, inputs, stops, sampling."""

@@ -1,0 +1,1 @@
+"""Objects of the drive: dictionary, profile, EDS, process image, store, abort codes."""

@@ -1,0 +1,1 @@
+"""Judges what a run has left: truths, metrics, findings."""

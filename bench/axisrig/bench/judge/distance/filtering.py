@@ -1,0 +1,83 @@
+"""What the filter of the sensor value did: its delay at a step of the surface, and its noise.
+
+The filter gets the distance of CONST_DIST, or the deviation of SET_POS (FCT-M3 5.1, 5.2).
+"""
+
+import itertools
+
+import numpy as np
+
+from axisrig.bench.judge.distance.stretches import Stretch, active, runs_of
+from axisrig.bench.judge.distance.truth import (
+    ACTIVE_CONST_DIST,
+    DistanceTruth,
+    NoClosedFormError,
+    Signal,
+)
+
+_EVEN_MM = 2e-7
+_RISE_MM = 0.1
+_LENGTH_MIN = 50
+
+
+def unfiltered_mm(truth: DistanceTruth, stretch: Stretch) -> Signal:
+    """Return what the filter got in a stretch."""
+    rows = stretch.rows
+    if truth.state[stretch.begin] == ACTIVE_CONST_DIST:
+        return truth["distance_cnc_mm"][rows]
+    return truth["surface_cnc_mm"][rows] - truth["set_pos_mm"][rows]
+
+
+def delay_cycles(truth: DistanceTruth) -> float:
+    """Return by how many cycles the filter is late: sum of (in - out) over a step / its height.
+
+    For every linear filter of gain 1 that is its group delay at frequency 0. The step: the largest
+    change of the surface between two times in which it stands. Raises NoClosedFormError.
+    """
+    best = (0.0, 0.0)
+    for stretch in active(truth):
+        given, out = unfiltered_mm(truth, stretch), truth["filtered_mm"][stretch.rows]
+        flats = _flats(truth, stretch)
+        for (begin, end), (top_begin, top_end) in itertools.pairwise(flats):
+            # From the middle of one flat to the end of the next: the filter has settled in both
+            first = (begin + end) // 2
+            before, after = np.mean(given[first:end]), np.mean(given[top_begin:top_end])
+            rise = float(after - before)
+            if abs(rise) > max(_RISE_MM, abs(best[0])):
+                best = rise, float(np.sum((given - out)[first:top_end]))
+    if not best[0]:
+        raise NoClosedFormError("the surface never stepped from one level to another")
+    return best[1] / best[0]
+
+
+def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
+    """Return standard deviation behind over that before the filter, and from how many cycles.
+
+    settling_cycles: left out at the begin of each time in which the surface stands. Raises
+    NoClosedFormError without noise.
+    """
+    given_parts, out_parts = [], []
+    for stretch in active(truth):
+        given, out = unfiltered_mm(truth, stretch), truth["filtered_mm"][stretch.rows]
+        for begin, end in _flats(truth, stretch):
+            rows = slice(begin + settling_cycles, end)
+            if end - rows.start >= _LENGTH_MIN:
+                given_parts.append(given[rows] - np.mean(given[rows]))
+                out_parts.append(out[rows] - np.mean(out[rows]))
+    if not given_parts:
+        raise NoClosedFormError(
+            f"the surface never stood for {settling_cycles + _LENGTH_MIN} cycles"
+        )
+    given, out = np.concatenate(given_parts), np.concatenate(out_parts)
+    if not np.std(given) > 0:
+        raise NoClosedFormError("the sensor has no noise")
+    return float(np.std(out) / np.std(given)), len(given)
+
+
+def _flats(truth: DistanceTruth, stretch: Stretch) -> list[tuple[int, int]]:
+    """Rows of a stretch in which the true distance stands, counted from its begin."""
+    if truth.gap_true_mm is None:
+        raise NoClosedFormError("no plant tells the distance")
+    gap = truth.gap_true_mm[stretch.rows]
+    stands = np.abs(np.diff(gap, prepend=gap[:1])) <= _EVEN_MM
+    return [(begin, end) for begin, end in runs_of(stands) if end - begin >= _LENGTH_MIN]

@@ -1,0 +1,342 @@
+"""What distance control did, beside what closed forms say of its loop: for the report.
+
+The block `distance` of `runs/<run>.json`: per axis its stretches (state, by whom, set value), the
+laws it followed with limit and dead cycles, the error at the end of each stretch, and how much of
+each limit was used. Lengths in mm, times in ns, speeds in mm/s.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from axisrig.bench.judge.distance import stretches
+from axisrig.bench.judge.distance.stretches import Stretch
+from axisrig.bench.judge.distance.truth import (
+    INACTIVE,
+    TURNING_OFF,
+    DistanceTruth,
+    Flags,
+    NoClosedFormError,
+)
+from axisrig.bench.machine.recording.distance_log import Change
+from axisrig.bench.oracles.distance.cycles import NotMeasurableError
+from axisrig.bench.oracles.distance.following import ramp_lag_mm
+from axisrig.bench.oracles.distance.lists import PER_MM, Control
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
+from axisrig.bench.oracles.distance.smoothing import of_control
+from axisrig.bench.oracles.distance.stability import kp_limit
+from axisrig.bench.record.event import Event
+from axisrig.kernel.distance import DistanceSettings, DistanceState, Source
+
+ON = (DistanceState.ACTIVE, DistanceState.ACTIVE_CONST_DIST)
+_FORMULAS = {
+    SET_POS: "o += limit({}(filter(Z + s − SET_POS) − o))",
+    CONST_DIST: "o += limit({}(SET_DIST − filter(d)))",
+    BOTH: "o += limit({}(SET_DIST − filter(d − (Z − Z_com))))",
+}
+_EVEN_MM = 2e-7
+_LEAST_ROWS = 3
+_WORDS = {
+    DistanceState.INACTIVE: "OFF",
+    DistanceState.ACTIVE: "ON",
+    DistanceState.FREEZE: "FREEZE",
+    DistanceState.TURNING_OFF: "OFF",
+    DistanceState.ACTIVE_CONST_DIST: "ON_CONST_DIST",
+}
+
+
+def told(truth: DistanceTruth, changes: Sequence[Change]) -> dict[str, Any]:
+    """Return one axis as the block `distance` tells it."""
+    laws: list[dict[str, Any]] = []
+    parts = _parts(truth, changes, laws)
+    return {
+        "axis": truth.axis,
+        "sensor": truth.machine.settings.rig.axis[truth.axis].encoder_2,
+        "zero_mm": truth.zero_mm,
+        "period_ms": truth.period_ns / 1e6,
+        "late_cycles": 0 if truth.listed.is_optimized else 1,
+        "stretches": parts,
+        "laws": laws,
+        "dead": _dead(truth),
+        "errors": _errors(truth, changes),
+        "limits": _limits(truth),
+        "notes": _notes(truth),
+    }
+
+
+def distance_events(axis: str, changes: Sequence[Change]) -> list[Event]:
+    """Return what the program commanded, as marks of the report; the PLC side has its own."""
+    marks = []
+    before, was_dry = DistanceState.INACTIVE, False
+    for change in changes:
+        is_same = change.state is before and change.is_dry_run == was_dry
+        by_itself = change.state is DistanceState.ERROR or (
+            change.state is DistanceState.INACTIVE and before is DistanceState.TURNING_OFF
+        )
+        if not is_same and not by_itself and change.source is Source.NC:
+            word = f"{_WORDS[change.state]}{' (dry run)' if change.is_dry_run else ''}"
+            label = f"{axis}: {word} by {change.source.name}"
+            marks.append(Event(change.time_ns, "mark", label, axis))
+        before, was_dry = change.state, change.is_dry_run
+    return marks
+
+
+# Stretches and laws
+
+
+def _parts(
+    truth: DistanceTruth, changes: Sequence[Change], laws: list[dict[str, Any]]
+) -> list[dict[str, Any]]:
+    """Stretches between two changes; laws: takes each law once."""
+    found = []
+    for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
+        is_on = change.state in ON
+        wanted = _set_values(truth, change, _rows(truth, change, end_ns))
+        if is_on:
+            law = _law(truth, mode_of(change), change.settings)
+            if law not in laws:
+                laws.append(law)
+        found.append(
+            {
+                "begin_ns": change.time_ns,
+                "end_ns": end_ns,
+                "state": change.state.name,
+                "by": change.source.name,
+                "is_dry_run": is_on and change.is_dry_run,
+                "set_mm": wanted[0],
+                "set_end_mm": wanted[1],
+                "law": laws.index(law) if is_on else None,
+            }
+        )
+    return found
+
+
+def _ends(truth: DistanceTruth, changes: Sequence[Change]) -> list[int]:
+    """End of what holds from each change on, in ns."""
+    return [*(change.time_ns for change in changes[1:]), int(truth.times_ns[-1])]
+
+
+def _rows(truth: DistanceTruth, change: Change, end_ns: int) -> "np.ndarray[Any, Any]":
+    return np.flatnonzero((truth.times_ns >= change.time_ns) & (truth.times_ns < end_ns))
+
+
+def _set_values(
+    truth: DistanceTruth, change: Change, rows: "np.ndarray[Any, Any]"
+) -> tuple[float | None, float | None]:
+    """First and last set value of a stretch in which the control follows."""
+    if change.state not in ON or not len(rows):
+        return None, None
+    name = "set_pos_mm" if change.state is DistanceState.ACTIVE else "set_dist_mm"
+    values = truth[name][rows]
+    known = values[np.isfinite(values)]
+    return (float(known[0]), float(known[-1])) if len(known) else (None, None)
+
+
+def mode_of(change: Change) -> str:
+    """Return the mode of the loop of a control that is on."""
+    if change.state is DistanceState.ACTIVE:
+        return SET_POS
+    return BOTH if change.settings.both_encoders else CONST_DIST
+
+
+def control_of(settings: DistanceSettings) -> Control:
+    """Return the controller of settings of the kernel, as the closed forms want it."""
+    smooth = settings.filter
+    return Control(
+        kp=settings.kp,
+        tn_s=settings.tn_s,
+        tv_s=settings.tv_s,
+        filter_type=smooth.kind,
+        count=smooth.n_cycles,
+        alpha=smooth.smoothing_factor,
+        order=smooth.low_pass_filter_order,
+        corner_hz=smooth.low_pass_filter_fg_f0,
+        sigma_mm=smooth.kalman_sigma / PER_MM,
+    )
+
+
+def _law(truth: DistanceTruth, mode: str, settings: DistanceSettings) -> dict[str, Any]:
+    control = control_of(settings)
+    loop = _loop(truth, mode, control)
+    unknown = truth.unknown_poles(mode)
+    limit = math.inf if unknown else kp_limit(loop)
+    is_plain = not control.tn_s and not control.tv_s
+    return {
+        "mode": mode,
+        "formula": _FORMULAS[mode].format("kp " if is_plain else "PID"),
+        "kp": control.kp,
+        "tn_s": control.tn_s,
+        "tv_s": control.tv_s,
+        "filter": loop.smoothing.name,
+        "delay_cycles": loop.smoothing.delay_cycles,
+        "noise_gain": loop.smoothing.noise_gain,
+        "dead_cycles": loop.dead_cycles,
+        "age_cycles": loop.skew_cycles,
+        "drive_lag_ms": truth.drive_lag_s * 1e3,
+        "kp_limit": None if math.isinf(limit) else limit,
+        "kp_limit_unknown": unknown,
+        "growth": growth(loop, control.kp),
+    }
+
+
+def _loop(truth: DistanceTruth, mode: str, control: Control) -> Loop:
+    return replace(
+        truth.loop(mode),
+        smoothing=of_control(control, truth.period_ns),
+        integral=truth.period_s / control.tn_s if control.tn_s else 0.0,
+        derivative=control.tv_s / truth.period_s,
+    )
+
+
+def _dead(truth: DistanceTruth) -> dict[str, Any]:
+    """Dead cycles by the arithmetic of the rig and by the frames."""
+    told = {"predicted": truth.dead.dead, "measured": None, "note": ""}
+    try:
+        found = truth.measured_dead()
+    except NotMeasurableError as reason:
+        return {**told, "note": str(reason)}
+    return {**told, "measured": found.cycles.dead}
+
+
+def _notes(truth: DistanceTruth) -> list[str]:
+    notes = []
+    if truth.zero_mm:
+        by = "REF" if truth.axis in truth.machine.referenced else "ref_offset"
+        notes.append(f"The sensor value is 0 at a gap of {truth.zero_mm:.6g} mm ({by}).")
+    if not truth.counts_right:
+        notes.append(
+            "The sensor counts the wrong way round for its P-AXIS-00230: the offset feeds back with"
+            " the wrong sign."
+        )
+    return notes
+
+
+# Errors
+
+
+def _errors(truth: DistanceTruth, changes: Sequence[Change]) -> list[dict[str, Any]]:
+    """The true error in the last fifth of each stretch beside its closed form."""
+    behind = truth.behind_mm
+    if behind is None:
+        return []
+    found = []
+    for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
+        rows = _rows(truth, change, end_ns)
+        if change.state not in ON or change.is_dry_run or len(rows) < _LEAST_ROWS:
+            continue
+        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, mode_of(change))
+        part, speed = _tail(truth, stretch)
+        errors = behind[part.judged]
+        expected, note = None, ""
+        try:
+            expected = _expected_mm(truth, part, speed, control_of(change.settings))
+        except NoClosedFormError as reason:
+            note = str(reason)
+        found.append(
+            {
+                "begin_ns": int(truth.times_ns[stretch.begin]),
+                "mode": stretch.mode,
+                "speed_mm_s": speed,
+                "measured_mm": float(np.mean(errors)),
+                "spread_mm": float(np.std(errors)),
+                "expected_mm": expected,
+                "note": note,
+            }
+        )
+    return found
+
+
+def _tail(truth: DistanceTruth, stretch: Stretch) -> tuple[Stretch, float]:
+    """The end of a stretch as far back as the surface moves evenly, and its speed in mm/s."""
+    assert truth.surface_mm is not None
+    rise = np.diff(truth.surface_mm[stretch.rows])
+    uneven = np.flatnonzero(np.abs(rise - rise[-1:]) > _EVEN_MM)
+    begin = stretch.begin + (int(uneven[-1]) + 2 if len(uneven) else 0)
+    begin = min(begin, stretch.end - 1)
+    per_cycle = float(rise[-1]) if len(rise) else 0.0
+    speed = 0.0 if abs(per_cycle) <= _EVEN_MM else per_cycle / truth.period_s
+    return Stretch(begin, stretch.end, stretch.mode), speed
+
+
+def _expected_mm(truth: DistanceTruth, part: Stretch, speed_mm_s: float, control: Control) -> float:
+    """Closed form of the error at the end; raises NoClosedFormError."""
+    loop = _loop(truth, part.mode, control)
+    stretches.must_settle(loop, control.kp, part)
+    stretches.must_not_clamp(truth, part)
+    if speed_mm_s == 0.0:
+        return 0.0
+    if control.tn_s:
+        raise NoClosedFormError("closed form of P and PD control only")
+    return ramp_lag_mm(loop, speed_mm_s, control.kp, truth.period_ns)
+
+
+# Limits
+
+
+def _limits(truth: DistanceTruth) -> list[dict[str, Any]]:
+    """Each limit with the most that was used of it."""
+    limits, offset, sensor = truth.listed.limits, truth["offset_mm"], truth["sensor_mm"]
+    # The row in which the program switches on has no value of the control yet
+    on = _behind_first(truth.is_active)
+    steps = np.diff(offset, prepend=offset[:1]) / truth.period_s
+    # NO_MOVE hands the offset over at once: no motion
+    was_off = np.concatenate([[INACTIVE], truth.state[:-1]])
+    steps[(truth.state == INACTIVE) & (was_off != TURNING_OFF)] = 0.0
+    changes = np.abs(np.diff(steps, prepend=0.0)) / truth.period_s
+    jumps = np.abs(np.diff(sensor, prepend=sensor[:1])) / truth.period_s
+    clamps, raises = "clamps", "alarm {}"
+    rows = (
+        ("v_max", 415, limits.v_mm_s, "mm/s", _most(np.abs(steps)), clamps),
+        ("a_max", 416, limits.a_mm_s2, "mm/s²", _most(changes, on), clamps),
+        (
+            "max_deviation",
+            414,
+            limits.deviation_mm,
+            "mm",
+            _most(np.abs(offset)),
+            "clamps, alarm 70331 or 310017",
+        ),
+        (
+            "max_act_value_change",
+            417,
+            limits.change_mm_s,
+            "mm/s",
+            _most(jumps, _behind_first(on)),
+            raises.format("70329 or 310018"),
+        ),
+        ("max_pos", 419, limits.high_mm, "mm", _most(sensor, on), raises.format("70330 or 310019")),
+        (
+            "min_pos",
+            420,
+            limits.low_mm,
+            "mm",
+            None if (low := _most(-sensor, on)) is None else -low,
+            raises.format("70576 or 310020"),
+        ),
+    )
+    return [
+        {
+            "key": key,
+            "parameter": f"P-AXIS-{number:05d}",
+            "value": value,
+            "unit": unit,
+            "used": used,
+            "acts": acts,
+        }
+        for key, number, value, unit, used, acts in rows
+    ]
+
+
+def _behind_first(rows: Flags) -> Flags:
+    """Rows of each unbroken time without its first."""
+    kept: Flags = rows & np.concatenate([[False], rows[:-1]])
+    return kept
+
+
+def _most(values: "np.ndarray[Any, Any]", rows: Flags | None = None) -> float | None:
+    inside = values if rows is None else values[rows]
+    inside = inside[np.isfinite(inside)]
+    return float(np.max(inside)) if len(inside) else None

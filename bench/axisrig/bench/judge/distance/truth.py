@@ -1,0 +1,246 @@
+"""Signals of one axis with distance control: what the plant, the bus and the kernel tell of it.
+
+Row k of every signal belongs to the SYNC of cycle k: the state of the plant at that SYNC and what
+the kernel made of it in the cycle behind it.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import numpy.typing as npt
+
+from axisrig.bench.judge.fixed_stop.truth import PlantValues
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.recording.telegram_log import SECOND, TARGET
+from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, Told, measured, predicted
+from axisrig.bench.oracles.distance.lists import Listed, as_written
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
+from axisrig.bench.oracles.distance.model import first_order_drive
+from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
+from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
+from axisrig.kernel.channel.distance.sensor import VariableSensor
+from axisrig.kernel.time.clock import S
+
+
+class NoClosedFormError(Exception):
+    """What must hold for a closed form does not; the text says what."""
+
+
+Signal = npt.NDArray[np.float64]
+Times = npt.NDArray[np.int64]
+Flags = npt.NDArray[np.bool_]
+
+INACTIVE, ACTIVE, FREEZE, TURNING_OFF, ACTIVE_CONST_DIST, ERROR = range(6)
+STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
+# At SYNC k the drive stands at what was sent in cycle k - 2: docs/architecture.md
+DEMAND_CYCLES = 2
+
+
+@dataclass(frozen=True)
+class DistanceTruth:
+    """One axis of a finished run.
+
+    columns: recorded signals by name, of the axis and, with the name `gap`, of its sensor: distance
+    and distance_true, None where the axis has none in the plant.
+    """
+
+    axis: str
+    machine: Machine
+    times_ns: Times
+    columns: dict[str, Signal]
+    gap_told_mm: Signal | None
+    gap_true_mm: Signal | None
+
+    def __getitem__(self, name: str) -> Signal:
+        return self.columns[name]
+
+    @property
+    def period_ns(self) -> int:
+        """Period of SYNC and cycle."""
+        return self.machine.timing.period_ns
+
+    @property
+    def period_s(self) -> float:
+        """The same in seconds."""
+        return self.period_ns / S
+
+    @cached_property
+    def listed(self) -> Listed:
+        """What the lists and the plan say."""
+        return as_written(dict(self.machine.settings.axis[self.axis].items()))
+
+    @cached_property
+    def state(self) -> npt.NDArray[np.int64]:
+        """State in each row."""
+        return self["distance_state"].astype(np.int64)
+
+    @cached_property
+    def is_active(self) -> Flags:
+        """Rows in which the control follows."""
+        active: Flags = (self.state == ACTIVE) | (self.state == ACTIVE_CONST_DIST)
+        return active
+
+    @cached_property
+    def is_held(self) -> Flags:
+        """Rows in which feedhold or override of the axis hold the offset."""
+        held: Flags = self["distance_held"] == 1
+        return held
+
+    @property
+    def override(self) -> Signal:
+        """Override of the axis in each row, 1 = 100 %."""
+        share: Signal = self["distance_override_pct"] / 100.0
+        return share
+
+    @cached_property
+    def program_mm(self) -> Signal:
+        """Interpolated position that was sent in each cycle: the set position less the offset."""
+        offset = self["offset_mm"]
+        out = offset if self.listed.is_optimized else np.concatenate([offset[:1], offset[:-1]])
+        return self["set_mm"] - out
+
+    @cached_property
+    def surface_mm(self) -> Signal | None:
+        """Height of the workpiece below the tool, of the plant's truth."""
+        return None if self.gap_true_mm is None else self["truth_mm"] - self.gap_true_mm
+
+    @cached_property
+    def zero_mm(self) -> float:
+        """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or behind REF
+        what the sensor told beside the sensor value.
+        """
+        is_referenced = self.axis in self.machine.referenced and self.is_active.any()
+        if is_referenced and self.gap_told_mm is not None:
+            return float(np.median((self.gap_told_mm + self["sensor_mm"])[self.is_active]))
+        return -self.listed.ref_offset_mm
+
+    @cached_property
+    def wanted_gap_mm(self) -> Signal:
+        """Distance that the tool should have at each SYNC."""
+        late = np.concatenate([np.full(DEMAND_CYCLES, self.program_mm[0]), self.program_mm])
+        by_surface = late[: len(self.program_mm)] - self["set_pos_mm"]
+        wanted: Signal = np.where(self.state == ACTIVE_CONST_DIST, self["set_dist_mm"], by_surface)
+        return wanted + self.zero_mm
+
+    @cached_property
+    def behind_mm(self) -> Signal | None:
+        """By how much the tool is too near: wanted less true distance."""
+        return None if self.gap_true_mm is None else self.wanted_gap_mm - self.gap_true_mm
+
+    # Dead time
+
+    @cached_property
+    def values(self) -> PlantValues | None:
+        """What the FMU of the axis tells beside its roles; None for a drive outside."""
+        plant = self.machine.plant.axes.get(self.machine.settings.rig.axis[self.axis].plant)
+        return None if plant is None else PlantValues(plant)
+
+    @cached_property
+    def variable(self) -> PlcSensorTable | None:
+        """The entry of `[plc]` that the program has chosen as its sensor; None: 60E4."""
+        sensor = self.machine.channel.distance.axes[self.axis].sensor
+        if not isinstance(sensor, VariableSensor):
+            return None
+        return self.machine.settings.rig.plc.get(f"V.E.{sensor.name}")
+
+    @cached_property
+    def sensor_age_cycles(self) -> int:
+        """Cycles by which the sensor value is older than 6064, by the rig."""
+        if self.variable is not None:
+            return self.variable.delay_cycles
+        rig = self.machine.settings.rig
+        return int(rig.drive[rig.axis[self.axis].drive].second_delay_cycles)
+
+    @cached_property
+    def dead(self) -> DeadCycles:
+        """Dead cycles by the arithmetic of the rig."""
+        return predicted(
+            is_optimized=self.listed.is_optimized,
+            sensor_age_cycles=self.sensor_age_cycles,
+            every=self.every,
+        )
+
+    @cached_property
+    def every(self) -> int:
+        """60E4 comes with every so many SYNCs; 1 where it is sent when it changes."""
+        if self.variable is not None:
+            return 1
+        telegrams = self.machine.links[self.axis].telegrams.values()
+        types = [t.transmission for t in telegrams if any(o.field == SECOND for o in t.objects)]
+        return types[0] if types and types[0] <= 240 else 1
+
+    def measured_dead(self, quiet_increments: int = 0) -> Measured:
+        """Return dead cycles as frames show them; raises NotMeasurableError."""
+        log, start_ns = self.machine.telegrams, self._control_ns
+        heard = [
+            [Told(sent.time_ns, sent.value) for sent in log.of(self.axis, field)]
+            for field in (TARGET, SECOND)
+        ]
+        # The last value before counts too: one that is sent when it changes is old
+        since = [sum(told.time_ns < start_ns for told in one) for one in heard]
+        targets, sensor = (
+            one[max(first - 1, 0) :] for one, first in zip(heard, since, strict=True)
+        )
+        return measured(targets, sensor, self.period_ns, quiet_increments)
+
+    @cached_property
+    def _control_ns(self) -> int:
+        rows = np.flatnonzero(self.is_active)
+        return int(self.times_ns[rows[0]]) if len(rows) else int(self.times_ns[-1])
+
+    # The loop
+
+    @cached_property
+    def smoothing(self) -> Smoothing:
+        """Filter of the sensor value, by the list."""
+        return of_control(self.listed.control, self.period_ns)
+
+    def loop(self, mode: str) -> Loop:
+        """Return the loop in a mode, by lists and plant; needs 60E4 with every SYNC."""
+        control = self.listed.control
+        lag_s = self.drive_lag_s
+        return Loop(
+            mode,
+            self.dead.dead - self.sensor_age_cycles,
+            self.smoothing,
+            sent_cycles=self.dead.reaction,
+            skew_cycles=self.sensor_age_cycles,
+            integral=self.period_s / control.tn_s if control.tn_s else 0.0,
+            derivative=control.tv_s / self.period_s,
+            drive=first_order_drive(lag_s, self.period_ns) if lag_s else none(),
+            sign=1 if self.counts_right else -1,
+        )
+
+    def unknown_poles(self, mode: str) -> str:
+        """Say why no closed form knows the poles of the loop in a mode; empty where one does.
+
+        A drive with loops of its own is more than its lag, where the loop goes through it.
+        """
+        if self.every > 1:
+            return "60E4 does not come with every SYNC"
+        has_loops = self.values is not None and bool(self.values.get("kv"))
+        is_in_loop = mode == CONST_DIST or self.sensor_age_cycles > 0
+        return "the loops of the drive are part of it" if has_loops and is_in_loop else ""
+
+    @cached_property
+    def counts_right(self) -> bool:
+        """Whether the sensor value falls when the tool lifts.
+
+        60E4 tells the gap, so P-AXIS-00230 has to invert it; on a variable that does not act.
+        """
+        return self.listed.sign == -1 if self.variable is None else self.variable.sign == -1
+
+    @cached_property
+    def drive_lag_s(self) -> float:
+        """Lag of the drive, (1 - f)/Kv; 0 for one that follows its ramp."""
+        gain = None if self.values is None else self.values.get("kv")
+        if self.values is None or not gain:
+            return 0.0
+        return (1.0 - self.values.number("feed_forward")) / gain
+
+    def mode_in(self, row: int) -> str:
+        """Return the mode of the loop in a row."""
+        if self.state[row] != ACTIVE_CONST_DIST:
+            return SET_POS
+        return BOTH if self.listed.uses_both else CONST_DIST

@@ -1,0 +1,268 @@
+"""The metrics of measurement runs to a fixed stop.
+
+Of several runs the last one counts, for an axis the last in which it takes part; where a false
+trigger or a force would hide in an earlier one, the worst of all. They compare with the plant's
+truth and with the closed forms of `bench/axisrig/bench/oracles/fixed_stop`.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from axisrig.bench.judge.fixed_stop.run import StopRun
+from axisrig.bench.judge.fixed_stop.truth import AxisTruth, Signal
+from axisrig.bench.judge.observation import Observation
+from axisrig.bench.judge.observe import Observed
+from axisrig.kernel.time.clock import MS
+
+Function = Callable[[Observed, str | None], Observation]
+STOP_METRICS: dict[str, Function] = {}
+
+NOT_FOLLOWED = (
+    "along the motion of the plant the criteria never hold; what counts as rest behind the end of"
+    " the block this oracle does not know"
+)
+NO_FORCE = "the FMU of the axis tells no force at the stop (stop_force in docs/rigs.md)"
+
+
+def _last_run(observed: Observed, axis: str | None) -> StopRun | str:
+    """Return the run that counts when it went to a fixed stop, else why there is none."""
+    record = observed.last_record(axis)
+    if record is None:
+        return "the program made no measurement run"
+    if record.fixed_stop is None:
+        return "the last measurement run did not go to a fixed stop (measuring type 7)"
+    return observed.stop_run(record)
+
+
+def _of_run(
+    function: Callable[[StopRun, str | None], Observation],
+) -> Callable[[StopRun, str | None], Observation]:
+    """Register a metric of the last run; the axis is the one that was asked for."""
+
+    def metric(observed: Observed, axis: str | None) -> Observation:
+        run = _last_run(observed, axis)
+        return Observation(None, note=run) if isinstance(run, str) else function(run, axis)
+
+    STOP_METRICS[function.__name__] = metric
+    return function
+
+
+def _of_axis(
+    function: Callable[[StopRun, AxisTruth], Observation],
+) -> Callable[[StopRun, AxisTruth], Observation]:
+    """Register a metric of one axis: without a name the one that detected or met its stop."""
+
+    def metric(observed: Observed, axis: str | None) -> Observation:
+        run = _last_run(observed, axis)
+        if isinstance(run, str):
+            return Observation(None, note=run)
+        name = axis or run.main_axis()
+        truth = run.truths.get(name or "")
+        if truth is None:
+            return Observation(None, note=f"no truth of axis {name} in this run")
+        return function(run, truth)
+
+    STOP_METRICS[function.__name__] = metric
+    return function
+
+
+def _of_every_run(
+    function: Callable[[StopRun, str | None], Observation],
+) -> Callable[[StopRun, str | None], Observation]:
+    """Register the largest number of all runs; one that is not known leaves it open."""
+
+    def metric(observed: Observed, axis: str | None) -> Observation:
+        runs = observed.stop_runs_of(axis)
+        if not runs:
+            of_axis = f" of axis {axis}" if axis else ""
+            note = f"the program made no measurement run{of_axis} to a fixed stop"
+            return Observation(None, note=note)
+        seen = [function(run, axis) for run in runs]
+        unknown = next((each for each in seen if each.value is None), None)
+        if unknown is not None or len(runs) == 1:
+            return unknown or seen[0]
+        sizes = [float(str(each.value)) for each in seen]
+        worst = sizes.index(max(sizes))
+        axes = " ".join(runs[worst].record.axes)
+        note = f"fixed stop {runs[worst].number} of {len(observed.stop_runs)}, axis {axes}"
+        return replace(seen[worst], note=note)
+
+    STOP_METRICS[function.__name__] = metric
+    return function
+
+
+def _force(
+    run: StopRun, axis: str | None, force_n: Callable[[AxisTruth], float | None]
+) -> Observation:
+    """Return the largest force of one axis, or of all without a name."""
+    forces = [force_n(truth) for name, truth in run.truths.items() if axis in (None, name)]
+    known = [force for force in forces if force is not None]
+    return Observation(max(known)) if known else Observation(None, note=NO_FORCE)
+
+
+# When
+
+
+@_of_run
+def contact_to_detection_ms(run: StopRun, axis: str | None) -> Observation:
+    """From the contact that lasts at the detection, of the detecting axis without a name."""
+    name = axis or run.stop.detected_by
+    if run.stop.detected_ns is None or name is None:
+        return Observation(None, note="no stop was found")
+    lasting = run.lasting(name)
+    if lasting is None:
+        return Observation(None, note=f"axis {name} had no contact before")
+    contact = lasting.contact
+    if contact is None:
+        return Observation(None, note=f"axis {name} had lost its contact: {lasting.told}")
+    known = "location of the contact between two SYNCs"
+    return Observation(
+        (run.stop.detected_ns - contact.time_ns) / 1e6,
+        contact.uncertainty_ns / 1e6,
+        f"{lasting.told}; {known}" if lasting.told else known,
+    )
+
+
+@_of_run
+def detection_error_ms(run: StopRun, _axis: str | None) -> Observation:
+    """Detection less the closed form."""
+    if run.stop.detected_ns is None:
+        return Observation(None, note="no stop was found")
+    _, instant = run.detection
+    if instant.time_ns is None:
+        return Observation(None, note=f"no closed form: {instant.note}")
+    error_ms = (run.stop.detected_ns - instant.time_ns) / 1e6
+    return Observation(error_ms, instant.doubt_ns / 1e6, instant.note)
+
+
+@_of_run
+def detection_followed_error_ms(run: StopRun, _axis: str | None) -> Observation:
+    """Detection less the cycle in which the criteria hold along the plant's motion."""
+    if run.stop.detected_ns is None:
+        return Observation(None, note="no stop was found")
+    if run.followed_ns is None:
+        return Observation(None, note=NOT_FOLLOWED)
+    return Observation((run.stop.detected_ns - run.followed_ns) / 1e6)
+
+
+@_of_run
+def detection_criterion(run: StopRun, _axis: str | None) -> Observation:
+    """The criterion that came true last."""
+    return Observation(run.deciding_criterion() or "none")
+
+
+@_of_every_run
+def found_without_contact(run: StopRun, _axis: str | None) -> Observation:
+    """Whether a stop was found in free motion."""
+    stop = run.stop
+    if stop.detected_ns is None or stop.detected_by is None:
+        return Observation(0, note="no stop was found")
+    if stop.detected_by not in run.truths:
+        return Observation(None, note=f"no truth of axis {stop.detected_by} in a run")
+    lasting = run.lasting(stop.detected_by)
+    return Observation(int(lasting is None or lasting.contact is None))
+
+
+@_of_run
+def relax_ms(run: StopRun, _axis: str | None) -> Observation:
+    """Duration of the relaxing motion."""
+    if run.stop.relax_begin_ns is None or run.stop.relax_end_ns is None:
+        return Observation(None, note="the run made no relaxing motion")
+    return Observation((run.stop.relax_end_ns - run.stop.relax_begin_ns) / 1e6)
+
+
+# Where and how hard
+
+
+@_of_axis
+def latch_force_error_um(run: StopRun, truth: AxisTruth) -> Observation:
+    """Published position less x_stop + F(t)/k in the cycle of the detection."""
+    latched_mm = run.record.latched_mm.get(truth.name)
+    if latched_mm is None or run.stop.detected_ns is None:
+        return Observation(None, note=f"no measured value of axis {truth.name}")
+    if truth.stop_force_n is None:
+        return Observation(None, note=NO_FORCE)
+    if truth.stop is None or truth.stop_path is None:
+        return Observation(None, note=f"the plant tells no stop of axis {truth.name}")
+    row = run.row_at(run.stop.detected_ns)
+    force_n = float(truth.stop_force_n[row])
+    if force_n <= 0.0:
+        return Observation(None, note=f"axis {truth.name} does not touch its stop then")
+    expected_mm = truth.pressed_encoder_mm(row)
+    increment_um = 1e3 / run.machine.links[truth.name].settings.increments_per_mm
+    return Observation(
+        (latched_mm + truth.zero_mm - expected_mm) * 1e3,
+        0.5 * increment_um,
+        "rounding of the encoder",
+    )
+
+
+@_of_axis
+def stop_force_n(run: StopRun, truth: AxisTruth) -> Observation:
+    """Force at the stop in the cycle of the detection."""
+    if truth.stop_force_n is None:
+        return Observation(None, note=NO_FORCE)
+    if run.stop.detected_ns is None:
+        return Observation(None, note="no stop was found")
+    return Observation(float(truth.stop_force_n[run.row_at(run.stop.detected_ns)]))
+
+
+@_of_every_run
+def stop_force_n_max(run: StopRun, axis: str | None) -> Observation:
+    """Largest force at a stop in a run."""
+    return _force(run, axis, lambda truth: truth.stop_force_max_n(run.rows))
+
+
+@_of_axis
+def stop_force_end_n(run: StopRun, truth: AxisTruth) -> Observation:
+    """Force at the stop when the run is over."""
+    if truth.stop_force_n is None:
+        return Observation(None, note=NO_FORCE)
+    return Observation(float(truth.stop_force_n[run.row_at(run.end_ns)]))
+
+
+@_of_axis
+def command_overtravel_mm(run: StopRun, truth: AxisTruth) -> Observation:
+    """Largest distance of the demand beyond the latched position."""
+    excess_mm = run.command_excess_mm(truth)
+    if excess_mm is None:
+        return Observation(None, note=f"no measured value of axis {truth.name}")
+    return Observation(excess_mm)
+
+
+@_of_axis
+def relax_lag_mm(run: StopRun, truth: AxisTruth) -> Observation:
+    """Lag in the drive when the relaxing motion has ended."""
+    if run.stop.relax_end_ns is None:
+        return Observation(None, note="the run made no relaxing motion")
+    row = run.row_at(run.stop.relax_end_ns)
+    return Observation(float(truth.course.demand_mm[row] - truth.course.encoder_mm[row]))
+
+
+# Behind the run
+
+
+@_of_axis
+def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
+    """Largest true motion while the set value stands behind the run."""
+    rows = _standing_rows(run, truth)
+    position_mm = truth.position_mm[rows]
+    away_mm = np.abs(position_mm - position_mm[0])
+    lasting_ms = float(truth.times_ns[rows][-1] - truth.times_ns[rows][0]) / MS
+    return Observation(float(np.max(away_mm)) * 1e3, note=f"over {lasting_ms:g} ms")
+
+
+@_of_every_run
+def after_run_force_n_max(run: StopRun, axis: str | None) -> Observation:
+    """Largest force at the stop while the set value stands behind a run."""
+    return _force(run, axis, lambda truth: truth.stop_force_max_n(_standing_rows(run, truth)))
+
+
+def _standing_rows(run: StopRun, truth: AxisTruth) -> slice:
+    """Return the rows from the end of the run on in which the set value does not change."""
+    set_mm: Signal = run.set_mm(truth.name)
+    begin = run.row_at(run.end_ns)
+    moved = np.flatnonzero(set_mm[begin:] != set_mm[begin])
+    return slice(begin, begin + int(moved[0]) if len(moved) else len(set_mm))

@@ -1,0 +1,106 @@
+"""The kernel of a rig: its links, watches and start-ups, made of the settings."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from axisrig.bench.rig.arrival import stamp_clock
+from axisrig.bench.rig.check import axis_steps, has_inputs, has_latch_counter, has_second
+from axisrig.bench.rig.latches import SdoRoom, sdo_room
+from axisrig.bench.rig.reading.lists import drive_input
+from axisrig.bench.rig.reading.startup import start_up_settings, watch_settings
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel.drive_functions import DriveAccess
+from axisrig.kernel.channel.path.monitor import Monitor
+from axisrig.kernel.drives.functions import read_functions
+from axisrig.kernel.drives.latch_check import StandstillRoom
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.drives.link_settings import LinkSettings
+from axisrig.kernel.drives.sdo import SdoClient
+from axisrig.kernel.drives.startup import DriveAddress, StartUp
+from axisrig.kernel.drives.watch import HeartbeatProducer
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
+
+
+def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
+    """Make the kernel's end of the drive of one axis."""
+    axis, parameters = settings.rig.axis[name], settings.axis[name]
+    drive = settings.rig.drive[axis.drive]
+    speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
+    period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
+    jump_mm = drive.jump_factor * speed_max_mm_s * period_s
+    return AxisLink(
+        LinkSettings(
+            axis=name,
+            node_id=axis.node,
+            increments_per_mm=float(drive.make().units_per_mm),
+            probe_input=drive_input(parameters),
+            edge=parameters.word("kenngr.measure.edge"),
+            lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+            pdo_map=drive.pdo_map,
+            missing_cycles=drive.missing_cycles,
+            lag_limit_mm=drive.lag_limit_mm or float("inf"),
+            fault_reset=drive.fault_reset,
+            jump_mm=jump_mm or float("inf"),
+            status_delay_cycles=drive.make().status_delay_cycles,
+            stamps=stamp_clock(settings, name),
+            trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
+            has_counter=has_latch_counter(settings, name),
+            has_inputs=has_inputs(settings, name),
+            has_second=has_second(settings, name),
+            sensor_age_limit_ms=axis.sensor_age_limit_ms,
+        ),
+        network,
+    )
+
+
+def build_monitor(
+    settings: Settings, links: Mapping[str, AxisLink], networks: Mapping[str, Any], clock: Clock
+) -> Monitor:
+    """Make the watch over all drives and buses."""
+    rig = settings.rig
+    everything = list(networks.values())
+    heartbeat = HeartbeatProducer(everything, clock, rig.cycle.master_node, rig.cycle.heartbeat_ms)
+    watches = [watch_settings(rig.drive[axis.drive]) for axis in rig.axis.values()]
+    return Monitor(list(links.values()), everything, clock, watches, heartbeat)
+
+
+def build_accesses(
+    settings: Settings, links: Mapping[str, AxisLink], networks: Mapping[str, Any], clock: Clock
+) -> tuple[dict[str, DriveAccess], list[Alarm]]:
+    """Make the ways of #DRIVE to every drive; the alarms warn of limits that were corrected."""
+    accesses: dict[str, DriveAccess] = {}
+    warnings: list[Alarm] = []
+    rooms = {
+        segment: StandstillRoom(
+            [links[name] for name, axis in settings.rig.axis.items() if axis.segment == segment]
+        )
+        for segment in settings.segment
+    }
+    for name, axis in settings.rig.axis.items():
+        declared = start_up_settings(settings.rig.drive[axis.drive])
+        sdo = SdoClient(
+            networks[axis.segment],
+            clock,
+            axis.node,
+            timeout_ns=declared.sdo_timeout_ns,
+            attempts=declared.sdo_attempts,
+        )
+        links[name].sdo = sdo
+        room = sdo_room(settings, name)
+        if settings.rig.drive[axis.drive].latch_check and room is not SdoRoom.NONE:
+            shared = rooms[axis.segment] if room is SdoRoom.STANDSTILL else None
+            links[name].check_latches(sdo, shared)
+        functions, found = read_functions(name, settings.axis[name])
+        warnings += found
+        accesses[name] = DriveAccess(links[name], sdo, functions)
+    return accesses, warnings
+
+
+def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Clock) -> StartUp:
+    """Make the start-up of the drive of one axis."""
+    axis, link = settings.rig.axis[name], access.link
+    declared = start_up_settings(settings.rig.drive[axis.drive])
+    steps = axis_steps(settings, name)
+    address = DriveAddress(name, axis.node)
+    return StartUp(address, link.network, clock, access.sdo, steps, declared, keep=link.set_object)

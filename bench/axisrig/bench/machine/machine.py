@@ -1,0 +1,360 @@
+"""A rig brought to life: scheduler, segments, drive nodes, plants, and the channel that runs it.
+
+`Machine` is built from checked settings and runs one program once. Everything a run leaves behind
+(messages, alarms, records, trace, frame hash) is read from it afterwards.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from axisrig.bench.bus.arithmetic import CycleArithmetic
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.paced import PacedScheduler
+from axisrig.bench.bus.real_segment import OutsideSegment
+from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
+from axisrig.bench.machine.injection import inject
+from axisrig.bench.machine.moments import World
+from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
+from axisrig.bench.machine.parts import build_nodes, build_segments
+from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
+from axisrig.bench.machine.plc.sensors import PlcSensors
+from axisrig.bench.machine.plc.side import PlcSide
+from axisrig.bench.machine.recording.distance_log import DistanceLog
+from axisrig.bench.machine.recording.limit_log import LimitLog
+from axisrig.bench.machine.recording.recorder import Recorder
+from axisrig.bench.machine.recording.telegram_log import TelegramLog
+from axisrig.bench.machine.rest import Rest
+from axisrig.bench.machine.unfinished import in_words
+from axisrig.bench.rig.check import check_rig, segment_schedules
+from axisrig.bench.rig.deflection import DeflectionLog
+from axisrig.bench.rig.programs import programs_of
+from axisrig.bench.rig.real_axes import is_paced, outside_axes
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
+from axisrig.kernel.channel.drive_functions import DriveFunctions
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.syntax import Program
+from axisrig.kernel.time.clock import US, S, TimeNs
+from axisrig.kernel.time.scheduler import Scheduler
+
+
+class SimulatedTimeoutError(Exception):
+    """A program did not end within the simulated time that a run may take."""
+
+
+class Machine:
+    """One rig with one program, ready to run.
+
+    settings: checked rig with the assignments of this run. program: parsed NC program.
+    bus_logs: files to write, their suffixes say the kind. put_out: takes each `#MSG` text when it
+    is due. seed: of everything random in the run. limit_ns: simulated time that it may take, None =
+    what the settings say.
+    hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
+    simulated.
+    Raises UserError when the rig does not fit together or a bus cannot be opened.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        program: Program,
+        *,
+        bus_logs: Sequence[Path] = (),
+        put_out: Callable[[str], None] | None = None,
+        seed: int = 0,
+        limit_ns: TimeNs | None = None,
+        hardware: Hardware | None = None,
+    ) -> None:
+        check_rig(settings)
+        if is_paced(settings) and hardware is None:
+            raise UserError(
+                "the rig has a real CAN interface", hint="only axisrig run, nc and drive open one"
+            )
+        self.outside, self.is_stopped = outside_axes(settings), False
+        self._lost: set[str] = set()
+        self._hardware = hardware if is_paced(settings) else None
+        self.settings = settings
+        self._programs = programs_of(settings, program)
+        self.messages: list[Message] = []
+        self.measuring_targets: dict[str, Mapping[str, float]] = {}
+        self.referenced: set[str] = set()
+        self.drive_states: list[tuple[TimeNs, str, State]] = []
+        self._put_out = put_out
+        self._limit_ns = limit_ns or settings.operator.limit_ns
+        self.timing = CycleTiming(
+            period_ns=settings.rig.cycle.period_us * US,
+            offset_ns=settings.rig.cycle.cycle_offset_us * US,
+            buffer_cycles=settings.rig.cycle.buffer_cycles,
+            sync_counter=settings.rig.cycle.sync_counter,
+        )
+        self._open = ExitStack()
+        with ExitStack() as guard:  # frees what was opened when building fails half way
+            guard.callback(self._open.close)
+            self.scheduler = (
+                master_scheduler(settings, self._hardware) if self._hardware else Scheduler()
+            )
+            self.frame_hash = FrameHash()
+            self.plant = build_plant(settings)
+            self._open.callback(self.plant.close)
+            check_plants(settings, self.plant)
+            start_plant(settings, self.plant)
+            self.segments = build_segments(
+                settings, self.scheduler, self.frame_hash, bus_logs, self._open
+            )
+            self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
+            self.networks = {
+                name: SimNetwork(segment.port("cnc", settings.segment[name].queue))
+                for name, segment in self.segments.items()
+            }
+            for network in self.networks.values():
+                network.connect()
+            self.links = {
+                name: build_link(settings, name, self.networks[axis.segment])
+                for name, axis in settings.rig.axis.items()
+            }
+            self._expect_answers()
+            self.telegrams = self._log_telegrams()
+            self.channel = self._build_channel()
+            self._connect_plc_sensors()
+            self._inject_faults(seed)
+            self._observe()
+            self.channel.load(self._commands_of(None))
+            guard.pop_all()
+
+    def _commands_of(self, file: str | None) -> Iterator[Command]:
+        """Begin to interpret the program of the run, or another one that the PLC side starts."""
+        self._interpreter = self._build_interpreter(self._programs[file])
+        return self._noted(self._interpreter.commands())
+
+    def _build_interpreter(self, program: Program) -> Interpreter:
+        return Interpreter(
+            program,
+            tuple(self.settings.rig.axis),
+            self.channel,
+            external=self.channel.plc.values,
+            default_measuring_type=self.settings.channel.integer("messtyp"),
+            tables=self.settings.offset_tables,
+            plc_is_constant=not (self.plc_side.writes_variables or self.settings.rig.plc),
+        )
+
+    def _noted(self, commands: Iterator[Command]) -> Iterator[Command]:
+        """Note where the measuring blocks lead, for who judges the runs; a block that comes again
+        counts with its last target. Note too whose distance sensor gets a new zero.
+        """
+        for command in commands:
+            if isinstance(command, MeasuringRun):
+                self.measuring_targets[str(command.block)] = command.target_acs_mm
+            elif isinstance(command, DistanceCommand) and command.action == "ref":
+                self.referenced.add(command.axis)
+            yield command
+
+    def _connect_plc_sensors(self) -> None:
+        """Let the PLC side read the distance sensors that the rig gives it."""
+        plc, servos = self.channel.plc, [node.servo for node in self.nodes.values()]
+
+        def sync_ns() -> TimeNs:
+            told_ns = max((servo.sync_ns for servo in servos), default=0)
+            return told_ns if told_ns >= self.channel.sync_ns else self.plant.now_ns
+
+        if self.settings.rig.plc:
+            tables, distances = self.settings.rig.plc, self.plant.distances
+            period_ns = self.timing.period_ns
+            sensors = PlcSensors(tables, distances, plc.values, plc.refreshed, sync_ns, period_ns)
+            plc.inputs.append(sensors.take)
+
+    def _expect_answers(self) -> None:
+        """Tell real segments which telegrams their drives answer a SYNC with."""
+        for name, segment in self.segments.items():
+            if isinstance(segment, OutsideSegment):
+                segment.expect(
+                    telegram.cob_id(link.settings.node_id)
+                    for axis, link in self.links.items()
+                    if axis in self.outside and self.settings.rig.axis[axis].segment == name
+                    for telegram in link.telegrams.values()
+                    if telegram.transmission == 1 and telegram.name.startswith("TPDO")
+                )
+
+    def _log_telegrams(self) -> TelegramLog:
+        """Note the cyclic values of the axes with distance control: its dead time is measured."""
+        rig, lists = self.settings.rig, self.settings.axis
+        log = TelegramLog(
+            (rig.axis[name].segment, link)
+            for name, link in self.links.items()
+            if lists[name].flag("lr_param.distance_control_on")
+        )
+        for name, segment in self.segments.items():
+            if log.hears(name):
+                segment.observe(log)
+        return log
+
+    def _inject_faults(self, seed: int) -> None:
+        parts = World(
+            self.settings,
+            self.scheduler,
+            self.segments,
+            self.nodes,
+            self.links,
+            self.plant,
+            self.channel,
+        )
+        self.faults = inject(parts, seed)
+        for name, node in self.nodes.items():
+            node.servo.machine.on_change = partial(self._note_state, name)
+
+    def _note_state(self, axis: str, state: State) -> None:
+        self.drive_states.append((self.scheduler.now_ns, axis, state))
+
+    def _observe(self) -> None:
+        """Build what looks at every cycle and keeps what the run leaves behind."""
+        self.recorder = self._build_recorder()
+        self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
+        self.distance_log = DistanceLog()
+        self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
+        self.channel.observers += [self.recorder, self.torque_limits]
+        self.channel.observers += [self.distance_log, self.deflections]
+
+    def _build_recorder(self) -> Recorder:
+        servos = {name: node.servo for name, node in self.nodes.items()}
+        axes = [
+            (name, self.plant.axes.get(axis.plant), servos.get(name))
+            for name, axis in self.settings.rig.axis.items()
+        ]
+        return Recorder(self.plant, axes, self.plant.probes)
+
+    def _build_channel(self) -> Channel:
+        self._accesses, warnings = build_accesses(
+            self.settings, self.links, self.networks, self.scheduler
+        )
+        # On a segment without a drive nobody would acknowledge a SYNC
+        used = {axis.segment for axis in self.settings.rig.axis.values()}
+        networks = {name: n for name, n in self.networks.items() if name in used}
+        channel = Channel(
+            self.scheduler,
+            self.timing,
+            [
+                AxisSettings.read(name, self.settings.axis[name], self.settings.channel)
+                for name in self.settings.rig.axis
+            ],
+            list(self.links.values()),
+            list(networks.values()),
+            error_no_signal=self.settings.channel.flag("meas_error_no_signal"),
+            put_out=self._message,
+            monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
+        )
+        if self._hardware is None:
+            channel.has_come_to_rest = Rest(self.scheduler, self.plant)
+        channel.functions = DriveFunctions(self._accesses)
+        channel.plc.values.update(self.settings.external)
+        channel.path.override_max_permille = self.settings.channel.integer("max_vb_override")
+        halts = self.settings.channel.flag("independent_axis_error_stop")
+        channel.reactions.each_axis_halts = halts
+        may_be_missing = self.settings.channel.flag("meas_fixed_stop_no_error")
+        channel.measurement.stop_may_be_missing = may_be_missing
+        channel.pauses.start_after_ns = self.settings.operator.start_after_ns
+        channel.pauses.optional_stop = self.settings.operator.optional_stop
+        for warning in [*self.settings.warnings, *warnings]:
+            channel.warn(warning)
+        self.plc_side = PlcSide(
+            channel,
+            self._accesses,
+            self.settings.plc,
+            self.scheduler,
+            self.timing.period_ns,
+            self._commands_of,
+        )
+        return channel
+
+    def _message(self, message: Message) -> None:
+        self.messages.append(message)
+        if self._put_out is not None:
+            self._put_out(message.shown)
+
+    @property
+    def end_ns(self) -> TimeNs:
+        """End of the period in which the program ended: its last block, or set positions stand.
+
+        After an alarm the run goes on until the axes stand (`bench/axisrig/bench/machine/rest.py`).
+        """
+        end_ns, period_ns = self.channel.end_ns, self.timing.period_ns
+        if end_ns is None:
+            return self.scheduler.now_ns
+        return -(-end_ns // period_ns) * period_ns
+
+    @property
+    def schedules(self) -> Mapping[str, CycleArithmetic]:
+        """The worst-case cyclic schedule of every segment."""
+        return segment_schedules(self.settings)
+
+    def run(self) -> TimeNs:
+        """Start the drives, run the program to its end, return the simulated time.
+
+        Alarms are found in `channel.alarms`. Raises PlantError when a plant fails,
+        SimulatedTimeoutError when the program does not end, UserError for what only running shows.
+        """
+        try:
+            return self._run()
+        finally:
+            if self._hardware is not None:
+                self._leave()
+
+    def _run(self) -> TimeNs:
+        self.channel.start_up(
+            [
+                build_start_up(self.settings, name, access, self.scheduler)
+                for name, access in self._accesses.items()
+            ]
+        )
+        scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
+        limit_ns = scheduler.now_ns + self._limit_ns
+        while not channel.has_ended:
+            if scheduler.now_ns >= limit_ns:
+                raise SimulatedTimeoutError(
+                    f"the program did not end within {self._limit_ns / S:g} s of simulated time"
+                    f" (plc:limit_s): {in_words(channel, self._interpreter)}"
+                )
+            scheduler.run_until(scheduler.now_ns + period_ns)
+            if self._hardware is not None:
+                self._look_outside(self._hardware)
+        return scheduler.now_ns
+
+    def _look_outside(self, hardware: Hardware) -> None:
+        """Stop the program in a controlled way when the operator wants it, or a bus is lost."""
+        if hardware.stop() and not self.is_stopped:
+            self.is_stopped = True
+            self.channel.stop(Alarm(900070))
+        for name, segment in self.segments.items():
+            if isinstance(segment, OutsideSegment) and segment.lost and name not in self._lost:
+                self._lost.add(name)
+                self.channel.stop(Alarm(900071, segment=name, reason=segment.lost))
+
+    def _leave(self) -> None:
+        """Power the drives outside down, whatever has happened before."""
+        self.channel.state = ChannelState.ENDED  # after a defect it would go on
+        links = [link for name, link in self.links.items() if name in self.outside]
+        networks = list({id(link.network): link.network for link in links}.values())
+        timing = self.timing
+        power_down(
+            self.scheduler,
+            links,
+            networks,
+            timing.period_ns,
+            timing.offset_ns,
+            self.channel.next_sync_data,
+        )
+
+    def real_time(self) -> dict[str, Any] | None:
+        """Tell how well real time was kept (`Deadlines.as_data`); None for simulated time."""
+        if not isinstance(self.scheduler, PacedScheduler):
+            return None
+        return self.scheduler.deadlines.as_data(self.timing.period_ns)
+
+    def close(self) -> None:
+        """Free plants, segments and the bus log."""
+        self._open.close()

@@ -1,0 +1,101 @@
+"""Rigs in real time: the scheduler and the segments of a rig with a bus outside, and their end."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.deadlines import Deadlines
+from axisrig.bench.bus.hardware import open_bus, wait_ns
+from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
+from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
+from axisrig.bench.rig.real_axes import is_real
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.time.clock import MS, US, TimeNs
+from axisrig.kernel.time.scheduler import Scheduler
+
+POWER_DOWN_CYCLES_MAX = 500
+NMT_PRE_OPERATIONAL = 0x80
+_OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
+
+
+@dataclass(frozen=True)
+class Hardware:
+    """What a run outside needs of the command line.
+
+    stop: tells whether the operator wants the run to end (Ctrl-C).
+    """
+
+    real_time: RealTime
+    stop: Callable[[], bool] = lambda: False
+
+
+def master_scheduler(settings: Settings, hardware: Hardware) -> PacedScheduler:
+    """Make the clock of a kernel that drives a real bus.
+
+    A cycle that is late by a quarter of the period moves the plan: the answers of the drives would
+    come too late for it otherwise.
+    """
+    cycle, realtime = settings.rig.cycle, settings.rig.realtime
+    real = [t for name, t in settings.segment.items() if is_real(settings, name)]
+    patience_ns = (
+        round(realtime.wait_ms * MS)
+        if realtime.wait_ms is not None
+        else max((wait_ns(table.interface) for table in real), default=0)
+    )
+    pacing = Pacing(
+        slip_ns=cycle.period_us * US // 4,
+        wait_ns=patience_ns,
+        answer_ns=cycle.cycle_offset_us * US,
+    )
+    return PacedScheduler(hardware.real_time, pacing, Deadlines(round(realtime.late_us * US)))
+
+
+def open_segment(settings: Settings, name: str, scheduler: Scheduler) -> OutsideSegment:
+    """Open the interface of a segment. Raises UserError when that fails."""
+    table = settings.segment[name]
+    assert isinstance(scheduler, PacedScheduler)  # made together, by `is_paced`
+    opener = partial(open_bus, table.interface, table.channel, table.bitrate, table.options)
+    return OutsideSegment(name, table.bitrate, scheduler, opener)
+
+
+def power_down(
+    scheduler: Scheduler,
+    links: Iterable[AxisLink],
+    networks: Iterable[SimNetwork],
+    period_ns: TimeNs,
+    offset_ns: TimeNs,
+    next_sync_data: Callable[[], bytes] = bytes,
+) -> None:
+    """Lead the drives out of operation where they stand, then to NMT pre-operational.
+
+    The exchange goes on until each has left operation, or says nothing any more.
+    """
+    links, networks = list(links), list(networks)
+    for link in links:
+        link.power = False
+        link.disarm()
+    silent: set[str] = set()
+    for _ in range(POWER_DOWN_CYCLES_MAX):
+        start_ns = scheduler.now_ns
+        for link in links:
+            link.begin_cycle()
+        data = next_sync_data()
+        for network in networks:
+            network.send_message(SYNC_COB_ID, data)
+        scheduler.run_until(start_ns + offset_ns)
+        for link in links:
+            try:
+                link.take()
+            except Alarm:
+                silent.add(link.name)
+            link.send(link.set_mm)
+        scheduler.run_until(start_ns + period_ns)
+        if all(link.state in _OFF or link.name in silent for link in links):
+            break
+    for link in links:
+        link.network.send_message(0, bytes([NMT_PRE_OPERATIONAL, link.settings.node_id]))
+    scheduler.run_until(scheduler.now_ns + period_ns)

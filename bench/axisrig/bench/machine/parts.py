@@ -1,0 +1,104 @@
+"""The parts that a rig is built from, whoever then drives them: segments and drive nodes."""
+
+from collections.abc import Sequence
+from contextlib import ExitStack
+from pathlib import Path
+
+from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.logs import open_log
+from axisrig.bench.bus.segment import Segment
+from axisrig.bench.drive.application.functions.switches import HOME, NEGATIVE, POSITIVE
+from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.machine.pacing import open_segment
+from axisrig.bench.rig.reading.file import LOAD, AxisTable
+from axisrig.bench.rig.real_axes import is_real, outside_axes
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.time.scheduler import Scheduler
+
+DRIVE_SEED_STRIDE = 1_000_003
+
+
+def build_segments(
+    settings: Settings,
+    scheduler: Scheduler,
+    frame_hash: FrameHash,
+    bus_logs: Sequence[Path],
+    opened: ExitStack,
+) -> dict[str, Segment]:
+    """Open every segment, simulated or real, with its records; `opened` closes them.
+
+    bus_logs: files to write, their suffixes say the kind.
+
+    Raises UserError when an interface cannot be opened.
+    """
+    segments: dict[str, Segment] = {}
+    logs = []
+    for path in bus_logs:
+        log = open_log(path, list(settings.segment))
+        opened.callback(log.stop)
+        logs.append(log)
+    for name, table in settings.segment.items():
+        if is_real(settings, name):
+            segment: Segment = open_segment(settings, name, scheduler)
+        else:
+            recovers = table.bus_off == "recover"
+            segment = Segment(name, table.bitrate, scheduler, automatic_recovery=recovers)
+        opened.enter_context(segment)
+        segment.observe(frame_hash)
+        for log in logs:
+            segment.observe(log)
+        segments[name] = segment
+    return segments
+
+
+SWITCH_KEYS = {"limit_negative": NEGATIVE, "limit_positive": POSITIVE, "home_switch": HOME}
+
+
+def build_nodes(
+    settings: Settings,
+    scheduler: Scheduler,
+    segments: dict[str, Segment],
+    plant: Plant,
+    seed: int,
+) -> dict[str, DriveNode]:
+    """Make the node of every axis whose drive is simulated here; seed: of what they draw."""
+    nodes: dict[str, DriveNode] = {}
+    signals = {name: probe.signal for name, probe in plant.probes.items()}
+    outside = outside_axes(settings)
+    for name, axis in settings.rig.axis.items():
+        if name in outside:
+            continue
+        queue = settings.segment[axis.segment].drive_queue
+        network = SimNetwork(segments[axis.segment].port(name, queue))
+        network.connect()
+        _connect_second_encoder(axis, plant)
+        wired = axis.signals
+        nodes[name] = DriveNode(
+            name,
+            axis.node,
+            network,
+            scheduler,
+            plant.axes[axis.plant],
+            (
+                signals[axis.probe_1] if axis.probe_1 else None,
+                signals[axis.probe_2] if axis.probe_2 else None,
+            ),
+            settings.rig.drive[axis.drive].make(),
+            seed + DRIVE_SEED_STRIDE * len(nodes),
+            switches={
+                switch: signals[wired[key]] for key, switch in SWITCH_KEYS.items() if key in wired
+            },
+        )
+    return nodes
+
+
+def _connect_second_encoder(axis: AxisTable, plant: Plant) -> None:
+    """Let an axis read its second encoder."""
+    port, name = plant.axes[axis.plant], axis.encoder_2
+    if name == LOAD:
+        port.second_encoder = port.position_m
+    elif name is not None:
+        sensor = plant.distances[name]
+        port.second_encoder = lambda: sensor.distance_m

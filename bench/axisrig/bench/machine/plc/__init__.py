@@ -1,0 +1,1 @@
+"""The PLC side of a running machine."""

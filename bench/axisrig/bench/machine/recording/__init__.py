@@ -1,0 +1,1 @@
+"""Observers of a running machine: what they keep becomes its recording."""

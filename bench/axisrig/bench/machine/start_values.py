@@ -1,0 +1,142 @@
+"""Start values of plants: from rig and plan, converted to the units of the FMU's variables."""
+
+import math
+from dataclasses import replace
+
+from fmpy.model_description import ModelVariable
+
+from axisrig.bench.plan.assignment import Assignment, parse_assignment, si_unit, suffixes_of
+from axisrig.bench.rig.reading.file import PlantTable, rig_error
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.cosim.fmi.fmu import PlantError
+from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.units import Unit, find_unit, known_units, unit_name
+from axisrig.kernel.errors import UserError, nearest
+
+_FLAGS = {"true": True, "1": True, "false": False, "0": False}
+_REALS = ("Float64", "Float32", "Real")
+
+
+def set_start_values(settings: Settings, instance: str, table: PlantTable, roles: Roles) -> None:
+    """Set the start values of the rig, then those of the run.
+
+    Raises UserError with the place of the value that does not fit.
+    """
+    for key, value in table.start.items():
+        try:
+            text = value if isinstance(value, str) else str(value).lower()
+            _set(roles, parse_assignment(f"plant:{instance}.{key}={text}"))
+        except UserError as error:
+            raise rig_error(
+                settings.files,
+                ("plant", instance, "start"),
+                f"{key}: {error.message}",
+                value=error.value,
+                allowed=error.allowed,
+                hint=error.hint,
+            ) from error
+    for item, located in settings.start.get(instance, []):
+        try:
+            _set(roles, item)
+        except UserError as error:
+            raise located(error, item) from error
+
+
+def _set(roles: Roles, item: Assignment) -> None:
+    """Set one start value, converted from the unit that its name ends in."""
+    slave = roles.slave
+    # A variable may itself end in what looks like a unit; its own name wins
+    whole = item.column.partition(".")[2]
+    plain = replace(item, name=whole, unit="") if slave.has(whole) else item
+    settable = [*slave.names("parameter"), *roles.spare_inputs()]
+    if plain.name not in settable:
+        known = "start value that can be set" if slave.has(plain.name) else "variable"
+        raise UserError(
+            f"{slave.name} has no such {known}",
+            value=plain.name,
+            allowed=nearest(plain.name, settable) or settable,
+        )
+    variable = slave.variable(plain.name)
+    value: float | bool | str = plain.value
+    if variable.type == "Boolean":
+        value = _flag(roles, plain)
+    elif variable.type == "Enumeration" and not plain.value.lstrip("-").isdecimal():
+        value = _word(roles, plain, variable)
+    elif variable.type != "String":
+        value = _number(roles, plain, variable)
+    try:
+        slave.set_start(plain.name, value)
+    except PlantError as error:
+        message = f"{slave.name} refuses {plain.name}: {error.reason}"
+        raise UserError(message, value=item.value) from error
+
+
+def _flag(roles: Roles, item: Assignment) -> bool:
+    if item.value.lower() not in _FLAGS or item.unit:
+        raise UserError(
+            f"{item.name} of {roles.slave.name} is true or false",
+            value=item.value,
+            allowed="true, false",
+        )
+    return _FLAGS[item.value.lower()]
+
+
+def _word(roles: Roles, item: Assignment, variable: ModelVariable) -> int:
+    """Return the number of an item of an enumeration."""
+    declared = variable.declaredType
+    words = {i.name: int(i.value) for i in declared.items} if declared is not None else {}
+    if item.value not in words:
+        raise UserError(
+            f"{item.name} of {roles.slave.name} has no such item",
+            value=item.value,
+            allowed=nearest(item.value, words) or words or "whole numbers",
+        )
+    return words[item.value]
+
+
+def _number(roles: Roles, item: Assignment, variable: ModelVariable) -> float:
+    """Return the value in the FMU's unit, an int for an integer variable; check unit and range."""
+    label = f"{item.name} of {roles.slave.name}"
+    name = unit_name(variable) or "1"
+    unit = find_unit(roles.slave.description, name) or Unit(name, ())
+    value = _in_unit(label, item, unit) if unit.exponents else _in_own_unit(label, item, unit)
+    low = -math.inf if variable.min is None else float(variable.min)
+    high = math.inf if variable.max is None else float(variable.max)
+    if not low <= value <= high:
+        allowed = f"{low:g} .. {high:g} {'' if unit.name == '1' else unit.name}".rstrip()
+        raise UserError(f"{label} is out of range", value=item.value, allowed=allowed)
+    if str(variable.type) not in _REALS:
+        if value != int(value):
+            raise UserError(f"{label} is a whole number", value=item.value)
+        return int(value)
+    return value
+
+
+def _in_own_unit(label: str, item: Assignment, unit: Unit) -> float:
+    """Return a value for a variable whose unit the FMU names without defining it."""
+    if item.unit:
+        raise UserError(
+            f"{label} is in {unit.name}, which the FMU does not define",
+            value=item.unit,
+            allowed="a bare number in that unit",
+        )
+    return item.si()
+
+
+def _in_unit(label: str, item: Assignment, unit: Unit) -> float:
+    """Convert a value to a unit. Raises UserError when that does not go, or would be a guess."""
+    value = item.si()
+    suffixes = suffixes_of(
+        name for name, known in known_units().items() if known.exponents == unit.exponents
+    )
+    wanted = ", ".join(f"{item.name}_{suffix}" for suffix in suffixes)
+    if item.unit and known_units()[si_unit(item.unit)].exponents != unit.exponents:
+        allowed = "a bare number" if unit.name == "1" else f"a unit of {unit.name}"
+        raise UserError(f"{label} has another unit", value=item.unit, allowed=allowed)
+    if not item.unit and not unit.is_si:
+        raise UserError(
+            f"{label} is in {unit.name}; a number without unit would be a guess",
+            value=item.value,
+            allowed=wanted or None,
+        )
+    return unit.from_si(value) if item.unit else value

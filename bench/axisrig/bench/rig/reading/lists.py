@@ -1,0 +1,198 @@
+"""The parameter lists of a rig: read, corrected as the control does, and what in them is inert."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from axisrig.bench.rig.reading.file import RigFile, rig_error
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
+from axisrig.kernel.measuring.rules import FIXED_STOP
+from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry
+from axisrig.kernel.nc.coordinates.tables import Lists
+from axisrig.kernel.parameters import ParameterSet, read_list, start_up, written
+from axisrig.kernel.parameters.lists import NEXT_AXIS
+from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type
+
+# Keys of `[channel]` and targets of `set:` columns -> the lists they stand for
+OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
+
+DRIVE_INPUTS = (1, 2)
+
+CRITERIA = "a lag limit (P-AXIS-00774 pos_lag_limit) or a window (P-AXIS-00778) with its time"
+TIME = "min_time (P-AXIS-00775)"
+
+
+def read_lists(rig: RigFile, files: list[Path]) -> tuple[ParameterSet, dict[str, ParameterSet]]:
+    """Read the lists of the channel and of all axes; axes may share one list.
+
+    Raises UserError for a list that is no file and for what is not accepted in one.
+    """
+    lists: list[tuple[tuple[str, ...], str]] = [(("channel", "list"), rig.channel.list)]
+    lists += [(("axis", name, "list"), axis.list) for name, axis in rig.axis.items()]
+    for keys, path in lists:
+        if not Path(path).is_file():
+            raise rig_error(
+                files, keys, f"the parameter list {Path(path).name} is no file", value=path
+            )
+    axes = {name: read_list(axis.list, "axis", name) for name, axis in rig.axis.items()}
+    return read_list(rig.channel.list, "channel"), axes
+
+
+def read_offsets(rig: RigFile, files: list[Path]) -> Lists:
+    """Read the lists of zero offsets and tools, as far as the rig names them.
+
+    Raises UserError for a list that is no file and for what is not accepted in one.
+    """
+    lists = Lists()
+    for key, name in OFFSET_LISTS.items():
+        path = getattr(rig.channel, key)
+        if path is None:
+            continue
+        if not Path(path).is_file():
+            message = f"the list of {name} {Path(path).name} is no file"
+            raise rig_error(files, ("channel", key), message, value=path)
+        lists.read(name, path)
+    return lists
+
+
+def drive_input(parameters: ParameterSet) -> int:
+    """Return the probing input of the drive; 1 where the list names external hardware."""
+    number = parameters.integer("kenngr.measure.input")
+    return number if number in DRIVE_INPUTS else 1
+
+
+def take_over(channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[Alarm]:
+    """Correct what the control corrects at its start and return the warnings.
+
+    Raises UserError for a combination of settings that cannot be.
+    """
+    warnings = start_up(channel, "")
+    for name, parameters in axes.items():
+        warnings += start_up(parameters, name)
+    return warnings
+
+
+def check_numbers(axes: dict[str, ParameterSet]) -> None:
+    """Refuse a logical number (P-AXIS-00016) that two lists give; without one nothing is said."""
+    seen: dict[int, str] = {}
+    for name, parameters in axes.items():
+        place = parameters.origin(NEXT_AXIS)
+        if place is None:
+            continue
+        number = parameters.integer(NEXT_AXIS)
+        if number in seen:
+            raise place.error(
+                f"axes {seen[number]} and {name} have the same logical number (P-AXIS-00016)",
+                value=number,
+            )
+        seen[number] = name
+
+
+def substituted(axes: Mapping[str, ParameterSet]) -> dict[str, str]:
+    """Return the axes whose lists name no CANopen drive (P-AXIS-00020), each with the type."""
+    types = {name: drive_type(parameters) for name, parameters in axes.items()}
+    return {name: f"{word} ({code})" for name, (code, word) in types.items() if code != CANOPEN}
+
+
+def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
+    """Tell which axes run on a CANopen drive though their lists name another; empty for none."""
+    return ", ".join(f"{name}: {word}" for name, word in substituted(axes).items())
+
+
+def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
+    """Refuse a drive type that is not simulated, unless the rig lets a CANopen drive stand for it.
+
+    Raises UserError with file and line of the setting.
+    """
+    for name, word in substituted(axes).items():
+        if rig.drive[rig.axis[name].drive].as_canopen:
+            continue
+        place = axes[name].origin(DRIVE_TYPE)
+        assert place is not None, "the default is CANopen"
+        raise place.error(
+            f"axis {name} has a drive of the type {word} (P-AXIS-00020): only CANopen drives run"
+            " here",
+            value=axes[name].get(DRIVE_TYPE),
+            allowed=f"{CANOPEN}, or not said",
+            hint="--as-canopen of run, nc and check runs it on a CANopen drive all the same, as"
+            " does as_canopen = true of its [drive.D]; the results show it",
+        )
+
+
+def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[str]:
+    """Tell for each list which of its settings do not act yet."""
+    notes = []
+    for of, path, parameters in (
+        ("channel", rig.channel.list, channel),
+        *((f"axis {name}", rig.axis[name].list, axes[name]) for name in axes),
+    ):
+        inert = parameters.inert()
+        if inert:
+            names = ", ".join(f"{name} = {written(value)}" for name, value in inert)
+            what = "1 setting does" if len(inert) == 1 else f"{len(inert)} settings do"
+            notes.append(f"{of}: {what} not act yet ({Path(path).name}): {names}")
+        for name, by in parameters.unasked():
+            notes.append(
+                f"{of}: {_numbered(parameters, name)} does not act:"
+                f" {_numbered(parameters, by)} is asked first and its default is"
+                f" {written(parameters.get(by))}"
+            )
+    return notes
+
+
+def _numbered(parameters: ParameterSet, path: str) -> str:
+    number = parameters.resolve(path).parameter.number
+    return f"{path} ({number})" if number else path
+
+
+def stop_notes(axes: dict[str, ParameterSet]) -> list[str]:
+    """Tell which axes with the source FIXED_STOP (P-AXIS-00516) can find no stop as listed.
+
+    Not an error: `#MEAS [AX= SIGNAL=]` may choose another source, and the axis may stand.
+    """
+    notes = []
+    for name, parameters in axes.items():
+        if parameters.word("kenngr.measure.signal") != FIXED_STOP:
+            continue
+        found = FixedStopSettings.read(parameters)
+        if found.lag_limit_mm is not None:
+            continue
+        if found.window_mm is None:
+            notes.append(f"axis {name}: as listed no stop can be found: set {CRITERIA}")
+        elif not (found.min_time_ns or found.min_cycles):
+            window = f"its window of {found.window_mm:g} mm has no minimum time"
+            notes.append(f"axis {name}: as listed no stop can be found, {window}: set {TIME}")
+    return notes
+
+
+def offset_notes(lists: Lists, axes: Sequence[str] | None = None) -> list[str]:
+    """Tell what in the lists of zero offsets and tools cannot be meant, value by value.
+
+    axes: those of the rig, in its order, which the indices count from 0; None without a rig.
+    """
+    notes: list[str] = []
+    told: set[tuple[int, ...]] = set()
+    for name, entries in lists.entries.items():
+        last = {(entry.path, entry.indices): entry for entry in entries}
+        valid = {at for (path, at), entry in last.items() if "gueltig" in path and entry.value}
+        for entry in last.values():
+            why = _oddity(entry, axes)
+            if why is None and name == TOOLS and entry.indices[:1] not in valid | told:
+                told.add(entry.indices[:1])
+                number = entry.indices[0]
+                why = f"no `wz[{number}].gueltig 1` stands in the list, so D{number} is refused"
+            if why is not None:
+                notes.append(f"{name}: {entry.written} ({entry.origin.short}): {why}")
+    return notes
+
+
+def _oddity(entry: Entry, axes: Sequence[str] | None) -> str | None:
+    of_axis = entry.path.endswith(("versch", "inaktiv", "ax_versatz[j]"))
+    if axes is not None and of_axis and entry.indices[1] >= len(axes):
+        known = ", ".join(f"{at} = {axis}" for at, axis in enumerate(axes))
+        return f"the rig has no axis {entry.indices[1]}, it has {known}"
+    if entry.path == "wz[i].radius" and float(entry.value) < 0:
+        return "a radius below 0"
+    if entry.path.startswith("wz") and entry.indices[0] == 0:
+        return "D0 is no tool, its data never act"
+    return None

@@ -1,0 +1,31 @@
+"""The files that a rig is made from, for whoever keeps their hashes."""
+
+from pathlib import Path
+from typing import Any
+
+from axisrig.bench.rig.reading.file import LIST_KEYS, MAP_KEYS, load_tables
+
+
+def rig_files(path: Path) -> list[Path]:
+    """Return a rig, its bases, and the lists, EDS files, PDO maps and FMU files that they name.
+
+    Raises UserError when it cannot be read.
+    """
+    table, files = load_tables(path.resolve())
+    named = {
+        *_named(table.get("channel"), LIST_KEYS),
+        *(name for axis in _entries(table, "axis") for name in _named(axis, LIST_KEYS)),
+        *(name for drive in _entries(table, "drive") for name in _named(drive, MAP_KEYS)),
+        *(name for plant in _entries(table, "plant") for name in _named(plant, ("fmu",))),
+    }
+    # A model or a map of this bench is called by its name
+    return [*files, *sorted(Path(name) for name in named if Path(name).is_absolute())]
+
+
+def _entries(table: dict[str, Any], kind: str) -> list[Any]:
+    entries = table.get(kind)
+    return list(entries.values()) if isinstance(entries, dict) else []
+
+
+def _named(entry: Any, keys: tuple[str, ...]) -> set[str]:
+    return {str(entry[key]) for key in keys if key in entry} if isinstance(entry, dict) else set()

@@ -1,0 +1,1 @@
+"""Commands beside plans: virtual drive, FMUs, tuning, parameters, scenarios, speed, bus logs."""

@@ -1,0 +1,1 @@
+"""A stored bus log in words."""

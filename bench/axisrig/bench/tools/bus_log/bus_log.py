@@ -1,0 +1,223 @@
+"""`axisrig bus`: finds a bus log, reads it and chooses the frames that are told."""
+
+import heapq
+import logging
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import chain
+from pathlib import Path
+
+import can
+
+from axisrig.bench.bus.dissect import Dissected, dissect, services
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
+from axisrig.bench.bus.pcap import read_pcap
+from axisrig.bench.campaign.replay import recorded_case
+from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.campaign.runner import settings_of
+from axisrig.bench.rig.settings import Settings
+from axisrig.bench.tools.bus_log.bus_words import Names, is_boot_up
+from axisrig.kernel.errors import UserError, printable
+
+READABLE = list(LOG_SUFFIXES.values())
+PCAP = LOG_SUFFIXES["pcap"]
+DRIVES_LOG = "bus.blf"
+"""What `axisrig drive -o DIR` writes."""
+
+EPOCH_S = 1e8
+"""A later first time is a date: times are then told from the first frame on."""
+
+GROUPS = ("SDO", "LSS", "PDO", "TPDO", "RPDO", "boot-up", "abort", "error")
+"""Words for services beside those of `services.csv`."""
+
+_OBJECT = re.compile(r"(?:0x)?([0-9a-f]{4})(?::([0-9a-f]{1,2}))?")
+
+
+@dataclass(frozen=True)
+class Selection:
+    """Which frames are shown.
+
+    only: services, axes, telegrams, objects, of which one must fit; every frame if empty.
+    from_ms, to_ms: since the start of the log. is_all: also SYNCs, and PDOs that bring nothing new.
+    """
+
+    only: tuple[str, ...] = ()
+    from_ms: float = 0.0
+    to_ms: float = float("inf")
+    is_all: bool = False
+
+
+@dataclass(frozen=True)
+class _Line:
+    time_ms: float
+    segment: str
+    text: str
+    is_error: bool
+
+
+def find_log(place: Path, run: str | None) -> tuple[list[Path], Settings | None]:
+    """Return the files of the log that is meant, one but for pcap logs of several segments.
+
+    With them come the settings of the run where they lie in a results folder.
+    Raises UserError when there is none.
+    """
+    if not place.is_dir():
+        if not place.is_file() or place.suffix.lower() not in READABLE:
+            raise UserError("no bus log that can be read", value=str(place), allowed=READABLE)
+        return [place], None
+    if run is None and (place / DRIVES_LOG).is_file():
+        return [place / DRIVES_LOG], None
+    runs = [stored.run for stored in read_results(place).runs]
+    if run is None:
+        raise UserError("which run of the folder?", file=place, allowed=runs)
+    case, _ = recorded_case(place, run)
+    folder = place / "bus"
+    found = [folder / f"{run}{suffix}" for suffix in READABLE]
+    several = sorted(p for p in folder.glob("*.pcap") if p.stem.startswith(run + SEGMENT_MARK))
+    for files in [*([path] for path in found if path.is_file()), several]:
+        if files:
+            return files, settings_of(case)
+    raise UserError("the run left no bus log that can be read", file=folder, allowed=READABLE)
+
+
+def tell_log(
+    paths: Sequence[Path], settings: Settings | None, selection: Selection
+) -> Iterator[str]:
+    """Yield the lines for the frames of a log, and one that says so when there are none.
+
+    Error frames in a row are one line. Raises UserError for a damaged log or an unknown word.
+    """
+    names = Names(settings)
+    wanted = _wanted(selection.only, names.axes)
+    is_empty, row, count, last_ms = True, None, 0, 0.0
+    for line in _lines(paths, names, selection, wanted):
+        is_empty = False
+        if row is not None and line.is_error and line.segment == row.segment:
+            count, last_ms = count + 1, line.time_ms
+            continue
+        yield from _folded(row, count, last_ms)
+        row, count = (line, 1) if line.is_error else (None, 0)
+        if row is None:
+            yield line.text
+    yield from _folded(row, count, last_ms)
+    if is_empty:
+        words = f" for {', '.join(selection.only)}" if selection.only else ""
+        yield f"no frame{words} among those of {paths[0]} that are told"
+
+
+def _folded(row: _Line | None, count: int, last_ms: float) -> Iterator[str]:
+    if row is not None:
+        yield row.text if count == 1 else f"{row.text}  {count} times until {last_ms:.3f} ms"
+
+
+def _wanted(only: Iterable[str], axes: Sequence[str]) -> frozenset[str]:
+    """Return the tags that are asked for. Raises UserError for a word that is none."""
+    kinds = [*(service.name for service in services()), "error frame", "unknown", *GROUPS]
+    known = {kind.lower() for kind in kinds}
+    whose = {axis.lower() for axis in axes} | {str(node) for node in range(1, 128)}
+    found = set()
+    for word in only:
+        low = word.strip().lower()
+        who, dot, kind = low.partition(".")
+        item = _OBJECT.fullmatch(low)
+        if low in known or (who in whose and (not kind or kind in known)):
+            found.add(low if kind else who if dot else low)
+        elif item is not None:
+            found.add(item[1] + (f":{int(item[2], 16):x}" if item[2] else ""))
+        else:
+            allowed = [*kinds, *(axes or ["node number"]), "Z.TPDO1", "6041", "6041:0"]
+            raise UserError(
+                "--only: no service, axis, telegram or object", value=word, allowed=allowed
+            )
+    return frozenset(found)
+
+
+def _lines(
+    paths: Sequence[Path], names: Names, selection: Selection, wanted: frozenset[str]
+) -> Iterator[_Line]:
+    last: dict[tuple[str, int], object] = {}
+    for time_ms, message in _times(_messages(paths)):
+        if time_ms < selection.from_ms:
+            continue
+        if time_ms > selection.to_ms:
+            return
+        segment = names.segment(message.channel)
+        frame = Frame(
+            message.arbitration_id,
+            bytes(message.data),
+            message.is_extended_id,
+            message.is_remote_frame,
+            message.dlc,
+        )
+        told = dissect(frame, is_error=message.is_error_frame)
+        key = (segment, frame.arbitration_id)
+        content = _content(told, frame)
+        is_old = _repeats(told) and key in last and last[key] == content
+        if not message.is_error_frame:
+            last[key] = content
+        if is_old and not selection.is_all:
+            continue
+        said = names.tell(segment, frame, told)
+        if wanted and not wanted & said.tags:
+            continue
+        can_id = "   " if message.is_error_frame else f"{frame.arbitration_id:03X}"
+        text = f"{time_ms:10.3f}  {segment:<6} {can_id}  {said.name:<16} {said.text}".rstrip()
+        yield _Line(time_ms, segment, text, message.is_error_frame)
+
+
+def _messages(paths: Sequence[Path]) -> Iterator[can.Message]:
+    if paths[0].suffix.lower() == PCAP:
+        yield from heapq.merge(*map(read_pcap, paths), key=lambda message: message.timestamp)
+        return
+    try:
+        with _complaining(), can.LogReader(paths[0]) as reader:
+            yield from reader
+    except Exception as error:  # the readers of python-can raise whatever comes up
+        what = printable(str(error)) or type(error).__name__
+        raise UserError(f"the log is damaged: {what}", file=paths[0]) from error
+
+
+class _Complaint(logging.Handler):
+    """Makes an error of what a reader of python-can would only warn of, leaving frames out."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        raise ValueError(record.getMessage())
+
+
+@contextmanager
+def _complaining() -> Iterator[None]:
+    reader, complaint = logging.getLogger("can.io"), _Complaint(logging.WARNING)
+    reader.addHandler(complaint)
+    try:
+        yield
+    finally:
+        reader.removeHandler(complaint)
+
+
+def _times(messages: Iterable[can.Message]) -> Iterator[tuple[float, can.Message]]:
+    """Yield time in ms and message; times count from the first frame where they are dates."""
+    iterator = iter(messages)
+    first = next(iterator, None)
+    if first is None:
+        return
+    origin_s = first.timestamp if first.timestamp > EPOCH_S else 0.0
+    for message in chain([first], iterator):
+        yield (message.timestamp - origin_s) * 1e3, message
+
+
+def _content(told: Dissected, frame: Frame) -> object:
+    """Return what must change for a cyclic frame to be news; a toggle bit is none."""
+    return told.fields.get("state", frame.data) if told.service == "heartbeat" else frame.data
+
+
+def _repeats(told: Dissected) -> bool:
+    """Whether a frame comes cyclically, so that it is worth a line only when it has changed.
+
+    A boot-up never does: it says that a node has started anew.
+    """
+    if told.service == "heartbeat":
+        return not is_boot_up(told)
+    return told.service == "SYNC" or "PDO" in told.service

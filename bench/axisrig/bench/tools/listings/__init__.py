@@ -1,0 +1,1 @@
+"""What plans, rigs and this installation know, as text."""

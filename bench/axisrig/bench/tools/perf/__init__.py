@@ -1,0 +1,1 @@
+"""Measured speed: runs, the bus, FMUs, the parser."""

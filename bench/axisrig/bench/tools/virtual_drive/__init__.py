@@ -1,0 +1,1 @@
+"""Drives of a rig for a master outside."""

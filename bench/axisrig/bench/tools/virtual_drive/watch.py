@@ -1,0 +1,188 @@
+"""Tells what a master outside does to the drives of a rig, one line for each thing that happens.
+
+It looks at every frame and at the nodes after it; it changes nothing. Lines go to `put_out`, and
+to `events.csv` and `latches.csv` where a folder is given.
+"""
+
+import csv
+from collections.abc import Callable, Mapping
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.real_segment import SYNC_COB_ID
+from axisrig.bench.drive.node import DriveNode
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.cosim.plant.plant import Plant
+from axisrig.kernel.cosim.plant.probe import Contact
+from axisrig.kernel.drives.emergency import Emergency
+from axisrig.kernel.drives.sdo import abort_text
+from axisrig.kernel.time.clock import S, TimeNs
+
+NMT_COMMANDS = {
+    1: "start", 2: "stop", 128: "enter pre-operational", 129: "reset node",
+    130: "reset communication",
+}  # fmt: skip
+SDO_ABORT = 0x80
+SYNC_LOST_NS = S // 2
+EVENT_COLUMNS = ("time_ns", "axis", "kind", "text")
+LATCH_COLUMNS = (
+    *("time_ns", "axis", "probe", "object", "units", "latched_mm"),
+    *("contact_ns", "contact_mm"),
+)
+# Probe, object, and what its position and its counter are called in the process image
+_LATCHES = (
+    (1, 0x60BA, "latch_1_positive", "count_1_positive"),
+    (1, 0x60BB, "latch_1_negative", "count_1_negative"),
+    (2, 0x60BC, "latch_2_positive", "count_2_positive"),
+    (2, 0x60BD, "latch_2_negative", "count_2_negative"),
+)
+
+
+@dataclass
+class _Seen:
+    """What was seen of a node last."""
+
+    nmt: str
+    state: str
+    mode: int
+    counts: tuple[int, ...]
+
+
+class Watcher:
+    """Watches the nodes of a rig and the frames of its segments.
+
+    put_out: takes each line. folder: where events.csv and latches.csv go, or None.
+    """
+
+    def __init__(
+        self,
+        settings: Settings,
+        nodes: Mapping[str, DriveNode],
+        plant: Plant,
+        put_out: Callable[[str], None],
+        folder: Path | None,
+        opened: ExitStack,
+    ) -> None:
+        self._settings, self._nodes, self._plant, self._put_out = settings, nodes, plant, put_out
+        self._names = {
+            (settings.rig.axis[name].segment, node.node_id): name for name, node in nodes.items()
+        }
+        self._seen = {name: self._look_at(node) for name, node in nodes.items()}
+        self._syncs: dict[str, TimeNs] = {}
+        self._events: Any = _table(folder, "events.csv", EVENT_COLUMNS, opened)
+        self._latches: Any = _table(folder, "latches.csv", LATCH_COLUMNS, opened)
+
+    def tell(self, time_ns: TimeNs, axis: str, kind: str, text: str) -> None:
+        """Put one line out."""
+        self._put_out(f"{time_ns / S:12.6f} s  {axis:<4} {kind:<7} {text}")
+        if self._events:
+            self._events([time_ns, axis, kind, text])
+
+    def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
+        """Look at one frame; the nodes have not acted on it yet."""
+        self.look(time_ns)
+        can_id, data = frame.arbitration_id, frame.data
+        if is_error:
+            self.tell(time_ns, "", "bus", f"error frame on {segment}")
+        elif frame.is_extended_id or frame.is_remote_frame:
+            return
+        elif can_id == SYNC_COB_ID:
+            if segment not in self._syncs:
+                self.tell(time_ns, "", "SYNC", f"begins on {segment}")
+            self._syncs[segment] = time_ns
+        elif can_id == 0 and len(data) == 2:
+            what = NMT_COMMANDS.get(data[0], f"unknown command {data[0]}")
+            who = f"node {data[1]}" if data[1] else "all nodes"
+            self.tell(time_ns, self._names.get((segment, data[1]), ""), "NMT", f"{what}, {who}")
+        else:
+            self._answer(time_ns, segment, can_id, data)
+
+    def _answer(self, time_ns: TimeNs, segment: str, can_id: int, data: bytes) -> None:
+        name = self._names.get((segment, can_id & 0x7F))
+        if name is None:
+            return
+        if can_id & 0x780 == 0x080 and len(data) == 8:
+            emergency = Emergency.read(data)
+            register = f"error register 0x{emergency.register:02X}"
+            self.tell(
+                time_ns, name, "EMCY", str(emergency) if emergency.code else f"reset, {register}"
+            )
+        elif can_id & 0x780 == 0x580 and len(data) == 8 and data[0] == SDO_ABORT:
+            what = f"0x{data[2]:02X}{data[1]:02X}:{data[3]:02X}"
+            code = int.from_bytes(data[4:], "little")
+            text = abort_text(code).removeprefix("abort ")
+            self.tell(time_ns, name, "SDO", f"abort of {what} with {text}")
+
+    def look(self, time_ns: TimeNs) -> None:
+        """Tell what has changed in the nodes since the last look."""
+        for name, node in self._nodes.items():
+            seen, now = self._seen[name], self._look_at(node)
+            if now == seen:
+                continue
+            self._seen[name] = now
+            if now.nmt != seen.nmt:
+                self.tell(time_ns, name, "NMT", f"{seen.nmt} -> {now.nmt}")
+            if now.mode != seen.mode:
+                self.tell(time_ns, name, "mode", f"{seen.mode} -> {now.mode} (6060)")
+            if now.state != seen.state:
+                word = f"(6040 = 0x{node.image.controlword:04X})"
+                self.tell(time_ns, name, "state", f"{seen.state} -> {now.state} {word}")
+            if now.counts != seen.counts:
+                self._tell_latches(name, node, seen, now)
+        for segment, sync_ns in list(self._syncs.items()):
+            if time_ns - sync_ns > SYNC_LOST_NS:
+                del self._syncs[segment]
+                self.tell(time_ns, "", "SYNC", f"none on {segment} since {sync_ns / S:.6f} s")
+
+    @staticmethod
+    def _look_at(node: DriveNode) -> _Seen:
+        return _Seen(
+            node.nmt_state.name,
+            node.state.name,
+            node.image.mode,
+            tuple([getattr(node.image, count) for *_, count in _LATCHES]),
+        )
+
+    def _tell_latches(self, name: str, node: DriveNode, seen: _Seen, now: _Seen) -> None:
+        per_mm = float(node.profile.units_per_mm)
+        for latch, old, count in zip(_LATCHES, seen.counts, now.counts, strict=True):
+            if count in (0, old):
+                continue
+            probe, index, field, _ = latch
+            units = getattr(node.image, field)
+            latch_ns = node.servo.touch_probe.probes[probe - 1].latch_instants_ns[-1]
+            text = f"probe {probe}, 0x{index:04X} = {units} = {units / per_mm:.6f} mm"
+            row = [latch_ns, name, probe, f"0x{index:04X}", units, units / per_mm, "", ""]
+            contact = self._contact(name, probe, latch_ns)
+            plant = self._settings.rig.axis[name].plant
+            if contact is not None and plant in contact.position_mm:
+                truth_mm = contact.position_mm[plant]
+                row[-2:] = [contact.time_ns, truth_mm]
+                text += f"; contact was at {truth_mm:.6f} mm"
+            self.tell(latch_ns, name, "latch", text)
+            if self._latches:
+                self._latches(row)
+
+    def _contact(self, name: str, probe: int, latch_ns: TimeNs) -> Contact | None:
+        """Return the last contact before a latch, of the probe at this input."""
+        axis = self._settings.rig.axis[name]
+        instance = axis.probe_1 if probe == 1 else axis.probe_2
+        contacts = self._plant.probes[instance].contacts if instance else []
+        return max(
+            (c for c in contacts if c.time_ns <= latch_ns), key=lambda c: c.time_ns, default=None
+        )
+
+
+def _table(folder: Path | None, name: str, columns: tuple[str, ...], opened: ExitStack) -> Any:
+    """Open a table, write its header, return what writes a row; each is on disk at once."""
+    if folder is None:
+        return None
+    file = opened.enter_context(
+        (folder / name).open("w", encoding="utf-8", newline="", buffering=1)
+    )
+    write = csv.writer(file, lineterminator="\n").writerow
+    write(columns)
+    return write

@@ -1,0 +1,1 @@
+"""What moves along the path: settings, look-ahead, interpolation, exact stop, measurement runs."""

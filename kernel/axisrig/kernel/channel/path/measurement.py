@@ -1,0 +1,400 @@
+"""The measurement run of the channel: begins it, leads its path, keeps what it brought.
+
+A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (standing at a stop is the signal).
+"""
+
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import dist
+
+from axisrig.kernel.channel.path.path import Path
+from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.settling import Rest, Standstill
+from axisrig.kernel.channel.path.slaves import PathWithSlaves
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
+from axisrig.kernel.measuring.rules import highest_speed, misses_signal
+from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunRecord, RunState
+from axisrig.kernel.measuring.simulated import SimulatedProbe, Way
+from axisrig.kernel.motion.dynamics import Dynamics, Motion
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.measuring_types import measuring_types
+from axisrig.kernel.time.clock import Clock
+
+S_PER_MIN = 60.0
+
+
+@dataclass(frozen=True)
+class _Order:
+    """What a run does once its probes are armed."""
+
+    target_acs_mm: Mapping[str, float]
+    speed_mm_s: float
+    dynamics: Dynamics
+    overtravel_mm: Mapping[str, float]
+
+
+class Measurement:
+    """Runs one measurement on the path at a time.
+
+    links: by axis. error_no_signal: P-CHAN-00176. warn: takes alarms
+    of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
+    named; with the signal of the drive nothing is to be made ready, so that it stays a note.
+    stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on. slaves_of:
+    tells which axes follow others at the moment, each with its master. refuse: raises the alarm of
+    an axis that must not measure at the moment.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        path: Path,
+        links: Mapping[str, AxisLink],
+        *,
+        timing: CycleTiming,
+        error_no_signal: bool,
+        warn: Callable[[Alarm], None],
+    ) -> None:
+        self._clock, self._path, self._links, self._timing = clock, path, links, timing
+        self._period_ns, self._error_no_signal, self._warn = timing.period_ns, error_no_signal, warn
+        self._run: MeasuringRun | FixedStopRun | None = None
+        self._order: _Order | None = None
+        self._simulated: tuple[SimulatedProbe, ...] = ()
+        self._standstill: Standstill | None = None
+        self._measured: dict[str, float | None] = {}
+        self.records: list[RunRecord] = []
+        self.prepared: set[str] = set()
+        self.stop_may_be_missing = False
+        self.slaves_of: Callable[[Collection[str]], Mapping[str, str]] = lambda _masters: {}
+        self.refuse: Callable[[str], None] = lambda _axis: None
+        self._sources: dict[str, str] = {}  # by #MEAS, whatever P-AXIS-00516 says
+
+    @property
+    def is_active(self) -> bool:
+        """Whether a run is under way."""
+        return self._run is not None
+
+    def state_of(self, axis: str) -> str | None:
+        """Return the state of the run on the path in which an axis takes part, None without one."""
+        if self._run is None or self._order is None:
+            return None
+        takes_part = axis in self._run.record.axes or axis in self._order.target_acs_mm
+        return self._run.state.name if takes_part else None
+
+    def measured_acs_mm(self, axis: str) -> float | None:
+        """Return the measured position of the axis' last run, None without a valid one."""
+        return self._measured.get(axis)
+
+    # Settings (#MEAS)
+
+    def may_choose(self) -> bool:
+        """Tell whether no probe is armed, also not by an axis beside the path."""
+        return not any(link.is_probing for link in self._links.values())
+
+    def choose(self, command: canon.ProbeSettings) -> None:
+        """Measure with another signal, edge or input; raises Alarm 50637 and 900223."""
+        self._check_released(command.axis, 50637)
+        if command.source is not None:
+            self._sources[command.axis] = command.source
+        link, input_ = self._links[command.axis], command.probe_input
+        if command.probe is not None:
+            input_ = self._path.settings(command.axis).measuring.probe_inputs[command.probe]
+        link.choose_latch(input_ or link.probe_input, command.edge or link.edge)
+
+    def prepare(self, command: canon.PrepareProbe) -> None:
+        """Note which axes are to be ready for a run; raises Alarm 50059."""
+        for name in command.axes:
+            self._check_released(name, 50059)
+        self.prepared.update(command.axes)
+
+    def forget_prepared(self, axis: str) -> None:
+        """Reset the preparation of all axes when this one is among them.
+
+        To be called when it is homed or leaves the channel. Source: FCT-C4 section 7.2.
+        """
+        if axis in self.prepared:
+            self.prepared.clear()
+
+    def end_program(self) -> None:
+        """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
+        self.prepared.clear()
+        self.choose_default()
+
+    def begin_program(self) -> None:
+        """Forget what a program before has measured."""
+        self._measured.clear()
+
+    def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
+        """Measure with what the parameter lists say."""
+        self._sources.clear()
+        for link in self._links.values():
+            chosen = link.settings.probe_input, link.settings.edge
+            if (link.probe_input, link.edge) != chosen:
+                link.choose_latch(*chosen)
+
+    # The run
+
+    def begin(self, command: canon.MeasuringRun) -> None:
+        """Begin a run on the path.
+
+        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242 and those of the run itself.
+        """
+        type_, measuring = command.measuring_type, command.measuring_axes
+        for name in dict.fromkeys((*command.programmed_axes, *measuring)):
+            self.check(name, type_)
+        self._order = self._planned(command)
+        if measuring_types()[type_].runs_to_stop:
+            target_mm = command.target_acs_mm
+            slaves = self._with_settings(self.slaves_of(target_mm))
+            motion = PathWithSlaves(self._path, slaves, self._clock, self._period_ns)
+            self._run = self.arm_stop(measuring, target_mm, command.block, motion)
+            return
+        self._run = self.arm(
+            type_,
+            measuring,
+            command.block,
+            error_no_signal=command.error_no_signal,
+            goes_on=command.goes_on,
+            simulated=self._simulated_probes(command),
+        )
+
+    def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
+        """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
+        found = {}
+        way = Way(self._here_mm(), command.target_acs_mm, command.simulated_offset_mm)
+        for name in command.measuring_axes:
+            mode, parameter = self._path.settings(name).measuring.simulated
+            if mode:
+                found[name] = SimulatedProbe(name, mode, parameter, way)
+        self._simulated = tuple(found.values())
+        return found
+
+    def _here_mm(self) -> dict[str, float]:
+        return {name: self._path.position_acs_mm(name) for name in self._links}
+
+    def arm(
+        self,
+        measuring_type: int,
+        axes: Sequence[str],
+        block: canon.Block,
+        *,
+        error_no_signal: bool | None = None,
+        goes_on: bool = False,
+        simulated: Mapping[str, LatchPort] | None = None,
+    ) -> MeasuringRun:
+        """Make a run of released axes, and note it; who moves them has to evaluate it.
+
+        error_no_signal: None = P-CHAN-00176. simulated: what tells the signal in place of the
+        drive, by axis. Raises Alarm 50052.
+        """
+        kind = measuring_types()[measuring_type]
+        wants_signal = self._error_no_signal if error_no_signal is None else error_no_signal
+        delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
+        ports: dict[str, LatchPort] = {**self._links, **(simulated or {})}
+        run = MeasuringRun(
+            [ports[name] for name in axes],
+            str(block),
+            self._clock.now_ns,
+            misses_signal(kind, wants_signal),
+            goes_on=goes_on,
+            delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
+        )
+        run.record.inputs.update({name: self._links[name].probe_input for name in axes})
+        self._note(run.record)
+        return run
+
+    def _note(self, record: RunRecord) -> None:
+        """Note a run that begins: what its axes have measured before is gone."""
+        self.records.append(record)
+        self._measured.update(dict.fromkeys(record.axes))
+
+    def arm_stop(
+        self,
+        measuring: Sequence[str],
+        target_acs_mm: Mapping[str, float],
+        block: canon.Block,
+        motion: StopMotion,
+    ) -> FixedStopRun:
+        """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
+
+        measuring: the axes that deliver a position. target_acs_mm: of the axes that the block
+        moves, at which the stop is looked for; at slaves where their master wants it
+        (P-AXIS-00835). Raises Alarm 51026.
+        """
+        links, settings = self._links, self._path.settings
+        moved = [name for name in links if name in target_acs_mm]
+        here_mm = [self._path.position_acs_mm(name) for name in moved]
+        slaves = self.slaves_of(moved)
+        searched = [
+            slave
+            for slave, master in slaves.items()
+            if settings(master).measuring.fixed_stop.watches_slaves
+        ]
+        axes = self._with_settings((*moved, *searched))
+        plan = StopPlan(
+            measuring=[links[name] for name in measuring],
+            watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
+            moved=[links[name] for name in moved],
+            block_mm=dist(here_mm, [target_acs_mm[name] for name in moved]),
+            is_error=not self.stop_may_be_missing,
+            rest=lambda: Rest(self._clock, self._period_ns, axes).judge,
+            slaves=[links[name] for name in slaves],
+        )
+        run = FixedStopRun(plan, motion, str(block), self._clock.now_ns, self._period_ns)
+        self._note(run.record)
+        return run
+
+    def _with_settings(self, names: Iterable[str]) -> list[tuple[AxisSettings, AxisLink]]:
+        return [(self._path.settings(name), self._links[name]) for name in names]
+
+    def keep(self, record: RunRecord) -> None:
+        """Keep what a run brought."""
+        self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
+
+    def speed_mm_s(
+        self,
+        measuring_type: int,
+        block: canon.Block,
+        named: Sequence[str],
+        moving: Sequence[str],
+        wanted_mm_s: float,
+        dynamics: Dynamics,
+    ) -> float:
+        """Return the speed of a run: that of its axis (type 2), within the stroke of its probe.
+
+        named: axes of the block. moving: those that the path moves. dynamics: of the path. Warns
+        with 900222 when the stroke lowers it; raises Alarm 900224 for a probe without a stroke.
+        """
+        axes = {name: self._path.settings(name).measuring for name in moving}
+        if measuring_types()[measuring_type].has_own_speed:
+            wanted_mm_s = self._path.settings(named[0]).measuring.speed_mm_s
+        programmed_mm_s, wanted_mm_s = wanted_mm_s, min(wanted_mm_s, dynamics.speed_max_mm_s)
+        highest_mm_s = self._highest_mm_s(measuring_type, moving, dynamics)
+        if wanted_mm_s <= highest_mm_s:
+            return wanted_mm_s
+        least = min(axes, key=lambda name: axes[name].stroke_mm)
+        if not highest_mm_s:
+            raise Alarm(900224, axis=least, type=measuring_type)
+        warning = Alarm(
+            900222,
+            place=block.place,
+            axis=least,
+            speed_mm_min=f"{programmed_mm_s * S_PER_MIN:.9g}",
+            stroke_mm=f"{axes[least].stroke_mm:.9g}",
+            corrected_mm_min=f"{highest_mm_s * S_PER_MIN:.9g}",
+        )
+        self._warn(warning)
+        return highest_mm_s
+
+    def _highest_mm_s(
+        self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
+    ) -> float:
+        axes = [self._path.settings(name).measuring for name in moving]
+        return highest_speed(measuring_types()[measuring_type], axes, dynamics.stop_deceleration)
+
+    def within_stroke(
+        self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
+    ) -> Dynamics:
+        """Return what a run may do at any override: no more than the stroke of its probe allows."""
+        highest_mm_s = self._highest_mm_s(measuring_type, moving, dynamics)
+        return replace(dynamics, speed_max_mm_s=min(dynamics.speed_max_mm_s, highest_mm_s))
+
+    def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
+        """Raise Alarm 50059, 900100, 900241 or 900242 for an axis that cannot take part in a run.
+
+        is_beside: it moves beside the path. Raises also what `refuse` raises.
+        """
+        self._check_released(axis, 50059)
+        self.refuse(axis)
+        measuring = self._path.settings(axis).measuring
+        source = self._sources.get(axis, measuring.source)
+        measuring.check(axis, measuring_types()[measuring_type], source, is_beside=is_beside)
+
+    def _check_released(self, axis: str, alarm_id: int) -> None:
+        if not self._path.settings(axis).may_measure:
+            raise Alarm(alarm_id, axis=axis)
+
+    def _planned(self, command: canon.MeasuringRun) -> _Order:
+        target, type_ = command.target_acs_mm, command.measuring_type
+        dynamics = self._path.dynamics(target, Motion.MEASURING)
+        rapid = self._path.dynamics(target, Motion.RAPID)
+        if dynamics is None or rapid is None:
+            raise Alarm(900103, axes=" ".join(command.programmed_axes))
+        feed_mm_min = command.feed_mm_min
+        wanted_mm_s = rapid.speed_max_mm_s if feed_mm_min is None else feed_mm_min / S_PER_MIN
+        speed_mm_s = self.speed_mm_s(
+            type_, command.block, command.programmed_axes, tuple(target), wanted_mm_s, dynamics
+        )
+        dynamics = self.within_stroke(type_, target, dynamics)
+        kind = measuring_types()[type_]
+        overtravel_mm = {
+            name: self._path.settings(name).measuring.overtravel_mm(kind) for name in target
+        }
+        return _Order(target, speed_mm_s, dynamics, overtravel_mm)
+
+    def step(self) -> None:
+        """Evaluate the run with this cycle's values and lead the path by what it orders."""
+        if self._run is None:
+            return
+        assert self._order is not None
+        ordered = self._order
+        order = self._evaluate(self._run)
+        if order is Order.START:
+            self._standstill = self.standstill(self._run.record.axes)
+            self._path.begin(
+                ordered.target_acs_mm,
+                ordered.speed_mm_s,
+                ordered.dynamics,
+                overtravel_mm=ordered.overtravel_mm,
+            )
+        elif order is Order.BRAKE:
+            self._path.brake()
+        elif order is Order.RELAX:
+            assert isinstance(self._run, FixedStopRun)
+            self._relax(self._run.targets_mm, ordered.speed_mm_s)
+        if self._run.is_done:
+            self.keep(self._run.record)
+            self._forget()
+
+    def _forget(self) -> None:
+        self._run = self._order = self._standstill = None
+
+    def standstill(self, axes: Iterable[str]) -> Standstill:
+        """Make the watch over measuring axes that are about to move."""
+        return Standstill(self._clock, self._timing, self._with_settings(axes))
+
+    def _evaluate(self, run: MeasuringRun | FixedStopRun) -> Order:
+        now_ns = self._clock.now_ns
+        if isinstance(run, FixedStopRun):
+            return run.evaluate(now_ns)
+        if self._simulated and run.state is RunState.MOVING:
+            here_mm = self._here_mm()
+            for probe in self._simulated:
+                probe.look(here_mm)
+        standstill = self._standstill
+        rest_ns = None if standstill is None else standstill.look(self._path.has_stopped)
+        return run.evaluate(now_ns, self._path.is_in_position(), rest_ns)
+
+    def _relax(self, targets_mm: Mapping[str, float], speed_mm_s: float) -> None:
+        """Lead the axes straight to where they are to stand, no faster than the run."""
+        path = self._path
+        targets_mm = {axis: mm - path.superposed_mm(axis) for axis, mm in targets_mm.items()}
+        dynamics = path.dynamics(targets_mm, Motion.MEASURING)
+        if dynamics is not None:
+            path.begin(targets_mm, speed_mm_s, dynamics)
+
+    def reset(self) -> None:
+        """End every run without a result, and forget what the program has set."""
+        self.abort()
+        for record in self.records:
+            if record.end_ns is None:
+                record.end_ns = self._clock.now_ns
+                record.latched_mm.clear()
+        self.end_program()
+
+    def abort(self) -> None:
+        """End a run without a result: its probes are switched off."""
+        if self._run is not None:
+            self._run.abort()
+        self._forget()

@@ -1,0 +1,345 @@
+"""The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
+
+from collections import deque
+from collections.abc import Callable, Collection, Container, Mapping, Sequence
+
+from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.settling import Settling
+from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.rules import lengthened
+from axisrig.kernel.motion.curves import Arc, Curve, Line, moved_axes
+from axisrig.kernel.motion.curves import put as with_axis
+from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
+from axisrig.kernel.motion.feed import FULL, Feed
+from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
+from axisrig.kernel.motion.profile import plan
+from axisrig.kernel.motion.ramp import Ramp
+from axisrig.kernel.time.clock import Clock, S
+
+
+class Path:
+    """Moves all axes of a channel together, one path at a time; axes and links in one order.
+
+    superpose: adds to the set positions that leave the buffer; superposed_mm: tells what, by axis,
+    and counted_mm what of it counts for the software limit switches. override_max_permille:
+    P-CHAN-00056.
+    """
+
+    def __init__(
+        self,
+        clock: Clock,
+        timing: CycleTiming,
+        axes: Sequence[AxisSettings],
+        links: Sequence[AxisLink],
+    ) -> None:
+        self._clock, self._timing = clock, timing
+        self._axes, self._links = tuple(axes), tuple(links)
+        self._index = {axis.name: index for index, axis in enumerate(axes)}
+        self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
+        self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
+        self._feed: Feed | None = None  # of the present move
+        self.override_max_permille = FULL
+        self._override_permille = FULL
+        self._slowed: dict[int, int] = {}  # overrides of axes that are not 100 %
+        self._settling = Settling(clock, timing.period_ns)
+        self._common = list(range(len(self._axes)))  # the axes of the path
+        self._led: set[int] = set()
+        self.follow: Callable[[], None] | None = None
+        self.superpose: Callable[[Positions], Positions] | None = None
+        self.superposed_mm: Callable[[str], float] = lambda _axis: 0.0
+        self.counted_mm: Callable[[str], float] = lambda _axis: 0.0
+        self._floating: frozenset[str] = frozenset()
+        self._held_axes: frozenset[int] = frozenset()
+        self._wants_hold = False
+        self._recent = deque([self.interpolator.positions_mm] * 3, maxlen=3)
+
+    def position_acs_mm(self, axis: str) -> float:
+        """Return where the interpolation stands, axis coordinates."""
+        return self.interpolator.positions_mm[self._index[axis]]
+
+    def settings(self, axis: str) -> AxisSettings:
+        """Return the settings of an axis."""
+        return self._axes[self._index[axis]]
+
+    def take_over(self, positions_mm: Positions) -> None:
+        """Stand where the axes are, with nothing left in the buffer."""
+        self.interpolator.hold(positions_mm)
+        self._buffer = SetpointBuffer(self._timing.buffer_cycles, positions_mm)
+        self._recent.extend([positions_mm] * 3)
+
+    def advance(self) -> None:
+        """Send the set positions of this cycle through the buffer to the drives.
+
+        follow: called in between, for axes whose set positions come from those of others.
+        superpose: adds what acts behind the buffer, the offsets of distance control.
+        """
+        positions_mm = self.interpolator.advance()
+        if self.follow is not None:
+            self.follow()
+            positions_mm = self.interpolator.positions_mm
+        self._recent.append(positions_mm)
+        positions_mm = self._buffer.shift(positions_mm)
+        if self.superpose is not None:
+            positions_mm = self.superpose(positions_mm)
+        for link, position_mm in zip(self._links, positions_mm, strict=True):
+            link.send(position_mm)
+
+    # Axes that something else leads
+
+    def lead(self, axis: str, position_mm: float) -> None:
+        """Put an axis that the path does not move; until `release` the path waits not for it."""
+        index = self._index[axis]
+        if index not in self._led:
+            self._led.add(index)
+            self._common.remove(index)
+        self.interpolator.lead(index, position_mm)
+
+    def release(self, axis: str) -> None:
+        """Give an axis back to the path, where it is."""
+        index = self._index[axis]
+        if index in self._led:
+            self._led.remove(index)
+            self._common = sorted((*self._common, index))
+            self._settling.restart()  # this axis has had no time yet
+
+    def put_beside(self, axis: str, position_mm: float) -> None:
+        """Give an axis that no path moves its set position of this cycle."""
+        self.interpolator.lead(self._index[axis], position_mm)
+
+    def put(self, axis: str, position_mm: float) -> None:
+        """Let the set position of a standing axis be this one at once, the buffer with it.
+
+        What is superposed on it is part of it.
+        """
+        index = self._index[axis]
+        position_mm -= self.superposed_mm(axis)
+        self.interpolator.lead(index, position_mm)
+        self._buffer.put(index, position_mm)
+
+    def take_offset(self, axis: str, offset_mm: float) -> None:
+        """Let the set position of a standing axis contain what was superposed on it until now."""
+        index = self._index[axis]
+        self.interpolator.lead(index, self.interpolator.positions_mm[index] + offset_mm)
+        self._buffer.move(index, offset_mm)
+        for at, positions_mm in enumerate(self._recent):
+            self._recent[at] = with_axis(positions_mm, index, positions_mm[index] + offset_mm)
+
+    def let_float(self, axes: Collection[str]) -> None:
+        """Ask no exact-stop window of these axes: their offset goes on while the path stands."""
+        if self._floating != axes:
+            self._floating = frozenset(axes)
+            self._settling.restart()
+
+    def use(self, settings: AxisSettings) -> None:
+        """Replace the settings of an axis."""
+        index = self._index[settings.name]
+        self._axes = (*self._axes[:index], settings, *self._axes[index + 1 :])
+
+    def has_axis_stopped(self, axis: str) -> bool:
+        """Whether the same set position of one axis is sent again and again, if it is led."""
+        return self._buffer.is_settled_of((self._index[axis],))
+
+    # Moving
+
+    def move(self, target_acs_mm: Mapping[str, float], feed_mm_min: float | None) -> None:
+        """Begin a straight move, in rapid traverse without a feed; nothing when none is needed."""
+        motion = Motion.RAPID if feed_mm_min is None else Motion.FEED
+        dynamics = self.dynamics(target_acs_mm, motion)
+        if dynamics is None:
+            return
+        feed_mm_s = dynamics.speed_max_mm_s if feed_mm_min is None else feed_mm_min / 60.0
+        self.begin(target_acs_mm, feed_mm_s, dynamics)
+
+    def move_on_arc(
+        self,
+        target_acs_mm: Mapping[str, float],
+        centre_acs_mm: Mapping[str, float],
+        tangent: Mapping[str, float],
+        angle_rad: float,
+        feed_mm_min: float,
+    ) -> None:
+        """Begin an arc from where the axes stand; the arguments are those of `canon.ArcMove`."""
+        here = self.interpolator.positions_mm
+        names = [axis.name for axis in self._axes]
+        arc = Arc(
+            start_mm=here,
+            end_mm=tuple(target_acs_mm.get(n, at) for n, at in zip(names, here, strict=True)),
+            centre_mm=tuple(centre_acs_mm.get(n, at) for n, at in zip(names, here, strict=True)),
+            tangent=tuple(tangent.get(name, 0.0) for name in names),
+            angle_rad=angle_rad,
+        )
+        feed_mm_s = feed_mm_min / 60.0
+        axes = [axis.dynamics[Motion.FEED] for axis in self._axes]
+        for corner_mm in arc.box_mm():
+            self._require_reach(corner_mm)
+        highest_mm_s = feed_mm_s * self.override_max_permille / FULL
+        self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
+
+    def dynamics(self, target_acs_mm: Mapping[str, float], motion: Motion) -> Dynamics | None:
+        """Return the dynamics of the straight path to the target, None when nothing moves."""
+        deltas = [
+            target_acs_mm.get(axis.name, here) - here
+            for axis, here in zip(self._axes, self.interpolator.positions_mm, strict=True)
+        ]
+        if not any(deltas):
+            return None
+        return path_dynamics([axis.dynamics[motion] for axis in self._axes], deltas)
+
+    def begin(
+        self,
+        target_acs_mm: Mapping[str, float],
+        feed_mm_s: float,
+        dynamics: Dynamics,
+        *,
+        overtravel_mm: Mapping[str, float] | None = None,
+    ) -> None:
+        """Begin a straight path; overtravel_mm: how far its axes may go behind their targets.
+
+        Raises Alarm 900012 for a target that cannot be told to a drive, 120002 or 120003 for one
+        beyond a software limit switch.
+        """
+        here = dict(zip(self._index, self.interpolator.positions_mm, strict=True))
+        target = {**here, **target_acs_mm}
+        if overtravel_mm is not None:
+            target = lengthened(here, target, overtravel_mm)
+        self._require_reach(tuple(target.values()))
+        self._follow(Line(tuple(here.values()), tuple(target.values())), feed_mm_s, dynamics)
+
+    def require_reach(self, axis: str, target_mm: float) -> None:
+        """Raise Alarm 900012, 120002 or 120003 for a target that an axis must not be moved to."""
+        index = self._index[axis]
+        self._require(index, target_mm + self.counted_mm(axis))
+
+    def _require(self, index: int, target_mm: float) -> None:
+        axis = self._axes[index]
+        if not self._links[index].can_reach(target_mm):
+            raise Alarm(900012, axis=axis.name, target_mm=f"{target_mm:.9g}")
+        if axis.limits is not None:
+            axis.limits.require_target(axis.name, target_mm)
+
+    def _require_reach(self, positions_mm: Positions) -> None:
+        here_mm = self.interpolator.positions_mm
+        for axis, here, target_mm in zip(self._index, here_mm, positions_mm, strict=True):
+            if target_mm != here:
+                self.require_reach(axis, target_mm)
+
+    def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
+        full_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
+        feed = self._feed = Feed(full_mm_s, dynamics, self._share(curve))
+        profile = plan(
+            curve.length_mm, feed.speed_mm_s, dynamics.acceleration, dynamics.deceleration
+        )
+        self._settling.restart()
+        if self._held_axes:
+            self.interpolator.is_held = self._wants_hold or self._moves_held_axis(curve)
+        self.interpolator.follow(curve, profile)
+
+    def brake(self) -> None:
+        """Delete the distance to go: stop on the path with what the kind of motion allows."""
+        if not self.interpolator.is_standing and self._feed is not None:
+            self.interpolator.brake(self._feed.dynamics.stop_deceleration)
+
+    def override(self, permille: int, axes: Mapping[str, int]) -> None:
+        """Scale the feed of the path, present and next, in 0.1 %; 0 is a feedhold and none here.
+
+        permille: at most P-CHAN-00056 counts. axes: overrides of axes that are not 100 %; of those
+        that a path moves the smallest acts, times that of the path.
+        Source: TF5200 programming manual 207625099 and 208662411, of programmed overrides.
+        """
+        permille = min(permille, self.override_max_permille)
+        if permille != self._override_permille or axes or self._slowed:
+            self._override_permille = permille
+            self._slowed = {self._index[axis]: value for axis, value in axes.items()}
+            self._lead(is_held=self.interpolator.is_held)
+
+    def _share(self, curve: Curve) -> float:
+        moved = moved_axes(curve) if self._slowed else ()
+        least = min((self._slowed[axis] for axis in moved if axis in self._slowed), default=FULL)
+        return self._override_permille * least / FULL**2
+
+    def feedhold(self, *, is_on: bool, axes: Collection[str] = ()) -> None:
+        """Stop on the path, or go on along it; a move that begins in between waits at its start.
+
+        axes: those that are held by themselves; they hold the paths that move them. Brakes with
+        what P-CHAN-00097 says, never past the end of the path. Axes that something else leads go
+        on.
+        """
+        if axes or self._held_axes:
+            self._wants_hold = is_on
+            self._held_axes = frozenset(self._index[axis] for axis in axes)
+            is_on = is_on or (self.is_moving and self._moves_held_axis(self.interpolator.path))
+        if is_on != self.interpolator.is_held:
+            self._lead(is_held=is_on)
+
+    def _moves_held_axis(self, curve: Curve) -> bool:
+        return not self._held_axes.isdisjoint(moved_axes(curve))
+
+    def _lead(self, *, is_held: bool) -> None:
+        if self._feed is None:
+            self.interpolator.is_held = is_held
+        else:
+            share = self._share(self.interpolator.path)
+            self._feed.lead(self.interpolator, share, is_held=is_held)
+
+    @property
+    def is_held(self) -> bool:
+        """Whether a feedhold keeps a path from its end."""
+        return self.interpolator.is_held and self.is_moving
+
+    def own_ramp(self, axis: str, *, at_once: bool) -> Ramp:
+        """Return the ramp that stops one axis by itself; `at_once` has none.
+
+        Its velocity is that of the parabola through the last three set positions, v = (3 x0 - 4 x1
+        + x2) / 2T: exact while the acceleration is constant, whatever has moved the axis.
+        """
+        index, period_ns = self._index[axis], self._timing.period_ns
+        x2, x1, x0 = (positions_mm[index] for positions_mm in self._recent)
+        velocity_mm_s = (3.0 * x0 - 4.0 * x1 + x2) / (2.0 * period_ns / S)
+        slope = None if at_once else self._axes[index].own_stop
+        return Ramp(x0, velocity_mm_s, slope, period_ns)
+
+    def put_off_path(self, axis: str, position_mm: float) -> None:
+        """Give an axis its set position of this cycle, whatever the path says."""
+        self.interpolator.put(self._index[axis], position_mm)
+
+    # Standing
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the interpolation is under way."""
+        return not self.interpolator.is_standing
+
+    @property
+    def travelled_mm(self) -> float:
+        """How far the interpolation has come on the present path."""
+        return self.interpolator.path_travelled_mm
+
+    @property
+    def is_settled(self) -> bool:
+        """Whether what leaves the buffer stands, but for axes that something else leads."""
+        if self._led:
+            return self._buffer.is_settled_of(self._common)
+        return self._buffer.is_settled
+
+    @property
+    def has_stopped(self) -> bool:
+        """Whether the same set position is sent again and again."""
+        return self.interpolator.is_standing and self.is_settled
+
+    def is_in_position(self, but_for: Container[str] = ()) -> bool:
+        """Whether the interpolation stands and every axis is in its exact-stop window.
+
+        but_for: axes that are not asked, nor are those that something else leads. Raises Alarm
+        70082.
+        """
+        if not self.has_stopped:
+            self._settling.restart()
+            return False
+        floating = self._floating
+        asked = (
+            i
+            for i in self._common
+            if (name := self._axes[i].name) not in but_for and name not in floating
+        )
+        return self._settling.judge((self._axes[i], self._links[i]) for i in asked)

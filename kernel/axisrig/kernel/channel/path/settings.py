@@ -1,0 +1,93 @@
+"""What the channel takes from the parameter lists, converted once to its own units."""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
+from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.distance.settings import names_newer
+from axisrig.kernel.measuring.rules import MeasuringAxis
+from axisrig.kernel.motion.dynamics import Dynamics, Motion, axis_slopes
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import MS, US, TimeNs
+
+
+@dataclass(frozen=True)
+class CycleTiming:
+    """Time base: SYNC at k * period_ns, NC cycle `offset_ns` after it (design: one order).
+
+    buffer_cycles: FIFO between interpolator and position control. sync_counter: the SYNC carries
+    a counter from 1 to this (CiA 301, 1019), 0 = no data.
+    """
+
+    period_ns: TimeNs = MS
+    offset_ns: TimeNs = 600 * US
+    buffer_cycles: int = 0
+    sync_counter: int = 0
+
+
+class OverrideMode(IntEnum):
+    """Which override acts on an axis that moves beside the path (P-AXIS-00491)."""
+
+    CHANNEL = 0
+    LEAST = 1  # the smaller one of both
+    AXIS = 2
+
+
+@dataclass(frozen=True)
+class AxisSettings:
+    """One axis as the channel sees it.
+
+    may_measure: P-AXIS-00118. window_mm: P-AXIS-00236, exact stop. settling_ns: P-AXIS-00532 or
+    P-AXIS-00151, 0 = not monitored. dynamics: per kind of motion. measuring: of its runs. number:
+    P-AXIS-00016. emergency: P-AXIS-00003, else P-AXIS-00008, None without either. distance:
+    control of the distance, None where P-AXIS-00328 does not release it. tells_newer_ids: 3100xx of
+    distance control, not 703xx. limits: its software limit
+    switches, None where they are not monitored. override_mode: of its motions beside the path.
+    """
+
+    name: str
+    may_measure: bool
+    window_mm: float
+    settling_ns: TimeNs
+    dynamics: dict[Motion, Dynamics]
+    measuring: MeasuringAxis = field(default_factory=MeasuringAxis)
+    number: int = 0
+    emergency: Slope | None = None
+    distance: AxisDistanceSettings | None = None
+    tells_newer_ids: bool = False
+    limits: SoftLimits | None = None
+    override_mode: OverrideMode = OverrideMode.CHANNEL
+
+    @property
+    def own_stop(self) -> Slope:
+        """How the axis brakes when it stops by itself: its emergency stop, else its feedhold."""
+        return self.emergency or self.dynamics[Motion.FEED].stop_deceleration
+
+    @classmethod
+    def read(cls, name: str, axis: ParameterSet, channel: ParameterSet) -> "AxisSettings":
+        """Take the settings from the parameter sets of axis and channel."""
+        return cls(
+            name=name,
+            may_measure=axis.flag("kenngr.messachse"),
+            window_mm=axis.mm("getriebe[0].window"),
+            settling_ns=axis.ns("getriebe[0].position_settling_time"),
+            dynamics={motion: axis_slopes(axis, channel, motion) for motion in Motion},
+            measuring=MeasuringAxis.read(axis),
+            number=axis.integer("kopf.achs_nr"),
+            emergency=_emergency(axis),
+            distance=AxisDistanceSettings.read(axis),
+            tells_newer_ids=names_newer(axis),
+            limits=SoftLimits.read(axis),
+            override_mode=OverrideMode(axis.integer("kenngr.indp_override_mode")),
+        )
+
+
+def _emergency(axis: ParameterSet) -> Slope | None:
+    """Read the deceleration of an emergency stop; None where a list sets neither of the two."""
+    path = "getriebe[0].dynamik.a_emergency"
+    if axis.resolve(path).origin is None:
+        return None
+    a_mm_s2 = axis.mm_s2(path)
+    return Slope(a_mm_s2, a_mm_s2, 1.0)

@@ -1,0 +1,146 @@
+"""What an FMU promises and says, how it fails, and its library with what it lacks."""
+
+import ctypes
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from fmpy.model_description import ModelDescription
+
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.time.clock import S, TimeNs
+
+
+class PlantError(Exception):
+    """A plant model failed while running: instance, time and the FMU's own message."""
+
+    def __init__(self, instance: str, time_ns: TimeNs, message: str) -> None:
+        super().__init__(f"plant {instance} at t = {time_ns / 1e6:.6f} ms: {message}")
+        self.instance, self.time_ns, self.reason = instance, time_ns, message
+
+
+class EndedError(PlantError):
+    """An FMU ended the simulation by itself, as a model may by `terminate`."""
+
+
+class FmuState:
+    """A saved state of one instance; filled again by saving into it."""
+
+    def __init__(self) -> None:
+        self.handle = ctypes.c_void_p()
+        self.time_ns: TimeNs = 0
+        self.excess_s = 0.0
+        self.stands_ns: TimeNs = 0
+
+
+@dataclass(frozen=True)
+class LogMessage:
+    """What an FMU said: at which time, with which status (0 ok ... 4 fatal)."""
+
+    time_ns: TimeNs
+    status: int
+    category: str
+    text: str
+
+
+# FMUs tell their time as a sum of floats; less than this is no progress
+TIME_RESOLUTION_S = 1e-12
+OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
+STATUS_WORDS = {
+    DISCARD: "discard",
+    ERROR: "error",
+    FATAL: "fatal",
+    PENDING: "pending (asynchronous stepping is not supported)",
+}
+
+
+@dataclass(frozen=True)
+class Capabilities:
+    """What the model description promises, in the same words for FMI 2.0 and 3.0.
+
+    can_save_state: get, set and free FMU states. can_return_early: `doStep` may end at an event
+    inside the step. can_vary_step: steps may differ in length. fixed_step_s: internal step, None
+    when not told.
+    """
+
+    can_save_state: bool
+    can_serialize_state: bool
+    can_return_early: bool
+    can_vary_step: bool
+    once_per_process: bool
+    needs_tool: bool
+    fixed_step_s: float | None
+
+    @classmethod
+    def of(cls, description: ModelDescription) -> "Capabilities":
+        """Read the flags of the co-simulation interface."""
+        told = description.coSimulation
+        early = told.mightReturnEarlyFromDoStep  # FMI 3.0 only; False for 2.0
+        return cls(
+            can_save_state=bool(told.canGetAndSetFMUstate),
+            can_serialize_state=bool(told.canSerializeFMUstate),
+            can_return_early=bool(early),
+            can_vary_step=bool(told.canHandleVariableCommunicationStepSize),
+            once_per_process=bool(told.canBeInstantiatedOnlyOncePerProcess),
+            needs_tool=bool(told.needsExecutionTool),
+            fixed_step_s=float(told.fixedInternalStepSize) if told.fixedInternalStepSize else None,
+        )
+
+
+def own_step_s(description: ModelDescription) -> float | None:
+    """Return the step in which an FMU goes on by itself, s: internal, else that of its experiment.
+
+    None when it tells neither.
+    """
+    told, experiment = description.coSimulation, description.defaultExperiment
+    step_s = told.fixedInternalStepSize or (experiment.stepSize if experiment else None)
+    return float(step_s) if step_s else None
+
+
+def standstill(last_s: float, end_s: float, own_step_s: float | None) -> str | None:
+    """Say why a step of status ok that should have come to `end_s` has not come there.
+
+    last_s: where it has come by its own account. It may wait for the end of a longer step of its
+    own where its description tells this step. None: nothing is wrong.
+    """
+    if math.isnan(last_s):
+        return "where the FMU has come (lastSuccessfulTime) is no number"
+    if end_s - last_s > (own_step_s or 0.0) + TIME_RESOLUTION_S:
+        return f"the FMU stands still (lastSuccessfulTime {last_s:.9g} s)"
+    return None
+
+
+def grid_of(description: ModelDescription) -> TimeNs | None:
+    """Return the step of an FMU that cannot take steps of different length; None for others.
+
+    An FMU that tells no step of its own gets the steps that the bench takes.
+    """
+    step_s = own_step_s(description)
+    if step_s is None or description.coSimulation.canHandleVariableCommunicationStepSize:
+        return None
+    return max(round(step_s * S), 1)
+
+
+class Missing:
+    """Stands for a function that a library lacks: loading goes on, calling it tells its name."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+    def __call__(self, *_arguments: object) -> int:
+        """Tell what is missing."""
+        raise UserError(f"the library of the FMU has no function {self.name}")
+
+
+class Library:
+    """A loaded library that answers for functions it lacks, so that fmpy can bind what is there."""
+
+    def __init__(self, dll: Any) -> None:
+        self._dll = dll
+        self._handle = dll._handle  # fmpy frees the library through it
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return getattr(self._dll, name)
+        except AttributeError:
+            return Missing(name)

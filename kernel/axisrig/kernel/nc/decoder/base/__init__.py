@@ -1,0 +1,1 @@
+"""What every topic of the decoder shares: context, blocks, frames, subprograms, waiting."""

@@ -1,0 +1,102 @@
+"""The interface to the PLC side: what the channel reports to it, and what it commands.
+
+Once per cycle, before everything that moves, the PLC side has its turn; its commands act in that
+cycle (`kernel.channel.control_units`), and what the program reports in a cycle it sees in the next
+one. Sources: TF5200
+external variables 1091998347; HLI, MC_Control units of a channel (path feedhold); MVS_SVS of
+P-CHAN-00041 (functions that the PLC acknowledges).
+"""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.motion.feed import FULL
+from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.unit import AxisUnit, Refreshed
+from axisrig.kernel.time.clock import Clock, TimeNs
+
+
+@dataclass(frozen=True)
+class PlcAction:
+    """Something that the PLC side has done, in words; place: where it is written."""
+
+    words: str
+    place: str
+
+
+class PlcEvent(NamedTuple):
+    """Something that passed between the program and the PLC side.
+
+    starts_again: the operator's start after a programmed stop, not the stop itself.
+    """
+
+    time_ns: TimeNs
+    command: canon.ProgramStop | canon.TechnologyFunction | canon.ExternalWrite | PlcAction
+    starts_again: bool = False
+
+
+class PlcInterface:
+    """One channel as the PLC side sees it.
+
+    values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
+    one, when everything before it is executed. events: everything that passed, in order.
+    refreshed: variables that the PLC side promises to bring anew, by the same name.
+    inputs: bring into `values` what the PLC side reads, in front of its turn.
+    take_turn: the PLC side's own work of a cycle. feedhold, override_permille: control units of the
+    path; True or 0 stops it. axis: control units of every axis. acknowledged_later: functions (M50)
+    that the PLC side acknowledges by `acknowledge`; every other one counts as acknowledged at once.
+    reported: alarms of the PLC side that the channel raises, one in each cycle.
+    wants_reset, program: commands to the channel, which takes them in the same cycle.
+    outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
+    has nothing more to do.
+    """
+
+    def __init__(self, clock: Clock, axes: Iterable[str]) -> None:
+        self._clock = clock
+        self.axis: Mapping[str, AxisUnit] = {axis: AxisUnit() for axis in axes}
+        self.values: dict[str, float] = {}
+        self.refreshed: dict[str, Refreshed] = {}
+        self.events: list[PlcEvent] = []
+        self.inputs: list[Callable[[], None]] = []
+        self.take_turn: Callable[[], None] = lambda: None
+        self.feedhold = False
+        self.override_permille = FULL
+        self.acknowledged_later: frozenset[str] = frozenset()
+        self.wants_reset = False
+        self.program: Iterator[canon.Command] | None = None
+        self.outlives_program = False
+        self.is_idle: Callable[[], bool] = lambda: True
+        self._awaits_acknowledgement = False
+        self.reported: list[Alarm] = []
+
+    # What the channel does
+
+    def is_waiting(self) -> bool:
+        """Tell whether a function is still to be acknowledged: nothing begins before."""
+        return self._awaits_acknowledgement
+
+    def tell(self, command: canon.TechnologyFunction) -> None:
+        """Tell the PLC side a function."""
+        self.events.append(PlcEvent(self._clock.now_ns, command))
+        self._awaits_acknowledgement = command.word in self.acknowledged_later
+
+    def write(self, command: canon.ExternalWrite) -> None:
+        """Give out a value: the PLC side has it from now on."""
+        self.values[command.name] = command.value
+        self.events.append(PlcEvent(self._clock.now_ns, command))
+
+    # What the PLC side does in its turn, or when a drive has answered it
+
+    def acknowledge(self) -> None:
+        """Acknowledge the function that was told last."""
+        self._awaits_acknowledgement = False
+
+    def note(self, words: str, place: str) -> None:
+        """Keep what the PLC side has done, for log and marks."""
+        self.events.append(PlcEvent(self._clock.now_ns, PlcAction(words, place)))
+
+    def report(self, alarm: Alarm) -> None:
+        """Let the channel raise an alarm in its next cycle."""
+        self.reported.append(alarm)
