@@ -10,9 +10,8 @@ from axisrig.bench.judge.fixed_stop.truth import AxisTruth
 from axisrig.bench.oracles.fixed_stop.lists import Limits
 from axisrig.bench.oracles.fixed_stop.prediction import Motion, false_triggers
 from axisrig.bench.oracles.fixed_stop.pressing import Pressing
+from axisrig.bench.oracles.fixed_stop.slopes import slopes_as_written
 from axisrig.bench.oracles.fixed_stop.timing import NoClosedFormError, bus_lag_mm
-from axisrig.kernel.motion.dynamics import Motion as Kind
-from axisrig.kernel.motion.dynamics import axis_slopes
 from axisrig.kernel.time.clock import S
 
 REST_MM_S = 0.1
@@ -157,15 +156,15 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
     if axis != truth.name or len(run.record.axes) > 1 or restless:
         return Value("command_excess", label, "mm", truth.name, measured, note=restless)
     approach = run.approach(axis)
-    settings = truth.machine.settings
-    slope = axis_slopes(settings.axis[axis], settings.channel, Kind.MEASURING).stop_deceleration
+    channel = dict(truth.machine.settings.channel.items())
+    slope = slopes_as_written(truth.written, channel).on_signal
     cycles = run.cycles_of(axis).judged
     late_ns = (cycles.delay_cycles - 1 + cycles.buffer_cycles) * cycles.period_ns
     ends_mm = [
         approach.running_lag_mm
         + approach.speed_mm_s * (at_ns - age_ns - approach.contact_ns + late_ns) / S
         - approach.penetration_mm
-        + slope.distance_mm(approach.speed_mm_s)
+        + slope.way_mm(approach.speed_mm_s)
         for at_ns, age_ns in zip((detection.low_ns, detection.high_ns), cycles.age_ns, strict=True)
     ]
     note = "L + v (tau + t_d) + v^2/2a"
@@ -196,7 +195,7 @@ def _criteria(limits: Limits) -> str:
 
 
 def _motion(run: StopRun, axis: str) -> Motion:
-    truth, rows, settings = run.truths[axis], run.rows, run.machine.settings
+    truth, rows = run.truths[axis], run.rows
     until = run.row_at(run.stop.detected_ns or run.end_ns) + 1
     demand_mm, times = (
         truth.course.demand_mm[rows.start : until],
@@ -205,10 +204,10 @@ def _motion(run: StopRun, axis: str) -> Motion:
     moves = len(demand_mm) > 1
     speeds = np.abs(np.diff(demand_mm)) * S / np.diff(times) if moves else np.zeros(1)
     speed_mm_s = float(np.quantile(speeds, 0.9))  # a drive that faults lets its demand jump
-    slope = axis_slopes(settings.axis[axis], settings.channel, Kind.MEASURING).acceleration
+    channel = dict(truth.machine.settings.channel.items())
     return Motion(
         speed_mm_s,
-        slope.a_low_mm_s2,
+        slopes_as_written(truth.written, channel).up.low_mm_s2,
         run.running_lag_mm(axis, speed_mm_s),
         run.arming_mm,
         truth.values.number("breakaway_friction", "friction.breakaway"),

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.kernel.cosim.plant.axis import hermite
+from axisrig.bench.oracles.interpolation import cubic
 
 Signal = npt.NDArray[np.float64]
 Times = npt.NDArray[np.int64]
@@ -127,7 +127,7 @@ def _by_bend(
     low, high = 0.0, step_s
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if hermite(middle, step_s, ends) > 0.0:
+        if cubic(middle, step_s, ends) > 0.0:
             low = middle
         else:
             high = middle
