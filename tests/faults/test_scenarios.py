@@ -33,6 +33,16 @@ def test_the_oracle_does_not_believe_the_bench(monkeypatch: pytest.MonkeyPatch) 
     assert run().result is Result.WRONG
 
 
+def test_the_oracle_looks_up_the_position_itself(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A drive that latches between two steps wrongly, by two increments, is seen."""
+    from axisrig.kernel.cosim.plant import axis  # noqa: PLC0415
+
+    true = axis.hermite
+    off_m = 2e-3 / 104_857.6
+    monkeypatch.setattr(axis, "hermite", lambda *of: true(*of) + off_m)
+    assert run().result is Result.WRONG
+
+
 def test_a_scenario_is_the_same_whenever_it_is_run() -> None:
     assert make_scenario(1, 56) == make_scenario(1, 56)
     assert make_scenario(1, 56) != make_scenario(2, 56)

@@ -9,7 +9,9 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from axisrig.bench.machine.machine import Machine
+from axisrig.bench.oracles.interpolation import cubic
 from axisrig.kernel.channel import Channel
+from axisrig.kernel.cosim.plant.axis import AXIS_OUTPUTS
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
 INPUT_DELAY_NS = 500 * US
@@ -21,6 +23,8 @@ CALM_NS = 300 * MS
 REST_MM = 0.01
 """How far it may move in the 50 ms behind that: friction lets it creep by a micrometre, while the
 lowest feed goes 0.25 mm."""
+MOTOR = AXIS_OUTPUTS.index("motor_position")
+"""The rate of the motor position is the next output."""
 BRAKING_NS = 30 * MS
 """From the alarm until the set position stands: 60 mm/s at 4000 mm/s2 take 15 ms."""
 
@@ -69,9 +73,17 @@ class Truth:
             if edge_ns + INPUT_DELAY_NS > self._plant.now_ns:
                 return
             if level == self._rising:
-                position_m = self._axis.motor_position_m_at(edge_ns + INPUT_DELAY_NS)
+                position_m = self._motor_position_m_at(edge_ns + INPUT_DELAY_NS)
                 self.latches.append((edge_ns, position_m * 1e3))
             self._seen += 1
+
+    def _motor_position_m_at(self, time_ns: TimeNs) -> float:
+        """Return where the motor was, apart from what the drive takes for its latch."""
+        (begin_ns, begin), (end_ns, end) = self._axis.ends_around(time_ns)
+        if end_ns == begin_ns:
+            return begin[MOTOR]
+        ends = (begin[MOTOR], begin[MOTOR + 1], end[MOTOR], end[MOTOR + 1])
+        return cubic((time_ns - begin_ns) * 1e-9, (end_ns - begin_ns) * 1e-9, ends)
 
 
 def judge(machine: Machine, truth: Truth) -> Judgement:

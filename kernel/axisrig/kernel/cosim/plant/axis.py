@@ -408,13 +408,23 @@ class PlantAxis:
 
     def _past_m(self, time_ns: TimeNs, index: int) -> float:
         """Return a position of AXIS_OUTPUTS at a past instant; its rate is the next output."""
+        (begin_ns, begin), (end_ns, end) = self.ends_around(time_ns)
+        if begin_ns == time_ns:
+            return begin[index]
+        ends = (begin[index], begin[index + 1], end[index], end[index + 1])
+        return hermite((time_ns - begin_ns) * 1e-9, (end_ns - begin_ns) * 1e-9, ends)
+
+    def ends_around(
+        self, time_ns: TimeNs
+    ) -> tuple[tuple[TimeNs, list[float]], tuple[TimeNs, list[float]]]:
+        """Return instant and AXIS_OUTPUTS of the last end of a step up to an instant, and the next.
+
+        Twice the same where a step ended at the instant. Raises PlantError outside what is kept.
+        """
         after = bisect_right(self._times, time_ns)
         if after == 0 or time_ns > self._times[-1]:
             raise PlantError(self.slave.name, time_ns, "no motion is recorded for this instant")
         begin_ns, begin = self._times[after - 1], self._past[after - 1]
-        if after == len(self._times) or begin_ns == time_ns:
-            return begin[index]
-        end = self._past[after]
-        step_s = (self._times[after] - begin_ns) * 1e-9
-        ends = (begin[index], begin[index + 1], end[index], end[index + 1])
-        return hermite((time_ns - begin_ns) * 1e-9, step_s, ends)
+        if begin_ns == time_ns:
+            return (begin_ns, begin), (begin_ns, begin)
+        return (begin_ns, begin), (self._times[after], self._past[after])
