@@ -50,6 +50,28 @@ FMUS_ORDER = (
 MAY_IMPORT_FMUS = tuple(
     f"axisrig.bench.{room}" for room in ("rig", "machine", "campaign", "tools", "cli")
 )
+# What says how a run had to be may take these of the kernel: units of time, types of errors
+NO_FORMULA = ("axisrig.kernel.time", "axisrig.kernel.errors")
+# Who looks at what a run has left
+JUDGES = ("axisrig.bench.judge", "axisrig.bench.tools.scenarios.oracle", "axisrig.reports")
+# What of the kernel they still take to look at it: records, types and words, no formula
+RECORDS = (
+    "axisrig.kernel.channel.Channel",
+    "axisrig.kernel.channel.distance.sensor.VariableSensor",
+    "axisrig.kernel.cosim.fmi.units",
+    "axisrig.kernel.cosim.plant.axis.AXIS_OUTPUTS",
+    "axisrig.kernel.cosim.plant.axis.PlantAxis",
+    "axisrig.kernel.cosim.plant.probe.Contact",
+    "axisrig.kernel.cosim.plant.probe.PlantProbe",
+    "axisrig.kernel.distance.DistanceSettings",
+    "axisrig.kernel.distance.DistanceState",
+    "axisrig.kernel.distance.Source",
+    "axisrig.kernel.drives.ds402.State",
+    "axisrig.kernel.measuring.fixed_stop.record",
+    "axisrig.kernel.measuring.run.RunRecord",
+    "axisrig.kernel.nc.canon",
+    "axisrig.kernel.plc.interface",
+)
 RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
 WALL_CLOCK = {"time", "datetime"}
@@ -136,18 +158,51 @@ def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[s
     return errors
 
 
+def _outside(module: str, allowed: Iterable[str]) -> list[str]:
+    """What a module imports of the product that is none of the names and lies in none of them."""
+    inside = tuple(f"{name}." for name in allowed)
+    names = {name for _, name in [*_imports(module), *_imported_names(TREES[module])]}
+    # `from a import b` counts as a.b; a alone says less
+    names -= {name for name in names if any(other.startswith(f"{name}.") for other in names)}
+    return sorted(n for n in names if _package(n) in PACKAGES and not f"{n}.".startswith(inside))
+
+
 def test_oracles_take_nothing_from_what_they_judge() -> None:
-    judged = (
-        "axisrig.kernel.measuring",
-        "axisrig.kernel.distance",
-        "axisrig.kernel.channel",
-        "axisrig.kernel.motion",
-        "axisrig.kernel.drives",
-    )
     for module in MODULES:
         if module.startswith("axisrig.bench.oracles"):
-            found = [name for _, name in _imports(module) if name.startswith(judged)]
-            assert not found, f"{module} imports {found}"
+            assert _outside(module, ("axisrig.bench.oracles", *NO_FORMULA)) == [], module
+
+
+def test_who_judges_takes_records_and_words_of_the_kernel() -> None:
+    """No formula: what a run had to show comes from the oracles."""
+    other = [name for name in PACKAGES if name != "axisrig.kernel"]
+    for module in MODULES:
+        if module.startswith(JUDGES):
+            assert _outside(module, (*other, *NO_FORMULA, *RECORDS)) == [], module
+
+
+@pytest.mark.parametrize(
+    ("text", "outside"),
+    [
+        ("from axisrig.kernel.time.clock import S", []),
+        ("from axisrig.kernel.measuring.run import RunRecord", []),
+        ("from axisrig.kernel.cosim.plant.axis import PlantAxis", []),
+        ("from axisrig.kernel.cosim.plant.axis import PlantAxis, hermite", ["hermite"]),
+        ("from axisrig.kernel.cosim.plant import axis", ["axis"]),
+        ("import axisrig.kernel.motion.dynamics", ["dynamics"]),
+        (
+            "def inside():\n    from axisrig.kernel.motion.dynamics import axis_slopes",
+            ["axis_slopes"],
+        ),
+    ],
+)
+def test_a_formula_of_the_kernel_is_found(
+    text: str, outside: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    judge = "axisrig.bench.judge.metrics"
+    monkeypatch.setitem(TREES, judge, ast.parse(text))
+    found = _outside(judge, (*NO_FORMULA, *RECORDS))
+    assert [name.rpartition(".")[2] for name in found] == outside
 
 
 def test_imports_point_to_the_left() -> None:
