@@ -52,25 +52,15 @@ MAY_IMPORT_FMUS = tuple(
 )
 # What says how a run had to be may take these of the kernel: units of time, types of errors
 NO_FORMULA = ("axisrig.kernel.time", "axisrig.kernel.errors")
-# Who looks at what a run has left
-JUDGES = ("axisrig.bench.judge", "axisrig.bench.tools.scenarios.oracle", "axisrig.reports")
-# What of the kernel they still take to look at it: records, types and words, no formula
-RECORDS = (
+# Who looks at what a run has left, and where all of that is made
+JUDGES = ("axisrig.bench.judge", "axisrig.reports")
+MAKERS = ("axisrig.kernel", "axisrig.bench.machine", "axisrig.bench.rig")
+# The oracle of the scenarios steps a live plant on; its truth is what the plant has passed
+OF_SCENARIOS = (
     "axisrig.kernel.channel.Channel",
-    "axisrig.kernel.channel.distance.sensor.VariableSensor",
-    "axisrig.kernel.cosim.fmi.units",
     "axisrig.kernel.cosim.plant.axis.AXIS_OUTPUTS",
-    "axisrig.kernel.cosim.plant.axis.PlantAxis",
-    "axisrig.kernel.cosim.plant.probe.Contact",
-    "axisrig.kernel.cosim.plant.probe.PlantProbe",
-    "axisrig.kernel.distance.DistanceSettings",
-    "axisrig.kernel.distance.DistanceState",
-    "axisrig.kernel.distance.Source",
-    "axisrig.kernel.drives.ds402.State",
-    "axisrig.kernel.measuring.fixed_stop.record",
-    "axisrig.kernel.measuring.run.RunRecord",
-    "axisrig.kernel.nc.canon",
-    "axisrig.kernel.plc.interface",
+    "axisrig.bench.machine.machine.Machine",
+    "axisrig.bench.oracles",
 )
 RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
@@ -173,21 +163,33 @@ def test_oracles_take_nothing_from_what_they_judge() -> None:
             assert _outside(module, ("axisrig.bench.oracles", *NO_FORMULA)) == [], module
 
 
-def test_who_judges_takes_records_and_words_of_the_kernel() -> None:
-    """No formula: what a run had to show comes from the oracles."""
-    other = [name for name in PACKAGES if name != "axisrig.kernel"]
-    for module in MODULES:
-        if module.startswith(JUDGES):
-            assert _outside(module, (*other, *NO_FORMULA, *RECORDS)) == [], module
+def _made(module: str) -> list[str]:
+    """What a module imports of those that make a run, units of time and types of errors apart."""
+    made = tuple(f"{name}." for name in MAKERS)
+    return [name for name in _outside(module, NO_FORMULA) if f"{name}.".startswith(made)]
+
+
+def test_who_judges_reads_recordings() -> None:
+    """No formula, and nothing alive: what a run had to show comes from the oracles."""
+    found = {module: _made(module) for module in MODULES if module.startswith(JUDGES)}
+    assert {module: names for module, names in found.items() if names} == {}
+
+
+def test_the_oracle_of_the_scenarios_takes_no_formula() -> None:
+    oracle = "axisrig.bench.tools.scenarios.oracle"
+    assert _outside(oracle, (*OF_SCENARIOS, *NO_FORMULA)) == []
 
 
 @pytest.mark.parametrize(
     ("text", "outside"),
     [
         ("from axisrig.kernel.time.clock import S", []),
-        ("from axisrig.kernel.measuring.run import RunRecord", []),
-        ("from axisrig.kernel.cosim.plant.axis import PlantAxis", []),
-        ("from axisrig.kernel.cosim.plant.axis import PlantAxis, hermite", ["hermite"]),
+        ("from axisrig.bench.oracles.interpolation import cubic", []),
+        ("from axisrig.kernel.errors import UserError", []),
+        ("from axisrig.kernel.measuring.run import RunRecord", ["RunRecord"]),
+        ("from axisrig.bench.machine.machine import Machine", ["Machine"]),
+        ("from axisrig.bench.rig import rotary", ["rotary"]),
+        ("from axisrig.kernel.cosim.plant.axis import hermite", ["hermite"]),
         ("from axisrig.kernel.cosim.plant import axis", ["axis"]),
         ("import axisrig.kernel.motion.dynamics", ["dynamics"]),
         (
@@ -196,13 +198,12 @@ def test_who_judges_takes_records_and_words_of_the_kernel() -> None:
         ),
     ],
 )
-def test_a_formula_of_the_kernel_is_found(
+def test_what_no_recording_holds_is_found(
     text: str, outside: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     judge = "axisrig.bench.judge.metrics"
     monkeypatch.setitem(TREES, judge, ast.parse(text))
-    found = _outside(judge, (*NO_FORMULA, *RECORDS))
-    assert [name.rpartition(".")[2] for name in found] == outside
+    assert [name.rpartition(".")[2] for name in _made(judge)] == outside
 
 
 def test_imports_point_to_the_left() -> None:
