@@ -79,6 +79,7 @@ def test_the_wheel_holds_every_file_of_the_source_folders_and_no_other(wheel: Pa
     assert {name.partition("/")[0] for name in packed} == {"axisrig"}
     assert "axisrig/__init__.py" not in packed
     assert sorted(files) == packed
+    assert {f"axisrig/{name}/py.typed" for name in FOLDERS} <= files  # users' code is type-checked
     data = {Path(name).suffix for name in packed}
     assert data >= {".py", ".csv", ".lark", ".html", ".js", ".css", ".c", ".h", ".mo", ".order"}
 
