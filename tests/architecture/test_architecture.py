@@ -233,6 +233,18 @@ def test_rooms_of_the_exporter_import_what_stands_before_them() -> None:
     assert errors == []
 
 
+def test_the_page_shows_the_rooms_in_this_order() -> None:
+    page = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (\d+) \| `([a-z.]+)` \| \S", page, re.MULTILINE)
+    shown = [(int(number), f"axisrig.{room}") for number, room in rows]
+    assert shown == [(rank + 1, name) for rank, names in enumerate(ORDER) for name in names]
+    among = re.search(r"where there are several; (.*) do not know each other", page)
+    beside = re.search(r"imports nothing of the others;(.*)may import it", page, re.DOTALL)
+    for found, names in ((among, STRANGERS), (beside, MAY_IMPORT_FMUS)):
+        assert found is not None
+        assert [f"axisrig.{name}" for name in re.findall(r"`(.+?)`", found[1])] == list(names)
+
+
 @pytest.mark.parametrize(
     ("module", "imported", "fits"),
     [

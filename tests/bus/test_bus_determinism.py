@@ -5,8 +5,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[2]
-
 RUN = """
 import hashlib, random, sys, threading
 from pathlib import Path
@@ -77,7 +75,7 @@ def test_hash_and_logs_are_the_same_bytes_in_another_process(tmp_path: Path) -> 
         folder.mkdir()
         logs = [str(folder / f"bus{suffix}") for suffix in (".blf", ".log", ".asc", ".pcap")]
         command = [sys.executable, "-c", RUN, *logs]
-        environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)}
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
         runs.append(subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment))
     outputs = [run.communicate()[0] for run in runs]
     assert [run.returncode for run in runs] == [0, 0]

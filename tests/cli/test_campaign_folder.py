@@ -22,7 +22,6 @@ Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
 Reject = Callable[..., str]
 
-ROOT = Path(__file__).parents[2]
 PASSES, FAILS = "a,part.nc,rig.toml,3000,== 1,", "b,part.nc,rig.toml,3000,== 0,"
 
 
@@ -92,7 +91,7 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
     plan = write_plan(place, PASSES, "slow,part.nc,rig.toml,1,== 1,")
     first = subprocess.Popen(
         [sys.executable, "-m", "axisrig.bench.cli", "run", plan, "-o", "out"],
-        cwd=place, env={**os.environ, "PYTHONPATH": str(ROOT)},
+        cwd=place,
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
     )  # fmt: skip
     try:

@@ -14,15 +14,13 @@ import pandas as pd
 import pytest
 from cli_plan import write_plan
 
-ROOT = Path(__file__).parents[2]
-
 
 def _command(*words: str) -> list[str]:
     return [sys.executable, "-m", "axisrig.bench.cli", *words]
 
 
 def _environment(**more: str) -> dict[str, str]:
-    return {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "120", **more}
+    return {**os.environ, "COLUMNS": "120", **more}
 
 
 def _hear_ctrl_c() -> None:

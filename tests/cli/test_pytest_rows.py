@@ -41,7 +41,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> str:
     _write(folder / "broken.csv", rows["f3000"] | {"chek:alarms": "none"})
     # pytest repeats whole messages in its summary where CI is set
     env = {key: value for key, value in os.environ.items() if key not in ("CI", "BUILD_NUMBER")}
-    env |= {"PYTHONPATH": str(ROOT), "COLUMNS": "120"}
+    env |= {"COLUMNS": "120"}
     ended = subprocess.run(
         [sys.executable, "-m", "pytest", "-v", "-p", "no:cacheprovider", "--color=no",
          "--continue-on-collection-errors", "-c", os.devnull, "--rootdir", folder, folder],
@@ -79,3 +79,50 @@ def test_broken_plan_is_a_collection_error_with_its_message(report: str) -> None
 def test_no_traceback_of_the_bench_is_shown(report: str) -> None:
     assert "Traceback" not in report
     assert "pytest_plugin.py" not in report
+
+
+def test_the_shipped_conftest_is_the_one_line_that_the_page_shows() -> None:
+    text = (PLANS / "conftest.py").read_text(encoding="utf-8")
+    assert len(text.splitlines()) == 1
+    assert f"```python\n{text}```" in (ROOT / "docs/plans.md").read_text(encoding="utf-8")
+
+
+def _collected(*arguments: object) -> str:
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "--collect-only", "-p", "no:cacheprovider",
+         "-c", os.devnull, *map(str, arguments)],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return ended.stdout
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """Return somebody's project: plans, more plans below them, and tables that are none."""
+    rows = _shipped()
+    for folder in ("plans", "plans/more"):
+        (tmp_path / folder).mkdir()
+        for name in ("programs", "rigs"):
+            shutil.copytree(PLANS / name, tmp_path / folder / name)
+        shutil.copy(PLANS / "conftest.py", tmp_path / folder)
+        _write(tmp_path / folder / "p.csv", rows["f3000"])
+    (tmp_path / "plans/data").mkdir()
+    for table in ("plans/data/none.csv", "none.csv"):
+        _write(tmp_path / table, {"no": "plan"})
+    return tmp_path
+
+
+@pytest.mark.parametrize("named", [[""], ["plans"], ["plans", "plans/more"]])
+def test_each_table_beside_a_conftest_is_collected_once(project: Path, named: list[str]) -> None:
+    """Also where folders of plans lie in each other, or are found on the way only."""
+    text = _collected("--rootdir", project, *(project / name for name in named))
+    assert sorted(re.findall(r"^\S+::\S+$", text, re.MULTILINE)) == [
+        "plans/more/p.csv::p-f3000",
+        "plans/p.csv::p-f3000",
+    ]
+
+
+def test_the_option_is_known_with_two_folders_of_plans(project: Path) -> None:
+    limit = "--axisrig-call-timeout=9"
+    assert "2 tests collected" in _collected(limit, project / "plans", project / "plans/more")

@@ -15,7 +15,6 @@ Outcome = tuple[int, str, str]
 Call = Callable[..., Outcome]
 Build = Callable[..., Path]
 
-ROOT = Path(__file__).parents[2]
 CRASHES = {
     "LOAD": "load",
     "INSTANTIATE": "fmi3InstantiateCoSimulation",
@@ -159,7 +158,7 @@ def _nc_apart(place: Path, rig: str, **environment: str) -> subprocess.Completed
             *("--set", "set:channel.meas_error_no_signal=1"),
         ],
         cwd=place,
-        env=os.environ | {"PYTHONPATH": str(ROOT)} | environment,
+        env=os.environ | environment,
         capture_output=True,
         text=True,
         check=False,

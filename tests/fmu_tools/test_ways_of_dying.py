@@ -203,7 +203,7 @@ def test_pytest(place: Path, ideal_axis: Build, deadly: Build, ways: list[tuple[
     words = ["-q", "-p", "no:cacheprovider", "-c", os.devnull, "--rootdir", ".", "."]
     ended = subprocess.run(
         [sys.executable, "-m", "pytest", *words, "--axisrig-call-timeout", "1"],
-        cwd=place, env=os.environ | {"PYTHONPATH": str(ROOT), "COLUMNS": "200"},
+        cwd=place, env=os.environ | {"COLUMNS": "200"},
         capture_output=True, text=True, check=False,
     )  # fmt: skip
     failed = [way for way in ways if way in DEADLY]

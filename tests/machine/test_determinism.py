@@ -47,7 +47,7 @@ def folders(plan: Path, tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
         started.append(
             subprocess.Popen(
                 [*command, "-j", str(jobs), "--bus-log", "blf,candump,pcap"],
-                env={**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(ROOT)},
+                env={**os.environ, "PYTHONHASHSEED": seed},
                 cwd=folder.parent,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,

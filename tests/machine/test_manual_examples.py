@@ -5,7 +5,6 @@ MOFFS = MESS - PROG - zero shifts, ABS = PROG + zero shifts + MEIN (physics.md 2
 """
 
 import math
-import os
 import re
 import subprocess
 import sys
@@ -51,14 +50,12 @@ def runs() -> dict[str, subprocess.CompletedProcess[str]]:
     """All five command lines, side by side."""
     for model in MODELS:
         ensure_built(model)
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     started = {
         name: subprocess.Popen(
             _command(name),
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
-            env=environment,
         )
         for name in (*EXPECTED, LOST)
     }

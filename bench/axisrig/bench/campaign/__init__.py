@@ -1,1 +1,1 @@
-"""Running: one program, one case, a campaign; what was observed; how fast it was."""
+"""Running: one program, one case, many cases in processes; the results folder; pytest."""

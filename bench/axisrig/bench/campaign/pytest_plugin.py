@@ -1,8 +1,9 @@
 """Plans as pytest items: every row is a test with its run id as name.
 
-Used by `testplans/conftest.py`; tables directly in the folder of that conftest are plans. A case
-that passes or is marginal passes, everything else fails with what its checks say. A row whose rig
-names a foreign FMU runs in a process of its own, as in `axisrig run`.
+A `conftest.py` that imports `pytest_addoption` from here, as `testplans/conftest.py` does, makes
+every table in its own folder a plan; tables in subfolders are none. A case that passes or is
+marginal passes, everything else fails with what its checks say. A row whose rig names a foreign
+FMU runs in a process of its own, as in `axisrig run`.
 """
 
 from collections.abc import Iterator
@@ -11,6 +12,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.campaign.runner import no_stopwatch, run_cases
@@ -21,6 +23,8 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.kernel.errors import UserError
 
+_NAME = "axisrig plans"
+
 
 class CaseFailedError(Exception):
     """A case whose verdict is worse than marginal."""
@@ -30,8 +34,14 @@ class CaseFailedError(Exception):
         self.result = result
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the limit of one call into an FMU; the conftest of a plan folder hands it on."""
+def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginManager) -> None:
+    """Make the folder of a conftest that has this hook a folder of plans.
+
+    Several such folders may be in one run: the first adds the option and what collects plans.
+    """
+    if pluginmanager.has_plugin(_NAME):
+        return
+    pluginmanager.register(_Plans(pluginmanager), _NAME)
     parser.getgroup("axisrig").addoption(
         "--axisrig-call-timeout",
         type=float,
@@ -107,8 +117,27 @@ def _line(check: CheckResult) -> str:
     return f"  {check.verdict.word}: {check.summary}{note}"
 
 
-def collect_plan(file_path: Path, parent: pytest.Collector, folder: Path) -> PlanFile | None:
-    """Collect a table that lies directly in `folder`."""
-    if file_path.suffix.lower() in SUFFIXES and file_path.parent == folder:
-        return PlanFile.from_parent(parent, path=file_path)
-    return None
+class _Plans:
+    """Collects the tables that have such a conftest beside them."""
+
+    def __init__(self, pluginmanager: pytest.PytestPluginManager) -> None:
+        self._pluginmanager = pluginmanager
+
+    def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> PlanFile | None:
+        """Collect a table whose folder is one of plans."""
+        if file_path.suffix.lower() in SUFFIXES and self._is_plan_folder(file_path.parent):
+            return PlanFile.from_parent(parent, path=file_path)
+        return None
+
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """Name what an older axisrig has left on the search path."""
+        for text in leftovers():
+            terminalreporter.write_line(f"axisrig: {text}")
+
+    def _is_plan_folder(self, folder: Path) -> bool:
+        conftest = str(folder / "conftest.py")
+        return any(
+            getattr(plugin, "__file__", None) == conftest
+            and getattr(plugin, "pytest_addoption", None) is pytest_addoption
+            for plugin in self._pluginmanager.get_plugins()
+        )

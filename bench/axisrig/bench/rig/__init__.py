@@ -1,1 +1,1 @@
-"""A rig: its file, its checks, what a run changes on it, and the machine that comes of it."""
+"""A rig on paper: its files, its checks, what a run sets on it; nothing here runs."""

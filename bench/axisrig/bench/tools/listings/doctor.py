@@ -10,13 +10,17 @@ from pathlib import Path
 import platformdirs
 
 from axisrig.bench.bus.hardware import SIMULATED, interface_names, known_interfaces, usable
+from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.fmus import MODELS, BuildError, ensure_built
 
 PACKAGES = ("rumoca", "fmpy", "python-can", "canopen", "numpy", "scipy", "pandas", "pyarrow")
 
 
 def examine() -> tuple[str, bool]:
-    """Return the findings as text, and whether everything needed is there."""
+    """Return the findings as text, and whether everything needed is there.
+
+    Leftovers of an older axisrig are named; they are no lack.
+    """
     lines = [f"Python {platform.python_version()} on {platform.platform()}"]
     well = sys.version_info >= (3, 11)
     for name in PACKAGES:
@@ -37,6 +41,7 @@ def examine() -> tuple[str, bool]:
             lines.append(f"LACKS {model}: {error}")
             well = False
     lines += _interfaces()
+    lines += [f"OLD   {text}" for text in leftovers()]
     lines.append("info  nothing here needs a network; only pip does, see README")
     return "\n".join(lines), well
 

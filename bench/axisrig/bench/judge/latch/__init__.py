@@ -1,0 +1,1 @@
+"""Measurement runs with a latch: the touch as the plant saw it, metrics, marks."""

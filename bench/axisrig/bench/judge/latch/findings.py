@@ -1,0 +1,34 @@
+"""Marks of measurement runs: contacts and edges of the probes, latches, cycles that brake."""
+
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.observed.observed import Observed
+
+
+def latch_events(observed: Observed) -> list[Event]:
+    """Return the marks of probes, latches and measurement runs."""
+    facts = observed.facts
+    marks: list[Event] = []
+    for name, probe in facts.probes.items():
+        for contact in probe.contacts:
+            marks.append(Event(contact.time_ns, "contact", f"{name}: contact"))
+        spread_us = probe.edge_uncertainty_ns / 1e3
+        known = f", known to {spread_us:g} us" if probe.edge_uncertainty_ns > 1.0 else ""
+        for edge in probe.edges:
+            word = "rising" if edge.level else "falling"
+            marks.append(Event(edge.time_ns, "edge", f"{name}: {word} edge{known}"))
+        for each in probe.deflections:
+            if each.beyond_ns is not None:
+                marks.append(Event(each.beyond_ns, "fault", each.words))
+    for axis, record in facts.axes.items():
+        for latch in record.latches:
+            label = f"{axis}: latch of probe {latch.probe}"
+            marks.append(Event(latch.time_ns, "latch", label, axis))
+    for run in facts.runs:
+        if run.signal_ns is not None and run.fixed_stop is None:
+            sync_ns = run.signal_ns - facts.timing.offset_ns
+            marks.append(Event(sync_ns, "pdo", "SYNC that sampled the latch status"))
+            label = "cycle that sees the signal" if run.goes_on else "cycle that brakes"
+            marks.append(Event(run.signal_ns, "brake", label))
+        if run.end_ns is not None:
+            marks.append(Event(run.end_ns, "standstill", "measurement run ended"))
+    return marks

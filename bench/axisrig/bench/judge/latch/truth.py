@@ -1,0 +1,83 @@
+"""What the plant saw of a measurement run: contact and edge."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from axisrig.bench.judge.fixed_stop.run import stop_run
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.axes import Contact
+from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.kernel.time.clock import TimeNs
+
+
+@dataclass(frozen=True)
+class Touch:
+    """One measurement run with what the plant saw of it.
+
+    edge_uncertainty_ns: how well the plant knows the instants of its contacts and edges.
+    has_contacts: whether the FMU of a probe gives them at all. what: meets the workpiece.
+    """
+
+    run: MeasurementRun
+    contact: Contact | None
+    edge_ns: TimeNs | None
+    end_ns: TimeNs
+    edge_uncertainty_ns: float
+    has_contacts: bool
+    what: str = "probe"
+
+
+def touch(observed: Observed, axis: str | None) -> Touch | None:
+    """Return the run that counts with the contact and the edge that fell into it."""
+    run = observed.last_run(axis)
+    if run is None:
+        return None
+    end_ns = run.end_ns or observed.facts.end_ns
+    if run.fixed_stop is not None:
+        return _touch_of_stop(observed, run, end_ns)
+    probes = observed.probes_of(run)
+    contacts = [
+        contact
+        for probe in probes
+        for contact in probe.contacts
+        if run.begin_ns <= contact.time_ns <= end_ns
+    ]
+    contact = min(contacts, key=lambda c: c.time_ns) if contacts else None
+    edges = [
+        edge.time_ns
+        for probe in probes
+        for edge in probe.edges
+        if run.begin_ns <= edge.time_ns <= end_ns
+    ]
+    known_ns = max((probe.edge_uncertainty_ns for probe in probes), default=0.0)
+    has_contacts = any(probe.has_contacts for probe in probes)
+    return Touch(run, contact, min(edges, default=None), end_ns, known_ns, has_contacts)
+
+
+def _touch_of_stop(observed: Observed, run: MeasurementRun, end_ns: TimeNs) -> Touch:
+    """Return a run to a fixed stop: the contact is that of the first axis with its stop."""
+    stop = stop_run(observed, run)
+    earliest = stop.earliest_contact
+    if earliest is None:
+        return Touch(run, None, None, end_ns, 0.0, True, "axis")
+    axis, at = earliest
+    places_mm = {
+        observed.axes[name].plant: float(np.interp(at.time_ns, truth.times_ns, truth.position_mm))
+        for name, truth in stop.truths.items()
+    }
+    places_mm[observed.axes[axis].plant] = at.position_mm
+    contact = Contact(round(at.time_ns), places_mm)
+    return Touch(run, contact, None, end_ns, at.uncertainty_ns, True, "stop")
+
+
+def latch_in_run_ns(observed: Observed, axis: str, seen: Touch) -> TimeNs | None:
+    """Return the first latch instant of an axis inside a measurement run."""
+    return next(
+        (
+            latch.time_ns
+            for latch in observed.axes[axis].latches
+            if seen.run.begin_ns <= latch.time_ns <= seen.end_ns
+        ),
+        None,
+    )

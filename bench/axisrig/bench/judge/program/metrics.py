@@ -1,0 +1,109 @@
+"""The metrics of a whole program: alarms, duration, buses, lags, printed values."""
+
+import numpy as np
+
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.topic import MetricFunction
+from axisrig.bench.plan.checks import Check
+
+PROGRAM_METRICS: dict[str, MetricFunction] = {}
+
+
+def printed(observed: Observed, check: Check) -> Observation:
+    """Return a number that a block of the program has printed with `#MSG`."""
+    assert check.block is not None
+    number, index = check.block
+    values = [
+        value
+        for message in observed.facts.messages
+        if f"N{message.block}" == number
+        for value in message.values
+    ]
+    if len(values) < index:
+        return Observation(None, note=f"block {number} printed {len(values)} number(s)")
+    unproved = " ".join(a for a, record in observed.axes.items() if record.unproved_latches)
+    note = f"the program has measured with unproved latches of {unproved}" if unproved else ""
+    return Observation(values[index - 1], note=note)
+
+
+def _of_program(function: MetricFunction) -> MetricFunction:
+    """Register a metric of the whole program under the name of its function."""
+    PROGRAM_METRICS[function.__name__] = function
+    return function
+
+
+# The whole program
+
+
+@_of_program
+def alarms(observed: Observed, _axis: str | None) -> Observation:
+    """IDs of the alarms in their order."""
+    return Observation([a.id for a in observed.facts.alarms if not a.is_further])
+
+
+@_of_program
+def further_alarms(observed: Observed, _axis: str | None) -> Observation:
+    """IDs of what came up while the axes were already stopping."""
+    return Observation([a.id for a in observed.facts.alarms if a.is_further])
+
+
+@_of_program
+def duration_s(observed: Observed, _axis: str | None) -> Observation:
+    """Simulated time from the first enabled cycle to the end of the program."""
+    start_ns = observed.facts.start_ns
+    if start_ns is None:
+        return Observation(None, note="the drives were never enabled")
+    return Observation((observed.facts.end_ns - start_ns) / 1e9)
+
+
+@_of_program
+def bus_load_pct(observed: Observed, _axis: str | None) -> Observation:
+    """Load over the whole run, of the segment that has most."""
+    return Observation(max(bus.load_pct for bus in observed.facts.buses))
+
+
+@_of_program
+def bus_load_100ms_pct_max(observed: Observed, _axis: str | None) -> Observation:
+    """Load in the worst window of 100 ms of any segment."""
+    return Observation(max(bus.load_100ms_pct for bus in observed.facts.buses))
+
+
+@_of_program
+def bus_load_1ms_pct_max(observed: Observed, _axis: str | None) -> Observation:
+    """Load in the worst window of 1 ms of any segment."""
+    return Observation(max(bus.load_1ms_pct for bus in observed.facts.buses))
+
+
+@_of_program
+def error_frames(observed: Observed, _axis: str | None) -> Observation:
+    """Error frames on all segments."""
+    return Observation(sum(bus.error_frames for bus in observed.facts.buses))
+
+
+@_of_program
+def queueing_us_max(observed: Observed, axis: str | None) -> Observation:
+    """Longest wait of a frame for the bus, of one axis or of all."""
+    waits = [w for bus in observed.facts.buses for w in bus.waiting if axis in (None, w.axis)]
+    if not waits:
+        return Observation(None, note="nothing was sent")
+    longest = max(waits, key=lambda wait: wait.worst_us)
+    return Observation(longest.worst_us, note=longest.name)
+
+
+def _largest(column: str) -> MetricFunction:
+    def largest(observed: Observed, axis: str | None) -> Observation:
+        if not len(observed.times_ns):
+            return Observation(None, note="the program ended before its first cycle")
+        axes = [axis] if axis else list(observed.axes)
+        rows = slice(observed.index_at(observed.facts.end_ns) + 1)
+        return Observation(
+            max(float(np.max(np.abs(observed.column(a, column)[rows]))) for a in axes)
+        )
+
+    return largest
+
+
+PROGRAM_METRICS["lag_mm_max"] = _largest("cnc_lag_mm")
+PROGRAM_METRICS["drive_lag_mm_max"] = _largest("drive_lag_peak_mm")
+PROGRAM_METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")

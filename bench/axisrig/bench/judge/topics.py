@@ -1,0 +1,91 @@
+"""The topics of the judge, and what is asked of all of them.
+
+A new topic is a folder with `metrics` and `findings` (and `truth` where it compares), and a line in
+TOPICS.
+"""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from axisrig.bench.judge.distance.findings import distance_blocks, distance_events
+from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
+from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
+from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
+from axisrig.bench.judge.latch.findings import latch_events
+from axisrig.bench.judge.latch.metrics import LATCH_METRICS
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.topic import Topic
+from axisrig.bench.judge.observed.turned import TORQUE, in_newton_metres, turned
+from axisrig.bench.judge.program.findings import log_lines, program_events
+from axisrig.bench.judge.program.metrics import PROGRAM_METRICS, printed
+from axisrig.bench.plan.checks import Check, CheckResult, judge
+from axisrig.bench.plan.verdict import Verdict, worst
+
+STOPPED = "stopped by the operator"
+
+TOPICS: tuple[Topic, ...] = (
+    Topic("program", PROGRAM_METRICS, program_events),
+    Topic("latch", LATCH_METRICS, latch_events),
+    Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
+    Topic("distance", DISTANCE_METRICS, distance_events, distance_blocks),
+)
+
+
+def observe(observed: Observed, check: Check, topics: Sequence[Topic] = TOPICS) -> Observation:
+    """Return what a check asks for."""
+    if check.name == "msg":
+        return printed(observed, check)
+    if check.axis is not None and check.axis not in observed.axes:
+        return Observation(None, note=f"the rig has no axis {check.axis}")
+    hidden = observed.hides(check.definition, check.axis)
+    if hidden:
+        return Observation(None, note=hidden, is_hidden=True)
+    refused = turned(observed, check)
+    if refused:
+        return Observation(None, note=refused)
+    metric = check.definition
+    name = metric.linear or metric.name
+    function = next(topic.metrics[name] for topic in topics if name in topic.metrics)
+    found = function(observed, check.axis)
+    return in_newton_metres(found, observed, check) if metric.unit == TORQUE else found
+
+
+def judged(
+    observed: Observed, checks: Sequence[Check], topics: Sequence[Topic] = TOPICS
+) -> tuple[Verdict, list[CheckResult]]:
+    """Return the verdict of a run and what became of each check."""
+    found = []
+    for check in checks:
+        seen = observe(observed, check, topics)
+        found.append(
+            judge(check, seen.value, seen.uncertainty, seen.note, is_hidden=seen.is_hidden)
+        )
+    verdicts = [result.verdict for result in found]
+    return worst([*verdicts, Verdict.ABORTED] if observed.facts.is_stopped else verdicts), found
+
+
+def events(observed: Observed, topics: Sequence[Topic] = TOPICS) -> list[Event]:
+    """Return the marks of the report in the order of time."""
+    marks = [mark for topic in topics for mark in topic.events(observed)]
+    marks.sort(key=lambda mark: (mark.time_ns, mark.kind, mark.label))
+    # What passed at one instant stays in the order of the program
+    marks += [Event(note.time_ns, "mark", note.words) for note in observed.facts.plc]
+    return sorted(marks, key=lambda mark: (mark.time_ns, mark.kind))
+
+
+def findings(observed: Observed, topics: Sequence[Topic] = TOPICS) -> dict[str, Any]:
+    """Return what the report shows of a run beside its checks, as plain data."""
+    facts = observed.facts
+    return {
+        "events": [asdict(event) for event in events(observed, topics)],
+        "messages": [message.shown for message in facts.messages],
+        "log": log_lines(facts),
+        "bus": [asdict(bus) for bus in facts.buses],
+        "error": STOPPED if facts.is_stopped else None,
+        "real_time": None if facts.real_time is None else asdict(facts.real_time),
+        "alarms": [asdict(alarm) for alarm in facts.alarms],
+        **{topic.name: topic.block(observed) for topic in topics},
+    }

@@ -1,0 +1,238 @@
+"""What a machine leaves when its program has ended, as data (`bench.record`)."""
+
+from collections.abc import Iterator
+
+from axisrig.bench.machine.machine import Machine
+from axisrig.bench.machine.plants import lacking_notes, plant_warnings
+from axisrig.bench.machine.recording.acting import acting_warnings
+from axisrig.bench.machine.recording.bus_figures import bus_figures
+from axisrig.bench.machine.recording.plant_values import plant_record
+from axisrig.bench.machine.recording.plc_notes import plc_notes
+from axisrig.bench.record.axes import (
+    AxisRecord,
+    Contact,
+    Deflection,
+    DriveState,
+    Edge,
+    Latch,
+    ProbeRecord,
+    Telegram,
+)
+from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.facts import (
+    AlarmRecord,
+    DriveWrite,
+    Facts,
+    Fault,
+    MessageRecord,
+    Note,
+    Timing,
+)
+from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun
+from axisrig.bench.rig.distance.check import distance_warnings
+from axisrig.bench.rig.latches import unproved_notes
+from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.reading.lists import substituted_in_words
+from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
+from axisrig.kernel.channel.distance.sensor import VariableSensor
+from axisrig.kernel.drives.ds402 import State
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.measuring.run import RunRecord
+from axisrig.kernel.nc import canon
+from axisrig.kernel.time.clock import TimeNs
+
+_TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
+
+
+def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
+    """Return what the run of a machine has left; its plants are still open.
+
+    sim_ns: simulated time that it took, None = until now. Raises PlantError when an FMU cannot give
+    its parameters.
+    """
+    settings, channel, timing = machine.settings, machine.channel, machine.timing
+    return Facts(
+        timing=Timing(timing.period_ns, timing.offset_ns, timing.buffer_cycles),
+        sim_ns=machine.scheduler.now_ns if sim_ns is None else sim_ns,
+        start_ns=channel.start_ns,
+        end_ns=machine.end_ns,
+        frame_log_sha256=machine.frame_hash.hexdigest(),
+        fine_ns=machine.plant.fine_ns,
+        is_stopped=machine.is_stopped,
+        drive_substituted=substituted_in_words(settings.axis),
+        axes={name: _axis(machine, name) for name in machine.links},
+        plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
+        probes=_probes(machine),
+        plc_sensors={
+            name: PlcSensor(table.sensor, table.sign, table.delay_cycles)
+            for name, table in settings.rig.plc.items()
+        },
+        distance={name: _distance(machine, name) for name in channel.distance.axes},
+        channel=dict(settings.channel.items()),
+        runs=tuple(_run(machine, record) for record in channel.records),
+        alarms=tuple(_alarms(machine)),
+        messages=tuple(
+            MessageRecord(message.block.number, message.values, message.shown)
+            for message in machine.messages
+        ),
+        plc=tuple(plc_notes(channel.plc.events, machine.end_ns)),
+        drive_writes=tuple(_drive_write(at, write) for at, write in channel.drive_writes),
+        faults=tuple(
+            Fault(fault.axis or "", fault.in_words(), tuple(fault.marks()))
+            for fault in machine.faults
+        ),
+        buses=tuple(bus_figures(settings, machine.links, machine.segments)),
+        real_time=machine.real_time(),
+        notes=tuple(_notes(machine)),
+    )
+
+
+def _drive_write(time_ns: TimeNs, write: canon.DriveWrite) -> DriveWrite:
+    words = f"{write.word} {write.axis} {write.key} = {write.value:.15g}"
+    return DriveWrite(time_ns, write.axis, words)
+
+
+def _axis(machine: Machine, name: str) -> AxisRecord:
+    settings, link = machine.settings, machine.links[name]
+    axis = settings.rig.axis[name]
+    is_outside = name in machine.outside
+    per_mm = link.settings.increments_per_mm
+    latches: list[Latch] = []
+    origin_mm = 0.0
+    if not is_outside:
+        servo = machine.nodes[name].servo
+        origin_mm = -servo.scaling.origin_units / per_mm
+        latches = [
+            Latch(time_ns, number)
+            for number, probe in enumerate(servo.touch_probe.probes, 1)
+            for time_ns in probe.latch_instants_ns
+        ]
+    states = [(at, state) for at, axis_name, state in machine.drive_states if axis_name == name]
+    return AxisRecord(
+        segment=axis.segment,
+        node=axis.node,
+        increments_per_mm=per_mm,
+        is_outside=is_outside,
+        is_rotary=is_rotary(settings, name),
+        arm_m=arm_m(settings, name),
+        torque_arm_m=torque_arm_m(settings, name),
+        plant=axis.plant,
+        signals=dict(axis.signals),
+        sensor=axis.encoder_2 or "",
+        telegrams=tuple(
+            Telegram(t.name, t.transmission, tuple(mapped.field for mapped in t.objects))
+            for t in link.telegrams.values()
+        ),
+        written=dict(settings.axis[name].items()),
+        origin_mm=origin_mm,
+        homed_ns=tuple(at for at, homed in machine.channel.single.homed if homed == name),
+        doubt_mm=link.doubt_mm,
+        unproved_latches=link.unproved_latches,
+        second_delay_cycles=int(settings.rig.drive[axis.drive].second_delay_cycles),
+        latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
+        force_limits=machine.torque_limits.of(name),
+        states=tuple(DriveState(at, state.name, state in _TROUBLE) for at, state in states),
+    )
+
+
+def _probes(machine: Machine) -> dict[str, ProbeRecord]:
+    found = {}
+    for name, probe in machine.plant.probes.items():
+        has_contacts = probe.roles.has_group("contact")
+        deflections = machine.deflections.of(name) if has_contacts else []
+        found[name] = ProbeRecord(
+            has_contacts,
+            probe.edge_uncertainty_ns,
+            tuple(Contact(c.time_ns, dict(c.position_mm)) for c in probe.contacts),
+            tuple(Edge(time_ns, level) for time_ns, level in probe.signal.edges),
+            tuple(
+                Deflection(each.mm, each.doubt_mm, each.beyond_ns, words)
+                for each, words in deflections
+            ),
+        )
+    return found
+
+
+def _run(machine: Machine, record: RunRecord) -> MeasurementRun:
+    target_mm = machine.measuring_targets.get(record.block)
+    stop = record.fixed_stop
+    fixed_stop = None
+    if stop is not None:
+        fixed_stop = FixedStop(
+            criteria={
+                axis: Criteria(one.lag_limit_mm, one.window_mm, one.min_time_ns)
+                for axis, one in stop.criteria.items()
+            },
+            start_distance_mm=stop.start_distance_mm,
+            armed_ns=stop.armed_ns,
+            beyond_ns=dict(stop.beyond_ns),
+            window_ns=dict(stop.window_ns),
+            detected_ns=stop.detected_ns,
+            detected_by=stop.detected_by,
+            set_mm=dict(stop.set_mm),
+            actual_mm=dict(stop.actual_mm),
+            brake_end_ns=stop.brake_end_ns,
+            relax_begin_ns=stop.relax_begin_ns,
+            relax_end_ns=stop.relax_end_ns,
+            watch_off_ns=stop.watch_off_ns,
+            watch_on_ns=stop.watch_on_ns,
+            axes=tuple(stop.axes),
+        )
+    return MeasurementRun(
+        axes=tuple(record.axes),
+        block=record.block,
+        goes_on=record.goes_on,
+        inputs=dict(record.inputs),
+        begin_ns=record.begin_ns,
+        start_ns=record.start_ns,
+        signal_ns=record.signal_ns,
+        end_ns=record.end_ns,
+        latched_mm=dict(record.latched_mm),
+        target_mm=None if target_mm is None else dict(target_mm),
+        fixed_stop=fixed_stop,
+    )
+
+
+def _distance(machine: Machine, name: str) -> DistanceRecord:
+    sensor = machine.channel.distance.axes[name].sensor
+    variable = f"V.E.{sensor.name}" if isinstance(sensor, VariableSensor) else ""
+    return DistanceRecord(
+        variable if variable in machine.settings.rig.plc else "",
+        name in machine.referenced,
+        machine.distance_log.recorded(name),
+    )
+
+
+def _alarms(machine: Machine) -> Iterator[AlarmRecord]:
+    channel = machine.channel
+    for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
+        yield _alarm(time_ns, alarm, is_further=False)
+    reactions = channel.reactions
+    for time_ns, alarm in zip(reactions.further_ns, reactions.further, strict=True):
+        yield _alarm(time_ns, alarm, is_further=True)
+
+
+def _alarm(time_ns: TimeNs, alarm: Alarm, *, is_further: bool) -> AlarmRecord:
+    return AlarmRecord(
+        time_ns=time_ns,
+        id=alarm.id,
+        reaction_class=alarm.entry.reaction_class,
+        ends_program=alarm.ends_program,
+        text=str(alarm),
+        values={name: str(value) for name, value in alarm.values.items()},
+        place=alarm.place or "",
+        is_further=is_further,
+    )
+
+
+def _notes(machine: Machine) -> Iterator[Note]:
+    """What is to be noted of the rig and the run, in the order of the log."""
+    settings = machine.settings
+    yield from (Note("rig", text) for text in settings.notes)
+    yield from (Note("distance", text) for text in distance_warnings(settings))
+    yield from (Note("distance", text) for text in acting_warnings(settings, machine.distance_log))
+    yield from (Note("latch", text) for text in unproved_notes(machine.links))
+    yield from (Note("lacking", text) for text in lacking_notes(machine.plant))
+    yield from (Note("plant", text) for text in plant_warnings(machine.plant))
+    yield from (Note("printed", text) for text in printed_log(settings))
+    yield from (Note("plc", text) for text in machine.plc_side.not_come())

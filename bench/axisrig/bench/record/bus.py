@@ -1,0 +1,82 @@
+"""What a run leaves of its buses and of real time on them."""
+
+from dataclasses import dataclass
+
+from axisrig.bench.record.frozen import Frozen
+from axisrig.kernel.time.clock import TimeNs
+
+
+@dataclass(frozen=True)
+class Waiting(Frozen):
+    """The longest time that frames of one identifier waited for the bus.
+
+    name: such as `Z.TPDO1`. axis: whose, or empty. can_id: bit 31 marks 29 bits.
+    worst_us: from the request to the start of the attempt that got through; frames still waiting at
+    the end of the run count with their time.
+    """
+
+    name: str
+    axis: str
+    can_id: int
+    worst_us: float
+
+
+@dataclass(frozen=True)
+class BusChange(Frozen):
+    """A change of the error state of a port. is_active: error active again."""
+
+    time_ns: TimeNs
+    port: str
+    state: str
+    is_active: bool
+
+
+@dataclass(frozen=True)
+class BusFigures(Frozen):
+    """One segment in one run; busy counts from SOF to the end of the intermission.
+
+    load_pct: over the whole run. load_100ms_pct, load_1ms_pct: in the worst window. counters: per
+    port (name, TEC, REC, state) where something was wrong. overload: what does not fit in the worst
+    case, empty when all does. waiting: the longest first.
+    """
+
+    segment: str
+    bitrate: int
+    load_pct: float
+    load_100ms_pct: float
+    load_1ms_pct: float
+    frames: int
+    error_frames: int
+    overload: str
+    counters: tuple[tuple[str, int, int, str], ...]
+    waiting: tuple[Waiting, ...]
+    changes: tuple[BusChange, ...] = ()
+
+
+@dataclass(frozen=True)
+class Spread(Frozen):
+    """How values of real time were spread, us."""
+
+    least_us: float
+    median_us: float
+    p99_us: float
+    most_us: float
+
+
+@dataclass(frozen=True)
+class RealTime(Frozen):
+    """How well real time was kept on a bus outside; see `bench.bus.deadlines`."""
+
+    period_us: float
+    late_us: float
+    cycles: int
+    late_cycles: int
+    lateness_us: Spread | None
+    interval_us: Spread | None
+    bins_us: tuple[float, ...]
+    histogram: tuple[int, ...]
+    slips: int
+    slipped_ms: float
+    waits: int
+    waited_ms: float
+    send_errors: int

@@ -1,0 +1,93 @@
+"""What a run leaves of distance control."""
+
+from dataclasses import dataclass
+
+from axisrig.bench.oracles.distance.lists import Control
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
+from axisrig.bench.record.frozen import Frozen
+from axisrig.kernel.time.clock import TimeNs
+
+ON = ("ACTIVE", "ACTIVE_CONST_DIST")
+"""States in which a control follows."""
+
+
+@dataclass(frozen=True)
+class Controller(Frozen):
+    """Parameters of a distance control: gains, times, filter; lengths in mm, frequencies in Hz.
+
+    both_encoders: the constant distance follows by sensor and actual position.
+    """
+
+    kp: float
+    tn_s: float
+    tv_s: float
+    filter_type: str
+    count: int
+    alpha: float
+    order: int
+    corner_hz: float
+    sigma_mm: float
+    both_encoders: bool
+
+    @property
+    def control(self) -> Control:
+        """The same as the closed forms want it."""
+        return Control(
+            kp=self.kp,
+            tn_s=self.tn_s,
+            tv_s=self.tv_s,
+            filter_type=self.filter_type,
+            count=self.count,
+            alpha=self.alpha,
+            order=self.order,
+            corner_hz=self.corner_hz,
+            sigma_mm=self.sigma_mm,
+        )
+
+
+@dataclass(frozen=True)
+class DistanceChange(Frozen):
+    """What held for a distance control from a SYNC on. state: name of `DistanceState`.
+
+    by: who commanded it, NC or PLC. sensor: what gives its values.
+    """
+
+    time_ns: TimeNs
+    state: str
+    by: str
+    sensor: str
+    is_dry_run: bool
+    controller: Controller
+
+    @property
+    def is_on(self) -> bool:
+        """Whether the control follows its sensor."""
+        return self.state in ON
+
+    @property
+    def mode(self) -> str:
+        """Mode of the loop of a control that is on."""
+        if self.state == "ACTIVE":
+            return SET_POS
+        return BOTH if self.controller.both_encoders else CONST_DIST
+
+
+@dataclass(frozen=True)
+class DistanceRecord(Frozen):
+    """Distance control of an axis. variable: V.E. name of the sensor in use, empty for 60E4.
+
+    is_referenced: the program has set the zero of its sensor (REF).
+    """
+
+    variable: str = ""
+    is_referenced: bool = False
+    changes: tuple[DistanceChange, ...] = ()
+
+
+@dataclass(frozen=True)
+class PlcSensor(Frozen):
+    """A V.E. variable in which the PLC side shows a distance sensor."""
+
+    sensor: str
+    sign: int
+    delay_cycles: int

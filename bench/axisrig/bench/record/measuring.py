@@ -1,0 +1,65 @@
+"""What a run leaves of its measurement runs; instants are NC cycles."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from axisrig.bench.record.frozen import Frozen
+from axisrig.kernel.time.clock import TimeNs
+
+
+@dataclass(frozen=True)
+class Criteria(Frozen):
+    """What had to hold at an axis for its stop to count as found; None = no criterion."""
+
+    lag_limit_mm: float | None = None
+    window_mm: float | None = None
+    min_time_ns: TimeNs = 0
+
+
+@dataclass(frozen=True)
+class FixedStop(Frozen):
+    """What a run to a fixed stop has noted: cycles in ns, lengths mm, by axis.
+
+    armed_ns: from then on the stop was looked for. beyond_ns, window_ns: begin of the last time
+    without a break in which the criterion held. detected_by: the first axis. set_mm, actual_mm: of
+    all axes in that cycle. brake_end_ns: the set positions are at rest. watch_off_ns, watch_on_ns:
+    lag monitoring of the position controller.
+    """
+
+    criteria: Mapping[str, Criteria]
+    start_distance_mm: float = 0.0
+    armed_ns: TimeNs | None = None
+    beyond_ns: Mapping[str, TimeNs] = field(default_factory=dict)
+    window_ns: Mapping[str, TimeNs] = field(default_factory=dict)
+    detected_ns: TimeNs | None = None
+    detected_by: str | None = None
+    set_mm: Mapping[str, float] = field(default_factory=dict)
+    actual_mm: Mapping[str, float] = field(default_factory=dict)
+    brake_end_ns: TimeNs | None = None
+    relax_begin_ns: TimeNs | None = None
+    relax_end_ns: TimeNs | None = None
+    watch_off_ns: TimeNs | None = None
+    watch_on_ns: TimeNs | None = None
+    axes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class MeasurementRun(Frozen):
+    """A measurement run. axes: the measuring axes. inputs: probing input in use of each.
+
+    signal_ns: cycle that saw the first stored edge. goes_on: the signal does not end the motion.
+    latched_mm: published value of each axis, ACS. target_mm: of its block, None where unknown.
+    fixed_stop: of a run to a fixed stop, whose signal is that the stop is found.
+    """
+
+    axes: tuple[str, ...]
+    block: str = ""
+    goes_on: bool = False
+    inputs: Mapping[str, int] = field(default_factory=dict)
+    begin_ns: TimeNs = 0
+    start_ns: TimeNs | None = None
+    signal_ns: TimeNs | None = None
+    end_ns: TimeNs | None = None
+    latched_mm: Mapping[str, float] = field(default_factory=dict)
+    target_mm: Mapping[str, float] | None = None
+    fixed_stop: FixedStop | None = None

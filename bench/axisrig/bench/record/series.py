@@ -1,0 +1,192 @@
+"""Time series of a run: written in blocks while it lasts, read back column by column.
+
+A row belongs to one SYNC. `time_ns` (int64) is its instant, `<axis>.<signal>_<unit>` and
+`<plant>.<signal>` are one value for each row. `<axis>.<field>_frame_ns` and
+`<axis>.<field>_increments` are lists: the cyclic values that the bus brought since the row before,
+with the ends of their frames.
+"""
+
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from axisrig.bench.files import naming
+from axisrig.kernel.errors import UserError
+
+Signal = npt.NDArray[np.float64]
+Times = npt.NDArray[np.int64]
+
+TIME: Final = "time_ns"
+TARGET, ACTUAL, SECOND = "target", "actual", "second"
+"""Cyclic values: target position 607A, actual position 6064, second encoder 60E4:1."""
+FRAME_NS, INCREMENTS = "frame_ns", "increments"
+
+# Columns and their names for an axis that turns; those of forces where its plant turns too
+LENGTH_COLUMNS = {
+    "set_mm": "set_deg",
+    "actual_mm": "actual_deg",
+    "truth_mm": "truth_deg",
+    "velocity_mm_s": "velocity_deg_s",
+    "cnc_lag_mm": "cnc_lag_deg",
+    "drive_lag_mm": "drive_lag_deg",
+    "drive_lag_peak_mm": "drive_lag_peak_deg",
+    "stop_mm": "stop_deg",
+}
+FORCE_COLUMNS = {
+    "force_n": "torque_nm",
+    "stop_force_n": "stop_torque_nm",
+    "stop_force_peak_n": "stop_torque_peak_nm",
+}
+
+
+class Telegrams(NamedTuple):
+    """Values of a field in their order: ends of their frames, ns, and increments; shape (n,)."""
+
+    frame_ns: Times
+    increments: Times
+
+
+@dataclass(frozen=True)
+class Series:
+    """The time series of a run.
+
+    file: where they are, or the table itself for a run that is not kept.
+    """
+
+    source: Path | pa.Table
+
+    @property
+    def names(self) -> list[str]:
+        """Return the columns with one value for each row, in their order.
+
+        Raises UserError when the file is damaged, OSError when it cannot be read.
+        """
+        return [item.name for item in self._schema() if not pa.types.is_list(item.type)]
+
+    def column(self, name: str) -> npt.NDArray[np.generic]:
+        """Return one value for each row, shape (n,). Raises KeyError for an unknown column."""
+        values: npt.NDArray[np.generic] = self._read([name]).column(0).to_numpy()
+        return values
+
+    def telegrams(self, axis: str, field: str) -> Telegrams:
+        """Return the cyclic values of a field (TARGET, ACTUAL, SECOND); empty without any."""
+        names = [f"{axis}.{field}_{part}" for part in (FRAME_NS, INCREMENTS)]
+        if names[0] not in self._schema().names:
+            return Telegrams(np.empty(0, np.int64), np.empty(0, np.int64))
+        table = self._read(names)
+        return Telegrams(*(_flat(table.column(place)) for place in (0, 1)))
+
+    def table(self, names: Sequence[str] | None = None) -> pa.Table:
+        """Return some columns, or all with one value for each row."""
+        return self._read(self.names if names is None else names)
+
+    def _schema(self) -> pa.Schema:
+        if isinstance(self.source, Path):
+            with _readable(self.source):
+                schema = pq.read_schema(self.source)
+        else:
+            schema = self.source.schema
+        if TIME not in schema.names or schema.field(TIME).type != pa.int64():
+            raise _damaged(self.source, "no column time_ns of whole numbers")
+        return schema
+
+    def _read(self, names: Sequence[str]) -> pa.Table:
+        if not isinstance(self.source, Path):
+            return self.source.select(list(names))
+        missing = set(names) - set(self._schema().names)
+        if missing:
+            raise KeyError(min(missing))
+        with _readable(self.source):
+            return pq.ParquetFile(self.source).read(columns=list(names)).select(list(names))
+
+
+class _readable:  # noqa: N801
+    """Turns what the library raises for a damaged file into a UserError."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: object, error: BaseException | None, traceback: object) -> None:
+        if isinstance(error, pa.ArrowException | OSError) and not (
+            isinstance(error, OSError) and error.errno is not None  # the file cannot be read at all
+        ):
+            raise _damaged(self._path, str(error).strip().partition("\n")[0]) from error
+
+
+def _damaged(source: Path | pa.Table, why: str) -> UserError:
+    file = source if isinstance(source, Path) else None
+    return UserError(f"the trace is damaged: {why}", file=file)
+
+
+def _flat(lists: pa.ChunkedArray) -> Times:
+    chunks = [chunk.flatten().to_numpy() for chunk in lists.chunks]
+    values: Times = np.concatenate([np.empty(0, np.int64), *chunks])
+    return values
+
+
+class SeriesWriter:
+    """Takes blocks of rows and puts them into a file, or keeps them where there is none.
+
+    All blocks have the columns of the first one. `close` gives the series; `discard` drops what was
+    written.
+    """
+
+    def __init__(self, path: Path | None) -> None:
+        self._path = path
+        self._file: pq.ParquetWriter | None = None
+        self._tables: list[pa.Table] = []
+        self._series: Series | None = None
+
+    def add(self, columns: Mapping[str, pa.Array]) -> None:
+        """Write a block. Raises OSError with the name of the file."""
+        table = pa.table(dict(columns))
+        if self._path is None:
+            self._tables.append(table)
+            return
+        with naming(self._path):
+            if self._file is None:
+                self._path.parent.mkdir(parents=True, exist_ok=True)
+                self._file = pq.ParquetWriter(self._path, table.schema, **_encoding(table.schema))
+            self._file.write_table(table)
+
+    def close(self) -> Series:
+        """Finish; at least one block was written. Raises OSError with the name of the file."""
+        if self._series is None:
+            if self._path is None:
+                self._series = Series(pa.concat_tables(self._tables))
+            else:
+                assert self._file is not None
+                with naming(self._path):
+                    self._file.close()
+                self._series = Series(self._path)
+        return self._series
+
+    def discard(self) -> None:
+        """Drop a file that was not finished; nothing happens to one that was."""
+        if self._file is not None and self._path is not None and self._series is None:
+            with suppress(OSError):
+                self._file.close()
+            with suppress(OSError):
+                self._path.unlink()
+
+
+def _encoding(schema: pa.Schema) -> dict[str, object]:
+    """Return how a file is written: zstd, floats split into byte streams, times as differences."""
+    floats = [item.name for item in schema if pa.types.is_floating(item.type)]
+    lists = [f"{item.name}.list.element" for item in schema if pa.types.is_list(item.type)]
+    return {
+        "compression": "zstd",
+        "use_dictionary": False,
+        "use_byte_stream_split": floats,
+        "column_encoding": dict.fromkeys([TIME, *lists], "DELTA_BINARY_PACKED"),
+    }
