@@ -17,6 +17,7 @@ from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
 from axisrig.bench.machine.injection import inject
+from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.moments import World
 from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
 from axisrig.bench.machine.parts import build_nodes, build_segments
@@ -27,7 +28,6 @@ from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
-from axisrig.bench.machine.rest import Rest
 from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.rig.check import check_rig, segment_schedules
 from axisrig.bench.rig.deflection import DeflectionLog
@@ -247,9 +247,8 @@ class Machine:
             error_no_signal=self.settings.channel.flag("meas_error_no_signal"),
             put_out=self._message,
             monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
+            mechanics=PlantMechanics(self.scheduler, self.plant, waits=self._hardware is None),
         )
-        if self._hardware is None:
-            channel.has_come_to_rest = Rest(self.scheduler, self.plant)
         channel.functions = DriveFunctions(self._accesses)
         channel.plc.values.update(self.settings.external)
         channel.path.override_max_permille = self.settings.channel.integer("max_vb_override")
@@ -280,7 +279,7 @@ class Machine:
     def end_ns(self) -> TimeNs:
         """End of the period in which the program ended: its last block, or set positions stand.
 
-        After an alarm the run goes on until the axes stand (`bench/axisrig/bench/machine/rest.py`).
+        After an alarm the run goes on until the axes stand (`PlantMechanics`).
         """
         end_ns, period_ns = self.channel.end_ns, self.timing.period_ns
         if end_ns is None:

@@ -12,6 +12,7 @@ from axisrig.kernel.channel.axes import SingleAxes
 from axisrig.kernel.channel.control_units import ControlUnits
 from axisrig.kernel.channel.distance_controls import DistanceControls
 from axisrig.kernel.channel.drive_functions import DriveFunctions
+from axisrig.kernel.channel.mechanics import Mechanics, NoMechanics
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.monitor import Monitor, PowerUp
@@ -41,14 +42,14 @@ class Channel(ChannelView):
     networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
     monitor: the watch over drives and buses; without one drives are watched by their telegrams.
     functions: what #DRIVE acts on; to be set before a program that has it is loaded.
-    has_come_to_rest: asked in every cycle after an alarm once the set positions stand; SYNC and
-    cycles go on until it says so. end_ns: instant at which the last program has ended, or what the
-    PLC side did behind it. program_ends_ns, resets_ns: when a program or a reset was over.
+    mechanics: what the drives move; after an alarm SYNC and cycles go on until it stands.
+    end_ns: instant at which the last program has ended, or what the PLC side did after it.
+    program_ends_ns, resets_ns: when a program or a reset was over.
     put_out: takes every message as soon as it is due. It is the `MachineView` of its own
     interpreter; the program is handed over by `load`.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         clock: Clock,
         timing: CycleTiming,
@@ -59,7 +60,9 @@ class Channel(ChannelView):
         error_no_signal: bool,
         put_out: Callable[[canon.Message], None],
         monitor: Monitor | None = None,
+        mechanics: Mechanics | None = None,
     ) -> None:
+        self._mechanics = mechanics or NoMechanics()
         self._clock, self.timing = clock, timing
         self.axes, self.links, self._networks = tuple(axes), tuple(links), tuple(networks)
         self.state = ChannelState.STARTING
@@ -91,7 +94,6 @@ class Channel(ChannelView):
         self.end_ns: TimeNs | None = None
         self.program_ends_ns: list[TimeNs] = []
         self.resets_ns: list[TimeNs] = []
-        self.has_come_to_rest: Callable[[], bool] = lambda: True
         self._monitor = monitor or Monitor(self.links, self._networks, clock)
         self.functions = DriveFunctions({})
         self._power_up = PowerUp(self.links, timing)
@@ -256,13 +258,14 @@ class Channel(ChannelView):
         if self.single.is_active:
             self.single.advance()
         self.path.advance()  # 5, 6 next set positions through the buffer
-        for observer in self.observers:  # 7
+        self._mechanics.advance_to(self.sync_ns)
+        for observer in self.observers:  # 7, they change nothing
             observer(self)
         if was_stopping and self._has_stopped():
             self._stand_behind_alarm()
         elif self.state in AT_REST and self.plc.is_idle():
             self.end_ns = self.end_ns or self._clock.now_ns
-            if self.has_come_to_rest():
+            if self._mechanics.has_come_to_rest():
                 self.state = ChannelState.ENDED
 
     def _take(self) -> None:
@@ -305,7 +308,7 @@ class Channel(ChannelView):
             self.program_ends_ns.append(self._clock.now_ns)
             return
         self.end_ns = self.end_ns or self._clock.now_ns
-        if self.has_come_to_rest():
+        if self._mechanics.has_come_to_rest():
             self.state = ChannelState.ENDED
 
     def _catch_up(self) -> None:
