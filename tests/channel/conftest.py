@@ -17,11 +17,19 @@ from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.dictionary.eds import object_dictionary
 from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.bench.drive.node import DriveNode
-from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming
+from axisrig.kernel.channel import (
+    AxisSettings,
+    Channel,
+    ChannelSettings,
+    CycleTiming,
+    Surroundings,
+)
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
+from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.channel.path.monitor import Monitor
 from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.drives.functions import DriveFunction
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.sdo import SdoClient
@@ -134,7 +142,8 @@ class ChannelBench:
         plane_mm: float | None = None,
         input_delay_ns: int = 0,
         buffer_cycles: int = 0,
-        error_no_signal: bool = False,
+        settings: ChannelSettings | None = None,
+        functions: dict[str, DriveFunction] | None = None,
         sync_counter: int = 0,
         missing_cycles: int = 3,
         fault_reset: bool = False,
@@ -201,11 +210,22 @@ class ChannelBench:
             [s.settings() for s in specs],
             self.links,
             [self.network],
-            error_no_signal=error_no_signal,
-            put_out=lambda m: self.messages.append((self.scheduler.now_ns, m.text)),
-            monitor=Monitor(self.links, [self.network], self.scheduler, watches),
+            Surroundings(
+                put_out=lambda m: self.messages.append((self.scheduler.now_ns, m.text)),
+                monitor=Monitor(self.links, [self.network], self.scheduler, watches),
+                functions=DriveFunctions(self._accesses(functions)),
+            ),
+            settings,
         )
         self.channel.observers.append(self._observe)
+
+    def _accesses(self, functions: dict[str, DriveFunction] | None) -> dict[str, DriveAccess]:
+        """The ways to the drive of the first axis, None = #DRIVE acts on none."""
+        if functions is None:
+            return {}
+        link = self.links[0]
+        sdo = SdoClient(self.network, self.scheduler, 1, timeout_ns=20 * MS)
+        return {link.name: DriveAccess(link, sdo, functions)}
 
     def _node(self, number: int, spec: AxisSpec) -> DriveNode:
         network = SimNetwork(self.segment.port(spec.name)).connect()

@@ -8,9 +8,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.faults import Drop, FrameFault
-from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
 from axisrig.kernel.drives.functions import DriveFunction
-from axisrig.kernel.drives.sdo import SdoClient
 from axisrig.kernel.drives.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS, S
@@ -28,12 +26,8 @@ WINDOW = DriveFunction(
 def _bench(channel_bench: Make, words: Any, *functions: DriveFunction, torque: int = 65535) -> Any:
     """A channel with the functions; torque: 6072 of the drive at the start."""
     start_up = StartUpSettings(writes=[(0x6072, 0, torque)])
-    bench = channel_bench(words.axis("Z"), start_up=start_up)
-    (link,) = bench.links
-    sdo = SdoClient(bench.network, bench.scheduler, 1, timeout_ns=20 * MS)
     declared = {f.key: f for f in functions or (TORQUE, WINDOW)}
-    bench.channel.functions = DriveFunctions({"Z": DriveAccess(link, sdo, declared)})
-    return bench
+    return channel_bench(words.axis("Z"), start_up=start_up, functions=declared)
 
 
 def _write(

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.run import RunRecord
@@ -152,8 +153,8 @@ def test_x_hits_while_y_is_free(channel_bench: Make, words: Any) -> None:
 
 def test_err_no_signal_of_meas_changes_nothing_in_type_7(channel_bench: Make, words: Any) -> None:
     for may_be_missing, alarms in ((False, [900240]), (True, [])):
-        bench = channel_bench(axis(words))
-        bench.channel.measurement.stop_may_be_missing = may_be_missing
+        settings = ChannelSettings(stop_may_be_missing=may_be_missing)
+        bench = channel_bench(axis(words), settings=settings)
         run = words.probe(2, FEED, 7, error_no_signal=may_be_missing, Z=5.0)
         bench.run([run, words.wait(2), words.end()])
         assert bench.alarm_ids == alarms

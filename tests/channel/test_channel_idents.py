@@ -5,11 +5,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.kernel.channel.drive_functions import DriveAccess, DriveFunctions
-from axisrig.kernel.drives.sdo import SdoClient
 from axisrig.kernel.drives.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
-from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
 SDO_REQUEST = 0x601
@@ -18,11 +15,7 @@ TORQUE, WINDOW = "S-0-0092", "S-0-0159"
 
 def _bench(channel_bench: Make, words: Any, *, window: int = 1048575) -> Any:
     start_up = StartUpSettings(writes=[(0x6072, 0, 65535), (0x6065, 0, window)])
-    bench = channel_bench(words.axis("Z"), start_up=start_up)
-    (link,) = bench.links
-    sdo = SdoClient(bench.network, bench.scheduler, 1, timeout_ns=20 * MS)
-    bench.channel.functions = DriveFunctions({"Z": DriveAccess(link, sdo, {})})
-    return bench
+    return channel_bench(words.axis("Z"), start_up=start_up, functions={})
 
 
 def _write(words: Any, number: int, ident: str, value: float, length: int) -> canon.DriveWrite:

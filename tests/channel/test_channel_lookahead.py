@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
@@ -112,8 +113,8 @@ def test_a_value_for_the_plc_side_is_given_out_between_the_moves(
 def test_blocks_behind_a_programmed_stop_are_decoded_when_the_program_goes_on(
     channel_bench: Make, words: Any
 ) -> None:
-    bench = channel_bench(words.axis("Z"))
-    bench.channel.pauses.start_after_ns = 50_000_000
+    settings = ChannelSettings(start_after_ns=50_000_000)
+    bench = channel_bench(words.axis("Z"), settings=settings)
     done = Decoding(bench, "G1 F600 Z2\nM0\nZ3").run()
     assert done.at_ns(3) >= done.reaches_ns(2.0) + 50_000_000
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.nc import canon
 
 Make = Callable[..., Any]
@@ -59,7 +60,8 @@ def test_err_no_signal_of_meas_wins_over_p_chan_00176(
         (False, True, [900004]),
         (True, False, []),
     ):
-        bench = channel_bench(words.axis("Z", start_mm=130.0), error_no_signal=parameter)
+        settings = ChannelSettings(error_no_signal=parameter)
+        bench = channel_bench(words.axis("Z", start_mm=130.0), settings=settings)
         run = words.probe(1, 600.0, kind, error_no_signal=programmed, Z=129.0)
         bench.run([run, words.wait(1), words.end()])
         assert bench.alarm_ids == alarms

@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS
@@ -129,8 +130,8 @@ def test_exact_stop_waits_for_the_window(channel_bench: Any, words: Any) -> None
 
 
 def test_programmed_stop_lasts_until_the_operator_starts(channel_bench: Any, words: Any) -> None:
-    bench = channel_bench(words.axis("X"))
-    bench.channel.pauses.start_after_ns = 250 * MS
+    settings = ChannelSettings(start_after_ns=250 * MS)
+    bench = channel_bench(words.axis("X"), settings=settings)
     bench.run(
         [
             words.move(1, 600.0, X=1.0),
@@ -148,8 +149,7 @@ def test_programmed_stop_lasts_until_the_operator_starts(channel_bench: Any, wor
 
 
 def test_a_stop_lasts_a_cycle_at_least(channel_bench: Any, words: Any) -> None:
-    bench = channel_bench(words.axis("X"))
-    bench.channel.pauses.start_after_ns = 0
+    bench = channel_bench(words.axis("X"), settings=ChannelSettings(start_after_ns=0))
     stops = [canon.ProgramStop(block(n), optional=False) for n in (1, 2, 3)]
     bench.run([*stops, words.end()])
     events = bench.channel.plc.events
@@ -175,8 +175,7 @@ def test_programmed_stop_without_an_operator_ends_the_program(
 def test_optional_stop_acts_only_when_it_is_switched_on(
     channel_bench: Any, words: Any, on: bool, alarms: list[int]
 ) -> None:
-    bench = channel_bench(words.axis("X"))
-    bench.channel.pauses.optional_stop = on
+    bench = channel_bench(words.axis("X"), settings=ChannelSettings(optional_stop=on))
     bench.run([canon.ProgramStop(block(1), optional=True), words.end()])
     assert bench.alarm_ids == alarms
 

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from tests.channel.conftest import ChannelBench
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc import canon
@@ -66,8 +67,8 @@ def test_the_override_of_an_axis_that_does_not_move_changes_not_a_bit(
 
 
 def test_above_100_percent_the_limits_of_the_axes_hold(channel_bench: Make, words: Any) -> None:
-    bench = channel_bench(words.axis("Z", speed_max_mm_s=80.0))
-    bench.channel.path.override_max_permille = 1800
+    settings = ChannelSettings(override_max_permille=1800)
+    bench = channel_bench(words.axis("Z", speed_max_mm_s=80.0), settings=settings)
     run(bench, words.move(1, 2400.0, Z=40.0), words.move(2, 3000.0, Z=80.0), path=2000)
     speeds = speeds_mm_s(bench, "Z")
     half = len(speeds) // 2
@@ -78,8 +79,8 @@ def test_a_measuring_run_keeps_within_the_stroke_of_its_probe_at_200_percent(
     channel_bench: Make, words: Any
 ) -> None:
     """Type 2: a stroke of 2 mm and 1000 mm/s² allow v²/2a <= 2 mm, 63.2 mm/s; 2 * 40 is more."""
-    bench = channel_bench(words.axis("Z", measuring_mm_s=40.0, stroke_mm=2.0))
-    bench.channel.path.override_max_permille = 2000
+    axis = words.axis("Z", measuring_mm_s=40.0, stroke_mm=2.0)
+    bench = channel_bench(axis, settings=ChannelSettings(override_max_permille=2000))
     run(bench, words.probe(1, None, 2, error_no_signal=False, Z=40.0), path=2000)
     assert max(speeds_mm_s(bench, "Z")) == pytest.approx((2 * 1000 * 2.0) ** 0.5, abs=1e-5)
 
@@ -124,8 +125,8 @@ def test_the_window_does_not_count_while_an_override_falls(channel_bench: Make, 
     The start distance of 2 mm counts again from the end of the fall; nothing is found in free air.
     """
     window = FixedStopSettings(window_mm=0.1, min_time_ns=50 * MS, start_distance_mm=2.0)
-    bench = channel_bench(words.axis("Z", source="FIXED_STOP", fixed_stop=window))
-    bench.channel.measurement.stop_may_be_missing = True
+    axis = words.axis("Z", source="FIXED_STOP", fixed_stop=window)
+    bench = channel_bench(axis, settings=ChannelSettings(stop_may_be_missing=True))
     plc, turns = bench.channel.plc, iter(range(10**6))
 
     def turn() -> None:

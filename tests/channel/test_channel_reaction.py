@@ -13,6 +13,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
+
 Make = Callable[..., Any]
 MS, S = 1_000_000, 1_000_000_000
 T_S = 1e-3
@@ -107,7 +109,7 @@ def test_without_signal_the_run_ends_at_the_target(channel_bench: Make, words: A
 def test_without_signal_and_with_p_chan_00176_it_is_an_alarm(
     channel_bench: Make, words: Any
 ) -> None:
-    bench = _probe_down(channel_bench, words, 50.0, error_no_signal=True)
+    bench = _probe_down(channel_bench, words, 50.0, settings=ChannelSettings(error_no_signal=True))
     assert bench.alarm_ids == [900004]
     assert "N10" in str(bench.channel.alarms[0])
 

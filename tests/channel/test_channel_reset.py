@@ -8,7 +8,7 @@ import pytest
 from tests.channel.conftest import ChannelBench
 
 from axisrig.bench.bus.faults import Drop
-from axisrig.kernel.channel import ChannelState
+from axisrig.kernel.channel import ChannelSettings, ChannelState
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
@@ -98,9 +98,9 @@ def at_the_end(words: Any) -> list[canon.Command]:
 def test_what_a_program_waits_for_ends_with_it(
     channel_bench: Make, words: Any, waiting: Callable[[Any], list[canon.Command]]
 ) -> None:
-    bench = channel_bench(words.axis("Z"))
+    settings = ChannelSettings(start_after_ns=5000 * MS)
+    bench = channel_bench(words.axis("Z"), settings=settings)
     bench.channel.plc.acknowledged_later = frozenset({"M50"})
-    bench.channel.pauses.start_after_ns = 5000 * MS
     after = start(bench, words.move(1, 3000.0, Z=1.0), words.end())
     Side(bench, words, {100: reset(bench), 110: after})
     bench.run([*waiting(words), words.end()])

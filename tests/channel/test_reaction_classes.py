@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
@@ -25,10 +26,9 @@ LAG = {"lag_mm": "2", "limit_mm": "1"}
 class Stop:
     """A run that an alarm has met at full speed; step: the first cycle behind it."""
 
-    def __init__(self, make: Make, words: Any, alarm: Alarm, **reactions: Any) -> None:
-        self.bench = make(words.axis("Y"), words.axis("Z", a_mm_s2=4000.0))
-        for name, value in reactions.items():
-            setattr(self.bench.channel.reactions, name, value)
+    def __init__(self, make: Make, words: Any, alarm: Alarm, **settings: Any) -> None:
+        axes = words.axis("Y"), words.axis("Z", a_mm_s2=4000.0)
+        self.bench = make(*axes, settings=ChannelSettings(**settings))
         self.bench.prepare([words.move(1, 3000.0, Y=60.0, Z=80.0), words.end()])
         scheduler, samples = self.bench.scheduler, self.bench.samples
         assert scheduler.run_while(lambda: not samples or samples[-1].set_mm[0] < 12.0, 10 * S)

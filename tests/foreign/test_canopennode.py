@@ -17,7 +17,7 @@ from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.dictionary.eds import object_dictionary
 from axisrig.bench.drive.dictionary.profile import DriveProfile
-from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming
+from axisrig.kernel.channel import AxisSettings, Channel, CycleTiming, Surroundings
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.sdo import SdoClient
@@ -77,8 +77,7 @@ class MasterBench:
             [axis],
             [self.link],
             [self.network],
-            error_no_signal=False,
-            put_out=lambda _message: None,
+            Surroundings(put_out=lambda _message: None),
         )
         self._start = self._start_up(settings)
 

@@ -17,6 +17,7 @@ from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
 from axisrig.bench.machine.injection import inject
+from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.moments import World
 from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
 from axisrig.bench.machine.parts import build_nodes, build_segments
@@ -27,14 +28,20 @@ from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
-from axisrig.bench.machine.rest import Rest
 from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.rig.check import check_rig, segment_schedules
 from axisrig.bench.rig.deflection import DeflectionLog
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.channel import AxisSettings, Channel, ChannelState, CycleTiming
+from axisrig.kernel.channel import (
+    AxisSettings,
+    Channel,
+    ChannelSettings,
+    ChannelState,
+    CycleTiming,
+    Surroundings,
+)
 from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm, UserError
@@ -235,30 +242,30 @@ class Machine:
         # On a segment without a drive nobody would acknowledge a SYNC
         used = {axis.segment for axis in self.settings.rig.axis.values()}
         networks = {name: n for name, n in self.networks.items() if name in used}
+        axes = self.settings.axis
+        operator = self.settings.operator
         channel = Channel(
             self.scheduler,
             self.timing,
             [
-                AxisSettings.read(name, self.settings.axis[name], self.settings.channel)
+                AxisSettings.read(name, axes[name], self.settings.channel)
                 for name in self.settings.rig.axis
             ],
             list(self.links.values()),
             list(networks.values()),
-            error_no_signal=self.settings.channel.flag("meas_error_no_signal"),
-            put_out=self._message,
-            monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
+            Surroundings(
+                put_out=self._message,
+                monitor=build_monitor(self.settings, self.links, networks, self.scheduler),
+                functions=DriveFunctions(self._accesses),
+                mechanics=PlantMechanics(self.scheduler, self.plant, waits=self._hardware is None),
+            ),
+            ChannelSettings.read(
+                self.settings.channel,
+                start_after_ns=operator.start_after_ns,
+                optional_stop=operator.optional_stop,
+            ),
         )
-        if self._hardware is None:
-            channel.has_come_to_rest = Rest(self.scheduler, self.plant)
-        channel.functions = DriveFunctions(self._accesses)
         channel.plc.values.update(self.settings.external)
-        channel.path.override_max_permille = self.settings.channel.integer("max_vb_override")
-        halts = self.settings.channel.flag("independent_axis_error_stop")
-        channel.reactions.each_axis_halts = halts
-        may_be_missing = self.settings.channel.flag("meas_fixed_stop_no_error")
-        channel.measurement.stop_may_be_missing = may_be_missing
-        channel.pauses.start_after_ns = self.settings.operator.start_after_ns
-        channel.pauses.optional_stop = self.settings.operator.optional_stop
         for warning in [*self.settings.warnings, *warnings]:
             channel.warn(warning)
         self.plc_side = PlcSide(
@@ -280,7 +287,7 @@ class Machine:
     def end_ns(self) -> TimeNs:
         """End of the period in which the program ended: its last block, or set positions stand.
 
-        After an alarm the run goes on until the axes stand (`bench/axisrig/bench/machine/rest.py`).
+        After an alarm the run goes on until the axes stand (`PlantMechanics`).
         """
         end_ns, period_ns = self.channel.end_ns, self.timing.period_ns
         if end_ns is None:

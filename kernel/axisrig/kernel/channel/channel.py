@@ -8,20 +8,23 @@ brakes, its set position acts from the next SYNC on.
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
-from axisrig.kernel.channel.axes import SingleAxes
+from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
+from axisrig.kernel.channel.axes import Couplings, SingleAxes
 from axisrig.kernel.channel.control_units import ControlUnits
+from axisrig.kernel.channel.distance.axis import AxisDistance
+from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.distance_controls import DistanceControls
-from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.monitor import Monitor, PowerUp
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.soft_limits import SoftLimitWatch
 from axisrig.kernel.channel.pauses import Pauses
-from axisrig.kernel.channel.reactions import Reactions, faulty_axes
+from axisrig.kernel.channel.reactions import Reactions
 from axisrig.kernel.channel.reset import Reset
 from axisrig.kernel.channel.state import AT_REST, CONTROLLED, FAILED, ChannelState
+from axisrig.kernel.channel.surroundings import Surroundings
 from axisrig.kernel.channel.view import ChannelView
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.startup import StartUp
@@ -38,14 +41,15 @@ SYNC_COB_ID = 0x80
 class Channel(ChannelView):
     """A channel with its axes and drive links, in the same order.
 
-    networks: one canopen network per segment, for the SYNC. error_no_signal: P-CHAN-00176.
-    monitor: the watch over drives and buses; without one drives are watched by their telegrams.
-    functions: what #DRIVE acts on; to be set before a program that has it is loaded.
-    has_come_to_rest: asked in every cycle after an alarm once the set positions stand; SYNC and
-    cycles go on until it says so. end_ns: instant at which the last program has ended, or what the
-    PLC side did behind it. program_ends_ns, resets_ns: when a program or a reset was over.
-    put_out: takes every message as soon as it is due. It is the `MachineView` of its own
-    interpreter; the program is handed over by `load`.
+    networks: one canopen network per segment, for the SYNC. around: what it works with besides.
+    observers: called with the channel at the end of every cycle; they change nothing.
+    end_ns: instant at which the last program has ended, or what the PLC side did after it.
+    program_ends_ns, resets_ns: when a program or a reset was over.
+    It is the `MachineView` of its own interpreter; the program is handed over by `load`.
+
+    Its parts are made in the order in which they need each other. Two pairs would be circles; a
+    third that both take is between them: `AlarmLog` (a run warns, a reaction ends the run) and
+    `Offsets` (a run asks for distance control, distance control for the run).
     """
 
     def __init__(
@@ -55,93 +59,89 @@ class Channel(ChannelView):
         axes: Sequence[AxisSettings],
         links: Sequence[AxisLink],
         networks: Sequence[Any],
-        *,
-        error_no_signal: bool,
-        put_out: Callable[[canon.Message], None],
-        monitor: Monitor | None = None,
+        around: Surroundings,
+        settings: ChannelSettings | None = None,
     ) -> None:
-        self._clock, self.timing = clock, timing
+        self._clock, self.timing, self._mechanics = clock, timing, around.mechanics
         self.axes, self.links, self._networks = tuple(axes), tuple(links), tuple(networks)
+        self._settings = settings or ChannelSettings()
         self.state = ChannelState.STARTING
         self._starting = 0
-        self.path = Path(clock, timing, axes, links)
-        by_axis = {link.name: link for link in links}
-        self.measurement = Measurement(
-            clock,
-            self.path,
-            by_axis,
-            timing=timing,
-            error_no_signal=error_no_signal,
-            warn=self.warn,
-        )
-        self.execution = Execution(put_out)
-        self.plc = PlcInterface(clock, by_axis)
-        self._units = ControlUnits(self.plc, self.path)
-        in_position = self.path.is_in_position
-        self.pauses = Pauses(clock, timing.period_ns, in_position, self.plc.events)
-        self.single = SingleAxes(clock, timing, self.path, self.measurement, by_axis)
-        self.reactions = Reactions(clock, self.path, self.measurement, self.execution, self.links)
-        self.reactions.stops.append(self.single.stop)
-        self.distance = self._distance_controls()
-        uncounted = self.distance.uncounted_mm()
-        self._limits = SoftLimitWatch({a.name: a.limits for a in axes}, by_axis, uncounted)
+        self._make_parts(around)
+        self._monitor = around.monitor or Monitor(self.links, self._networks, clock)
+        self.functions = around.functions
+        self._power_up = PowerUp(self.links, timing)
         self.drive_writes: list[tuple[TimeNs, canon.DriveWrite]] = []
         self.observers: list[Callable[[Channel], None]] = []
         self.start_ns: TimeNs | None = None
         self.end_ns: TimeNs | None = None
         self.program_ends_ns: list[TimeNs] = []
         self.resets_ns: list[TimeNs] = []
-        self.has_come_to_rest: Callable[[], bool] = lambda: True
-        self._monitor = monitor or Monitor(self.links, self._networks, clock)
-        self.functions = DriveFunctions({})
-        self._power_up = PowerUp(self.links, timing)
-        self._reset = Reset(
-            self.links,
-            timing,
-            self.path,
-            self.reactions,
-            [
-                self.execution.drop,
-                self.path.brake,
-                self.single.stop,
-                self.measurement.reset,
-                self.distance.reset,
-                self.pauses.reset,
-                lambda: self.functions.reset(),  # noqa: PLW0108 - `functions` is replaced
-                self.plc.acknowledge,
-            ],
-        )
+        ends = [
+            self.execution.drop,
+            self.path.brake,
+            self.single.stop,
+            self.measurement.reset,
+            self.distance.reset,
+            self.pauses.reset,
+            self.functions.reset,
+            self.plc.acknowledge,
+        ]
+        self._reset = Reset(self.links, timing, self.path, self.reactions, ends)
         self._next_sync_ns, self._sync_count = 0, 0
         self._assign()
 
-    def _distance_controls(self) -> DistanceControls:
-        plc, single = self.plc, self.single
-        distance = DistanceControls(
-            self.path,
-            self.axes,
-            self.links,
-            plc.axis,
-            plc.values,
-            plc.refreshed,
-            self.timing.period_ns,
+    def _make_parts(self, around: Surroundings) -> None:
+        """Make what moves, measures and reacts."""
+        clock, timing, settings = self._clock, self.timing, self._settings
+        links = {link.name: link for link in self.links}
+        self._log = AlarmLog(clock)
+        self.execution = Execution(around.put_out)
+        self.plc = plc = PlcInterface(clock, links)
+        controls = {
+            axis.name: AxisDistance(
+                links[axis.name], axis.distance, plc.values, plc.refreshed, timing.period_ns
+            )
+            for axis in self.axes
+            if axis.distance is not None
+        }
+        offsets = Offsets(controls)
+        self.path = path = Path(clock, timing, self.axes, self.links, offsets, settings)
+        couplings = Couplings(path, links)
+        self.measurement = Measurement(
+            clock,
+            path,
+            links,
+            timing=timing,
+            settings=settings,
+            slaves_of=couplings.slaves_of,
+            offsets=offsets,
+            warn=self.warn,
         )
-        distance.warn = self.warn
-        distance.slaves_of = single.couplings.slaves_of
-        distance.is_led = lambda axis: single.independent.are_moving((axis,))
-        distance.measuring_state = self._measuring_state
-        self.measurement.refuse = distance.check_measuring
-        if distance.axes:
-            self.path.superposed_mm = distance.superposed_mm
-            self.path.counted_mm = distance.counted_mm
-        single.independent.override_permille = self._units.override_beside_permille
-        return distance
+        self._units = units = ControlUnits(plc, path)
+        self.single = SingleAxes(
+            clock, timing, path, self.measurement, links, couplings, units.override_beside_permille
+        )
+        self.reactions = Reactions(
+            self._log,
+            path,
+            self.measurement,
+            self.execution,
+            self.links,
+            self.single.stop,
+            each_axis_halts=settings.each_axis_halts,
+        )
+        self.distance = DistanceControls(
+            path, self.single, self.axes, controls, plc.axis, self.warn
+        )
+        self._superpose = self.distance.superpose if controls else None
+        self.pauses = Pauses(clock, timing.period_ns, path.is_in_position, plc.events, settings)
+        limits = {axis.name: axis.limits for axis in self.axes}
+        self._limits = SoftLimitWatch(limits, links, offsets.uncounted_mm())
 
     def is_measuring(self, axis: str) -> bool:
         """Tell whether a run of an axis is under way."""
-        return self._measuring_state(axis) is not None
-
-    def _measuring_state(self, axis: str) -> str | None:
-        return self.measurement.state_of(axis) or self.single.independent.measuring_state(axis)
+        return self.single.measuring_state(axis) is not None
 
     def _assign(self) -> None:
         """Say who carries out which command."""
@@ -187,7 +187,7 @@ class Channel(ChannelView):
     def _on_started(self, alarm: Alarm | None) -> None:
         self._starting -= 1
         if alarm is not None:
-            self.reactions.register(alarm)
+            self._log.register(alarm)
         if self._starting:
             return
         if any(known.ends_program for known in self.alarms):
@@ -255,14 +255,15 @@ class Channel(ChannelView):
             self._catch_up()
         if self.single.is_active:
             self.single.advance()
-        self.path.advance()  # 5, 6 next set positions through the buffer
-        for observer in self.observers:  # 7
+        self.path.advance(self._superpose)  # 5, 6 next set positions through the buffer
+        self._mechanics.advance_to(self.sync_ns)
+        for observer in self.observers:  # 7, they change nothing
             observer(self)
         if was_stopping and self._has_stopped():
             self._stand_behind_alarm()
         elif self.state in AT_REST and self.plc.is_idle():
             self.end_ns = self.end_ns or self._clock.now_ns
-            if self.has_come_to_rest():
+            if self._mechanics.has_come_to_rest():
                 self.state = ChannelState.ENDED
 
     def _take(self) -> None:
@@ -305,7 +306,7 @@ class Channel(ChannelView):
             self.program_ends_ns.append(self._clock.now_ns)
             return
         self.end_ns = self.end_ns or self._clock.now_ns
-        if self.has_come_to_rest():
+        if self._mechanics.has_come_to_rest():
             self.state = ChannelState.ENDED
 
     def _catch_up(self) -> None:
@@ -344,17 +345,17 @@ class Channel(ChannelView):
     @property
     def alarms(self) -> list[Alarm]:
         """What has come up, in order."""
-        return self.reactions.alarms
+        return self._log.alarms
 
     @property
     def alarm_ns(self) -> list[TimeNs]:
         """When it came up, in the same order."""
-        return self.reactions.alarm_ns
+        return self._log.alarm_ns
 
     @property
     def further_alarms(self) -> list[Alarm]:
         """What came up besides, while the axes stopped."""
-        return self.reactions.further
+        return self._log.further
 
     # Carrying out commands
 
@@ -430,7 +431,7 @@ class Channel(ChannelView):
         self._monitor.further, self.distance.further = [], []
         for one in (alarm, *further):
             if self.state in FAILED:
-                self.reactions.register_further(one)
+                self._log.register_further(one)
             elif self.reactions.come_up(one):
                 self.state = ChannelState.STOPPING
                 self.distance.switch_off(faulty_axes(one))
@@ -442,4 +443,4 @@ class Channel(ChannelView):
 
     def warn(self, alarm: Alarm) -> None:
         """Note an alarm of class 1: the program goes on."""
-        self.reactions.register(alarm)
+        self._log.register(alarm)

@@ -5,25 +5,23 @@ acts first, then every control takes the sensor value and the actual position of
 What the program commands acts from the next cycle's step on.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 
+from axisrig.kernel.channel.axes import SingleAxes
 from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.distance import DistanceCommand, DistanceControl, DistanceState, Source
-from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.motion.interpolator import Positions
 from axisrig.kernel.nc import canon
-from axisrig.kernel.plc.unit import AxisUnit, DistanceUnit, Refreshed
-from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.plc.unit import AxisUnit, DistanceUnit
 
 NOT_RELEASED, NOT_RELEASED_OLD = 310015, 70336
 STILL_MEASURES = 310005, 70521  # newer and older family
-CONTROL_IS_ON = 310000
 STILL_ON_AT_END = 70332
 
 COMMANDS: Mapping[str, DistanceCommand] = {
@@ -38,41 +36,29 @@ SWITCHES_ON = (DistanceCommand.ON, DistanceCommand.ON_CONST_DIST)
 class DistanceControls:
     """The distance controls of a channel; axes: those that have one.
 
-    units: of every axis at the PLC's side. values: V.E. variables; refreshed: those of them that
-    come with a period. measuring_state: tells how far
-    the measurement is in which an axis takes part, None without one. slaves_of: tells which axes
-    follow others, each with its master. warn: takes alarms of class 1. further: what came up in a
-    cycle besides the alarm that was raised. has_stepped: in this cycle.
+    settings: of every axis, in the order of the set positions. units: of every axis at the PLC's
+    side. warn: takes alarms of class 1. further: what came up in a cycle besides the alarm that was
+    raised. has_stepped: in this cycle.
     """
 
     def __init__(
         self,
         path: Path,
+        single: SingleAxes,
         settings: Sequence[AxisSettings],
-        links: Sequence[AxisLink],
+        axes: Mapping[str, AxisDistance],
         units: Mapping[str, AxisUnit],
-        values: Mapping[str, float],
-        refreshed: Mapping[str, Refreshed],
-        period_ns: TimeNs,
+        warn: Callable[[Alarm], None],
     ) -> None:
-        self._path, self._units = path, units
+        self._path, self._single, self._units, self._warn = path, single, units, warn
+        self._slaves_of = single.couplings.slaves_of
         self._plc_units = [unit.distance for unit in units.values()]
         self._settings = {axis.name: axis for axis in settings}
-        self.axes = {
-            axis.name: AxisDistance(link, axis.distance, values, refreshed, period_ns)
-            for axis, link in zip(settings, links, strict=True)
-            if axis.distance is not None
-        }
+        self.axes = axes
         self._index = {axis.name: index for index, axis in enumerate(settings)}
         self._awaited: dict[str, DistanceCommand] = {}
-        self.measuring_state: Callable[[str], str | None] = lambda _axis: None
-        self.slaves_of: Callable[[Collection[str]], Mapping[str, str]] = lambda _masters: {}
-        self.is_led: Callable[[str], bool] = lambda _axis: False
-        self.warn: Callable[[Alarm], None] = lambda _alarm: None
         self.further: list[Alarm] = []
         self.has_stepped = False
-        if self.axes:
-            path.superpose = self._superpose
 
     def control(self, axis: str) -> DistanceControl:
         """Return the control of an axis; KeyError for one that has none."""
@@ -117,12 +103,12 @@ class DistanceControls:
         for name, axis in self.axes.items():
             axis.show(self._units[name].distance.state_r)
 
-    def _superpose(self, positions_mm: Positions) -> Positions:
+    def superpose(self, positions_mm: Positions) -> Positions:
         """Add the offsets to the set positions that leave the buffer; slaves follow."""
         self.has_stepped = False
         sent = list(positions_mm)
         offsets = {name: axis.put_out() for name, axis in self.axes.items()}
-        for slave, master in self.slaves_of(offsets).items():
+        for slave, master in self._slaves_of(offsets).items():
             sent[self._index[slave]] += offsets[master]
         for name, offset_mm in offsets.items():
             sent[self._index[name]] += offset_mm
@@ -153,7 +139,7 @@ class DistanceControls:
             assert isinstance(head, canon.DistanceCommand)
             if head.action == "ref" and head.axis in self.axes:
                 return self.axes[head.axis].may_reference()
-            return not (head.no_move and self.is_led(head.axis))
+            return not (head.no_move and self._single.independent.are_moving((head.axis,)))
 
         execution.register(canon.DistanceCommand, self._carry_out, ready=may_begin)
         if self.axes:
@@ -200,16 +186,16 @@ class DistanceControls:
         control = axis.control
         if wanted in SWITCHES_ON:
             axis.require_sensor()
-            state = self.measuring_state(axis.name)
+            state = self._single.measuring_state(axis.name)
             if state is not None and not dry_run:
                 raise control.settings.alarm(STILL_MEASURES, owner=control.owner, state=state)
         pending_mm = axis.pending_mm
         control.command(wanted, source, no_move=no_move, dry_run=dry_run)
         warning = axis.age_warning() if wanted in SWITCHES_ON else None
         if warning is not None:
-            self.warn(warning)
+            self._warn(warning)
         if no_move and control.state is DistanceState.INACTIVE:
-            for name in (axis.name, *self.slaves_of((axis.name,))):
+            for name in (axis.name, *self._slaves_of((axis.name,))):
                 self._path.take_offset(name, pending_mm)
             axis.forget_offset()
 
@@ -224,35 +210,6 @@ class DistanceControls:
 
     # Others ask
 
-    def check_measuring(self, axis: str) -> None:
-        """Raise Alarm 310000 for an axis that cannot measure while its control is on."""
-        found = self.axes.get(axis)
-        if found is not None and found.is_moving and not found.control.is_dry_run:
-            word = f"{found.control.state.name}"
-            raise Alarm(CONTROL_IS_ON, axis=axis, master=axis, controlword=word)
-
-    def superposed_mm(self, axis: str) -> float:
-        """Return the offset of an axis that goes out in this cycle."""
-        found = self.axes.get(axis)
-        return 0.0 if found is None else found.pending_mm
-
-    def counted_mm(self, axis: str) -> float:
-        """Return the offset of an axis as far as it counts for the software limit switches."""
-        found = self.axes.get(axis)
-        counts = found is not None and found.settings.checks_limits
-        return found.control.offset_mm if found is not None and counts else 0.0
-
-    def uncounted_mm(self) -> dict[str, Callable[[], float]]:
-        """Return, by axis, what tells the part of a position that does not count for the switches.
-
-        That is the offset where P-AXIS-00428 is 0.
-        """
-        return {
-            name: partial(getattr, axis, "output_mm")
-            for name, axis in self.axes.items()
-            if not axis.settings.checks_limits
-        }
-
     @property
     def is_turning_off(self) -> bool:
         """Whether an offset still runs out."""
@@ -265,7 +222,7 @@ class DistanceControls:
         """
         for name, axis in self.axes.items():
             if axis.control.state is not DistanceState.INACTIVE:
-                self.warn(Alarm(STILL_ON_AT_END, place=place, axis=name))
+                self._warn(Alarm(STILL_ON_AT_END, place=place, axis=name))
             axis.control.forget_set_values()
 
     def switch_off(self, axes: Iterable[str]) -> None:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 from axisrig.kernel.channel.path.execution import Execution
+from axisrig.kernel.channel.path.settings import ChannelSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.interface import PlcAction, PlcEvent
@@ -12,9 +13,8 @@ from axisrig.kernel.time.clock import Clock, TimeNs
 class Pauses:
     """Carries out dwell times and stops.
 
-    start_after_ns: how long after a programmed stop the operator starts again; None when nobody
-    does. optional_stop: whether M1 stops. is_in_position: exact stop of all axes.
-    events: takes every stop with its new start.
+    is_in_position: exact stop of all axes. events: takes every stop with its new start.
+    settings: of the channel; they say what the operator does.
     """
 
     def __init__(
@@ -23,12 +23,12 @@ class Pauses:
         period_ns: TimeNs,
         is_in_position: Callable[[], bool],
         events: list[PlcEvent],
+        settings: ChannelSettings,
     ) -> None:
         self._clock, self._period_ns, self._events = clock, period_ns, events
+        self._settings = settings
         self._is_in_position = is_in_position
         self._until_ns: TimeNs = 0
-        self.start_after_ns: TimeNs | None = None
-        self.optional_stop = False
 
     def assign(self, execution: Execution) -> None:
         """Say which commands are carried out here."""
@@ -50,12 +50,13 @@ class Pauses:
 
         Raises Alarm 900170 when nobody will start.
         """
-        if command.optional and not self.optional_stop:
+        if command.optional and not self._settings.optional_stop:
             return
-        if self.start_after_ns is None:
+        start_after_ns = self._settings.start_after_ns
+        if start_after_ns is None:
             raise Alarm(900170, word="M1" if command.optional else "M0")
         now_ns = self._clock.now_ns
-        cycles = max(1, -(-self.start_after_ns // self._period_ns))
+        cycles = max(1, -(-start_after_ns // self._period_ns))
         self._until_ns = now_ns + cycles * self._period_ns
         self._events += (PlcEvent(now_ns, command), PlcEvent(self._until_ns, command, True))
 

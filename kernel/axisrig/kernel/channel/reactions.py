@@ -9,15 +9,15 @@ Source: ISG kernel, overview of the error reaction classes (249161867); P-AXIS-0
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 
+from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
 from axisrig.kernel.channel.path.execution import Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.ramp import Ramp
-from axisrig.kernel.time.clock import Clock, TimeNs
+from axisrig.kernel.time.clock import TimeNs
 
-OWNER = "axis "  # before the name where a value may also name the channel
 NOT_FOLLOWING = 900029  # braking the set position would not stop this axis
 
 
@@ -36,56 +36,51 @@ class ReactionClass(IntEnum):
 class Reactions:
     """Registers alarms and reacts: above class 1 the program ends.
 
-    each_axis_halts: P-CHAN-00218, every axis brakes by its own ramp when one is faulty.
-    stops: called to stop what moves beside the path. alarms: warnings and the one that has ended
-    the program; further: what came up with it and while the axes stopped, which changes nothing.
+    log: gets every alarm. stop_beside: stops what moves beside the path. each_axis_halts:
+    P-CHAN-00218, every axis brakes by its own ramp when one is faulty.
     """
 
     def __init__(
         self,
-        clock: Clock,
+        log: AlarmLog,
         path: Path,
         measurement: Measurement,
         execution: Execution,
         links: Sequence[AxisLink],
+        stop_beside: Callable[[], None],
+        *,
+        each_axis_halts: bool,
     ) -> None:
-        self._clock, self._path, self._links = clock, path, tuple(links)
+        self._log, self._path, self._links = log, path, tuple(links)
         self._measurement, self._execution = measurement, execution
-        self.each_axis_halts = False
+        self._stop_beside, self._each_axis_halts = stop_beside, each_axis_halts
         self._ramps: dict[str, Ramp] = {}
         self._follow: Callable[[], None] | None = None  # of the path, while ramps lead axes off it
-        self.stops: list[Callable[[], None]] = []
-        self.alarms: list[Alarm] = []
-        self.alarm_ns: list[TimeNs] = []
-        self.further: list[Alarm] = []
-        self.further_ns: list[TimeNs] = []
 
     @property
     def has_stopped(self) -> bool:
         """Whether the axes that were taken off the path stand."""
         return all(ramp.is_standing for ramp in self._ramps.values())
 
-    def register(self, alarm: Alarm) -> None:
-        """Note an alarm with its instant."""
-        self.alarms.append(alarm)
-        self.alarm_ns.append(self._clock.now_ns)
+    @property
+    def further(self) -> list[Alarm]:
+        """What came up besides, while the axes stopped."""
+        return self._log.further
 
-    def register_further(self, alarm: Alarm) -> None:
-        """Note what comes up beside the alarm that stops or behind it: each ID once per axis."""
-        known = [(a.id, faulty_axes(a)) for a in (*self.alarms, *self.further)]
-        if (alarm.id, faulty_axes(alarm)) not in known:
-            self.further.append(alarm)
-            self.further_ns.append(self._clock.now_ns)
+    @property
+    def further_ns(self) -> list[TimeNs]:
+        """When it came up, in the same order."""
+        return self._log.further_ns
 
     def come_up(self, alarm: Alarm) -> bool:
         """Register an alarm of the running program and react; return whether the program ends."""
         if alarm.place is None and self._execution.block is not None:
             alarm.place = self._execution.block.place
-        self.register(alarm)
+        self._log.register(alarm)
         if not alarm.ends_program:
             return False
         if self._execution.failed is not None:
-            self.register_further(self._execution.failed)
+            self._log.register_further(self._execution.failed)
         for link in self._links:
             link.hold_back()
             if alarm.id == NOT_FOLLOWING and alarm.values["axis"] == link.name:
@@ -99,8 +94,7 @@ class Reactions:
             self._path.brake()
         self._measurement.abort()
         self._take_off(reaction, faulty)
-        for stop in self.stops:
-            stop()
+        self._stop_beside()
 
     def _take_off(self, reaction: ReactionClass, faulty: Sequence[str]) -> None:
         """Take axes off the path that do not stop on it."""
@@ -111,7 +105,7 @@ class Reactions:
         leaving = {axis: stops_at_once for axis in names if axis in faulty}
         if reaction is ReactionClass.ALL_STOP_AT_ONCE:
             leaving = dict.fromkeys(names, True)
-        elif leaving and self.each_axis_halts:
+        elif leaving and self._each_axis_halts:
             leaving = dict.fromkeys(names, False) | leaving
         if leaving:
             self._ramps = {
@@ -133,11 +127,3 @@ class Reactions:
             self._ramps, self._path.follow = {}, self._follow
         for link in self._links:
             link.let_go()
-
-
-def faulty_axes(alarm: Alarm) -> tuple[str, ...]:
-    """Return the axes that an alarm names, be it as owners of what has failed."""
-    owner = str(alarm.values.get("owner", ""))
-    if owner.startswith(OWNER):
-        return (owner.removeprefix(OWNER),)
-    return tuple(str(alarm.values.get("axis", "")).split())

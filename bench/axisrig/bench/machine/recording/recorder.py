@@ -101,11 +101,8 @@ class Recorder:
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
-        # Where nothing tells the SYNC on the wire (no plant, or no drive that received it) the
-        # instant of its request stands in: the plants go on all the same
-        if self._has_plant and self._plant.now_ns < channel.sync_ns:
-            self._plant.advance_to(channel.sync_ns)
         plant_ns = self._plant.now_ns
+        # Without a plant the instant at which the SYNC was requested
         time_ns = plant_ns if self._has_plant else channel.sync_ns
         row: list[float] = []
         for link, axis, servo in zip(channel.links, self._axes, self._servos, strict=True):

@@ -1,5 +1,6 @@
 """Single axes beside the common path: independent motion, couplings, homing."""
 
+from axisrig.kernel.channel.axes.coupling import Couplings
 from axisrig.kernel.channel.axes.single import SingleAxes
 
-__all__ = ["SingleAxes"]
+__all__ = ["Couplings", "SingleAxes"]

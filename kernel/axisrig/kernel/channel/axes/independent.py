@@ -78,7 +78,7 @@ class _StopMotion:
 class IndependentAxes:
     """Begins, leads and ends the independent motions of a channel; links: by axis.
 
-    override_permille: tells what the PLC side makes of the feed of an axis, in 0.1 %; 0 holds it.
+    override_permille: gives what the PLC side makes of the feed of an axis, in 0.1 %; 0 holds it.
     """
 
     def __init__(
@@ -88,11 +88,12 @@ class IndependentAxes:
         path: Path,
         measurement: Measurement,
         links: Mapping[str, AxisLink],
+        override_permille: Callable[[str], int],
     ) -> None:
         self._clock, self._timing, self._path = clock, timing, path
         self._measurement, self._links = measurement, links
+        self._override_permille = override_permille
         self._movers: dict[str, Mover] = {}
-        self.override_permille: Callable[[str], int] = lambda _axis: FULL
 
     @property
     def is_moving(self) -> bool:
@@ -139,7 +140,7 @@ class IndependentAxes:
             interpolator,
             Settling(self._clock, self._timing.period_ns),
         )
-        mover.override_permille = self.override_permille(axis)
+        mover.override_permille = self._override_permille(axis)
         mover.waits = measures
         if not measures:
             _start(mover)
@@ -154,7 +155,7 @@ class IndependentAxes:
         Raises the alarms of a run, with 50664 for a probe that is not enabled.
         """
         for axis, mover in list(self._movers.items()):
-            mover.override_permille = self.override_permille(axis)
+            mover.override_permille = self._override_permille(axis)
             try:
                 if mover.waits:
                     self._begin_run(mover)
@@ -214,7 +215,7 @@ class IndependentAxes:
     def advance(self) -> None:
         """Lead every axis on by one cycle."""
         for axis, mover in list(self._movers.items()):
-            mover.override_permille = self.override_permille(axis)
+            mover.override_permille = self._override_permille(axis)
             _lead(mover)
             if not mover.interpolator.is_standing:
                 self._path.lead(axis, mover.interpolator.advance()[0])

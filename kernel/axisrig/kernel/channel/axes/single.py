@@ -1,6 +1,6 @@
 """Everything that single axes do beside or instead of the common path, as the channel sees it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 from axisrig.kernel.channel.axes.coupling import Couplings
 from axisrig.kernel.channel.axes.homing import Homing
@@ -18,6 +18,7 @@ from axisrig.kernel.time.clock import Clock, TimeNs
 class SingleAxes:
     """Carries out the commands of single axes; links: by axis.
 
+    override_permille: gives the override of an axis, see `IndependentAxes`.
     is_active: whether anything is to be done in this cycle. homed: every axis that has been homed,
     with the cycle in which it was known.
     """
@@ -29,12 +30,15 @@ class SingleAxes:
         path: Path,
         measurement: Measurement,
         links: Mapping[str, AxisLink],
+        couplings: Couplings,
+        override_permille: Callable[[str], int],
     ) -> None:
         self._clock, self._path, self._links = clock, path, links
         self._timing, self._measurement = timing, measurement
-        self.independent = IndependentAxes(clock, timing, path, measurement, links)
-        self.couplings = Couplings(path, links)
-        measurement.slaves_of = self.couplings.slaves_of
+        self.independent = IndependentAxes(
+            clock, timing, path, measurement, links, override_permille
+        )
+        self.couplings = couplings
         self._homing: Homing | None = None
         self.homed: list[tuple[TimeNs, str]] = []
         self._awaited: tuple[str, ...] = ()
@@ -66,6 +70,10 @@ class SingleAxes:
     def is_moving(self) -> bool:
         """Whether an independent axis is under way."""
         return self.independent.is_moving
+
+    def measuring_state(self, axis: str) -> str | None:
+        """Return how far the run of an axis is, on the path or beside it; None without one."""
+        return self._measurement.state_of(axis) or self.independent.measuring_state(axis)
 
     def _is_busy(self) -> bool:
         if self._homing is not None or self._rest is not None:

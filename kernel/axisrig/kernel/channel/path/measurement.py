@@ -7,8 +7,9 @@ from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import dist
 
+from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.path.path import Path
-from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Rest, Standstill
 from axisrig.kernel.channel.path.slaves import PathWithSlaves
 from axisrig.kernel.drives.link import AxisLink
@@ -38,12 +39,10 @@ class _Order:
 class Measurement:
     """Runs one measurement on the path at a time.
 
-    links: by axis. error_no_signal: P-CHAN-00176. warn: takes alarms
-    of class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
+    links: by axis. slaves_of: gives the axes that follow others at the moment, each with its
+    master. offsets: of distance control, which refuses a run while it is on. warn: takes alarms of
+    class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
     named; with the signal of the drive nothing is to be made ready, so that it stays a note.
-    stop_may_be_missing: P-CHAN-00266, a run to a fixed stop that finds none goes on. slaves_of:
-    tells which axes follow others at the moment, each with its master. refuse: raises the alarm of
-    an axis that must not measure at the moment.
     """
 
     def __init__(
@@ -53,11 +52,14 @@ class Measurement:
         links: Mapping[str, AxisLink],
         *,
         timing: CycleTiming,
-        error_no_signal: bool,
+        settings: ChannelSettings,
+        slaves_of: Callable[[Collection[str]], Mapping[str, str]],
+        offsets: Offsets,
         warn: Callable[[Alarm], None],
     ) -> None:
         self._clock, self._path, self._links, self._timing = clock, path, links, timing
-        self._period_ns, self._error_no_signal, self._warn = timing.period_ns, error_no_signal, warn
+        self._period_ns, self._settings, self._warn = timing.period_ns, settings, warn
+        self._slaves_of, self._offsets = slaves_of, offsets
         self._run: MeasuringRun | FixedStopRun | None = None
         self._order: _Order | None = None
         self._simulated: tuple[SimulatedProbe, ...] = ()
@@ -65,9 +67,6 @@ class Measurement:
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
-        self.stop_may_be_missing = False
-        self.slaves_of: Callable[[Collection[str]], Mapping[str, str]] = lambda _masters: {}
-        self.refuse: Callable[[str], None] = lambda _axis: None
         self._sources: dict[str, str] = {}  # by #MEAS, whatever P-AXIS-00516 says
 
     @property
@@ -146,7 +145,7 @@ class Measurement:
         self._order = self._planned(command)
         if measuring_types()[type_].runs_to_stop:
             target_mm = command.target_acs_mm
-            slaves = self._with_settings(self.slaves_of(target_mm))
+            slaves = self._with_settings(self._slaves_of(target_mm))
             motion = PathWithSlaves(self._path, slaves, self._clock, self._period_ns)
             self._run = self.arm_stop(measuring, target_mm, command.block, motion)
             return
@@ -189,14 +188,14 @@ class Measurement:
         drive, by axis. Raises Alarm 50052.
         """
         kind = measuring_types()[measuring_type]
-        wants_signal = self._error_no_signal if error_no_signal is None else error_no_signal
+        is_missed = self._settings.error_no_signal if error_no_signal is None else error_no_signal
         delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
         ports: dict[str, LatchPort] = {**self._links, **(simulated or {})}
         run = MeasuringRun(
             [ports[name] for name in axes],
             str(block),
             self._clock.now_ns,
-            misses_signal(kind, wants_signal),
+            misses_signal(kind, is_missed),
             goes_on=goes_on,
             delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
         )
@@ -225,7 +224,7 @@ class Measurement:
         links, settings = self._links, self._path.settings
         moved = [name for name in links if name in target_acs_mm]
         here_mm = [self._path.position_acs_mm(name) for name in moved]
-        slaves = self.slaves_of(moved)
+        slaves = self._slaves_of(moved)
         searched = [
             slave
             for slave, master in slaves.items()
@@ -237,7 +236,7 @@ class Measurement:
             watched=[Watched(link, of.measuring.fixed_stop, of.window_mm) for of, link in axes],
             moved=[links[name] for name in moved],
             block_mm=dist(here_mm, [target_acs_mm[name] for name in moved]),
-            is_error=not self.stop_may_be_missing,
+            is_error=not self._settings.stop_may_be_missing,
             rest=lambda: Rest(self._clock, self._period_ns, axes).judge,
             slaves=[links[name] for name in slaves],
         )
@@ -303,10 +302,10 @@ class Measurement:
     def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
         """Raise Alarm 50059, 900100, 900241 or 900242 for an axis that cannot take part in a run.
 
-        is_beside: it moves beside the path. Raises also what `refuse` raises.
+        is_beside: it moves beside the path. Raises Alarm 310000 while its distance control is on.
         """
         self._check_released(axis, 50059)
-        self.refuse(axis)
+        self._offsets.check_measuring(axis)
         measuring = self._path.settings(axis).measuring
         source = self._sources.get(axis, measuring.source)
         measuring.check(axis, measuring_types()[measuring_type], source, is_beside=is_beside)

@@ -3,7 +3,8 @@
 from collections import deque
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
 
-from axisrig.kernel.channel.path.settings import AxisSettings, CycleTiming
+from axisrig.kernel.channel.distance.offsets import Offsets
+from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
@@ -21,9 +22,8 @@ from axisrig.kernel.time.clock import Clock, S
 class Path:
     """Moves all axes of a channel together, one path at a time; axes and links in one order.
 
-    superpose: adds to the set positions that leave the buffer; superposed_mm: tells what, by axis,
-    and counted_mm what of it counts for the software limit switches. override_max_permille:
-    P-CHAN-00056.
+    offsets: what distance control superposes on the set positions. settings: of the channel.
+    follow: gives axes their set positions that come from those of others, while any do.
     """
 
     def __init__(
@@ -32,23 +32,22 @@ class Path:
         timing: CycleTiming,
         axes: Sequence[AxisSettings],
         links: Sequence[AxisLink],
+        offsets: Offsets,
+        settings: ChannelSettings,
     ) -> None:
-        self._clock, self._timing = clock, timing
+        self._clock, self._timing, self._offsets = clock, timing, offsets
         self._axes, self._links = tuple(axes), tuple(links)
         self._index = {axis.name: index for index, axis in enumerate(axes)}
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
         self._feed: Feed | None = None  # of the present move
-        self.override_max_permille = FULL
+        self.override_max_permille = settings.override_max_permille
         self._override_permille = FULL
         self._slowed: dict[int, int] = {}  # overrides of axes that are not 100 %
         self._settling = Settling(clock, timing.period_ns)
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
-        self.superpose: Callable[[Positions], Positions] | None = None
-        self.superposed_mm: Callable[[str], float] = lambda _axis: 0.0
-        self.counted_mm: Callable[[str], float] = lambda _axis: 0.0
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
         self._wants_hold = False
@@ -62,17 +61,20 @@ class Path:
         """Return the settings of an axis."""
         return self._axes[self._index[axis]]
 
+    def superposed_mm(self, axis: str) -> float:
+        """Return what is superposed on the set position of an axis in this cycle."""
+        return self._offsets.superposed_mm(axis)
+
     def take_over(self, positions_mm: Positions) -> None:
         """Stand where the axes are, with nothing left in the buffer."""
         self.interpolator.hold(positions_mm)
         self._buffer = SetpointBuffer(self._timing.buffer_cycles, positions_mm)
         self._recent.extend([positions_mm] * 3)
 
-    def advance(self) -> None:
+    def advance(self, superpose: Callable[[Positions], Positions] | None = None) -> None:
         """Send the set positions of this cycle through the buffer to the drives.
 
-        follow: called in between, for axes whose set positions come from those of others.
-        superpose: adds what acts behind the buffer, the offsets of distance control.
+        superpose: adds what acts after the buffer, the offsets of distance control.
         """
         positions_mm = self.interpolator.advance()
         if self.follow is not None:
@@ -80,8 +82,8 @@ class Path:
             positions_mm = self.interpolator.positions_mm
         self._recent.append(positions_mm)
         positions_mm = self._buffer.shift(positions_mm)
-        if self.superpose is not None:
-            positions_mm = self.superpose(positions_mm)
+        if superpose is not None:
+            positions_mm = superpose(positions_mm)
         for link, position_mm in zip(self._links, positions_mm, strict=True):
             link.send(position_mm)
 
@@ -209,7 +211,7 @@ class Path:
     def require_reach(self, axis: str, target_mm: float) -> None:
         """Raise Alarm 900012, 120002 or 120003 for a target that an axis must not be moved to."""
         index = self._index[axis]
-        self._require(index, target_mm + self.counted_mm(axis))
+        self._require(index, target_mm + self._offsets.counted_mm(axis))
 
     def _require(self, index: int, target_mm: float) -> None:
         axis = self._axes[index]

@@ -8,6 +8,7 @@ from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.distance.settings import names_newer
 from axisrig.kernel.measuring.rules import MeasuringAxis
 from axisrig.kernel.motion.dynamics import Dynamics, Motion, axis_slopes
+from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import MS, US, TimeNs
@@ -25,6 +26,39 @@ class CycleTiming:
     offset_ns: TimeNs = 600 * US
     buffer_cycles: int = 0
     sync_counter: int = 0
+
+
+@dataclass(frozen=True)
+class ChannelSettings:
+    """What holds for all axes of a channel.
+
+    error_no_signal: P-CHAN-00176, alarm when a run has no signal. stop_may_be_missing:
+    P-CHAN-00266, a run to a fixed stop that finds none goes on. each_axis_halts: P-CHAN-00218,
+    every axis brakes by its own ramp when one is faulty. override_max_permille: P-CHAN-00056.
+    start_after_ns: how long after a programmed stop the operator starts again; None when nobody
+    does. optional_stop: whether M1 stops.
+    """
+
+    error_no_signal: bool = False
+    stop_may_be_missing: bool = False
+    each_axis_halts: bool = False
+    override_max_permille: int = FULL
+    start_after_ns: TimeNs | None = None
+    optional_stop: bool = False
+
+    @classmethod
+    def read(
+        cls, channel: ParameterSet, *, start_after_ns: TimeNs | None, optional_stop: bool
+    ) -> "ChannelSettings":
+        """Take the settings from the parameter set of the channel, and what the operator does."""
+        return cls(
+            error_no_signal=channel.flag("meas_error_no_signal"),
+            stop_may_be_missing=channel.flag("meas_fixed_stop_no_error"),
+            each_axis_halts=channel.flag("independent_axis_error_stop"),
+            override_max_permille=channel.integer("max_vb_override"),
+            start_after_ns=start_after_ns,
+            optional_stop=optional_stop,
+        )
 
 
 class OverrideMode(IntEnum):

@@ -1,4 +1,4 @@
-"""When a simulated machine has come to rest after an alarm: how long its run goes on."""
+"""The plants at the end of a cycle: brought to its SYNC, and at rest after an alarm."""
 
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
@@ -11,20 +11,31 @@ REST_NS_MAX = 500 * MS
 """An axis without a drive may coast or fall; a run does not wait longer for it."""
 
 
-class Rest:
-    """Tells, asked in each cycle from the end of the program on, whether the run may end.
+class PlantMechanics:
+    """The plants of a run as its channel knows them (`kernel.channel.mechanics`).
 
-    True when every motor has been slower than REST_M_S for REST_NS, or REST_NS_MAX after the first
-    question.
+    waits: whether the run goes on after an alarm until the axes stand. They do when every motor has
+    been slower than REST_M_S for REST_NS, or REST_NS_MAX after the first question.
     """
 
-    def __init__(self, clock: Clock, plant: Plant) -> None:
-        self._clock, self._plant = clock, plant
+    def __init__(self, clock: Clock, plant: Plant, *, waits: bool) -> None:
+        self._clock, self._plant, self._waits = clock, plant, waits
         self._since_ns: TimeNs | None = None
         self._slow_since_ns: TimeNs | None = None
 
-    def __call__(self) -> bool:
+    def advance_to(self, sync_ns: TimeNs) -> None:
+        """Bring the plants to the SYNC, unless a drive has done so.
+
+        Where no drive has received the SYNC, the instant of its request takes its place: the plants
+        go on all the same.
+        """
+        if self._plant.axes:
+            self._plant.advance_to(sync_ns)
+
+    def has_come_to_rest(self) -> bool:
         """Look at the motors as they are now."""
+        if not self._waits:
+            return True
         now_ns = self._clock.now_ns
         if self._since_ns is None:
             self._since_ns = now_ns
