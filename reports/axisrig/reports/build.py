@@ -4,25 +4,27 @@ Equal result folders give equal bytes: the page holds no clock and no path of th
 """
 
 import math
-import re
 import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from decimal import Decimal
 from importlib import resources
 from pathlib import Path
 from typing import Any
 
 import pyarrow as pa
-import pyarrow.parquet as pq
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
-from axisrig.bench.campaign.results.stored import StoredResults, StoredRun, read_results
+from axisrig.bench.campaign.results.stored import NOTE, StoredResults, StoredRun, read_results
 from axisrig.bench.files import write_whole
+from axisrig.bench.judge.observed.event import BESIDES
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import findings
+from axisrig.bench.plan.checks import parse_check, plot_limits
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.event import BESIDES
+from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 from axisrig.reports.distance.section import sections
 from axisrig.reports.fixed_stop.section import timelines
@@ -30,8 +32,6 @@ from axisrig.reports.parts.bar import bar
 from axisrig.reports.parts.realtime import real_time
 from axisrig.reports.signals import chart, table
 
-_PLACE = re.compile(r" \([^()]*line \d+[^()]*\)")
-_ALARM = re.compile(r"ID (?P<id>\d+) class \d+[^:]*: (?P<text>.*)", re.DOTALL)
 _WHOLE, _TINY = 1e15, 1e-3
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 
@@ -107,12 +107,17 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
         "platform": manifest.get("platform"),
         "CANopen drive in place of": "; ".join(_substituted(runs)),
         "rigs": ", ".join(dict.fromkeys(run.case.get("rig", "") for run in runs)),
-        "simulated": _time_of([run for run in runs if not run.info.get("real_time")]),
-        "on a real bus": _time_of([run for run in runs if run.info.get("real_time")]),
+        "simulated": _time_of([run for run in runs if not _is_real(run)]),
+        "on a real bus": _time_of([run for run in runs if _is_real(run)]),
         "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
         "of earlier calls": "; ".join(_earlier(manifest)),
     }
     return [(name, str(value)) for name, value in facts.items() if value]
+
+
+def _is_real(run: StoredRun) -> bool:
+    facts = run.recording.facts
+    return facts is not None and facts.real_time is not None
 
 
 def _substituted(runs: Sequence[StoredRun]) -> list[str]:
@@ -147,9 +152,9 @@ def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
-    case, info = run.case, run.info
+    case, info = run.case, _info(run)
     trace = _trace(run)
-    alarms = _alarms(case["alarms"], info.get("log", []))
+    alarms = [_alarm(alarm) for alarm in info["alarms"]]
     told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
     with _readable(run, "fixed_stop"):
         stops = timelines(info, trace, run.run, told)
@@ -157,7 +162,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         controls = sections(info, trace, told)
     with _readable(run, "trace"):
         description, packed = ({}, "") if trace is None else chart(trace, info)
-    checks = [_check(row, info.get("notes", {})) for row in run.checks]
+    checks = [_check(row) for row in run.checks]
     replaced = case.get("drive_substituted", "")
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
@@ -210,18 +215,24 @@ def _one_line(error: Exception) -> str:
     return repr(error) if isinstance(error, KeyError) else str(error).strip().partition("\n")[0]
 
 
+def _info(run: StoredRun) -> dict[str, Any]:
+    """What is shown of a run beside its checks: `findings`, and limits to draw."""
+    facts = run.recording.facts
+    found: dict[str, Any] = {"alarms": [], "log": run.log, "error": run.error}
+    if facts is not None and run.trace is not None:
+        found = findings(Observed(facts, Series(run.trace)))
+    checks = []
+    for row in run.checks:
+        with suppress(UserError):  # a metric of another version
+            checks.append(parse_check(row["metric"], row["check"], row["reference"]))
+    return found | {"limits": [limit for check in checks for limit in plot_limits(check)]}
+
+
 def _trace(run: StoredRun) -> pa.Table | None:
     """The signals of a run, None when it left none. Raises UserError when they are damaged."""
-    try:
-        trace = pq.read_table(run.trace) if run.trace else None
-    except (pa.ArrowException, OSError) as error:
-        if isinstance(error, OSError) and error.errno is not None:
-            raise  # the file cannot be read at all
-        raise UserError(f"the trace is damaged: {_one_line(error)}", file=run.trace) from error
-    if trace is None:
+    if run.trace is None:
         return None
-    if "time_ns" not in trace.column_names or trace["time_ns"].type != pa.int64():
-        raise UserError("the trace is damaged: no column time_ns of whole numbers", file=run.trace)
+    trace = Series(run.trace).table()
     for name, column in zip(trace.column_names, trace.columns, strict=True):
         kind = column.type
         if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
@@ -229,24 +240,18 @@ def _trace(run: StoredRun) -> pa.Table | None:
     return trace
 
 
-def _alarms(ids: str, log: list[str]) -> list[dict[str, str]]:
-    """Each alarm with its number and, from the log, what it says."""
-    told = [match for line in log if (match := _ALARM.match(line))]
-    texts = {match["id"]: match["text"] for match in told}
-    lines = [line.removeprefix(BESIDES) for line in log if line.startswith(BESIDES)]
-    besides = [match for line in lines if (match := _ALARM.match(line))]
-    return [
-        *(_alarm(number, texts.get(number, "")) for number in ids.split()),
-        *(_alarm(match["id"], BESIDES + match["text"]) for match in besides),
-    ]
-
-
-def _alarm(number: str, text: str) -> dict[str, str]:
+def _alarm(alarm: Mapping[str, Any]) -> dict[str, str]:
     """An alarm with what it says; short: its first sentence, without the place in the program."""
-    return {"id": number, "text": text, "short": _PLACE.sub("", text).partition(". ")[0]}
+    place = f" ({alarm['place']})" if alarm["place"] else ""
+    text = alarm["text"].partition(": ")[2]
+    return {
+        "id": str(alarm["id"]),
+        "text": f"{BESIDES}{text}" if alarm["is_further"] else text,
+        "short": text.replace(place, "", 1).partition(". ")[0],
+    }
 
 
-def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:
+def _check(row: Mapping[str, str]) -> dict[str, Any]:
     uncertainty = float(row["uncertainty"])
     return {
         "metric": row["metric"],
@@ -257,7 +262,7 @@ def _check(row: Mapping[str, str], notes: Mapping[str, str]) -> dict[str, Any]:
         "uncertainty": _plain(uncertainty, 2) if uncertainty else "",
         "verdict": _verdict(Verdict.of(row["verdict"])),
         "reference": row["reference"],
-        "note": notes.get(row["metric"], ""),
+        "note": row.get(NOTE, ""),
         "bar": _bar(row, uncertainty),
     }
 

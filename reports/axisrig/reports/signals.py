@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from axisrig.bench.record.event import WARNING
 from axisrig.reports.distance import signals as distance_signals
 from axisrig.reports.fixed_stop import signals as stop_signals
 from axisrig.reports.parts.encode import encode_signal, pack
@@ -240,7 +239,7 @@ def windows(
 def _around_alarm(events: Sequence[Mapping[str, Any]]) -> list[tuple[str, int, int]]:
     """The stretch around the first alarm that ended the program; nothing for warnings."""
     for event in sorted(events, key=lambda e: int(e["time_ns"])):
-        if event["kind"] == "alarm" and not event.get("label", "").endswith(WARNING):
+        if event["kind"] == "alarm" and not event.get("is_warning"):
             at = int(event["time_ns"])
             return [("alarm", at - _BEFORE_ALARM_NS, at + _AFTER_ALARM_NS)]
     return []

@@ -1,12 +1,11 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from textwrap import fill
-from typing import Any
 
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -30,6 +29,7 @@ from axisrig.bench.plan.plan import Case, Plan, read_plan
 from axisrig.bench.plan.select import matches
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
+from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.check import check_rig, describe_schedules
 from axisrig.bench.rig.contents import contents_text
@@ -143,7 +143,7 @@ def run_campaign(  # noqa: PLR0913
             )
             running = run_cases(
                 cases,
-                writer.bus_paths,
+                writer.files_of,
                 jobs=jobs,
                 timeout_s=timeout_s,
                 stopwatch=stopwatch,
@@ -256,22 +256,22 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
     console = Console(highlight=False, markup=False, emoji=False)  # `:X:` and `[..]` are text
     console.print(table)
     for result in results:
-        for bus in result.bus:
-            if bus["overload"]:
+        for bus in () if result.facts is None else result.facts.buses:
+            if bus.overload:
                 console.print(_overload(result, bus), soft_wrap=True)
         if result.verdict > Verdict.MARGINAL:
-            for line in result.log:
+            for line in result.lines:
                 if " is overloaded: " not in line:  # told above, with what came of it
                     console.print(f"{result.case.run}: {line}", soft_wrap=True)
 
 
-def _overload(result: CaseResult, bus: Mapping[str, Any]) -> str:
+def _overload(result: CaseResult, bus: BusFigures) -> str:
     """Say what a segment was asked for that it cannot hold, and what came of it."""
-    text = f"{result.case.run}: segment {bus['segment']} is overloaded: {bus['overload']};"
-    text += f" load {bus['load_pct']:.1f} %, worst ms {bus['load_1ms_pct']:.1f} %"
-    if bus["waiting"]:
-        longest = bus["waiting"][0]
-        text += f", {longest['name']} waited {longest['worst_us']:.0f} us"
+    text = f"{result.case.run}: segment {bus.segment} is overloaded: {bus.overload};"
+    text += f" load {bus.load_pct:.1f} %, worst ms {bus.load_1ms_pct:.1f} %"
+    if bus.waiting:
+        longest = bus.waiting[0]
+        text += f", {longest.name} waited {longest.worst_us:.0f} us"
     return text
 
 

@@ -14,7 +14,7 @@ import pytest
 
 from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
-from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import no_stopwatch, run_cases
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import Case, read_plan
@@ -79,7 +79,7 @@ class CaseItem(pytest.Item):
         rigs = [self.case.rig]
         (result,) = run_cases(
             [self.case],
-            lambda _: [],
+            lambda _: RunFiles(),
             jobs=1,
             timeout_s=None,
             stopwatch=no_stopwatch,

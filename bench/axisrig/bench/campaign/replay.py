@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from axisrig.bench.campaign.results.stored import read_results
-from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.assignment import INPUT_KINDS
 from axisrig.bench.plan.plan import Case, read_plan
@@ -27,7 +27,7 @@ class Replay:
 
 def replay(case: Case, row: Mapping[str, str], bus_logs: Sequence[Path]) -> Replay:
     """Run a case of a results folder again; arguments as of `recorded_case`."""
-    return Replay(run_case(case, bus_logs), row["frame_log_sha256"])
+    return Replay(run_case(case, RunFiles(bus_logs)), row["frame_log_sha256"])
 
 
 def recorded_case(folder: Path, run: str) -> tuple[Case, Mapping[str, str]]:

@@ -11,30 +11,21 @@ from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 
-from axisrig.bench.bus.deadlines import in_words
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
-from axisrig.bench.campaign.results.writer import CaseResult, no_values
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.files import DISK_FULL
-from axisrig.bench.judge.distance.acting import acting_warnings
-from axisrig.bench.judge.distance.findings import told
-from axisrig.bench.judge.fixed_stop.findings import as_data
-from axisrig.bench.judge.metrics import observe
-from axisrig.bench.judge.observe import Observed
-from axisrig.bench.judge.turned import turned_trace
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import STOPPED, judged
+from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
-from axisrig.bench.machine.plants import check_plant, plant_log
+from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import Assignment
-from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import Case
-from axisrig.bench.plan.verdict import Verdict, worst
-from axisrig.bench.record.event import BESIDES
-from axisrig.bench.rig.distance.check import distance_warnings
-from axisrig.bench.rig.latches import unproved_axes, unproved_notes
+from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.reading.file import read_rig
-from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import Settings, read_settings
 from axisrig.kernel.cosim.fmi.fmu import PlantError
@@ -118,17 +109,18 @@ def _without_collector() -> Iterator[None]:
 
 def run_case(
     case: Case,
-    bus_logs: Sequence[Path],
+    files: RunFiles,
     stopwatch: Stopwatch = no_stopwatch,
     hardware: Hardware | None = None,
 ) -> CaseResult:
     """Run one case and judge it; what goes wrong with the bench itself is verdict `error`.
 
-    hardware: for rigs with a real bus. Raises OSError when a disk is full: nobody is to judge that.
+    files: what the run itself writes. hardware: for rigs with a real bus. Raises OSError when a
+    disk is full: nobody is to judge that.
     """
     started = stopwatch()
     try:
-        return _run_case(case, bus_logs, stopwatch, started, hardware)
+        return _run_case(case, files, stopwatch, started, hardware)
     except Exception as error:  # a defect costs its own row, never the campaign
         if isinstance(error, OSError) and error.errno in DISK_FULL:
             raise
@@ -140,7 +132,7 @@ def run_case(
 
 def _run_case(
     case: Case,
-    bus_logs: Sequence[Path],
+    files: RunFiles,
     stopwatch: Stopwatch,
     started: float,
     hardware: Hardware | None,
@@ -148,68 +140,31 @@ def _run_case(
     try:
         settings = settings_of(case)
         program = read_program(case.program, tuple(settings.rig.axis))
-        machine = Machine(settings, program, bus_logs=bus_logs, seed=case.seed, hardware=hardware)
+        machine = Machine(
+            settings,
+            program,
+            bus_logs=files.bus_logs,
+            seed=case.seed,
+            hardware=hardware,
+            trace=files.trace,
+        )
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))
     try:
         with _without_collector():
             try:
-                sim_ns = machine.run()
+                facts = facts_of(machine, machine.run())
             except (PlantError, SimulatedTimeoutError, UserError) as error:
                 row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
                 row.log += printed_log(settings)
                 return row
-        return _judged(case, machine, sim_ns, stopwatch() - started)
+        series = machine.recorder.series()
     finally:
         machine.close()
-
-
-def _judged(case: Case, machine: Machine, sim_ns: int, wall_s: float) -> CaseResult:
-    observed = Observed(machine)
-    buses = observed.buses
-    checks = []
-    for check in case.checks:
-        seen = observe(observed, check)
-        checks.append(
-            judge(check, seen.value, seen.uncertainty, seen.note, is_hidden=seen.is_hidden)
-        )
-    verdicts = [check.verdict for check in checks]
-    return CaseResult(
-        case=case,
-        verdict=worst([*verdicts, Verdict.ABORTED] if machine.is_stopped else verdicts),
-        checks=checks,
-        sim_s=sim_ns / 1e9,
-        wall_s=wall_s,
-        alarms=[alarm.id for alarm in machine.channel.alarms],
-        frame_log_sha256=machine.frame_hash.hexdigest(),
-        drive_substituted=substituted_in_words(machine.settings.axis),
-        unproved_latches=unproved_axes(machine.links),
-        trace=turned_trace(observed),
-        events=observed.events(),
-        messages=[message.shown for message in machine.messages],
-        log=[
-            *(f"segment {b.segment} is overloaded: {b.overload}" for b in buses if b.overload),
-            *machine.settings.notes,
-            *distance_warnings(machine.settings),
-            *acting_warnings(machine),
-            *unproved_notes(machine.links),
-            *plant_log(machine.plant),
-            *(text for _, text in machine.deflections.beyond()),
-            *printed_log(machine.settings),
-            *(str(alarm) for alarm in machine.channel.alarms),
-            *(f"{BESIDES}{alarm}" for alarm in machine.channel.further_alarms),
-            *(fault.in_words() for fault in machine.faults),
-            *machine.plc_side.not_come(),
-            *in_words(machine.real_time()),
-        ],
-        bus=[figures.as_data() for figures in buses],
-        error="stopped by the operator" if machine.is_stopped else None,
-        real_time=machine.real_time(),
-        fixed_stop=[as_data(run) for run in observed.stop_runs],
-        distance=[
-            told(truth, machine.distance_log.of(truth.axis)) for truth in observed.distance_truths
-        ],
-    )
+    wall_s = stopwatch() - started
+    verdict, checks = judged(Observed(facts, series), case.checks)
+    stopped = STOPPED if facts.is_stopped else None
+    return CaseResult(case, verdict, checks, wall_s, facts, series, stopped)
 
 
 def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float) -> None:
@@ -234,7 +189,7 @@ def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s:
 
 def run_cases(
     cases: Sequence[Case],
-    bus_paths: Callable[[str], Sequence[Path]],
+    files_of: Callable[[str], RunFiles],
     *,
     jobs: int,
     timeout_s: float | None,
@@ -252,7 +207,7 @@ def run_cases(
     operator stops.
     """
     run_elsewhere = partial(
-        _run_apart, bus_paths, stopwatch, apart, timeout_s=timeout_s, call_limit_s=call_limit_s
+        _run_apart, files_of, stopwatch, apart, timeout_s=timeout_s, call_limit_s=call_limit_s
     )
     if hardware is None and (jobs > 1 or timeout_s is not None):
         yield from run_elsewhere(cases, jobs)
@@ -261,13 +216,13 @@ def run_cases(
         if case.rig in apart and (hardware is None or not is_paced(settings_of(case))):
             yield from run_elsewhere([case], 1)
             continue
-        yield run_case(case, bus_paths(case.run), stopwatch, hardware)
+        yield run_case(case, files_of(case.run), stopwatch, hardware)
         if hardware is not None and hardware.stop():
             return
 
 
 def _run_apart(
-    bus_paths: Callable[[str], Sequence[Path]],
+    files_of: Callable[[str], RunFiles],
     stopwatch: Stopwatch,
     apart: Collection[Path],
     cases: Sequence[Case],
@@ -278,7 +233,7 @@ def _run_apart(
 ) -> Iterator[CaseResult]:
     results = run_apart(
         run_case,
-        [[case, bus_paths(case.run), stopwatch] for case in cases],
+        [[case, files_of(case.run), stopwatch] for case in cases],
         jobs=jobs,
         is_fresh=[case.rig in apart for case in cases],
         timeout_s=timeout_s,

@@ -4,19 +4,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from axisrig.bench.bus.deadlines import in_words
 from axisrig.bench.campaign.hardware_runs import Outside, allow, refuse_processes
-from axisrig.bench.judge.distance.acting import acting_warnings
-from axisrig.bench.judge.plc import plc_log
+from axisrig.bench.judge.program.findings import program_notes
+from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
-from axisrig.bench.machine.plants import check_plant, plant_warnings
+from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.record.event import BESIDES
-from axisrig.bench.rig.check import overloads
-from axisrig.bench.rig.distance.check import distance_warnings
-from axisrig.bench.rig.latches import unproved_notes
-from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -79,23 +73,9 @@ def run_program(
     parsed = read_program(program, tuple(table.axis))
     machine = Machine(settings, parsed, bus_logs=bus_logs, put_out=put_out, hardware=hardware)
     try:
-        machine.run()
+        facts = facts_of(machine, machine.run())
     except (PlantError, SimulatedTimeoutError) as error:
         raise UserError(str(error), file=program) from error
     finally:
         machine.close()
-    told = [*settings.notes, *distance_warnings(settings), *acting_warnings(machine)]
-    told += unproved_notes(machine.links)
-    notes = [Ended(text, False) for text in told]
-    notes += [
-        Ended(f"segment {name} is overloaded: {text}", False)
-        for name, text in overloads(settings).items()
-    ]
-    notes += [Ended(text, False) for text in plant_warnings(machine.plant)]
-    notes += [Ended(text, False) for _, text in machine.deflections.beyond()]
-    notes += [Ended(text, False) for text in printed_log(settings)]
-    notes += [Ended(text, False) for text in in_words(machine.real_time())]
-    notes += [Ended(text, False) for text in plc_log(machine)]
-    ended = [Ended(str(alarm), alarm.ends_program) for alarm in machine.channel.alarms]
-    besides = [Ended(f"{BESIDES}{alarm}", False) for alarm in machine.channel.further_alarms]
-    return notes + ended + besides
+    return [Ended(text, ends_program) for text, ends_program in program_notes(facts)]

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from axisrig.bench.bus.arithmetic import CycleArithmetic
 from axisrig.bench.bus.canopen_sim import SimNetwork
+from axisrig.bench.bus.deadlines import BINS_US
 from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
@@ -26,13 +26,16 @@ from axisrig.bench.machine.plc.sensors import PlcSensors
 from axisrig.bench.machine.plc.side import PlcSide
 from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
-from axisrig.bench.machine.recording.recorder import Recorder
+from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.machine.unfinished import in_words
+from axisrig.bench.record.bus import RealTime, Spread
+from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
 from axisrig.bench.rig.deflection import DeflectionLog
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
+from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import (
     AxisSettings,
@@ -64,7 +67,7 @@ class Machine:
     is due. seed: of everything random in the run. limit_ns: simulated time that it may take, None =
     what the settings say.
     hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
-    simulated.
+    simulated. trace: file for the time series, None = they are kept until the machine goes.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
     """
 
@@ -78,6 +81,7 @@ class Machine:
         seed: int = 0,
         limit_ns: TimeNs | None = None,
         hardware: Hardware | None = None,
+        trace: Path | None = None,
     ) -> None:
         check_rig(settings)
         if is_paced(settings) and hardware is None:
@@ -131,7 +135,7 @@ class Machine:
             self.channel = self._build_channel()
             self._connect_plc_sensors()
             self._inject_faults(seed)
-            self._observe()
+            self._observe(trace)
             self.channel.load(self._commands_of(None))
             guard.pop_all()
 
@@ -218,22 +222,30 @@ class Machine:
     def _note_state(self, axis: str, state: State) -> None:
         self.drive_states.append((self.scheduler.now_ns, axis, state))
 
-    def _observe(self) -> None:
+    def _observe(self, trace: Path | None) -> None:
         """Build what looks at every cycle and keeps what the run leaves behind."""
-        self.recorder = self._build_recorder()
+        self.recorder = self._build_recorder(trace)
+        self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
         self.distance_log = DistanceLog()
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]
 
-    def _build_recorder(self) -> Recorder:
+    def _build_recorder(self, trace: Path | None) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}
         axes = [
-            (name, self.plant.axes.get(axis.plant), servos.get(name))
+            RecordedAxis(
+                name,
+                self.plant.axes.get(axis.plant),
+                servos.get(name),
+                is_rotary(self.settings, name),
+                torque_arm_m(self.settings, name),
+            )
             for name, axis in self.settings.rig.axis.items()
         ]
-        return Recorder(self.plant, axes, self.plant.probes)
+        writer = SeriesWriter(trace)
+        return Recorder(self.plant, axes, self.plant.probes, self.telegrams, writer)
 
     def _build_channel(self) -> Channel:
         self._accesses, warnings = build_accesses(
@@ -356,11 +368,14 @@ class Machine:
             self.channel.next_sync_data,
         )
 
-    def real_time(self) -> dict[str, Any] | None:
-        """Tell how well real time was kept (`Deadlines.as_data`); None for simulated time."""
+    def real_time(self) -> RealTime | None:
+        """Return how well real time was kept; None for simulated time."""
         if not isinstance(self.scheduler, PacedScheduler):
             return None
-        return self.scheduler.deadlines.as_data(self.timing.period_ns)
+        kept = self.scheduler.deadlines.as_data(self.timing.period_ns)
+        spreads = {key: Spread(**kept[key]) for key in ("lateness_us", "interval_us") if kept[key]}
+        histogram = tuple(kept["histogram"])
+        return RealTime(**kept | spreads | {"bins_us": BINS_US, "histogram": histogram})
 
     def close(self) -> None:
         """Free plants, segments and the bus log."""

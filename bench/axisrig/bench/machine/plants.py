@@ -420,12 +420,11 @@ def _what(plant: Plant, instance: str) -> tuple[FmuSlave, str]:
     return plant.distances[instance].slave, "a distance sensor"
 
 
-def plant_log(plant: Plant) -> list[str]:
-    """Tell what plants lack and, after a run, what their FMUs warned of."""
-    lacking = [
+def lacking_notes(plant: Plant) -> list[str]:
+    """Return what plants lack."""
+    return [
         f"plant {instance}: {note}" for instance, notes in plant.notes.items() for note in notes
     ]
-    return lacking + plant_warnings(plant)
 
 
 def plant_warnings(plant: Plant) -> list[str]:

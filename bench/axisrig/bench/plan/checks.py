@@ -320,6 +320,19 @@ class Check:
         return self.definition.unit
 
 
+def plot_limits(check: Check) -> list[dict[str, object]]:
+    """Return limits that a plot can show: of a metric that is a value of a plotted signal."""
+    limits = [v for v in (check.condition.lower, check.condition.upper) if v is not None]
+    if not check.definition.plot:
+        return []
+    if check.name.endswith("_max"):  # a magnitude: the signal may reach the limit on both sides
+        limits += [-v for v in limits]
+    return [
+        {"plot": check.definition.plot, "axis": check.axis, "value": v, "label": check.metric}
+        for v in dict.fromkeys(limits)
+    ]
+
+
 def parse_check(metric: str, condition: str, reference: str) -> Check:
     """Read a `check:` column: the metric in its header and the condition in its cell.
 

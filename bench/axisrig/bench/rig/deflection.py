@@ -4,7 +4,7 @@ The kernel knows a stroke of its own (P-AXIS-00086) and keeps its speed to it; w
 probe bears is `stroke_mm` of its `[plant.P]`. Looked at in every NC cycle, with the plant's truth.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot
 
@@ -117,20 +117,12 @@ class DeflectionLog:
             if broken is not None:
                 channel.stop(broken)
 
-    def of(self, probes: Iterable[str]) -> list[Deflection] | None:
-        """Return every deflection of some probes; None where one of them tells no contact."""
-        names = list(probes)
-        if any(name not in self._followers for name in names):
-            return None
-        return [each for name in names for each in self._followers[name].deflections]
-
-    def beyond(self) -> list[tuple[TimeNs, str]]:
-        """Return the deflections beyond a stroke: the cycle that saw it, and what it was."""
+    def of(self, probe: str) -> list[tuple[Deflection, str]]:
+        """Return every deflection of a probe that has contacts, with words for one too large."""
+        follower = self._followers[probe]
         return [
-            (each.beyond_ns, _in_words(each, follower.table))
-            for follower in self._followers.values()
+            (each, "" if each.beyond_ns is None else _in_words(each, follower.table))
             for each in follower.deflections
-            if each.beyond_ns is not None
         ]
 
 

@@ -9,7 +9,6 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.bench.record.event import WARNING
 from axisrig.reports.distance.path import drawing
 from axisrig.reports.distance.signals import Control, controls_of
 from axisrig.reports.distance.words import happened, is_unstable, law_words, state
@@ -41,7 +40,7 @@ def _ended(control: Control, events: Sequence[Mapping[str, Any]]) -> list[Mappin
         event
         for event in events
         if event["kind"] == "alarm"
-        and not event["label"].endswith(WARNING)
+        and not event["is_warning"]
         and any(s["begin_ns"] - slack <= event["time_ns"] <= s["end_ns"] + slack for s in on)
     ]
 

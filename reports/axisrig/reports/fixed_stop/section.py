@@ -9,7 +9,6 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.bench.record.event import WARNING
 from axisrig.reports.fixed_stop.signals import (
     Stop,
     contact_ns,
@@ -111,7 +110,7 @@ def _trouble(
         }
         for event in events
         if event["kind"] in ("alarm", "fault")
-        and not event["label"].endswith(WARNING)
+        and not event["is_warning"]
         and stop["begin_ns"] <= event["time_ns"] <= stop["end_ns"] + _AFTER_END_NS
     ]
 

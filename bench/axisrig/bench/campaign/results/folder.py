@@ -20,6 +20,7 @@ from axisrig.bench.campaign.results.lock import LOCK, FolderLock
 from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     IN_PLAN,
+    NOTE,
     RESULT_COLUMNS,
     is_results_folder,
     read_manifest,
@@ -178,7 +179,7 @@ class ResultsFolder:
         if is_replaced:
             self._write_checks()
         else:
-            append(self.folder / "results.csv", _csv(RESULT_COLUMNS, checks))
+            append(self.folder / "results.csv", _csv((*RESULT_COLUMNS, NOTE), checks))
         append(self.folder / "cases.csv", _csv(self._header, [case]))
         self.cases[run] = case
 
@@ -194,7 +195,10 @@ class ResultsFolder:
 
     def _write_checks(self) -> None:
         rows = (row for checks in self.checks.values() for row in checks)
-        write_whole(self.folder / "results.csv", _line(RESULT_COLUMNS) + _csv(RESULT_COLUMNS, rows))
+        write_whole(
+            self.folder / "results.csv",
+            _line((*RESULT_COLUMNS, NOTE)) + _csv((*RESULT_COLUMNS, NOTE), rows),
+        )
 
     @staticmethod
     def _files_of(root: Path, run: str) -> list[str]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from axisrig.bench.campaign.results.stored import StoredRun, read_results
+from axisrig.bench.campaign.results.stored import NOTE, StoredRun, read_results
 from axisrig.bench.files import write_whole
 from axisrig.bench.plan.verdict import Verdict
 
@@ -66,7 +66,7 @@ def _add_case(suite: ElementTree.Element, run: StoredRun) -> None:
         for name in ("value", "lower", "upper", "unit", "uncertainty", "verdict"):
             _add_property(properties, f"{check['metric']}.{name}", check[name])
     _add_outcome(case, run)
-    lines = [*run.info.get("messages", ()), *run.info.get("log", ())]
+    lines = run.messages + run.log
     if lines:
         ElementTree.SubElement(case, "system-out").text = _legal("\n".join(lines))
 
@@ -79,18 +79,18 @@ def _add_outcome(case: ElementTree.Element, run: StoredRun) -> None:
     if run.verdict <= Verdict.MARGINAL:
         return
     tag = "error" if run.verdict >= Verdict.ABORTED else "failure"
-    lines = [run.info["error"]] if run.info.get("error") else []
-    lines += [_line(check, run) for check in run.checks if check["verdict"] not in _GOOD]
+    lines = [run.error] if run.error else []
+    lines += [_line(check) for check in run.checks if check["verdict"] not in _GOOD]
     outcome = ElementTree.SubElement(
         case, tag, type=run.verdict.word, message=_legal(lines[0] if lines else run.verdict.word)
     )
     outcome.text = _legal("\n".join(lines))
 
 
-def _line(check: Mapping[str, str], run: StoredRun) -> str:
+def _line(check: Mapping[str, str]) -> str:
     """Say one check in a line: metric, value, condition, verdict, note."""
     value = f"{check['value'] or 'no value'} {check['unit']}".strip()
-    note = run.info.get("notes", {}).get(check["metric"], "")
+    note = check.get(NOTE, "")
     text = f"{check['verdict']}: {check['metric']} is {value}, asked for {check['check']}"
     return f"{text} ({note})" if note else text
 

@@ -7,16 +7,22 @@ import math
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
+from axisrig.bench.judge.program.findings import log_lines
+from axisrig.bench.judge.topics import STOPPED
 from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.record.facts import VERSION, RunFile, read_run
 from axisrig.kernel.errors import UserError
 
 RESULT_COLUMNS = (
     *("plan", "case", "run", "check", "metric", "value", "unit"),
     *("lower", "upper", "uncertainty", "verdict", "reference"),
 )
+NOTE = "note"
+"""Last column of `results.csv`: why there is no value, or what the uncertainty is made of."""
 CASE_COLUMNS = (
     *("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed"),
     *("alarms", "frame_log_sha256"),
@@ -34,15 +40,37 @@ class StoredRun:
     """One run of a results folder.
 
     case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
-    info: `runs/<run>.json`: events, limits to draw, notes, messages, log, bus, fixed_stop,
-    distance, error.
-    trace: the Parquet file, or None when the run left none.
+    file: `runs/<run>.json`, None when it is missing. trace: the Parquet file, or None when the run
+    left none.
     """
 
     case: Mapping[str, str]
     checks: Sequence[Mapping[str, str]]
-    info: Mapping[str, Any]
+    file: Path | None
     trace: Path | None
+
+    @cached_property
+    def recording(self) -> RunFile:
+        """What the run left beside its series. Raises UserError when it is damaged."""
+        return RunFile(VERSION) if self.file is None else read_run(self.file)
+
+    @property
+    def error(self) -> str | None:
+        """Why the run ended in `error` or `aborted`."""
+        facts = self.recording.facts
+        return STOPPED if facts is not None and facts.is_stopped else self.recording.error
+
+    @property
+    def messages(self) -> list[str]:
+        """What the NC program printed."""
+        facts = self.recording.facts
+        return [] if facts is None else [message.shown for message in facts.messages]
+
+    @property
+    def log(self) -> list[str]:
+        """What the run has to say in words."""
+        facts = self.recording.facts
+        return list(self.recording.log) if facts is None else log_lines(facts)
 
     @property
     def run(self) -> str:
@@ -115,7 +143,7 @@ def read_results(folder: Path) -> StoredResults:
         StoredRun(
             case=row,
             checks=checks.get(row["run"], []),
-            info=_info(folder / "runs" / f"{row['run']}.json"),
+            file=_existing(folder / "runs" / f"{row['run']}.json"),
             trace=_existing(folder / "traces" / f"{row['run']}.parquet"),
         )
         for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]
@@ -147,15 +175,6 @@ def read_manifest(folder: Path) -> Mapping[str, Any]:
     return manifest
 
 
-def _info(path: Path) -> Mapping[str, Any]:
-    """Read what a run left beside its rows. Raises UserError when it is damaged."""
-    info = _json(path)
-    for name, is_right in _INFO.items():
-        if name in info and not is_right(info[name]):
-            raise _damaged(path, f"{name} is not what a run writes")
-    return info
-
-
 def _is_plan(plan: object) -> bool:
     keys = ("name", "path", "sha256")
     return isinstance(plan, dict) and all(isinstance(plan.get(key), str) for key in keys)
@@ -173,20 +192,6 @@ def _is_texts(value: object) -> bool:
 def _is_words(value: object) -> bool:
     """Whether it is a table of texts."""
     return isinstance(value, dict) and _is_texts(list(value.values()))
-
-
-def _is_tables(value: object) -> bool:
-    return isinstance(value, list) and all(isinstance(item, dict) for item in value)
-
-
-_INFO: Mapping[str, Callable[[Any], bool]] = {
-    **dict.fromkeys(("messages", "log"), _is_texts),
-    **dict.fromkeys(("events", "limits", "bus", "fixed_stop", "distance"), _is_tables),
-    "notes": _is_words,
-    "error": lambda value: isinstance(value, str | None),
-    "real_time": lambda value: isinstance(value, dict | None),
-}
-"""Entry of a `runs/<run>.json` -> whether it has the form that a run writes."""
 
 
 def is_results_folder(folder: Path) -> bool:

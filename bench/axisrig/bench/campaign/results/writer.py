@@ -2,9 +2,8 @@
 
     results.csv            one row per check
     cases.csv              one row per run, with every input column of the plan
-    traces/<run>.parquet   signals over time
-    runs/<run>.json        events, limits to draw, notes, messages, log, figures of buses, error,
-                           runs to a fixed stop, distance controls
+    traces/<run>.parquet   time series (`bench.record.series`), written by the run itself
+    runs/<run>.json        all else that a run leaves (`bench.record.facts`)
     bus/<run>.blf          every frame; or .log, .asc, .pcap
     junit.xml, manifest.json, report.html
 
@@ -18,14 +17,11 @@ import platform
 import re
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
-
-import pyarrow as pa
-import pyarrow.parquet as pq
+from typing import Self
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES
 from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
@@ -36,13 +32,16 @@ from axisrig.bench.campaign.results.stored import (
     CASE_COLUMNS,
     IN_PLAN,
     LATER_COLUMNS,
+    NOTE,
     RESULT_COLUMNS,
 )
 from axisrig.bench.files import json_text, naming, sha256_of, write_whole
+from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import Case, Plan
 from axisrig.bench.plan.verdict import Verdict, worst
-from axisrig.bench.record.event import Event
+from axisrig.bench.record.facts import Facts, run_text
+from axisrig.bench.record.series import Series
 from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.kernel.errors import UserError
 
@@ -54,36 +53,58 @@ _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "panda
 class CaseResult:
     """What one run yielded.
 
-    checks: one per check of the case. alarms: IDs in order. trace: columns `time_ns` (int64),
-    `<axis>.<signal>_<unit>` and `<probe>.signal` (0 or 1), rows in order of time.
-    messages: what the NC program printed. bus: `BusFigures` of each segment as plain data.
-    error: why the run ended in `error` or `aborted`.
-    real_time: how well real time was kept (`axisrig.bench.bus.deadlines`), None in simulated time.
-    drive_substituted: axes whose lists name another drive than the CANopen one they ran on.
-    fixed_stop: the runs to a fixed stop beside their oracle
-    (`axisrig.bench.judge.fixed_stop.findings`). distance: the distance controls beside their closed
-    forms (`axisrig.bench.judge.distance.findings`). unproved_latches: axes with a measured value
-    that rests on telegrams alone.
+    checks: one per check of the case. facts: what the run has left, None for one that ended before
+    it could be judged; error: why, with what was printed until then in `log`. series: its columns.
     """
 
     case: Case
     verdict: Verdict
     checks: list[CheckResult]
-    sim_s: float = 0.0
     wall_s: float = 0.0
-    alarms: list[int] = field(default_factory=list)
-    frame_log_sha256: str = ""
-    drive_substituted: str = ""
-    trace: pa.Table | None = None
-    events: list[Event] = field(default_factory=list)
-    messages: list[str] = field(default_factory=list)
-    log: list[str] = field(default_factory=list)
-    bus: list[dict[str, Any]] = field(default_factory=list)
+    facts: Facts | None = None
+    series: Series | None = None
     error: str | None = None
-    real_time: dict[str, Any] | None = None
-    fixed_stop: list[dict[str, Any]] = field(default_factory=list)
-    distance: list[dict[str, Any]] = field(default_factory=list)
-    unproved_latches: list[str] = field(default_factory=list)
+    log: list[str] = field(default_factory=list)
+
+    @property
+    def lines(self) -> list[str]:
+        """What the run has to say in words."""
+        return self.log if self.facts is None else log_lines(self.facts)
+
+    @property
+    def sim_s(self) -> float:
+        """Simulated time, s."""
+        return 0.0 if self.facts is None else self.facts.sim_ns / 1e9
+
+    @property
+    def alarms(self) -> list[int]:
+        """IDs of the alarms in their order, without those that came up while axes stopped."""
+        alarms = () if self.facts is None else self.facts.alarms
+        return [alarm.id for alarm in alarms if not alarm.is_further]
+
+    @property
+    def frame_log_sha256(self) -> str:
+        """Hash over all frames with their instants."""
+        return "" if self.facts is None else self.facts.frame_log_sha256
+
+    @property
+    def drive_substituted(self) -> str:
+        """Axes whose lists name another drive than the CANopen one they ran on."""
+        return "" if self.facts is None else self.facts.drive_substituted
+
+    @property
+    def unproved_latches(self) -> list[str]:
+        """Axes with a measured value that rests on telegrams alone."""
+        axes = {} if self.facts is None else self.facts.axes
+        return [name for name, axis in axes.items() if axis.unproved_latches]
+
+
+@dataclass(frozen=True)
+class RunFiles:
+    """Files that a run itself writes: bus logs, and its series, None to keep these in memory."""
+
+    bus_logs: Sequence[Path] = ()
+    trace: Path | None = None
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
@@ -166,9 +187,10 @@ class ResultsWriter:
         with suppress(OSError) if isinstance(error, OSError) else ExitStack():
             self.close()
 
-    def bus_paths(self, run: str) -> list[Path]:
-        """Return where the bus logs of a run are to be written."""
-        return [self._rows.path_of("bus", run, LOG_SUFFIXES[kind]) for kind in self._bus_logs]
+    def files_of(self, run: str) -> RunFiles:
+        """Return where bus logs and series of a run are to be written."""
+        logs = [self._rows.path_of("bus", run, LOG_SUFFIXES[kind]) for kind in self._bus_logs]
+        return RunFiles(logs, self._rows.path_of("traces", run, ".parquet"))
 
     def add(self, result: CaseResult) -> None:
         """Write one run. A check without a result becomes `error`; the worst verdict wins.
@@ -186,12 +208,14 @@ class ResultsWriter:
             for check in case.checks
         ]
         verdict = worst([result.verdict, *(item.verdict for item in checks)])
-        if result.trace is not None:
-            write_trace(result.trace, self._rows.path_of("traces", case.run, ".parquet"))
         path = self._rows.path_of("runs", case.run, ".json")
         with naming(path):
-            path.write_text(json_text(_run_info(result, checks)), encoding="utf-8", newline="")
-        rows = [dict(zip(RESULT_COLUMNS, _check_row(case, item), strict=True)) for item in checks]
+            text = run_text(result.facts, result.error, result.log)
+            path.write_text(text, encoding="utf-8", newline="")
+        rows = [
+            dict(zip((*RESULT_COLUMNS, NOTE), _check_row(case, item), strict=True))
+            for item in checks
+        ]
         self._rows.put(case.run, self._case_row(result, verdict), rows)
         self._written.add(case.run)
         if self._history.replaced(case.run):
@@ -290,26 +314,6 @@ def build_manifest(
     }
 
 
-def write_trace(trace: pa.Table, path: Path) -> None:
-    """Write signals as Parquet: zstd, floats split into byte streams, time as differences.
-
-    Raises OSError with the name of the file, ValueError when there is no int64 column `time_ns`:
-    a defect.
-    """
-    if "time_ns" not in trace.column_names or trace.schema.field("time_ns").type != pa.int64():
-        raise ValueError("a trace needs an int64 column time_ns")
-    floats = [item.name for item in trace.schema if pa.types.is_floating(item.type)]
-    with naming(path):
-        pq.write_table(
-            trace,
-            path,
-            compression="zstd",
-            use_dictionary=False,
-            use_byte_stream_split=floats,
-            column_encoding={"time_ns": "DELTA_BINARY_PACKED"},
-        )
-
-
 def _cases(plans: Sequence[Plan]) -> list[Case]:
     return [case for plan in plans for case in plan.cases]
 
@@ -364,38 +368,7 @@ def _check_row(case: Case, item: CheckResult) -> list[str]:
         repr(float(item.uncertainty)),
         item.verdict.word,
         item.check.reference,
-    ]
-
-
-def _run_info(result: CaseResult, checks: Sequence[CheckResult]) -> dict[str, Any]:
-    told = {} if result.real_time is None else {"real_time": result.real_time}
-    return {
-        **told,
-        "run": result.case.run,
-        "repeat": result.case.repeat,
-        "error": result.error,
-        "events": [asdict(event) for event in sorted(result.events, key=lambda e: e.time_ns)],
-        "limits": [limit for item in checks for limit in _limits(item)],
-        "notes": {item.check.metric: item.note for item in checks if item.note},
-        "messages": result.messages,
-        "log": result.log,
-        "bus": result.bus,
-        "fixed_stop": result.fixed_stop,
-        "distance": result.distance,
-    }
-
-
-def _limits(item: CheckResult) -> list[dict[str, object]]:
-    """Limits that a plot can show: those of metrics which are a value of a plotted signal."""
-    check = item.check
-    limits = [v for v in (check.condition.lower, check.condition.upper) if v is not None]
-    if not check.definition.plot:
-        return []
-    if check.name.endswith("_max"):  # a magnitude: the signal may reach the limit on both sides
-        limits += [-v for v in limits]
-    return [
-        {"plot": check.definition.plot, "axis": check.axis, "value": v, "label": check.metric}
-        for v in dict.fromkeys(limits)
+        item.note,
     ]
 
 

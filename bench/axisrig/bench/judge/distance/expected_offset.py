@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from axisrig.bench.judge.distance.stretches import Stretch, active
-from axisrig.bench.judge.distance.truth import ERROR, FREEZE, DistanceTruth, Flags, Signal
+from axisrig.bench.judge.distance.truth import ERROR, FREEZE, DistanceTruth, Flags
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.model import Law
 from axisrig.bench.oracles.distance.smoothing import of_control
 from axisrig.bench.oracles.distance.supervision import Due, first_due
+from axisrig.bench.record.series import Signal
 
 
 @dataclass(frozen=True)

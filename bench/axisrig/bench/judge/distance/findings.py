@@ -1,6 +1,6 @@
 """What distance control did, beside what closed forms say of its loop: for the report.
 
-The block `distance` of `runs/<run>.json`: per axis its stretches (state, by whom, set value), the
+A block has per axis its stretches (state, by whom, set value), the
 laws it followed with limit and dead cycles, the error at the end of each stretch, and how much of
 each limit was used. Lengths in mm, times in ns, speeds in mm/s.
 """
@@ -20,18 +20,18 @@ from axisrig.bench.judge.distance.truth import (
     DistanceTruth,
     Flags,
     NoClosedFormError,
+    distance_truths,
 )
-from axisrig.bench.machine.recording.distance_log import Change
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.following import ramp_lag_mm
-from axisrig.bench.oracles.distance.lists import PER_MM, Control
+from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.smoothing import of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
-from axisrig.bench.record.event import Event
-from axisrig.kernel.distance import DistanceSettings, DistanceState, Source
+from axisrig.bench.record.distance import DistanceChange
 
-ON = (DistanceState.ACTIVE, DistanceState.ACTIVE_CONST_DIST)
 _FORMULAS = {
     SET_POS: "o += limit({}(filter(Z + s − SET_POS) − o))",
     CONST_DIST: "o += limit({}(SET_DIST − filter(d)))",
@@ -40,21 +40,27 @@ _FORMULAS = {
 _EVEN_MM = 2e-7
 _LEAST_ROWS = 3
 _WORDS = {
-    DistanceState.INACTIVE: "OFF",
-    DistanceState.ACTIVE: "ON",
-    DistanceState.FREEZE: "FREEZE",
-    DistanceState.TURNING_OFF: "OFF",
-    DistanceState.ACTIVE_CONST_DIST: "ON_CONST_DIST",
+    "INACTIVE": "OFF",
+    "ACTIVE": "ON",
+    "FREEZE": "FREEZE",
+    "TURNING_OFF": "OFF",
+    "ACTIVE_CONST_DIST": "ON_CONST_DIST",
 }
 
 
-def told(truth: DistanceTruth, changes: Sequence[Change]) -> dict[str, Any]:
-    """Return one axis as the block `distance` tells it."""
+def distance_blocks(observed: Observed) -> list[dict[str, Any]]:
+    """Return what the report shows of each control that was ever on."""
+    return [block_of(truth) for truth in distance_truths(observed)]
+
+
+def block_of(truth: DistanceTruth) -> dict[str, Any]:
+    """Return one axis as plain data."""
+    changes = truth.control.changes
     laws: list[dict[str, Any]] = []
     parts = _parts(truth, changes, laws)
     return {
         "axis": truth.axis,
-        "sensor": truth.machine.settings.rig.axis[truth.axis].encoder_2,
+        "sensor": truth.record.sensor or None,
         "zero_mm": truth.zero_mm,
         "period_ms": truth.period_ns / 1e6,
         "late_cycles": 0 if truth.listed.is_optimized else 1,
@@ -67,18 +73,26 @@ def told(truth: DistanceTruth, changes: Sequence[Change]) -> dict[str, Any]:
     }
 
 
-def distance_events(axis: str, changes: Sequence[Change]) -> list[Event]:
+def distance_events(observed: Observed) -> list[Event]:
     """Return what the program commanded, as marks of the report; the PLC side has its own."""
+    return [
+        mark
+        for axis, record in observed.facts.distance.items()
+        for mark in _commands(axis, record.changes)
+    ]
+
+
+def _commands(axis: str, changes: Sequence[DistanceChange]) -> list[Event]:
     marks = []
-    before, was_dry = DistanceState.INACTIVE, False
+    before, was_dry = "INACTIVE", False
     for change in changes:
-        is_same = change.state is before and change.is_dry_run == was_dry
-        by_itself = change.state is DistanceState.ERROR or (
-            change.state is DistanceState.INACTIVE and before is DistanceState.TURNING_OFF
+        is_same = change.state == before and change.is_dry_run == was_dry
+        by_itself = change.state == "ERROR" or (
+            change.state == "INACTIVE" and before == "TURNING_OFF"
         )
-        if not is_same and not by_itself and change.source is Source.NC:
+        if not is_same and not by_itself and change.by == "NC":
             word = f"{_WORDS[change.state]}{' (dry run)' if change.is_dry_run else ''}"
-            label = f"{axis}: {word} by {change.source.name}"
+            label = f"{axis}: {word} by {change.by}"
             marks.append(Event(change.time_ns, "mark", label, axis))
         before, was_dry = change.state, change.is_dry_run
     return marks
@@ -88,23 +102,23 @@ def distance_events(axis: str, changes: Sequence[Change]) -> list[Event]:
 
 
 def _parts(
-    truth: DistanceTruth, changes: Sequence[Change], laws: list[dict[str, Any]]
+    truth: DistanceTruth, changes: Sequence[DistanceChange], laws: list[dict[str, Any]]
 ) -> list[dict[str, Any]]:
     """Stretches between two changes; laws: takes each law once."""
     found = []
     for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
-        is_on = change.state in ON
+        is_on = change.is_on
         wanted = _set_values(truth, change, _rows(truth, change, end_ns))
         if is_on:
-            law = _law(truth, mode_of(change), change.settings)
+            law = _law(truth, change.mode, change.controller.control)
             if law not in laws:
                 laws.append(law)
         found.append(
             {
                 "begin_ns": change.time_ns,
                 "end_ns": end_ns,
-                "state": change.state.name,
-                "by": change.source.name,
+                "state": change.state,
+                "by": change.by,
                 "is_dry_run": is_on and change.is_dry_run,
                 "set_mm": wanted[0],
                 "set_end_mm": wanted[1],
@@ -114,52 +128,28 @@ def _parts(
     return found
 
 
-def _ends(truth: DistanceTruth, changes: Sequence[Change]) -> list[int]:
+def _ends(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[int]:
     """End of what holds from each change on, in ns."""
     return [*(change.time_ns for change in changes[1:]), int(truth.times_ns[-1])]
 
 
-def _rows(truth: DistanceTruth, change: Change, end_ns: int) -> "np.ndarray[Any, Any]":
+def _rows(truth: DistanceTruth, change: DistanceChange, end_ns: int) -> "np.ndarray[Any, Any]":
     return np.flatnonzero((truth.times_ns >= change.time_ns) & (truth.times_ns < end_ns))
 
 
 def _set_values(
-    truth: DistanceTruth, change: Change, rows: "np.ndarray[Any, Any]"
+    truth: DistanceTruth, change: DistanceChange, rows: "np.ndarray[Any, Any]"
 ) -> tuple[float | None, float | None]:
     """First and last set value of a stretch in which the control follows."""
-    if change.state not in ON or not len(rows):
+    if not change.is_on or not len(rows):
         return None, None
-    name = "set_pos_mm" if change.state is DistanceState.ACTIVE else "set_dist_mm"
+    name = "set_pos_mm" if change.state == "ACTIVE" else "set_dist_mm"
     values = truth[name][rows]
     known = values[np.isfinite(values)]
     return (float(known[0]), float(known[-1])) if len(known) else (None, None)
 
 
-def mode_of(change: Change) -> str:
-    """Return the mode of the loop of a control that is on."""
-    if change.state is DistanceState.ACTIVE:
-        return SET_POS
-    return BOTH if change.settings.both_encoders else CONST_DIST
-
-
-def control_of(settings: DistanceSettings) -> Control:
-    """Return the controller of settings of the kernel, as the closed forms want it."""
-    smooth = settings.filter
-    return Control(
-        kp=settings.kp,
-        tn_s=settings.tn_s,
-        tv_s=settings.tv_s,
-        filter_type=smooth.kind,
-        count=smooth.n_cycles,
-        alpha=smooth.smoothing_factor,
-        order=smooth.low_pass_filter_order,
-        corner_hz=smooth.low_pass_filter_fg_f0,
-        sigma_mm=smooth.kalman_sigma / PER_MM,
-    )
-
-
-def _law(truth: DistanceTruth, mode: str, settings: DistanceSettings) -> dict[str, Any]:
-    control = control_of(settings)
+def _law(truth: DistanceTruth, mode: str, control: Control) -> dict[str, Any]:
     loop = _loop(truth, mode, control)
     unknown = truth.unknown_poles(mode)
     limit = math.inf if unknown else kp_limit(loop)
@@ -204,7 +194,7 @@ def _dead(truth: DistanceTruth) -> dict[str, Any]:
 def _notes(truth: DistanceTruth) -> list[str]:
     notes = []
     if truth.zero_mm:
-        by = "REF" if truth.axis in truth.machine.referenced else "ref_offset"
+        by = "REF" if truth.control.is_referenced else "ref_offset"
         notes.append(f"The sensor value is 0 at a gap of {truth.zero_mm:.6g} mm ({by}).")
     if not truth.counts_right:
         notes.append(
@@ -217,7 +207,7 @@ def _notes(truth: DistanceTruth) -> list[str]:
 # Errors
 
 
-def _errors(truth: DistanceTruth, changes: Sequence[Change]) -> list[dict[str, Any]]:
+def _errors(truth: DistanceTruth, changes: Sequence[DistanceChange]) -> list[dict[str, Any]]:
     """The true error in the last fifth of each stretch beside its closed form."""
     behind = truth.behind_mm
     if behind is None:
@@ -225,14 +215,14 @@ def _errors(truth: DistanceTruth, changes: Sequence[Change]) -> list[dict[str, A
     found = []
     for change, end_ns in zip(changes, _ends(truth, changes), strict=True):
         rows = _rows(truth, change, end_ns)
-        if change.state not in ON or change.is_dry_run or len(rows) < _LEAST_ROWS:
+        if not change.is_on or change.is_dry_run or len(rows) < _LEAST_ROWS:
             continue
-        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, mode_of(change))
+        stretch = Stretch(int(rows[0]), int(rows[-1]) + 1, change.mode)
         part, speed = _tail(truth, stretch)
         errors = behind[part.judged]
         expected, note = None, ""
         try:
-            expected = _expected_mm(truth, part, speed, control_of(change.settings))
+            expected = _expected_mm(truth, part, speed, change.controller.control)
         except NoClosedFormError as reason:
             note = str(reason)
         found.append(

@@ -9,26 +9,26 @@ from collections.abc import Callable
 
 import numpy as np
 
-from axisrig.bench.judge.distance import expected_offset as walked
-from axisrig.bench.judge.distance import filtering, stretches
+from axisrig.bench.judge.distance import expected_offset, filtering, stretches
 from axisrig.bench.judge.distance.truth import (
     FREEZE,
     STATE_WORDS,
     TURNING_OFF,
     DistanceTruth,
     NoClosedFormError,
-    Signal,
+    distance_truth,
 )
-from axisrig.bench.judge.observation import Observation
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.topic import MetricFunction
 from axisrig.bench.oracles.distance import following, limits
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.loop import Loop, growth
 from axisrig.bench.oracles.distance.stability import KP_MAX, kp_limit
+from axisrig.bench.record.series import Signal
 from axisrig.kernel.errors import same_cause
 
-Function = Callable[[Observed, str | None], Observation]
-DISTANCE_METRICS: dict[str, Function] = {}
+DISTANCE_METRICS: dict[str, MetricFunction] = {}
 UM = 1e3
 SETTLED_MM, SETTLED_SHARE = 0.005, 0.01
 
@@ -39,7 +39,7 @@ def _of_axis(
     """Register a metric of one axis under the name of its function."""
 
     def metric(observed: Observed, axis: str | None) -> Observation:
-        truth = observed.distance_truth(axis)
+        truth = distance_truth(observed, axis)
         if truth is None:
             whose = f"axis {axis} has" if axis else "no axis has"
             return Observation(None, note=f"{whose} no distance control" if axis else f"{whose} it")
@@ -393,7 +393,7 @@ def distance_filter_noise_gain_expected(truth: DistanceTruth) -> Observation:
 @_of_axis
 def offset_model_error_um(truth: DistanceTruth) -> Observation:
     """Largest difference between the offset and that of the own model along the same values."""
-    model = walked.walk(truth).offset_mm
+    model = expected_offset.walk(truth).offset_mm
     rows = ~np.isnan(model) & truth.is_active
     if not rows.any():
         raise NoClosedFormError("distance control was never on")
@@ -403,7 +403,7 @@ def offset_model_error_um(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_alarm_late_cycles(truth: DistanceTruth) -> Observation:
     """Cycle of the alarm less the one in which it is due by the values that the bus brought."""
-    due = walked.due(truth, walked.walk(truth))
+    due = expected_offset.due(truth, expected_offset.walk(truth))
     raised = _raised(truth)
     if due is None or raised is None:
         words = f"due: {'none' if due is None else due.alarm}"
@@ -412,7 +412,7 @@ def distance_alarm_late_cycles(truth: DistanceTruth) -> Observation:
     if same_cause(number) != same_cause(due.alarm):
         raise NoClosedFormError(f"due was {due.alarm}, raised {number}")
     sync_ns = int(truth.times_ns[due.row]) // truth.period_ns * truth.period_ns
-    late = (time_ns - truth.machine.timing.offset_ns - sync_ns) / truth.period_ns
+    late = (time_ns - truth.observed.facts.timing.offset_ns - sync_ns) / truth.period_ns
     return Observation(late, note=f"ID {number} due in the cycle of {sync_ns / 1e6:g} ms")
 
 
@@ -422,17 +422,16 @@ def distance_alarm_after_cycles(truth: DistanceTruth) -> Observation:
     raised = _raised(truth)
     if raised is None:
         raise NoClosedFormError("no alarm of sensor or offset came up")
-    period_ns, offset_ns = truth.period_ns, truth.machine.timing.offset_ns
-    first = walked.first_step(truth, stretches.active(truth)[0])
+    period_ns, offset_ns = truth.period_ns, truth.observed.facts.timing.offset_ns
+    first = expected_offset.first_step(truth, stretches.active(truth)[0])
     begin_ns = int(truth.times_ns[first]) // period_ns * period_ns
     return Observation((raised[0] - offset_ns - begin_ns) // period_ns, note=f"ID {raised[1]}")
 
 
 def _raised(truth: DistanceTruth) -> tuple[int, int] | None:
     """Return instant and ID of the first alarm of sensor or offset."""
-    channel = truth.machine.channel
     ids = [same_cause(cause) for cause in (70329, 70330, 70331, 70576, 900314)]
-    for time_ns, alarm in zip(channel.alarm_ns, channel.alarms, strict=True):
-        if same_cause(alarm.id) in ids:
-            return time_ns, alarm.id
+    for alarm in truth.observed.facts.alarms:
+        if not alarm.is_further and same_cause(alarm.id) in ids:
+            return alarm.time_ns, alarm.id
     return None

@@ -10,16 +10,16 @@ from functools import cached_property
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.bench.judge.fixed_stop.truth import PlantValues
-from axisrig.bench.machine.machine import Machine
-from axisrig.bench.machine.recording.telegram_log import SECOND, TARGET
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, Told, measured, predicted
 from axisrig.bench.oracles.distance.lists import Listed, as_written
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
-from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
-from axisrig.kernel.channel.distance.sensor import VariableSensor
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.series import SECOND, TARGET, Signal, Times
 from axisrig.kernel.time.clock import S
 
 
@@ -27,8 +27,6 @@ class NoClosedFormError(Exception):
     """What must hold for a closed form does not; the text says what."""
 
 
-Signal = npt.NDArray[np.float64]
-Times = npt.NDArray[np.int64]
 Flags = npt.NDArray[np.bool_]
 
 INACTIVE, ACTIVE, FREEZE, TURNING_OFF, ACTIVE_CONST_DIST, ERROR = range(6)
@@ -39,26 +37,54 @@ DEMAND_CYCLES = 2
 
 @dataclass(frozen=True)
 class DistanceTruth:
-    """One axis of a finished run.
-
-    columns: recorded signals by name, of the axis and, with the name `gap`, of its sensor: distance
-    and distance_true, None where the axis has none in the plant.
-    """
+    """One axis of a finished run."""
 
     axis: str
-    machine: Machine
-    times_ns: Times
-    columns: dict[str, Signal]
-    gap_told_mm: Signal | None
-    gap_true_mm: Signal | None
+    observed: Observed
 
     def __getitem__(self, name: str) -> Signal:
-        return self.columns[name]
+        found = self._signals.get(name)
+        if found is None:
+            found = self._signals[name] = self.observed.column(self.axis, name)
+        return found
+
+    @cached_property
+    def _signals(self) -> dict[str, Signal]:
+        return {}
+
+    @cached_property
+    def record(self) -> AxisRecord:
+        """The axis with its drive."""
+        return self.observed.axes[self.axis]
+
+    @cached_property
+    def control(self) -> DistanceRecord:
+        """What the run has left of its control."""
+        return self.observed.facts.distance[self.axis]
+
+    @property
+    def times_ns(self) -> Times:
+        """SYNC instants of the rows."""
+        return self.observed.times_ns
+
+    @cached_property
+    def gap_told_mm(self) -> Signal | None:
+        """Distance as its sensor gives it, None where the axis has none in the plant."""
+        return self._of_sensor("distance_mm")
+
+    @cached_property
+    def gap_true_mm(self) -> Signal | None:
+        """True distance below the sensor."""
+        return self._of_sensor("distance_true_mm")
+
+    def _of_sensor(self, name: str) -> Signal | None:
+        sensor = self.record.sensor
+        return self.observed.column(sensor, name) if self.observed.has(sensor, name) else None
 
     @property
     def period_ns(self) -> int:
         """Period of SYNC and cycle."""
-        return self.machine.timing.period_ns
+        return self.observed.facts.timing.period_ns
 
     @property
     def period_s(self) -> float:
@@ -68,7 +94,7 @@ class DistanceTruth:
     @cached_property
     def listed(self) -> Listed:
         """What the lists and the plan say."""
-        return as_written(dict(self.machine.settings.axis[self.axis].items()))
+        return as_written(dict(self.record.written))
 
     @cached_property
     def state(self) -> npt.NDArray[np.int64]:
@@ -110,7 +136,7 @@ class DistanceTruth:
         """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or behind REF
         what the sensor told beside the sensor value.
         """
-        is_referenced = self.axis in self.machine.referenced and self.is_active.any()
+        is_referenced = self.control.is_referenced and self.is_active.any()
         if is_referenced and self.gap_told_mm is not None:
             return float(np.median((self.gap_told_mm + self["sensor_mm"])[self.is_active]))
         return -self.listed.ref_offset_mm
@@ -133,24 +159,20 @@ class DistanceTruth:
     @cached_property
     def values(self) -> PlantValues | None:
         """What the FMU of the axis tells beside its roles; None for a drive outside."""
-        plant = self.machine.plant.axes.get(self.machine.settings.rig.axis[self.axis].plant)
+        plant = self.observed.plant_of(self.axis)
         return None if plant is None else PlantValues(plant)
 
     @cached_property
-    def variable(self) -> PlcSensorTable | None:
+    def variable(self) -> PlcSensor | None:
         """The entry of `[plc]` that the program has chosen as its sensor; None: 60E4."""
-        sensor = self.machine.channel.distance.axes[self.axis].sensor
-        if not isinstance(sensor, VariableSensor):
-            return None
-        return self.machine.settings.rig.plc.get(f"V.E.{sensor.name}")
+        return self.observed.facts.plc_sensors.get(self.control.variable)
 
     @cached_property
     def sensor_age_cycles(self) -> int:
         """Cycles by which the sensor value is older than 6064, by the rig."""
         if self.variable is not None:
             return self.variable.delay_cycles
-        rig = self.machine.settings.rig
-        return int(rig.drive[rig.axis[self.axis].drive].second_delay_cycles)
+        return self.record.second_delay_cycles
 
     @cached_property
     def dead(self) -> DeadCycles:
@@ -166,16 +188,15 @@ class DistanceTruth:
         """60E4 comes with every so many SYNCs; 1 where it is sent when it changes."""
         if self.variable is not None:
             return 1
-        telegrams = self.machine.links[self.axis].telegrams.values()
-        types = [t.transmission for t in telegrams if any(o.field == SECOND for o in t.objects)]
+        types = [t.transmission for t in self.record.telegrams if SECOND in t.fields]
         return types[0] if types and types[0] <= 240 else 1
 
     def measured_dead(self, quiet_increments: int = 0) -> Measured:
         """Return dead cycles as frames show them; raises NotMeasurableError."""
-        log, start_ns = self.machine.telegrams, self._control_ns
+        start_ns = self._control_ns
         heard = [
-            [Told(sent.time_ns, sent.value) for sent in log.of(self.axis, field)]
-            for field in (TARGET, SECOND)
+            [Told(*sent) for sent in zip(*(part.tolist() for part in sent_in), strict=True)]
+            for sent_in in (self.observed.telegrams(self.axis, f) for f in (TARGET, SECOND))
         ]
         # The last value before counts too: one that is sent when it changes is old
         since = [sum(told.time_ns < start_ns for told in one) for one in heard]
@@ -244,3 +265,19 @@ class DistanceTruth:
         if self.state[row] != ACTIVE_CONST_DIST:
             return SET_POS
         return BOTH if self.listed.uses_both else CONST_DIST
+
+
+def distance_truth(observed: Observed, axis: str | None) -> DistanceTruth | None:
+    """Return the signals of an axis with distance control, without a name of the first."""
+    truths = observed.once(_truths)
+    return truths.get(axis or next(iter(truths), ""))
+
+
+def distance_truths(observed: Observed) -> list[DistanceTruth]:
+    """Return the signals of each axis whose distance control was ever on."""
+    return [truth for truth in observed.once(_truths).values() if truth.state.any()]
+
+
+def _truths(observed: Observed) -> dict[str, DistanceTruth]:
+    axes = [name for name in observed.axes if observed.has(name, "offset_mm")]
+    return {name: DistanceTruth(name, observed) for name in axes}

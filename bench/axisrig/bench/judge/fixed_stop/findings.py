@@ -3,14 +3,15 @@
 Each mark has the instant that was measured beside the one that the closed form says.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-from axisrig.bench.judge.fixed_stop.run import StopRun
+from axisrig.bench.judge.fixed_stop.run import StopRun, stop_runs
 from axisrig.bench.judge.fixed_stop.values import Value, prediction, values
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.fixed_stop.timing import Instant, seen
-from axisrig.bench.record.event import Event
 
 PLANT, KERNEL = "plant", "kernel"
 
@@ -141,11 +142,11 @@ def _criteria(run: StopRun) -> list[Mark]:
     return rows
 
 
-def stop_events(runs: Sequence[StopRun]) -> list[Event]:
+def stop_events(observed: Observed) -> list[Event]:
     """Return the marks of all runs for the plots, without what is marked for runs of every type."""
     return [
         Event(mark.measured_ns, _KINDS.get(mark.key, "mark"), _label(mark), mark.axis)
-        for run in runs
+        for run in stop_runs(observed)
         for mark in marks(run)
         if mark.measured_ns is not None and mark.key not in _MARKED_ELSEWHERE
     ]
@@ -155,8 +156,13 @@ def _label(mark: Mark) -> str:
     return mark.label if mark.axis is None else f"{mark.axis}: {mark.label}"
 
 
+def stop_blocks(observed: Observed) -> list[dict[str, Any]]:
+    """Return what the report shows of each run to a fixed stop."""
+    return [as_data(run) for run in stop_runs(observed)]
+
+
 def as_data(run: StopRun) -> dict[str, Any]:
-    """Return a run as the block `fixed_stop` of its JSON file tells it."""
+    """Return a run as plain data."""
     return {
         "number": run.number,
         "block": run.record.block,

@@ -10,14 +10,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from axisrig.bench.judge.fixed_stop.run import StopRun
-from axisrig.bench.judge.fixed_stop.truth import AxisTruth, Signal
-from axisrig.bench.judge.observation import Observation
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.fixed_stop.run import StopRun, stop_run, stop_runs
+from axisrig.bench.judge.fixed_stop.truth import AxisTruth
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.observed.observed import Observed, takes_part
+from axisrig.bench.judge.observed.topic import MetricFunction
+from axisrig.bench.record.series import Signal
 from axisrig.kernel.time.clock import MS
 
-Function = Callable[[Observed, str | None], Observation]
-STOP_METRICS: dict[str, Function] = {}
+STOP_METRICS: dict[str, MetricFunction] = {}
 
 NOT_FOLLOWED = (
     "along the motion of the plant the criteria never hold; what counts as rest behind the end of"
@@ -28,12 +29,12 @@ NO_FORCE = "the FMU of the axis tells no force at the stop (stop_force in docs/r
 
 def _last_run(observed: Observed, axis: str | None) -> StopRun | str:
     """Return the run that counts when it went to a fixed stop, else why there is none."""
-    record = observed.last_record(axis)
+    record = observed.last_run(axis)
     if record is None:
         return "the program made no measurement run"
     if record.fixed_stop is None:
         return "the last measurement run did not go to a fixed stop (measuring type 7)"
-    return observed.stop_run(record)
+    return stop_run(observed, record)
 
 
 def _of_run(
@@ -68,13 +69,18 @@ def _of_axis(
     return function
 
 
+def _runs_of(observed: Observed, axis: str | None) -> list[StopRun]:
+    """Return the runs to a fixed stop in which an axis takes part, without a name all."""
+    return [r for r in stop_runs(observed) if axis is None or takes_part(r.record, axis)]
+
+
 def _of_every_run(
     function: Callable[[StopRun, str | None], Observation],
 ) -> Callable[[StopRun, str | None], Observation]:
     """Register the largest number of all runs; one that is not known leaves it open."""
 
     def metric(observed: Observed, axis: str | None) -> Observation:
-        runs = observed.stop_runs_of(axis)
+        runs = _runs_of(observed, axis)
         if not runs:
             of_axis = f" of axis {axis}" if axis else ""
             note = f"the program made no measurement run{of_axis} to a fixed stop"
@@ -86,7 +92,7 @@ def _of_every_run(
         sizes = [float(str(each.value)) for each in seen]
         worst = sizes.index(max(sizes))
         axes = " ".join(runs[worst].record.axes)
-        note = f"fixed stop {runs[worst].number} of {len(observed.stop_runs)}, axis {axes}"
+        note = f"fixed stop {runs[worst].number} of {len(stop_runs(observed))}, axis {axes}"
         return replace(seen[worst], note=note)
 
     STOP_METRICS[function.__name__] = metric
@@ -191,7 +197,7 @@ def latch_force_error_um(run: StopRun, truth: AxisTruth) -> Observation:
     if force_n <= 0.0:
         return Observation(None, note=f"axis {truth.name} does not touch its stop then")
     expected_mm = truth.pressed_encoder_mm(row)
-    increment_um = 1e3 / run.machine.links[truth.name].settings.increments_per_mm
+    increment_um = 1e3 / truth.record.increments_per_mm
     return Observation(
         (latched_mm + truth.zero_mm - expected_mm) * 1e3,
         0.5 * increment_um,

@@ -8,8 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from axisrig.bench.judge.fixed_stop.truth import AxisTruth, Times
-from axisrig.bench.machine.machine import Machine
+from axisrig.bench.judge.fixed_stop.truth import AxisTruth
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.fixed_stop.contact import (
     ROWS_BEFORE,
     StopContact,
@@ -20,9 +20,8 @@ from axisrig.bench.oracles.fixed_stop.following import Signal
 from axisrig.bench.oracles.fixed_stop.lists import arming_mm, delay_cycles, limits_as_written
 from axisrig.bench.oracles.fixed_stop.pressing import Pressing
 from axisrig.bench.oracles.fixed_stop.timing import Cycles
-from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
-from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
-from axisrig.kernel.measuring.run import RunRecord
+from axisrig.bench.record.measuring import FixedStop, MeasurementRun
+from axisrig.bench.record.series import Times
 from axisrig.kernel.time.clock import MS
 
 BOUNCE_NS = 50 * MS
@@ -57,16 +56,16 @@ class StopRows:
     def __init__(
         self,
         number: int,
-        record: RunRecord,
-        machine: Machine,
+        record: MeasurementRun,
+        observed: Observed,
         cycles: Cycles,
         truths: Mapping[str, AxisTruth],
     ) -> None:
         assert record.fixed_stop is not None
         self.number, self.record, self.cycles, self.truths = number, record, cycles, truths
-        self.stop: FixedStopRecord = record.fixed_stop
-        self.machine = machine
-        self.end_ns = record.end_ns or machine.end_ns
+        self.stop: FixedStop = record.fixed_stop
+        self.observed = observed
+        self.end_ns = record.end_ns or observed.facts.end_ns
         self.watched = [axis for axis in self.stop.criteria if axis in truths]
         self.limits = {
             axis: limits_as_written(truths[axis].written, cycles.period_ns) for axis in self.watched
@@ -85,11 +84,11 @@ class StopRows:
     @cached_property
     def rotary(self) -> list[str]:
         """Axes of the run whose positions are degrees."""
-        return [axis for axis in self.truths if is_rotary(self.machine.settings, axis)]
+        return [axis for axis in self.truths if self.observed.is_rotary(axis)]
 
     def torque_arm_m(self, axis: str) -> float | None:
         """Return what makes torques of the forces at an axis; None where they are forces."""
-        return torque_arm_m(self.machine.settings, axis)
+        return self.observed.torque_arm_m(axis)
 
     # Rows of the trace
 
@@ -128,7 +127,7 @@ class StopRows:
     @cached_property
     def block_mm(self) -> float | None:
         """Length of the block: from where the demand stood to the target in the program."""
-        target_mm = self.machine.measuring_targets.get(self.record.block)
+        target_mm = self.record.target_mm
         if target_mm is None or any(axis not in self.truths for axis in target_mm):
             return None
         row = min(self.rows.start, len(self.times_ns) - 1)
@@ -141,8 +140,7 @@ class StopRows:
     @property
     def resolution_mm(self) -> float:
         """To how much the path of the demand is known: an increment of the encoders."""
-        links = [self.machine.links[axis] for axis in self.record.axes]
-        return sum(1.0 / link.settings.increments_per_mm for link in links)
+        return sum(1.0 / self.observed.axes[a].increments_per_mm for a in self.record.axes)
 
     @cached_property
     def armed_ns(self) -> float | None:

@@ -5,15 +5,13 @@ from the rig; of the kernel's record only which axes took part and from when to 
 Whether the feed went on long enough is looked up in the demand that the plant followed.
 """
 
-from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
-import pyarrow as pa
 
 from axisrig.bench.judge.fixed_stop.rows import StopRows
-from axisrig.bench.judge.fixed_stop.truth import AxisTruth, Times, axis_truth
-from axisrig.bench.machine.machine import Machine
+from axisrig.bench.judge.fixed_stop.truth import AxisTruth, axis_truth
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.fixed_stop import timing
 from axisrig.bench.oracles.fixed_stop.contact import StopContact, penetrations
 from axisrig.bench.oracles.fixed_stop.following import Flags, Followed, Signal, follow, shifted
@@ -24,7 +22,9 @@ from axisrig.bench.oracles.fixed_stop.timing import (
     Instant,
     NoClosedFormError,
 )
-from axisrig.kernel.measuring.run import RunRecord
+from axisrig.bench.record.facts import Timing
+from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.series import Times
 from axisrig.kernel.time.clock import S
 
 STEADY_ROWS = 10
@@ -283,7 +283,7 @@ class StopRun(StopRows):
         """Return the NC cycle that reads the actual positions of a row."""
         period_ns = self.cycles.period_ns
         sync_ns = int(self.times_ns[row]) // period_ns * period_ns
-        return float(sync_ns + self.machine.timing.offset_ns)
+        return float(sync_ns + self.observed.facts.timing.offset_ns)
 
     # What the run brought
 
@@ -328,38 +328,44 @@ class StopRun(StopRows):
         return next(iter(self.limits), None)
 
 
-def stop_runs(
-    machine: Machine, trace: pa.Table, zero_mm: Callable[[str, RunRecord], float | None]
-) -> list[StopRun]:
+def stop_runs(observed: Observed) -> list[StopRun]:
     """Return the runs to a fixed stop of a finished program, in order.
 
-    zero_mm: place of the plant that an axis counts from in a run. A run has the truth of the axes
-    that take part in it, slaves included, but for those without such a place or a plant here.
+    A run has the truth of the axes that take part in it, slaves included, but for those that have
+    no known zero, or no plant here.
     """
-    records = [record for record in machine.channel.records if record.fixed_stop is not None]
+    return observed.once(_stop_runs)
+
+
+def stop_run(observed: Observed, record: MeasurementRun) -> StopRun:
+    """Return the run to a fixed stop that a record is of."""
+    return next(run for run in stop_runs(observed) if run.record is record)
+
+
+def _stop_runs(observed: Observed) -> list[StopRun]:
+    records = [record for record in observed.facts.runs if record.fixed_stop is not None]
     if not records:
         return []
-    cycles = cycles_of(machine, trace.column("time_ns").to_numpy())
+    cycles = cycles_of(observed.facts.timing, observed.times_ns)
     runs = []
     for number, record in enumerate(records, 1):
         assert record.fixed_stop is not None
         truths = {}
-        for name in machine.links:
+        for name, axis in observed.axes.items():
             if name not in record.fixed_stop.axes:
                 continue  # another run, or none, is about it
-            zero = None if name in machine.outside else zero_mm(name, record)
+            zero = None if axis.is_outside else observed.zero_mm(name, record)
             if zero is not None:
-                truths[name] = axis_truth(machine, trace, name, zero)
-        runs.append(StopRun(number, record, machine, cycles, truths))
+                truths[name] = axis_truth(observed, name, zero)
+        runs.append(StopRun(number, record, observed, cycles, truths))
     return runs
 
 
-def cycles_of(machine: Machine, times_ns: Times) -> Cycles:
+def cycles_of(timing: Timing, times_ns: Times) -> Cycles:
     """Return the time base of a rig; times_ns: SYNC instants on the wire, as the trace has them."""
-    period_ns, offset_ns = machine.timing.period_ns, machine.timing.offset_ns
-    ages = offset_ns - times_ns % period_ns
+    ages = timing.offset_ns - times_ns % timing.period_ns
     return Cycles(
-        period_ns,
-        (int(ages.min()), int(ages.max())) if len(ages) else (0, offset_ns),
-        buffer_cycles=machine.timing.buffer_cycles,
+        timing.period_ns,
+        (int(ages.min()), int(ages.max())) if len(ages) else (0, timing.offset_ns),
+        buffer_cycles=timing.buffer_cycles,
     )

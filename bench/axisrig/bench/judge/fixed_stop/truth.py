@@ -5,75 +5,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
-import pyarrow as pa
 
-from axisrig.bench.machine.machine import Machine
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.fixed_stop.contact import StopPath
 from axisrig.bench.oracles.fixed_stop.following import Course
 from axisrig.bench.oracles.fixed_stop.lists import Written
 from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop
-from axisrig.bench.rig.rotary import arm_m
-from axisrig.kernel.cosim.fmi.units import Exponents, find_unit, unit_name
-from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.bench.record.axes import AxisRecord, PlantRecord
+from axisrig.bench.record.series import Signal, Times
 from axisrig.kernel.time.clock import TimeNs
-
-_INERTIA: Exponents = (1, 2, 0, 0, 0, 0, 0, 0)
-Signal = npt.NDArray[np.float64]
-Times = npt.NDArray[np.int64]
 
 FAR_AWAY_MM = 100_000.0
 """A stop as far away as this stands for none."""
-
-
-class PlantValues:
-    """Parameters of the FMU of an axis by their names in the library, SI units.
-
-    An FMU of two axes (`position_1`, `position_2`) names those of each with the same ending. Those
-    of one that turns are given as a slide has them that moves by `arm_m` per radian: its positions
-    and forces are.
-    """
-
-    def __init__(self, plant: PlantAxis, arm_m: float | None = None) -> None:
-        self._slave = plant.slave
-        bound = plant.roles.bound.get("position")
-        self.arm_m = arm_m
-        variable = bound.variable if bound is not None else ""
-        self._ending = variable.removeprefix("position") if "position_" in variable else ""
-
-    def get(self, *names: str) -> float | None:
-        """Return the first one that the FMU has, None without any."""
-        for name in names:
-            for whole in dict.fromkeys((name + self._ending, name)):
-                if self._slave.has(whole):
-                    return self._in_si(whole)
-        return None
-
-    def number(self, *names: str, otherwise: float = 0.0) -> float:
-        """Return the first one that the FMU has, else a value that does nothing."""
-        value = self.get(*names)
-        return otherwise if value is None else value
-
-    def _in_si(self, name: str) -> float:
-        value = self._slave.get(name)
-        told = unit_name(self._slave.variable(name))
-        unit = find_unit(self._slave.description, told) if told else None
-        if unit is None:
-            return value
-        si = unit.to_si(value)
-        return si if self.arm_m is None else si * self.arm_m ** power_of_arm(unit.exponents)
-
-
-def power_of_arm(exponents: Exponents) -> int:
-    """Return the power of the arm r that makes a quantity of a rotation one of a slide.
-
-    x = r phi, F = M/r, and of them k = K/r^2, m = J/r^2, d = D/r^2; a J does not name the rad of
-    its N.m/(rad/s2).
-    """
-    kg, m, *_, rad = exponents
-    if exponents == _INERTIA:
-        return -2
-    return rad - 1 if (kg, m) == (1, 2) else rad
 
 
 @dataclass(frozen=True)
@@ -85,7 +29,8 @@ class AxisTruth:
     """
 
     name: str
-    machine: Machine
+    record: AxisRecord
+    plant: PlantRecord
     times_ns: Times
     position_mm: Signal
     velocity_mm_s: Signal
@@ -101,14 +46,12 @@ class AxisTruth:
     @cached_property
     def written(self) -> Written:
         """What its parameter list and the plan have set."""
-        return dict(self.machine.settings.axis[self.name].items())
+        return dict(self.record.written)
 
     @cached_property
     def values(self) -> PlantValues:
         """What its FMU tells beside the roles."""
-        settings = self.machine.settings
-        plant = self.machine.plant.axes[settings.rig.axis[self.name].plant]
-        return PlantValues(plant, arm_m(settings, self.name))
+        return PlantValues(self.plant, self.record.arm_m)
 
     @cached_property
     def stop_path(self) -> StopPath | None:
@@ -196,38 +139,43 @@ class AxisTruth:
         """Return axis against stop with the force limit that acts at an instant."""
         if self.stop is None or self.axis is None:
             return None
-        told_n = self.machine.torque_limits.at(self.name, time_ns, self.stop.direction)
+        told_n = self._limit_n(time_ns, self.stop.direction)
         limits_n = [told_n, self.values.get("force_limit_motor", "torque_limit_motor")]
         known_n = [limit for limit in limits_n if limit is not None]
         return Pressing(self.stop, self.axis, min(known_n)) if known_n else None
 
+    def _limit_n(self, time_ns: TimeNs, direction: int) -> float | None:
+        """Return the limit of the drive that acted at an instant in a direction (1, -1)."""
+        limits = self.record.force_limits
+        known = [limit for limit in limits if limit.since_ns <= time_ns] or limits[:1]
+        if not known:
+            return None
+        return known[-1].positive_n if direction > 0 else known[-1].negative_n
 
-def axis_truth(machine: Machine, trace: pa.Table, axis: str, zero_mm: float) -> AxisTruth:
-    """Take the truth of an axis from the trace of a finished run.
+
+def axis_truth(observed: Observed, axis: str, zero_mm: float) -> AxisTruth:
+    """Take the truth of an axis from a finished run; zero_mm: as in `AxisTruth`.
 
     The encoder of its drive is the actual position as it came over the bus; with the lag of the
     drive, the plant's own, it gives the demand.
     """
 
     def column(name: str) -> Signal | None:
-        whole = f"{axis}.{name}"
-        return trace.column(whole).to_numpy() if whole in trace.column_names else None
+        return observed.column(axis, name) if observed.has(axis, name) else None
 
-    def needed(name: str) -> Signal:
-        values = column(name)
-        assert values is not None, f"the recorder tells {name} of every axis with a plant"
-        return values
-
-    encoder_mm = needed("actual_mm") + zero_mm
+    plant = observed.plant_of(axis)
+    assert plant is not None, "an axis outside has no truth"
+    encoder_mm = observed.column(axis, "actual_mm") + zero_mm
     return AxisTruth(
         name=axis,
-        machine=machine,
-        times_ns=trace.column("time_ns").to_numpy(),
-        position_mm=needed("truth_mm"),
-        velocity_mm_s=needed("velocity_mm_s"),
-        course=Course(needed("drive_lag_mm") + encoder_mm, encoder_mm),
-        set_mm=needed("set_mm"),
-        cnc_lag_mm=needed("cnc_lag_mm"),
+        record=observed.axes[axis],
+        plant=plant,
+        times_ns=observed.times_ns,
+        position_mm=observed.column(axis, "truth_mm"),
+        velocity_mm_s=observed.column(axis, "velocity_mm_s"),
+        course=Course(observed.column(axis, "drive_lag_mm") + encoder_mm, encoder_mm),
+        set_mm=observed.column(axis, "set_mm"),
+        cnc_lag_mm=observed.column(axis, "cnc_lag_mm"),
         zero_mm=zero_mm,
         stop_force_n=column("stop_force_n"),
         peak_n=column("stop_force_peak_n"),

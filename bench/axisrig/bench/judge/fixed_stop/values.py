@@ -156,7 +156,7 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
     if axis != truth.name or len(run.record.axes) > 1 or restless:
         return Value("command_excess", label, "mm", truth.name, measured, note=restless)
     approach = run.approach(axis)
-    channel = dict(truth.machine.settings.channel.items())
+    channel = run.observed.facts.channel
     slope = slopes_as_written(truth.written, channel).on_signal
     cycles = run.cycles_of(axis).judged
     late_ns = (cycles.delay_cycles - 1 + cycles.buffer_cycles) * cycles.period_ns
@@ -204,7 +204,7 @@ def _motion(run: StopRun, axis: str) -> Motion:
     moves = len(demand_mm) > 1
     speeds = np.abs(np.diff(demand_mm)) * S / np.diff(times) if moves else np.zeros(1)
     speed_mm_s = float(np.quantile(speeds, 0.9))  # a drive that faults lets its demand jump
-    channel = dict(truth.machine.settings.channel.items())
+    channel = run.observed.facts.channel
     return Motion(
         speed_mm_s,
         slopes_as_written(truth.written, channel).up.low_mm_s2,

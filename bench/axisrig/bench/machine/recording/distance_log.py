@@ -2,10 +2,14 @@
 
 from dataclasses import dataclass
 
+from axisrig.bench.record.distance import Controller, DistanceChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.axis import source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
 from axisrig.kernel.time.clock import TimeNs
+
+UNITS_PER_MM = 10_000
+"""Lengths of the lists are in 0.1 um."""
 
 
 @dataclass(frozen=True)
@@ -66,3 +70,39 @@ class DistanceLog:
                 continue
             kept.append(change)
         return kept
+
+    @property
+    def axes(self) -> list[str]:
+        """Axes with a control, in the order of the channel."""
+        return list(self._changes)
+
+    def recorded(self, axis: str) -> tuple[DistanceChange, ...]:
+        """Return the changes of an axis as the recording has them."""
+        return tuple(_change(change) for change in self.of(axis))
+
+
+def _change(change: Change) -> DistanceChange:
+    return DistanceChange(
+        change.time_ns,
+        change.state.name,
+        change.source.name,
+        change.sensor,
+        change.is_dry_run,
+        _controller(change.settings),
+    )
+
+
+def _controller(settings: DistanceSettings) -> Controller:
+    smooth = settings.filter
+    return Controller(
+        kp=settings.kp,
+        tn_s=settings.tn_s,
+        tv_s=settings.tv_s,
+        filter_type=smooth.kind,
+        count=smooth.n_cycles,
+        alpha=smooth.smoothing_factor,
+        order=smooth.low_pass_filter_order,
+        corner_hz=smooth.low_pass_filter_fg_f0,
+        sigma_mm=smooth.kalman_sigma / UNITS_PER_MM,
+        both_encoders=settings.both_encoders,
+    )

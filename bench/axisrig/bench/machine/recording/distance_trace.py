@@ -62,15 +62,17 @@ class DistanceTrace:
             self._states.setdefault(name, []).append(int(control.state))
             self._held.setdefault(name, []).append(axis.is_held)
 
-    def columns(self) -> dict[str, pa.Array]:
-        """Return the columns by name, axis after axis."""
+    def take_columns(self) -> dict[str, pa.Array]:
+        """Return the columns by name, axis after axis, of the cycles since the last call."""
         columns: dict[str, pa.Array] = {}
         for name, rows in self._rows.items():
-            values = np.array(rows, dtype=np.float64)
+            values = np.array(rows, dtype=np.float64).reshape(len(rows), len(VALUE_COLUMNS))
             found = {
                 column: pa.array(values[:, place]) for place, column in enumerate(VALUE_COLUMNS)
             }
             found[STATE_COLUMN] = pa.array(self._states[name], pa.int8())
             found[HELD_COLUMN] = pa.array([int(held) for held in self._held[name]], pa.int8())
             columns |= {f"{name}.{column}": found[column] for column in DISTANCE_CONTROL_COLUMNS}
+            for kept in (rows, self._states[name], self._held[name]):
+                kept.clear()
         return columns

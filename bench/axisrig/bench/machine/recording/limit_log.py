@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from axisrig.bench.drive.application.servo import Servo
+from axisrig.bench.record.axes import ForceLimit
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.time.clock import TimeNs
 
@@ -28,16 +29,15 @@ class LimitLog:
             if not changes or changes[-1][1] != now:
                 changes.append((channel.sync_ns, now))
 
-    def at(self, axis: str, time_ns: TimeNs, direction: int) -> float | None:
-        """Return the limit (N) that acted at an instant in a direction (1, -1).
+    def of(self, axis: str) -> tuple[ForceLimit, ...]:
+        """Return the limits of an axis in N, in order; none for a drive outside.
 
-        None for a drive that stands outside. Without a limit it is far above every motor.
+        Without a limit it is far above every motor.
         """
         if axis not in self._servos:
-            return None
-        known = [limits for since_ns, limits in self._changes[axis] if since_ns <= time_ns]
-        known = known or [limits for _, limits in self._changes[axis][:1]]
-        if not known:
-            return None
-        per_mille = known[-1][1 if direction > 0 else 0]
-        return per_mille * self._servos[axis].limits.rated_n / PER_MILLE
+            return ()
+        rated_n = self._servos[axis].limits.rated_n
+        return tuple(
+            ForceLimit(at, negative * rated_n / PER_MILLE, positive * rated_n / PER_MILLE)
+            for at, (negative, positive) in self._changes[axis]
+        )

@@ -6,6 +6,7 @@ and what the kernel made of it in the cycle after (set position, its own lag).
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -14,6 +15,8 @@ import pyarrow as pa
 from axisrig.bench.drive.application.servo import Servo
 from axisrig.bench.machine.recording.distance_trace import DistanceTrace
 from axisrig.bench.machine.recording.lag import largest_lag
+from axisrig.bench.machine.recording.telegram_log import TelegramLog
+from axisrig.bench.record.series import FORCE_COLUMNS, LENGTH_COLUMNS, TIME, Series, SeriesWriter
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.plant.axis import AXIS_OUTPUTS, PlantAxis
@@ -34,8 +37,8 @@ AXIS_COLUMNS = (
     "drive_lag_peak_mm",
 )
 # Column -> role that the FMU of an axis must fill for it
-FORCE_COLUMNS = {"force_n": "force"}
-STOP_COLUMNS = {
+FORCE_ROLES = {"force_n": "force"}
+STOP_ROLES = {
     "stop_force_n": "stop_force",
     "stop_force_peak_n": "stop_force",
     "stop_mm": "stop_face",
@@ -52,43 +55,61 @@ DISTANCE_COLUMNS = {
 
 
 Floats = npt.NDArray[np.float64]
+BLOCK_ROWS = 4096
+"""Rows that are written at once: 4 s of 1 ms cycles."""
 # What a row keeps of an axis with a plant: its motion and the peak of the stop force
 TOLD = len(AXIS_OUTPUTS) + 1
 
 
 def _columns(roles: Roles, told: Mapping[str, Floats]) -> list[str]:
     """Return the columns of an axis with a plant, in their order."""
-    names = [*AXIS_COLUMNS, *(name for name, role in FORCE_COLUMNS.items() if roles.has(role))]
+    names = [*AXIS_COLUMNS, *(name for name, role in FORCE_ROLES.items() if roles.has(role))]
     has_stop = not roles.has("stop_face") or bool(np.any(np.abs(told["stop_mm"]) < NO_STOP_M * 1e3))
     if has_stop:
-        names += [name for name, role in STOP_COLUMNS.items() if roles.has(role)]
+        names += [name for name, role in STOP_ROLES.items() if roles.has(role)]
     return names
 
 
-class Recorder:
-    """Collects the trace of one run.
+@dataclass(frozen=True)
+class RecordedAxis:
+    """An axis with its plant and its drive, None for a drive outside.
 
-    axes: (axis name, its plant, the drive in front of it; None for a drive outside); probes:
-    instance name -> plant. drive_lag_peak_mm is the largest magnitude of the lag at the ticks of
-    the drive since the row before, stop_force_peak_n the largest force of the stop since then
-    (`PlantAxis.stop_force_peak_n`).
-    `table()` gives one column `time_ns` (int64, SYNC instants), per axis AXIS_COLUMNS (float64;
-    KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU tells (no stop farther
-    away than NO_STOP_M), per probe its signal, per axis with distance control
-    DISTANCE_CONTROL_COLUMNS (`bench.rig.distance.trace`) and per distance sensor those of
-    DISTANCE_COLUMNS that it tells.
+    is_rotary: its positions are degrees; torque_arm_m: what makes torques of its forces then.
+    """
+
+    name: str
+    plant: PlantAxis | None
+    servo: Servo | None
+    is_rotary: bool = False
+    torque_arm_m: float | None = None
+
+
+class Recorder:
+    """Collects the time series of one run and writes them in blocks of BLOCK_ROWS.
+
+    probes: instance name -> plant. telegrams: cyclic values that belong into the series.
+    drive_lag_peak_mm is the largest magnitude of the lag at the ticks of the drive since the row
+    before, stop_force_peak_n the largest force of the stop since then
+    (`PlantAxis.stop_force_peak_n`). Columns: `time_ns` (int64, SYNC instants), per axis
+    AXIS_COLUMNS (float64; KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU
+    has (no stop farther away than NO_STOP_M when the program begins), per probe its signal, per
+    axis with distance control DISTANCE_CONTROL_COLUMNS (`distance_trace`) and per distance sensor
+    those of DISTANCE_COLUMNS that its FMU has. Those of axes that turn have the names of
+    `record.series`.
     """
 
     def __init__(
         self,
         plant: Plant,
-        axes: Sequence[tuple[str, PlantAxis | None, Servo | None]],
-        probes: dict[str, PlantProbe],
+        axes: Sequence[RecordedAxis],
+        probes: Mapping[str, PlantProbe],
+        telegrams: TelegramLog,
+        writer: SeriesWriter,
     ) -> None:
-        self._plant = plant
-        self._axes = [axis for _, axis, _ in axes]
-        self._servos = [servo for _, _, servo in axes]
-        self._names = [name for name, _, _ in axes]
+        self._plant, self._recorded, self._telegrams = plant, tuple(axes), telegrams
+        self._writer = writer
+        self._axes = [axis.plant for axis in axes]
+        self._servos = [axis.servo for axis in axes]
         self._signals = [probe.signal for probe in probes.values()]
         self._probe_names = list(probes)
         self._has_plant = any(axis is not None for axis in self._axes)
@@ -98,6 +119,9 @@ class Recorder:
         self._sensors = list(plant.distances.items())
         self._distances: list[list[tuple[float, ...]]] = []
         self._controls = DistanceTrace()
+        self._before: tuple[int, tuple[float, ...]] | None = None
+        self._columns: dict[str, list[str]] = {}
+        self._has_block = False
 
     def __call__(self, channel: Channel) -> None:
         """Record one cycle (step 7 of the cycle)."""
@@ -114,7 +138,7 @@ class Recorder:
                 # a tick or an SDO has moved the plant on
                 time_ns = at_ns = servo.sync_ns
                 motion = axis.motion_at(at_ns)
-            peak_n = axis.stop_force_peak_n(self._times[-1] if self._times else at_ns, at_ns)
+            peak_n = axis.stop_force_peak_n(self._last_ns(at_ns), at_ns)
             row += (link.set_mm, link.actual_mm, link.lag_mm, *motion, peak_n)
         self._times.append(time_ns)
         self._rows.append(tuple(row))
@@ -122,6 +146,14 @@ class Recorder:
         if self._sensors:
             self._distances.append([self._told(sensor, time_ns) for _, sensor in self._sensors])
         self._controls.note(channel)
+        if len(self._times) == BLOCK_ROWS:
+            self._write()
+
+    def _last_ns(self, otherwise_ns: TimeNs) -> TimeNs:
+        """Return the instant of the row before."""
+        if self._times:
+            return self._times[-1]
+        return otherwise_ns if self._before is None else self._before[0]
 
     @staticmethod
     def _told(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
@@ -130,37 +162,83 @@ class Recorder:
         true_m = math.nan if true_m is None else true_m
         return (distance_m * 1e3, true_m * 1e3, is_valid, is_touching)
 
+    def series(self) -> Series:
+        """Write the last block and return the series. Raises OSError with the name of the file."""
+        if self._times or not self._has_block:
+            self._write(is_last=True)
+        return self._writer.close()
+
     def table(self) -> pa.Table:
-        """Return the trace; columns in the order of the axes."""
-        columns: dict[str, pa.Array] = {"time_ns": pa.array(self._times, pa.int64())}
+        """Return the columns with one value for each row, in the order of the axes."""
+        return self.series().table()
+
+    def discard(self) -> None:
+        """Drop what was written of a run that nobody asks for."""
+        self._writer.discard()
+
+    # Blocks
+
+    def _write(self, *, is_last: bool = False) -> None:
+        """Write the rows that have come since the last block."""
+        times = np.array(self._times, dtype=np.int64)
+        columns: dict[str, pa.Array] = {TIME: pa.array(times)}
         widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
         values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), sum(widths))
-        places = np.split(values, np.cumsum(widths)[:-1], axis=1)
-        for name, axis, servo, place in zip(
-            self._names, self._axes, self._servos, places, strict=True
-        ):
-            told = dict(zip(KERNEL_COLUMNS, place.T, strict=False))
-            if axis is not None and servo is not None:
-                told |= self._of_plant(place.T[len(KERNEL_COLUMNS) :], servo)
-                told = {column: told[column] for column in _columns(axis.roles, told)}
-            columns |= {f"{name}.{column}": pa.array(value) for column, value in told.items()}
+        starts = [0, *np.cumsum(widths)]
+        for axis, begin, end in zip(self._recorded, starts[:-1], starts[1:], strict=True):
+            columns |= self._of_axis(axis, int(begin), values[:, begin:end].T)
         levels = np.array(self._levels, dtype=np.int8).reshape(
             len(self._levels), len(self._probe_names)
         )
         for index, name in enumerate(self._probe_names):
             columns[f"{name}.signal"] = pa.array(levels[:, index])
-        return pa.table(columns | self._controls.columns() | self._distance_columns())
+        columns |= self._controls.take_columns() | self._distance_columns()
+        columns |= self._telegrams.take_columns(times, is_last=is_last)
+        if len(times):
+            self._before = int(times[-1]), self._rows[-1]
+        self._has_block = True
+        for rows in (self._times, self._rows, self._levels, self._distances):
+            rows.clear()
+        self._writer.add(columns)
 
-    def _of_plant(self, told: Floats, servo: Servo) -> dict[str, Floats]:
-        """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows."""
+    def _of_axis(self, axis: RecordedAxis, begin: int, place: Floats) -> dict[str, pa.Array]:
+        """Return the columns of an axis; place: its part of the rows, from `begin` of each on."""
+        found = dict(zip(KERNEL_COLUMNS, place, strict=False))
+        if axis.plant is not None and axis.servo is not None:
+            first = begin + len(KERNEL_COLUMNS)
+            found |= self._of_plant(place[len(KERNEL_COLUMNS) :], first, axis.servo)
+            # What the first block has, all have
+            names = self._columns.setdefault(axis.name, _columns(axis.plant.roles, found))
+            found = {name: found[name] for name in names}
+        turned: dict[str, str] = {}
+        if axis.is_rotary:
+            turned = LENGTH_COLUMNS
+            if axis.torque_arm_m is not None:
+                turned = LENGTH_COLUMNS | FORCE_COLUMNS
+                found |= {n: found[n] * axis.torque_arm_m for n in FORCE_COLUMNS if n in found}
+        return {f"{axis.name}.{turned.get(n, n)}": pa.array(v) for n, v in found.items()}
+
+    def _of_plant(self, told: Floats, first: int, servo: Servo) -> dict[str, Floats]:
+        """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows.
+
+        first: where these are in a row.
+        """
         position, velocity, motor, motor_velocity, demand, force, stop_force, face, peak = told
-        times = np.array(self._times, dtype=np.int64)
+        times, motion = self._times, (demand, motor, motor_velocity)
+        if self._before is None:
+            lag = largest_lag(np.array(times, dtype=np.int64), motion, servo.tick_ns)
+        else:
+            before_ns, row = self._before
+            # Demand, motor position, motor velocity of the row before, in the order of `motion`
+            last = (row[first + 4], row[first + 2], row[first + 3])
+            whole = [np.concatenate([[b], m]) for b, m in zip(last, motion, strict=True)]
+            at_ns = np.array([before_ns, *times], dtype=np.int64)
+            lag = largest_lag(at_ns, (whole[0], whole[1], whole[2]), servo.tick_ns)[1:]
         return {
             "truth_mm": position * 1e3,
             "velocity_mm_s": velocity * 1e3,
             "drive_lag_mm": (demand - motor) * 1e3,
-            "drive_lag_peak_mm": 1e3
-            * largest_lag(times, (demand, motor, motor_velocity), servo.tick_ns),
+            "drive_lag_peak_mm": 1e3 * lag,
             "force_n": force,
             "stop_force_n": stop_force,
             "stop_force_peak_n": peak,

@@ -14,11 +14,12 @@ from typing import Any
 
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.bench.campaign.results.writer import ResultsWriter, build_manifest
+from axisrig.bench.campaign.results.writer import ResultsWriter, RunFiles, build_manifest
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.drive.communication.slave import CanopenSlave
 from axisrig.bench.machine.recording.recorder import Recorder
 from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.record.series import TIME
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.link import AxisLink
@@ -97,7 +98,7 @@ def measure(
             begin = clock_ns()
             out = Path(folder) / "out"
             with ResultsWriter(out, [plan], manifest, is_fresh=True) as writer:
-                result = run_case(case, writer.bus_paths(case.run))
+                result = run_case(case, writer.files_of(case.run))
                 writer.add(result)
             walls_s.append((clock_ns() - begin) / 1e9)
             if result.error:
@@ -109,9 +110,9 @@ def measure(
             digest = result.frame_log_sha256
         with _counters(clock_ns) as stack:
             begin = clock_ns()
-            result = run_case(case, [Path(folder) / "split.blf"])
+            result = run_case(case, RunFiles([Path(folder) / "split.blf"]))
             split_s = (clock_ns() - begin) / 1e9
-    cycles = result.trace.num_rows if result.trace is not None else 0
+    cycles = 0 if result.series is None else len(result.series.column(TIME))
     split = {part: ns / 1e3 / max(cycles, 1) for part, ns in stack.self_ns.items()}
     split["rest"] = split_s * 1e6 / max(cycles, 1) - sum(split.values())
     return {

@@ -14,8 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
-from axisrig.bench.machine.recording.telegram_log import SECOND, TARGET, Sent
+from axisrig.bench.machine.recording.telegram_log import Sent
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.record.series import SECOND, TARGET
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import Settings, as_written, read_settings

@@ -19,12 +19,12 @@ from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.campaign.hardware_runs import Outside
-from axisrig.bench.campaign.results.writer import write_trace
 from axisrig.bench.drive.dictionary.eds import eds_text
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_real
@@ -211,7 +211,9 @@ class DriveServer:
     def close(self) -> None:
         """Write the trace; close interfaces, logs and plants."""
         if self._folder is not None:
-            write_trace(self._trace.table(), self._folder / "trace.parquet")
+            writer = SeriesWriter(self._folder / "trace.parquet")
+            writer.add(self._trace.columns())
+            writer.close()
             self._folder = None
         self._open.close()
 
@@ -261,10 +263,10 @@ class Trace:
         self._times.append(time_ns)
         self._rows.append(row)
 
-    def table(self) -> pa.Table:
+    def columns(self) -> dict[str, pa.Array]:
         """Return column `time_ns` and COLUMNS for each axis."""
         columns = {"time_ns": pa.array(self._times, pa.int64())}
         names = [f"{axis}.{column}" for axis in self._axes for column in self.COLUMNS]
         for index, name in enumerate(names):
             columns[name] = pa.array([row[index] for row in self._rows], pa.float64())
-        return pa.table(columns)
+        return columns

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 WARNING = " (warning)"
 """Ends the label of an alarm that did not end the program."""
 BESIDES = "besides: "
-"""Begins what is told of an alarm that came up while the axes were already stopping."""
+"""Begins what is said of an alarm that came up while the axes were already stopping."""
 
 
 @dataclass(frozen=True)
@@ -14,9 +14,11 @@ class Event:
 
     kind: `contact`, `edge`, `latch`, `pdo`, `brake`, `standstill`, `alarm`, `fault`, `mark`; the
     report gives each its own colour. label: what the plot prints. axis: None for all axes.
+    is_warning: an alarm that did not end the program.
     """
 
     time_ns: int
     kind: str
     label: str
     axis: str | None = None
+    is_warning: bool = False

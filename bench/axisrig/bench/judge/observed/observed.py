@@ -1,0 +1,180 @@
+"""A recording as judges look things up in it."""
+
+from collections.abc import Callable, Mapping
+from functools import cached_property
+from typing import Any, TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from axisrig.bench.plan.checks import Metric
+from axisrig.bench.record.axes import AxisRecord, PlantRecord, ProbeRecord
+from axisrig.bench.record.facts import Facts
+from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.series import (
+    FORCE_COLUMNS,
+    LENGTH_COLUMNS,
+    TIME,
+    Series,
+    Signal,
+    Telegrams,
+    Times,
+)
+from axisrig.kernel.time.clock import TimeNs
+
+Made = TypeVar("Made")
+
+
+class Observed:
+    """A finished run: its facts and its series. Columns are read when they are asked for."""
+
+    def __init__(self, facts: Facts, series: Series) -> None:
+        self.facts, self.series = facts, series
+        self._columns: dict[str, Signal] = {}
+        self._made: dict[Any, Any] = {}
+
+    def once(self, make: Callable[["Observed"], Made]) -> Made:
+        """Return what `make` makes of the run; the second call gives the same."""
+        if make not in self._made:
+            self._made[make] = make(self)
+        made: Made = self._made[make]
+        return made
+
+    # Series
+
+    @cached_property
+    def times_ns(self) -> Times:
+        """SYNC instants of the rows, shape (n,)."""
+        times: Times = self.series.column(TIME).astype(np.int64)
+        return times
+
+    @cached_property
+    def _names(self) -> frozenset[str]:
+        return frozenset(self.series.names)
+
+    def _stored(self, axis: str, name: str) -> tuple[str, float | None]:
+        """Return the column that holds a signal of an axis, and by what it was multiplied."""
+        record = self.facts.axes.get(axis)
+        if record is None or not record.is_rotary:
+            return f"{axis}.{name}", None
+        if name in FORCE_COLUMNS and record.torque_arm_m is not None:
+            return f"{axis}.{FORCE_COLUMNS[name]}", record.torque_arm_m
+        return f"{axis}.{LENGTH_COLUMNS.get(name, name)}", None
+
+    def has(self, axis: str, name: str) -> bool:
+        """Whether a signal of an axis, or of a sensor, was recorded."""
+        return self._stored(axis, name)[0] in self._names
+
+    def column(self, axis: str, name: str) -> Signal:
+        """Return one recorded signal, shape (n,), in the unit of its name.
+
+        An axis that turns is a slide with 1 mm for 1 degree. Raises KeyError for one that was not
+        recorded.
+        """
+        stored, arm_m = self._stored(axis, name)
+        key = f"{axis}.{name}"
+        if key not in self._columns:
+            values: Signal = self.series.column(stored)  # type: ignore[assignment]
+            self._columns[key] = values if arm_m is None else values / arm_m
+        return self._columns[key]
+
+    def telegrams(self, axis: str, field: str) -> Telegrams:
+        """Return the cyclic values of a field as the bus brought them."""
+        return self.series.telegrams(axis, field)
+
+    def index_at(self, time_ns: TimeNs) -> int:
+        """Return the row of the last SYNC at or before an instant."""
+        return max(int(np.searchsorted(self.times_ns, time_ns, side="right")) - 1, 0)
+
+    def between(self, begin_ns: TimeNs, end_ns: TimeNs) -> npt.NDArray[np.bool_]:
+        """Return which rows lie in an interval, its ends included."""
+        inside: npt.NDArray[np.bool_] = (self.times_ns >= begin_ns) & (self.times_ns <= end_ns)
+        return inside
+
+    # Axes and plants
+
+    @property
+    def axes(self) -> Mapping[str, AxisRecord]:
+        """The axes of the rig in its order."""
+        return self.facts.axes
+
+    def plant_of(self, axis: str) -> PlantRecord | None:
+        """Return the FMU that moves an axis, None for a drive outside."""
+        return self.facts.plants.get(self.axes[axis].plant)
+
+    def probes_of(self, run: MeasurementRun) -> list[ProbeRecord]:
+        """Return the probes that are wired to the input in use of the measuring axes."""
+        names = [self.axes[axis].signals.get(f"probe_{run.inputs[axis]}", "") for axis in run.axes]
+        probes = self.facts.probes
+        return [probes[name] for name in dict.fromkeys(names) if name in probes]
+
+    def is_rotary(self, axis: str) -> bool:
+        """Whether the positions of an axis are degrees."""
+        return self.axes[axis].is_rotary
+
+    def torque_arm_m(self, axis: str) -> float | None:
+        """Return what makes torques (N.m) of the forces (N) at a rotary axis, None for none."""
+        return self.axes[axis].torque_arm_m
+
+    def zero_mm(self, axis: str, run: MeasurementRun) -> float | None:
+        """Return which place of the plant its drive counts from in a run: 0, or by homing (G74).
+
+        None for a run between two homings of the axis: what the first one set is not kept.
+        """
+        homed_ns = self.axes[axis].homed_ns
+        before = [time_ns for time_ns in homed_ns if time_ns <= run.begin_ns]
+        if not before:
+            return 0.0
+        return None if len(before) < len(homed_ns) else self.axes[axis].origin_mm
+
+    # Measurement runs
+
+    def last_run(self, axis: str | None) -> MeasurementRun | None:
+        """Return the run that metrics judge: the last one, of an axis the last it takes part in.
+
+        An axis that takes part in none gets the last one.
+        """
+        runs = self.facts.runs
+        of_axis = [run for run in runs if axis is None or takes_part(run, axis)]
+        return next(reversed(of_axis or runs), None)
+
+    def moved_axis(self, run: MeasurementRun) -> str:
+        """Return the measuring axis that travels the longest way in the run.
+
+        By its true positions, outside by those that its drive reports.
+        """
+        inside = self.between(run.begin_ns, run.end_ns or self.facts.end_ns)
+        columns = {a: "actual_mm" if self.axes[a].is_outside else "truth_mm" for a in run.axes}
+        travels = {
+            axis: float(np.ptp(self.column(axis, column)[inside])) if inside.any() else 0.0
+            for axis, column in columns.items()
+        }
+        return max(travels, key=lambda axis: travels[axis])
+
+    # What a metric is about
+
+    def about(self, metric: Metric, axis: str | None) -> list[str]:
+        """Return the axes that a metric is about, the axis it names or those of what it judges."""
+        runs = self.facts.runs
+        judged = {"every": runs, "last": runs[-1:]}.get(metric.judged, ())
+        named = [axis] if axis else [name for run in judged for name in run.axes]
+        return list(dict.fromkeys(named)) or list(self.axes)
+
+    def hides(self, metric: Metric, axis: str | None) -> str:
+        """Say why a value cannot be known here, empty when it can.
+
+        axis: that it is about, None for those of the run, or runs, that the metric judges.
+        """
+        needs = metric.needs
+        if needs == "bus" and self.facts.real_time is not None:
+            return "a bus is real: what happens on its wire is not seen here"
+        away = [name for name in self.about(metric, axis) if self.axes[name].is_outside]
+        if needs == "plant" and away:
+            return f"the drive of axis {' '.join(away)} stands outside: no plant tells the truth"
+        return ""
+
+
+def takes_part(run: MeasurementRun, axis: str) -> bool:
+    """Whether an axis measures in a run, or takes part in its fixed stop."""
+    stop = run.fixed_stop
+    return axis in run.axes or (stop is not None and axis in stop.axes)
