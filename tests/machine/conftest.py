@@ -5,14 +5,18 @@ The helpers hold no formula of the bench: closed forms stand in the tests.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.record.facts import Facts
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.channel import Channel
@@ -30,6 +34,12 @@ class Outcome:
     lines: list[str]
     alarms: list[int]
     machine: Machine
+    facts: Facts
+
+    @cached_property
+    def observed(self) -> Observed:
+        """What the run has left, as judges read it."""
+        return Observed(self.facts, self.machine.recorder.series())
 
     def printed(self, name: str) -> list[float]:
         """Every number that was printed as `name=number`, in order."""
@@ -106,11 +116,12 @@ def run_files(
     if watch is not None:
         machine.channel.observers.append(watch)
     try:
-        machine.run()
+        facts = facts_of(machine, machine.run())
     finally:
         machine.close()
     return Outcome(
         [message.text for message in machine.messages],
         [alarm.id for alarm in machine.channel.alarms],
         machine,
+        facts,
     )

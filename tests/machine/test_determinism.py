@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
 
@@ -102,7 +103,7 @@ def test_this_process_gives_the_same_frames_twice(plan: Path, folders: list[Path
     recorded = [row["frame_log_sha256"] for row in _cases(folders[0])]
     cases = read_plan(plan).cases
     for _ in range(2):
-        assert [run_case(case, []).frame_log_sha256 for case in cases] == recorded
+        assert [run_case(case, RunFiles()).frame_log_sha256 for case in cases] == recorded
 
 
 def test_the_hash_tells_different_runs_apart(folders: list[Path]) -> None:

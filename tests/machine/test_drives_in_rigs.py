@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.topics import events
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
 RIGS = Path(__file__).parents[2] / "testplans" / "rigs"
@@ -67,7 +67,7 @@ def test_the_lines_of_the_manual_reach_the_drive(run_own: Callable[..., Any]) ->
 def test_values_given_to_a_drive_are_marks_of_the_run(run_own: Callable[..., Any]) -> None:
     """As the program has them, to the last digit, in its order."""
     outcome = run_own(PROGRAMS / "drive-functions.nc", RIGS / "drive-functions.toml")
-    told = [m.label for m in Observed(outcome.machine).events() if m.label.startswith("#DRIVE")]
+    told = [m.label for m in events(outcome.observed) if m.label.startswith("#DRIVE")]
     assert told[:2] == ["#DRIVE WR Z TORQUE_LIMIT = 10", "#DRIVE WR Z MON_WINDOW = 4294967295"]
 
 

@@ -10,8 +10,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.judge.metrics import observe
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import parse_check
 
 Run = Callable[..., Any]
@@ -29,7 +28,7 @@ def stated_mm(step_us: float, jump_mm_s2: float = JUMP_MM_S2) -> float:
 
 def _uncertainty_um(out: Any) -> float:
     check = parse_check("latch_error_um", "<= 0", "test")
-    return observe(Observed(out.machine), check).uncertainty
+    return observe(out.observed, check).uncertainty
 
 
 def _run(run_nc: Run, cycle: str, *, wall_mm: float = 119.0, **drive: Any) -> Any:

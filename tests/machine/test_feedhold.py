@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from axisrig.bench.campaign.single import run_program
-from axisrig.bench.judge.plc import plc_side
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, S
 
@@ -21,7 +20,7 @@ RIG = Path(__file__).parents[2] / "testplans" / "rigs" / BASE
 
 
 def at_ns(out: Any, words: str) -> int:
-    (time_ns,) = (time_ns for time_ns, said, _ in plc_side(out.machine) if said == words)
+    (time_ns,) = (note.time_ns for note in out.facts.plc if note.words == words)
     return time_ns
 
 
@@ -123,7 +122,7 @@ def test_a_run_that_stands_in_a_feedhold_measures_as_without(run_nc: RunNc) -> N
 
 
 def at_ns_last(out: Any, words: str) -> int:
-    return max(time_ns for time_ns, said, _ in plc_side(out.machine) if said == words)
+    return max(note.time_ns for note in out.facts.plc if note.words == words)
 
 
 def test_an_alarm_in_a_feedhold_stops_for_good(run_nc: RunNc) -> None:

@@ -14,8 +14,7 @@ import pytest
 from axisrig.bench.campaign.campaign import check_file, run_campaign
 from axisrig.bench.campaign.runner import no_stopwatch
 from axisrig.bench.campaign.single import run_program
-from axisrig.bench.judge.metrics import observe
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.latches import (
@@ -41,7 +40,7 @@ TRUE_MM, WRONG_MM = 30.0, 30.078125
 
 def judged(outcome: Any, metric: str, condition: str) -> Any:
     check = parse_check(metric, condition, "test")
-    seen = observe(Observed(outcome.machine), check)
+    seen = observe(outcome.observed, check)
     return judge(check, seen.value, seen.uncertainty, seen.note)
 
 

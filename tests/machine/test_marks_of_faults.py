@@ -1,6 +1,8 @@
 """The marks of a run name the faults brought in, the frames hit, and what the drive did then."""
 
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.program.findings import program_events
+from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.tools.scenarios.campaign import examine
 from axisrig.bench.tools.scenarios.scenario import Scenario
 
@@ -11,7 +13,8 @@ MS = 1_000_000
 def marks(*faults: str) -> dict[str, int]:
     _, machine = examine(Scenario(0, 1, (*INPUTS, *faults)))
     assert machine is not None
-    return {mark.label: mark.time_ns for mark in Observed(machine).events()}
+    facts = facts_of(machine)
+    return {m.label: m.time_ns for m in program_events(Observed(facts, machine.recorder.series()))}
 
 
 def test_a_fault_of_frames_tells_its_begin_and_how_many_it_hit() -> None:

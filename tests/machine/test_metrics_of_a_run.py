@@ -1,33 +1,36 @@
 """Metrics of a measurement run, of what the plant and the record say."""
 
-from types import SimpleNamespace
 from typing import Any
 
+import pyarrow as pa
 import pytest
 
-from axisrig.bench.judge.metrics import observe
-from axisrig.bench.judge.observe import Touch
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import parse_check
-from axisrig.kernel.cosim.plant.probe import Contact
-from axisrig.kernel.time.clock import MS, US
+from axisrig.bench.record.axes import AxisRecord, Contact, ProbeRecord
+from axisrig.bench.record.facts import Facts, Timing
+from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.series import Series
+from axisrig.kernel.time.clock import MS, US, S
 
 CONTACT_NS = 123_456_789
 
 
 def told(metric: str, period_ns: int, end_ns: int | None) -> Any:
     """Observe a metric of a run of Z whose contact came at CONTACT_NS."""
-    record: Any = SimpleNamespace(end_ns=end_ns, axes=("Z",), fixed_stop=None)
-    touch = Touch(record, Contact(CONTACT_NS, {"z": 100.0}), None, end_ns or 0, 1.0, True)
-    observed: Any = SimpleNamespace(
-        machine=SimpleNamespace(
-            links={"Z": None}, timing=SimpleNamespace(period_ns=period_ns), settings=None
-        ),
-        hides=lambda *_: "",
-        about=lambda *_: ["Z"],
-        touch=lambda _: touch,
-        moved_axis=lambda _: "Z",
+    facts = Facts(
+        Timing(period_ns, 0, 0),
+        sim_ns=S,
+        start_ns=0,
+        end_ns=S,
+        frame_log_sha256="",
+        axes={"Z": AxisRecord("can1", 1, 1000.0, plant="z", signals={"probe_1": "probe"})},
+        probes={"probe": ProbeRecord(True, 1.0, (Contact(CONTACT_NS, {"z": 100.0}),))},
+        runs=(MeasurementRun(("Z",), inputs={"Z": 1}, end_ns=end_ns),),
     )
-    return observe(observed, parse_check(metric, "> 0", ""))
+    series = Series(pa.table({"time_ns": [0, S], "Z.truth_mm": [0.0, 1.0]}))
+    return observe(Observed(facts, series), parse_check(metric, "> 0", ""))
 
 
 @pytest.mark.parametrize("period_ms", [1, 2])

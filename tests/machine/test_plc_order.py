@@ -3,8 +3,13 @@
 from collections.abc import Callable
 from typing import Any
 
-from axisrig.bench.judge.observe import Observed
-from axisrig.bench.judge.plc import plc_log
+from axisrig.bench.judge.program.findings import program_notes
+from axisrig.bench.judge.topics import events
+
+
+def said(out: Any) -> list[str]:
+    """What `axisrig nc` notes of the PLC side."""
+    return [text for text, _ in program_notes(out.facts)]
 
 
 def test_the_events_of_one_instant_keep_the_order_of_the_program(
@@ -19,7 +24,7 @@ def test_the_events_of_one_instant_keep_the_order_of_the_program(
         "plc:optional_stop=1",
     )
     wanted = ["M9 to", "V.E.DONE = 1", "M7 to", "V.E.DONE = 2", "M1: stop", "M1: started", "M8 to"]
-    labels = [event.label for event in Observed(out.machine).events()]
+    labels = [event.label for event in events(out.observed)]
     told = [label for label in labels if label.startswith(("M", "V.E."))]
-    for seen in (told, [line.split(" s: ")[1] for line in plc_log(out.machine)]):
+    for seen in (told, [line.split(" s: ")[1] for line in said(out)]):
         assert [line[: len(want)] for line, want in zip(seen, wanted, strict=True)] == wanted

@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.judge.observe import Observed
-from axisrig.bench.judge.plc import plc_log, plc_side
+from axisrig.bench.judge.program.findings import program_notes
+from axisrig.bench.judge.topics import events
 from axisrig.kernel.drives import mapping
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
@@ -19,9 +19,14 @@ READ = '#DRIVE RD [AX=Z KEY=TORQUE_LIMIT P=V.P.T]\n#MSG SYN["limit=%d", V.P.T]\n
 """The drive itself tells its 6072, in per cent: the function of the list divides by 10."""
 
 
+def said(out: Any) -> list[str]:
+    """What `axisrig nc` notes of the PLC side."""
+    return [text for text, _ in program_notes(out.facts)]
+
+
 def at_ns(out: Any, words: str) -> list[int]:
     """Instants of what passed between program and PLC side, by its words."""
-    return [time_ns for time_ns, said, _ in plc_side(out.machine) if said == words]
+    return [note.time_ns for note in out.facts.plc if note.words == words]
 
 
 def test_a_function_brings_a_value_to_the_drive_and_waits_until_it_is_there(run_nc: RunNc) -> None:
@@ -40,7 +45,7 @@ def test_a_function_brings_a_value_to_the_drive_and_waits_until_it_is_there(run_
     assert sent == told + period_ns
     (taken,) = at_ns(out, "Z.torque_limit = 300: the drive has taken it")
     assert sent < taken < sent + 3 * MS
-    labels = [event.label for event in Observed(out.machine).events()]
+    labels = [event.label for event in events(out.observed)]
     assert "Z.torque_limit = 300: the drive has taken it" in labels
 
 
@@ -129,5 +134,5 @@ def test_an_object_that_an_rpdo_carries_is_refused(run_nc: RunNc, tmp_path: Path
 
 def test_what_has_not_come_is_told(run_nc: RunNc) -> None:
     out = run_nc("N10 M50", "", "plc:Z.torque_limit=300 at=M50; 400 at=M77", base=BASE)
-    assert plc_log(out.machine)[-1] == "plc:Z.torque_limit: 400 at=M77 has not come"
-    assert not [line for line in plc_log(out.machine) if re.search("300.*not come", line)]
+    assert said(out)[-1] == "plc:Z.torque_limit: 400 at=M77 has not come"
+    assert not [line for line in said(out) if re.search("300.*not come", line)]

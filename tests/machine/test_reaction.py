@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.metrics import Observation, observe
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.topics import events, observe
 from axisrig.bench.plan.checks import parse_check
 
 Run = Callable[..., Any]
@@ -31,7 +31,7 @@ STAND_MM = 1.3e-4
 
 def metric(out: Any, name: str) -> Observation:
     """What a check column of that name would see."""
-    return observe(Observed(out.machine), parse_check(name, ">= 0", "test"))
+    return observe(out.observed, parse_check(name, ">= 0", "test"))
 
 
 def number(out: Any, name: str) -> float:
@@ -244,7 +244,7 @@ def test_metrics_are_of_the_last_run_and_of_the_axis_that_goes_farthest(run_nc: 
 def test_marks_of_the_report_stand_in_their_order(run_nc: Run) -> None:
     setting = Setting(trigger_delay_us=150.0, input_delay_us=30.0)
     out = setting.probe(run_nc, 92.0)
-    marks = {mark.kind: mark.time_ns for mark in Observed(out.machine).events()}
+    marks = {mark.kind: mark.time_ns for mark in events(out.observed)}
     assert marks["edge"] - marks["contact"] == pytest.approx(150_000, abs=2)
     assert marks["latch"] - marks["edge"] == 30_000
     assert marks["pdo"] % 1_000_000 == 0

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from axisrig.bench.judge.observe import Observed
 from axisrig.kernel.errors import Alarm
 
 Run = Callable[..., Any]
@@ -187,7 +186,7 @@ wire = { z = "z" }
     late_mm, delay_mm = 1.0 * (250e-6 + 4e-6), 10.0 * 4e-6
     assert 118.0 + delay_mm - late_mm - INCREMENT_MM < measured < 118.0 + delay_mm + INCREMENT_MM
     # what the report compares with the truth of the plant
-    zero_mm = Observed(out.machine).zero_mm("Z", out.machine.channel.records[0])
+    zero_mm = out.observed.zero_mm("Z", out.facts.runs[0])
     assert zero_mm == pytest.approx(30.0 + delay_mm - measured, abs=INCREMENT_MM)
 
 

@@ -81,9 +81,9 @@ def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:
     bench.cycle(0.0, -5.5, contact_mm=(0.0, -5.1))
     assert bench.ways_mm == pytest.approx([0.1, 0.4])
     assert bench.alarms == []
-    ((time_ns, told),) = bench.log.beyond()
-    assert time_ns == 6 * MS
-    assert told == "tip: deflected by 0.4000 mm, beyond its stroke of 0.3 mm"
+    ((found, words),) = [item for item in bench.log.of("tip") if item[1]]
+    assert found.beyond_ns == 6 * MS
+    assert words == "tip: deflected by 0.4000 mm, beyond its stroke of 0.3 mm"
 
 
 def test_the_stroke_itself_is_borne() -> None:
@@ -91,7 +91,7 @@ def test_the_stroke_itself_is_borne() -> None:
     bench.approach()
     bench.cycle(0.0, -STROKE_MM + 1e-9, contact_mm=(0.0, 0.0))
     assert bench.ways_mm == pytest.approx([STROKE_MM])
-    assert bench.log.beyond() == []
+    assert [words for _, words in bench.log.of("tip")] == [""]
 
 
 @pytest.mark.provokes(900072, 4, probe="tip", deflection_mm="0.3100", stroke_mm="0.3")
@@ -103,7 +103,7 @@ def test_a_probe_breaks_once() -> None:
     bench.cycle(0.0, 0.5)
     bench.cycle(0.0, -0.5, contact_mm=(0.0, 0.0))
     assert [alarm.id for alarm in bench.alarms] == [900072]
-    assert "it is broken" in bench.log.beyond()[0][1]
+    assert "it is broken" in bench.log.of("tip")[0][1]
 
 
 def test_a_contact_at_rest_counts_every_way() -> None:

@@ -12,8 +12,6 @@ import pytest
 
 from axisrig.bench.campaign.campaign import check_file
 from axisrig.bench.campaign.single import run_program
-from axisrig.bench.judge.distance.acting import acting_warnings
-from axisrig.bench.machine.plants import plant_log
 
 RunDistance = Callable[..., Any]
 TESTPLANS = Path(__file__).parents[3] / "testplans"
@@ -25,7 +23,8 @@ KP_1 = "plc:Z.object.DIST_CTRL::kp=1 at=20ms"
 
 def told(run_distance: RunDistance, blocks: str, *assignments: str) -> list[str]:
     lines = [f"N{10 * n} {word}" for n, word in enumerate(blocks.split("; "), 1)]
-    return acting_warnings(run_distance("\n".join(lines), *assignments).outcome.machine)
+    facts = run_distance("\n".join(lines), *assignments).outcome.facts
+    return [note.text for note in facts.notes if note.source == "distance"]
 
 
 @pytest.mark.parametrize(
@@ -69,8 +68,8 @@ def test_what_a_plant_lacks_stands_in_check_and_log_and_not_before_a_result(
     rig = TESTPLANS / "rigs" / "distance-z.toml"
     lacking = "no force: the actual torque of the drive stays 0"
     assert lacking in check_file(rig)
-    machine = run_distance("N10 G4 0.01").outcome.machine
-    assert f"plant z: {lacking}" in plant_log(machine.plant)
+    facts = run_distance("N10 G4 0.01").outcome.facts
+    assert f"plant z: {lacking}" in [n.text for n in facts.notes if n.source == "lacking"]
     program = TESTPLANS / "programs" / "dist-2.nc"
     notes = run_program(program, rig, [], [], lambda _text: None)
     assert [note.text for note in notes if note.text.startswith("plant ")] == []

@@ -6,9 +6,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
-from axisrig.bench.judge.metrics import observe
-from axisrig.bench.judge.observation import Observation
-from axisrig.bench.judge.observe import Observed
+from axisrig.bench.judge.observed.observation import Observation
+from axisrig.bench.judge.topics import observe
 from axisrig.bench.plan.checks import known_metrics, parse_check
 
 LEVEL = "Z[DIST_CTRL ON CONST_DIST SET_DIST=1.9]\nG04 0.3\nZ[DIST_CTRL OFF NO_MOVE]"
@@ -21,7 +20,7 @@ def told(run_nc: Callable[..., Any]) -> Callable[..., Callable[[str], Observatio
     """Return `run(program, *assignments)`, which returns what a metric tells of that run."""
 
     def run(program: str, *assignments: str, base: str = "distance-z.toml") -> Any:
-        observed = Observed(run_nc(program, "", *assignments, base=base).machine)
+        observed = run_nc(program, "", *assignments, base=base).observed
         return lambda metric: observe(observed, parse_check(metric, _condition(metric), "here"))
 
     return run

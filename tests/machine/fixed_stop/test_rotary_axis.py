@@ -5,9 +5,11 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.runner import run_case
-from axisrig.bench.judge.fixed_stop.truth import power_of_arm
+from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.plant_values import power_of_arm
 from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.cosim.fmi.units import known_units
@@ -28,7 +30,7 @@ ASKED = {
 def result() -> CaseResult:
     case = next(case for case in PLAN.cases if case.case == "lag")
     checks = [parse_check(metric, ">= 0", "here") for metric in ASKED]
-    return run_case(replace(case, checks=(*case.checks, *checks)), [])
+    return run_case(replace(case, checks=(*case.checks, *checks)), RunFiles())
 
 
 def test_what_is_told_in_mm_has_no_number_and_says_what_to_ask(result: CaseResult) -> None:
@@ -43,7 +45,7 @@ def test_an_axis_that_does_not_turn_is_not_asked_in_degrees() -> None:
     plan = read_plan(PLAN.path.with_name("probe_stroke.csv"))
     case = next(case for case in plan.cases if case.case == "type-1")
     checks = [parse_check(metric, ">= 0", "here") for metric in ("latch_deg", "stop_torque_nm:Z")]
-    deg, torque = run_case(replace(case, checks=tuple(checks)), []).checks
+    deg, torque = run_case(replace(case, checks=tuple(checks)), RunFiles()).checks
     assert (deg.value, deg.note) == (None, "axis Z is told in mm: ask latch_mm")
     assert (torque.value, torque.note) == (None, "axis Z is told in N: ask stop_force_n")
 
@@ -51,11 +53,12 @@ def test_an_axis_that_does_not_turn_is_not_asked_in_degrees() -> None:
 def test_trace_and_report_are_in_degrees_and_newton_metres(
     result: CaseResult, tmp_path: Path
 ) -> None:
-    assert result.trace is not None
-    names = {name.partition(".")[2] for name in result.trace.column_names}
+    assert result.facts is not None
+    assert result.series is not None
+    names = {name.partition(".")[2] for name in result.series.names}
     assert {"truth_deg", "velocity_deg_s", "cnc_lag_deg", "stop_deg", "stop_torque_nm"} <= names
     assert not {name for name in names if name.endswith(("_mm", "_mm_s", "_n"))}
-    (stop,) = result.fixed_stop
+    (stop,) = stop_blocks(Observed(result.facts, result.series))
     assert stop["rotary"] == {"C": True}
     assert {value["unit"] for value in stop["values"]} == {"deg", "N.m"}
     (end,) = (v for v in stop["values"] if v["key"] == "stop_force_end")

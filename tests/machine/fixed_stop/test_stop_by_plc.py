@@ -6,7 +6,6 @@ import pytest
 from tests.machine.conftest import RIGS, run_files
 from tests.machine.fixed_stop.conftest import DETECT, RunStop, StopOutcome
 
-from axisrig.bench.judge.plc import plc_side
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.time.clock import MS
 
@@ -47,7 +46,7 @@ def test_a_run_with_limits_of_the_plc_side_is_that_with_limits_of_the_program(
     assert by_plc.alarms == []
     assert by_plc.outcome.printed("limit") == [5000]
     assert by_plc.record.latched_mm == pytest.approx(by_program.record.latched_mm, abs=1e-4)
-    times = [t for t, words, _ in plc_side(by_plc.outcome.machine) if "has taken it" in words]
+    times = [note.time_ns for note in by_plc.outcome.facts.plc if "has taken it" in note.words]
     first, second, third, fourth = times
     assert first < second < by_plc.record.begin_ns
     assert by_plc.record.end_ns is not None
@@ -62,8 +61,8 @@ def test_restoring_the_limit_behind_the_run_moves_nothing(run_stop: RunStop) -> 
     """
     restore = "plc:Z.torque_limit=50000 at=run_end+1s"
     found = run_stop(STOP_MM, restore, end="N200 G4 2", **LAG)
-    events = plc_side(found.outcome.machine)
-    (restored_ns,) = [t for t, words, _ in events if "50000: the drive has" in words]
+    events = found.outcome.facts.plc
+    (restored_ns,) = [note.time_ns for note in events if "50000: the drive has" in note.words]
     times, truth_mm = found.outcome.column("time_ns"), found.outcome.column("Z.truth_mm")
     before_mm = truth_mm[times < restored_ns][-1]
     assert before_mm > STOP_MM + 0.02

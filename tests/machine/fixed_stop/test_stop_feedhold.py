@@ -6,7 +6,6 @@
 import pytest
 from tests.machine.fixed_stop.conftest import RunStop, StopOutcome
 
-from axisrig.bench.judge.plc import plc_side
 from axisrig.kernel.time.clock import MS
 
 LAG = {"pos_lag_limit": 15_000, "min_time": 100_000}  # 1.5 mm, 100 ms
@@ -15,8 +14,10 @@ WINDOW = {"pos_lag_limit": 0, "max_delta_position_window": 1800, "min_time": 20_
 
 
 def feedhold_ns(found: StopOutcome) -> tuple[int, int]:
-    events = plc_side(found.outcome.machine)
-    on_ns, off_ns = [t for t, words, _ in events if words in ("feedhold on", "feedhold off")]
+    events = found.outcome.facts.plc
+    on_ns, off_ns = [
+        note.time_ns for note in events if note.words in ("feedhold on", "feedhold off")
+    ]
     return on_ns, off_ns
 
 

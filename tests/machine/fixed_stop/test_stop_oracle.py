@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from tests.machine.conftest import RIGS
 
-from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
 
@@ -57,7 +57,7 @@ def run(tmp_path: Path) -> Run:
             writer.writeheader()
             writer.writerow(cells)
         (case,) = read_plan(plan).cases
-        result = run_case(case, [])
+        result = run_case(case, RunFiles())
         assert result.error is None, result.error
         values = {item.check.metric: item.value for item in result.checks}
         return values, {item.check.metric: item.note for item in result.checks}, result

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from tests.machine.conftest import RIGS
 
-from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.plan import read_plan
 
@@ -71,7 +71,7 @@ def judge(tmp_path: Path) -> Judge:
             writer.writeheader()
             writer.writerow(row)
         (case,) = read_plan(tmp_path / "plan.csv").cases
-        result = run_case(case, [])
+        result = run_case(case, RunFiles())
         assert result.error is None, result.error
         values = {item.check.metric: item.value for item in result.checks}
         return values, {item.check.metric: item.note for item in result.checks}, result
@@ -94,7 +94,7 @@ def judge_both(judge: Judge) -> Judge:
 def test_each_axis_is_judged_in_the_last_run_that_it_takes_part_in(judge_both: Judge) -> None:
     """Lag beyond 0.5 mm at t_c + (L - v/Kv + F/k)/v, then 100 ms; X 10 mm/s, Y 5 mm/s."""
     values, _, result = judge_both({})
-    assert [told["axes"] for told in result.fixed_stop] == [["X"], ["Y"]]
+    assert [list(run.axes) for run in result.facts.runs] == [["X"], ["Y"]]
     for axis, place_mm, feed_mm_s in (("X", 130.0, 10.0), ("Y", 6.0, 5.0)):
         assert values[f"latch_mm:{axis}"] == pytest.approx(place_mm + PRESSED_MM, abs=0.001)
         assert values[f"latch_force_error_um:{axis}"] == pytest.approx(0.0, abs=0.05)
@@ -124,11 +124,13 @@ def test_a_false_trigger_in_an_earlier_run_is_not_hidden_by_a_good_last_one(
 
 def _force(result: CaseResult) -> tuple[Any, Any, int]:
     """Instants, force of Z at its stop (the plant's), and the detection, ns."""
-    assert result.trace is not None
-    (told,) = result.fixed_stop
-    (detected_ns,) = (m["measured_ns"] for m in told["marks"] if m["key"] == "detected")
-    columns = (result.trace.column(name).to_numpy() for name in ("time_ns", "Z.stop_force_n"))
-    times, force = columns
+    assert result.facts is not None
+    assert result.series is not None
+    (run,) = result.facts.runs
+    assert run.fixed_stop is not None
+    detected_ns = run.fixed_stop.detected_ns
+    assert detected_ns is not None
+    times, force = (result.series.column(name) for name in ("time_ns", "Z.stop_force_n"))
     return times, force, detected_ns
 
 

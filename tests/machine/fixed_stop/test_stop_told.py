@@ -6,7 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.plan.plan import read_plan
 
 PLAN = Path(__file__).parents[3] / "testplans/fixed_stop_gantry.csv"
@@ -17,7 +20,13 @@ PLACE_MM = 130.0 + LIMIT_N / 20e6 * 1e3
 def told(name: str) -> list[dict[str, Any]]:
     """What the bench tells of each run of a row."""
     (case,) = (case for case in read_plan(PLAN).cases if case.case == name)
-    return list(run_case(case, []).fixed_stop)
+    return blocks(run_case(case, RunFiles()))
+
+
+def blocks(result: CaseResult) -> list[dict[str, Any]]:
+    assert result.facts is not None
+    assert result.series is not None
+    return stop_blocks(Observed(result.facts, result.series))
 
 
 def values(run: dict[str, Any], key: str) -> list[dict[str, Any]]:
@@ -60,7 +69,7 @@ def test_the_bound_at_the_end_leaves_room_for_what_still_rings() -> None:
     """Pressed without a relaxing motion; v sqrt(k m) of a speed below 0.1 mm/s are 6 N at most."""
     plan = read_plan(PLAN.with_name("fixed_stop_timing.csv"))
     (case,) = (case for case in plan.cases if case.case == "target-behind-stop")
-    (run,) = run_case(case, []).fixed_stop
+    (run,) = blocks(run_case(case, RunFiles()))
     (end,) = values(run, "stop_force_end")
     (limit_n,) = (abs(limits["force_limit_n"]) for limits in run["limits"].values())
     assert end["low"] <= end["measured"] <= end["high"]

@@ -7,7 +7,7 @@ both make of a list has to agree.
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.judge.distance.findings import control_of
+from axisrig.bench.machine.recording.distance_log import controller
 from axisrig.bench.oracles.distance.lists import Listed, as_written
 from axisrig.kernel.distance import DistanceSettings
 from axisrig.kernel.parameters import ParameterSet
@@ -76,12 +76,12 @@ def test_the_kernel_has_read_the_same(
     parameters = read(values, stem, german=german, axis_a=axis_a)
     kernels = DistanceSettings.read(parameters)
     ours = as_written(dict(parameters.items()))
-    assert ours.control == control_of(kernels)
+    assert ours.control == controller(kernels).control
     assert rounded(limits(ours)) == rounded(limits_of_kernel(kernels))
 
 
 def test_without_a_list_both_have_the_same_defaults() -> None:
     parameters = ParameterSet("axis")
     kernels, ours = DistanceSettings.read(parameters), as_written({})
-    assert ours.control == control_of(kernels)
+    assert ours.control == controller(kernels).control
     assert rounded(limits(ours)) == rounded(limits_of_kernel(kernels))

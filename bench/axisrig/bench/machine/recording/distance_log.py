@@ -88,11 +88,12 @@ def _change(change: Change) -> DistanceChange:
         change.source.name,
         change.sensor,
         change.is_dry_run,
-        _controller(change.settings),
+        controller(change.settings),
     )
 
 
-def _controller(settings: DistanceSettings) -> Controller:
+def controller(settings: DistanceSettings) -> Controller:
+    """Return the parameters of a control as the recording has them."""
     smooth = settings.filter
     return Controller(
         kp=settings.kp,
