@@ -6,9 +6,10 @@ from pathlib import Path
 DOCS = Path(__file__).parents[1]
 HEAD = """# Glossary
 
-Made from `docs/glossary.csv` by `python docs/site/glossary_page.py`; a test keeps it equal to the table. The report
-shows the same words. *Object*: CANopen index ([drive.md](drive.md), [drive-communication.md](drive-communication.md))
-or parameter ([parameters.md](parameters.md)). *German*: the word that CNC manuals use.
+Made from `docs/glossary.csv` by `python docs/site/glossary_page.py`; a test keeps it equal to the
+table. The report shows the same words. *Object*: CANopen index ([drive.md](drive.md),
+[drive-communication.md](drive-communication.md)) or parameter ([parameters.md](parameters.md)).
+*German*: the word that CNC manuals use.
 
 | term | meaning | unit | object | German |
 |---|---|---|---|---|

@@ -75,7 +75,8 @@ def test_the_page_is_fresh() -> None:
     """Else: python docs/site/glossary_page.py."""
     path = ROOT / "docs" / "site" / "glossary_page.py"
     spec = importlib.util.spec_from_file_location("glossary_page", path)
-    assert spec and spec.loader
+    assert spec
+    assert spec.loader
     maker = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(maker)
     assert (ROOT / "docs" / "glossary.md").read_text("utf-8") == maker.page()
