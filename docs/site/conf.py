@@ -28,6 +28,8 @@ suppress_warnings = ["myst.header", "misc.highlighting_failure"]
 # Nothing is loaded from elsewhere: furo uses the fonts of the system and brings its own script
 html_theme = "furo"
 html_title = "axisrig"
+html_static_path = ["wide.css"]
+html_css_files = ["wide.css"]
 html_copy_source = False
 html_show_sphinx = False
 pygments_style = "default"
