@@ -3,6 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+DOCS_STAMP := $(VENV)/.installed-docs
 WHEELHOUSE := wheelhouse
 # make wheelhouse fills it once with a network; then every make below works without one
 OFFLINE := $(if $(wildcard $(WHEELHOUSE)/*.whl),--no-index --find-links $(WHEELHOUSE))
@@ -13,7 +14,7 @@ JOBS ?= 2
 
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
 
-.PHONY: demo test test-rest test-all lint wheelhouse clean needs
+.PHONY: demo test test-rest test-all lint docs sample-report wheelhouse clean needs
 
 demo: $(STAMP)
 	@$(BIN)/axisrig demo --fresh -j $(JOBS)
@@ -31,6 +32,16 @@ lint: $(STAMP)
 	@$(BIN)/ruff format --check .
 	@$(BIN)/mypy
 
+docs: $(DOCS_STAMP)
+	@rm -rf out/site out/site-cache
+	@$(BIN)/python -m sphinx -W --keep-going -q -b html -d out/site-cache -c docs/site . out/site
+	@echo "out/site/index.html"
+
+# One row fails on purpose, so the exit code is 1
+sample-report: $(STAMP)
+	@$(BIN)/axisrig run docs/sample-report/sample.csv -o out/sample --fresh || test $$? -eq 1
+	@cp out/sample/report.html docs/sample-report/report.html
+
 needs:
 	@command -v git >/dev/null || { echo "git is missing: apt-get install git"; exit 1; }
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is missing: apt-get install python3 python3-venv"; exit 1; }
@@ -44,8 +55,12 @@ $(STAMP): pyproject.toml | needs
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[$(EXTRAS)]'
 	@touch $(STAMP)
 
+$(DOCS_STAMP): $(STAMP)
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[docs]'
+	@touch $(DOCS_STAMP)
+
 wheelhouse: | needs
-	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables 'setuptools<81' wheel '.[dev,cc]'
+	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables 'setuptools<81' wheel '.[dev,cc,docs]'
 	@echo "$(WHEELHOUSE): $$(ls $(WHEELHOUSE) | wc -l) files; copy the checkout with this folder, then make demo needs no network"
 
 clean:

@@ -48,8 +48,8 @@ def test_help_of_the_whole_names_every_command(axisrig: Call) -> None:
         assert f" {words[0]} " in out
 
 
-def test_readme_names_every_command() -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
+def test_the_page_of_commands_names_every_command() -> None:
+    text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
     for words in COMMANDS:
         if words != ["fmu"]:
             assert f"axisrig {' '.join(words)}" in text, words

@@ -40,17 +40,50 @@ def test_files_that_a_document_names_exist(path: Path) -> None:
     assert {name for name in named if not (ROOT / name).exists()} == set()
 
 
-def test_the_readme_leads_to_every_page() -> None:
-    section = (ROOT / "README.md").read_text("utf-8").split("## Where to read on")[1]
-    linked = re.findall(r"\]\((docs/[\w-]+\.md)\)", section.split("\n## ")[0])
-    pages = [f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md")]
-    assert sorted(linked) == sorted(pages)
+def test_the_index_leads_to_every_page() -> None:
+    """Once each, the decisions too; the README leads to the index."""
+    text = (ROOT / "docs" / "index.md").read_text("utf-8")
+    linked = re.findall(r"^- \[.*?\]\(([\w./-]+\.md)\)", text, re.MULTILINE)
+    inside = sorted(link for link in linked if not link.startswith("../"))
+    pages = [path.relative_to(ROOT / "docs") for path in (ROOT / "docs").rglob("*.md")]
+    assert inside == sorted(page.as_posix() for page in pages if page.name != "index.md")
+    assert "(docs/index.md)" in (ROOT / "README.md").read_text("utf-8")
 
 
-def test_commands_in_the_readme_exist() -> None:
+@pytest.mark.parametrize("name", ["README.md", "docs/commands.md", "docs/index.md"])
+def test_commands_in_the_documents_exist(name: str) -> None:
     known = {
         command.name or command.callback.__name__  # type: ignore[union-attr]
         for command in app.registered_commands
     } | {group.name for group in app.registered_groups}
-    text = (ROOT / "README.md").read_text("utf-8")
-    assert set(re.findall(r"axisrig ([a-z]+)\b", text)) - {"is"} <= known
+    text = (ROOT / name).read_text("utf-8")
+    assert set(re.findall(r"(?:`|\$ |bin/|^)axisrig ([a-z]+)\b", text, re.MULTILINE)) <= known
+
+
+def test_targets_of_make_in_the_documents_exist() -> None:
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    for name in ("README.md", "CONTRIBUTING.md", "docs/index.md"):
+        text = (ROOT / name).read_text("utf-8")
+        for target in re.findall(r"(?:`|^)make ([a-z-]+)", text, re.MULTILINE):
+            assert f"\n{target}:" in makefile, f"{name}: make {target}"
+
+
+def test_the_first_screen_of_the_readme_answers_the_first_questions() -> None:
+    """A verdict, a sample, one picture, three numbers with their proof, and the two commands."""
+    first, _, rest = (ROOT / "README.md").read_text("utf-8").partition("\n## ")
+    assert first.count("![") == 1
+    assert "docs/sample-report/report.html" in first
+    assert "make demo" in first
+    assert "make test" in first
+    assert rest.startswith("A virtual drive")
+
+
+def test_the_numbers_of_the_readme_are_those_of_the_pages() -> None:
+    first = (ROOT / "README.md").read_text("utf-8").partition("\n## ")[0]
+    for number, name, proof in (
+        ("0.5 ns", "architecture.md", "The 0.5 ns of axisrig"),
+        ("63 runs", "reference-fmus.md", "all 63 runs are equal bit for bit"),
+        ("10 000 scenarios", "faults.md", "no value was wrong"),
+    ):
+        assert number in first
+        assert proof in (ROOT / "docs" / name).read_text("utf-8")

@@ -326,4 +326,3 @@ def test_an_alarm_with_a_newer_twin_names_it() -> None:
 def test_the_tables_of_the_report_fit_together() -> None:
     plots = {row["plot"] for row in table("plots.csv")}
     assert {signal.plot for signal in signals().values()} <= plots
-    assert all(row["term"] and row["meaning"] for row in table("glossary.csv"))

@@ -19,8 +19,9 @@ def errors(edge_error: ModuleType, tmp_path_factory: pytest.TempPathFactory) -> 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", NAMES)
-def test_edge_is_within_a_nanosecond_of_scipy_at_any_step(errors: Any, name: str) -> None:
-    assert errors[name]["axisrig"].max() < 1.0
+def test_edge_is_within_half_a_nanosecond_of_scipy_at_any_step(errors: Any, name: str) -> None:
+    """Rounding to whole nanoseconds, and 0.01 ns with which the FMU locates the crossing."""
+    assert errors[name]["axisrig"].max() <= 0.5 + 0.01
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -28,9 +28,10 @@ from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 from axisrig.reports.distance.section import sections
 from axisrig.reports.fixed_stop.section import timelines
+from axisrig.reports.glossary import glossary
 from axisrig.reports.parts.bar import bar
 from axisrig.reports.parts.realtime import real_time
-from axisrig.reports.signals import chart, table
+from axisrig.reports.signals import chart
 
 _WHOLE, _TINY = 1e15, 1e-3
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
@@ -88,7 +89,7 @@ def _page(results: StoredResults) -> dict[str, Any]:
         "files": _files(manifest),
         "packages": manifest.get("packages", {}),
         "runs": runs,
-        "glossary": table("glossary.csv"),
+        "glossary": glossary(),
     }
 
 

@@ -121,6 +121,27 @@ def test_the_master_that_the_page_prints(tmp_path: Path) -> None:
     assert "OPERATION_ENABLED -> READY_TO_SWITCH_ON" in "".join(drives.lines)
 
 
+def test_the_master_that_the_readme_prints(tmp_path: Path) -> None:
+    """Its first lines: name of the drive, and where the axis is."""
+    page = (ROOT / "README.md").read_text(encoding="utf-8")
+    script = page.partition("```python\n")[2].partition("```")[0]
+    made = axisrig("drive", str(RIG), "--eds", str(tmp_path / "drive.eds"))
+    assert made.returncode == 0, made.stderr
+    with drives_at(
+        tmp_path / "drives", "--interface", "axisrig_tcp", "--channel", "127.0.0.1:0"
+    ) as drives:
+        _, port = serving(drives)
+        assert script.count("29536") == 1
+        (tmp_path / "master.py").write_text(script.replace("29536", port), encoding="utf-8")
+        done = subprocess.run(
+            [sys.executable, "master.py"],
+            cwd=tmp_path, capture_output=True, text=True, timeout=LIMIT_S, check=False,
+        )  # fmt: skip
+        drives.stop()
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == "axisrig DS402 drive is at 130.0 mm\n"
+
+
 def _sdo(device: str, *requests: str) -> list[str]:
     """Ask node 3 over a serial line; return its answers as hexadecimal text."""
     answers = []
