@@ -1,5 +1,6 @@
 """The plants at the end of a cycle: brought to its SYNC, and at rest after an alarm."""
 
+from axisrig.kernel.cosim.plant.axis import MOTOR_VELOCITY
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
@@ -39,7 +40,7 @@ class PlantMechanics:
         now_ns = self._clock.now_ns
         if self._since_ns is None:
             self._since_ns = now_ns
-        if any(abs(axis.motion[3]) > REST_M_S for axis in self._plant.axes.values()):
+        if any(abs(axis.motion[MOTOR_VELOCITY]) > REST_M_S for axis in self._plant.axes.values()):
             self._slow_since_ns = None
         elif self._slow_since_ns is None:
             self._slow_since_ns = now_ns

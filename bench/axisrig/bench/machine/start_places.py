@@ -3,7 +3,7 @@
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.real_axes import outside_axes
 from axisrig.bench.rig.settings import Settings
-from axisrig.kernel.cosim.plant.axis import STOP_FACE, STOP_FORCE, PlantAxis
+from axisrig.kernel.cosim.plant.axis import POSITION, STOP_FACE, STOP_FORCE, PlantAxis
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.errors import UserError
 
@@ -49,7 +49,7 @@ def _check_stop(settings: Settings, plant: Plant, name: str, instance: str) -> N
     if not _has_our_stop(axis):
         plant.notes[instance].append(f"its stop presses with {force_n:g} N when the run begins")
         return
-    position_mm, face_mm = axis.motion[0] * 1e3, axis.motion[STOP_FACE] * 1e3
+    position_mm, face_mm = axis.motion[POSITION] * 1e3, axis.motion[STOP_FACE] * 1e3
     direction, bound = (1, "at most") if position_mm > face_mm else (-1, "at least")
     refusal = UserError(
         f"axis {name} is {abs(position_mm - face_mm):g} mm inside its stop when the run begins",

@@ -7,6 +7,7 @@ method gets the present simulated time.
 from collections.abc import Callable, Mapping
 
 from axisrig.bench.drive.application.assembly import make_parts
+from axisrig.bench.drive.application.functions.axis_states import NEXT, AxisEvent, AxisState
 from axisrig.bench.drive.application.functions.motion import POSITION
 from axisrig.bench.drive.application.functions.ports import AxisPort, SignalPort
 from axisrig.bench.drive.application.functions.sampler import SELDOM, Sampler
@@ -14,6 +15,7 @@ from axisrig.bench.drive.application.functions.states import (
     BY_LIMIT,
     CONTINUE,
     OPTIONS,
+    POWERED,
     QUICK_STOP,
     Reaction,
     StateMachine,
@@ -36,15 +38,9 @@ REFERENCE_LIMIT = 0x8612  # emergency code of CiA 402: a limit switch has stoppe
 CONNECTION_LOST = 0x8130  # emergency code of CiA 301: life guarding or heartbeat
 NEVER = -1  # before the first SYNC
 HALT = 1 << 8  # bit of the controlword
+OPERATING = AxisState.OPERATING
+AWAITS_MODE = (AxisState.BEGINNING, AxisState.RESUMING)
 INVALID_VALUE, NOT_NOW = 0x06090030, 0x08000022  # abort codes of CiA 301
-POWERED = frozenset(
-    {
-        State.SWITCHED_ON,
-        State.OPERATION_ENABLED,
-        State.QUICK_STOP_ACTIVE,
-        State.FAULT_REACTION_ACTIVE,
-    }
-)
 _SCALING = (0x608F, 0x6091, 0x6092, 0x60E6, 0x60EB)
 _OPTION_CODES = frozenset(index for index, _ in OPTIONS)
 # Plain numbers: members of a flag cost ten times as much in each cycle
@@ -63,6 +59,7 @@ class Servo:
     info) sends an emergency message; changed() is called when a tick has changed the statusword.
     switches: limit and home switches by their names (`switches.SWITCHES`).
     sync_ns: instant of the last SYNC, NEVER before the first one.
+    axis_state: what has the axis, and what follows.
     """
 
     def __init__(
@@ -101,9 +98,8 @@ class Servo:
         image.supported_modes = sum(1 << number - 1 for number in self.modes)
         image.mode_display = image.mode
         self.mode: Mode = self.modes[image.mode]
-        self._is_operating = False  # the mode has the axis
-        self._stop: Stop | None = None
-        self._halted = self._goes_on = self._resumes = False
+        self.axis_state = AxisState.OFF
+        self._stop: Stop | None = None  # while the state is neither OFF nor OPERATING
         self._began_ns = -1
         self._settled_word = -1  # the controlword that was carried out last
         self._monitor = Monitor(image, self.limits, self.axis)
@@ -230,7 +226,7 @@ class Servo:
         self._mind_limits(now_ns)
         image = self.image
         if (
-            self._is_operating
+            self.axis_state is OPERATING
             and image.controlword == self._settled_word
             and image.mode == image.mode_display
         ):  # the usual SYNC: nothing is asked for, nothing follows by itself
@@ -240,7 +236,7 @@ class Servo:
             self._control(now_ns)
         if at_sync:
             self.touch_probe.cycle(image.probe_function, now_ns)
-        if self._is_operating:
+        if self.axis_state is OPERATING:
             if self._began_ns != now_ns:
                 if at_sync:
                     self.mode.cycle(now_ns)
@@ -251,7 +247,7 @@ class Servo:
         elif self.motion.kind is None and at_sync:
             self.motion.off(now_ns)
         self._sample()
-        if self._monitor.is_active and self._is_operating:
+        if self._monitor.is_active and self.axis_state is OPERATING:
             code = self._monitor.look(now_ns)
             if code is not None:
                 self.fault(code, PROFILE_ERROR, now_ns)
@@ -267,19 +263,20 @@ class Servo:
         if not self.switches.has_limits:
             return
         word, limits = self.switches.limits, self.limits
-        is_left = self.mode.minds_limits if self._is_operating else self._is_braking
+        has_mode = self.axis_state is OPERATING
+        is_left = self.mode.minds_limits if has_mode else self._is_braking
         if word == limits.blocked or (is_left and word):
             return
         speed = self.motion.velocity_m_s(now_ns)
         is_met = self.switches.limit(speed) and not limits.blocked & word
-        if not is_met or not self._is_operating:
+        if not is_met or not has_mode:
             limits.block(word, self.motion.position_m())
             if not word:
                 self.emergency.clear(REFERENCE_LIMIT)
         else:
             self.emergency.report(REFERENCE_LIMIT, PROFILE_ERROR)
-            self._brake(now_ns, Reaction.QUICK_STOP)
-            self._goes_on, self._resumes = True, False
+            self._enter(AxisEvent.LIMIT_SWITCH, now_ns)
+            self._begin_stop(now_ns, Reaction.QUICK_STOP)
 
     @property
     def _is_braking(self) -> bool:
@@ -299,8 +296,8 @@ class Servo:
         ):
             if machine.arrive():
                 self._release(now_ns)
-        elif self._goes_on:
-            self._go_on(now_ns, self._resumes)
+        elif self.axis_state in AWAITS_MODE:
+            self._take_over(now_ns)
 
     def _control(self, now_ns: TimeNs) -> None:
         """Carry out what the controlword asks for, and a change of mode."""
@@ -317,7 +314,8 @@ class Servo:
     def _carry_out(self, number: int, now_ns: TimeNs) -> None:
         machine = self.machine
         if number in (4, CONTINUE):
-            self._go_on(now_ns)
+            self._enter(AxisEvent.ENABLE, now_ns)
+            self._take_over(now_ns)
         elif machine.waiting is not None:
             self._brake(now_ns, machine.braking(number).reaction)
         elif number == QUICK_STOP:
@@ -333,13 +331,12 @@ class Servo:
             self._release(now_ns)
 
     def _halt_or_go_on(self, now_ns: TimeNs) -> None:
-        is_halt = bool(self.image.controlword & HALT)
-        if is_halt and self._is_operating:
-            self._brake(now_ns, OPTIONS[0x605D, self.image.halt_option].reaction)
-            self._halted = True
-        elif self._halted and not is_halt:
-            self._go_on(now_ns, resume=True)
-        if self._is_operating:
+        if self.image.controlword & HALT:
+            if self._enter(AxisEvent.HALT, now_ns):
+                self._begin_stop(now_ns, OPTIONS[0x605D, self.image.halt_option].reaction)
+        elif self._enter(AxisEvent.HALT_ENDS, now_ns):
+            self._take_over(now_ns)
+        if self.axis_state is OPERATING:
             self.mode.command(now_ns)
 
     def _change_mode(self, now_ns: TimeNs) -> None:
@@ -347,64 +344,66 @@ class Servo:
         mode = self.modes.get(self.image.mode)
         if mode is None:
             return
-        if self._is_operating:
-            self._leave(now_ns)
+        if self._enter(AxisEvent.MODE, now_ns):
             self.mode = mode
-            self._go_on(now_ns)
-        elif self._stop is None or (self._halted and self._stop.is_done):
+            self._take_over(now_ns)
+        elif self._stop is None or (self.axis_state is AxisState.HALTED and self._stop.is_done):
             self.mode, self.image.mode_display = mode, mode.number
 
-    def _go_on(self, now_ns: TimeNs, resume: bool = False) -> None:
-        """Give the axis to the mode.
+    def _enter(self, event: AxisEvent, now_ns: TimeNs) -> bool:
+        """Follow the table; return whether the state changes. A mode that loses the axis ends."""
+        before = self.axis_state
+        after = self.axis_state = NEXT[before, event]
+        if before is OPERATING and after is not OPERATING:
+            self.mode.end(now_ns)
+        return after is not before
+
+    def _take_over(self, now_ns: TimeNs) -> None:
+        """Give the axis to the mode, now or when a stop is done.
 
         An axis that moves under control of velocity or force is stopped (6084) before a mode that
         controls its position; else the mode takes it over as it is.
         """
         is_other = self.motion.kind not in (None, self.mode.needs)
         if self.mode.needs is POSITION and is_other:
-            if self._stop is None:
-                self._brake(now_ns, Reaction.SLOW_DOWN)
-            assert self._stop is not None
-            if not self._stop.is_done:
-                self._halted, self._goes_on, self._resumes = False, True, resume
+            stop = self._stop or self._begin_stop(now_ns, Reaction.SLOW_DOWN)
+            if not stop.is_done:
                 return
         self._stop = None
-        self._halted = self._goes_on = False
         if self.limits.blocked:  # the end is where the axis is now
             self.limits.block(0, 0.0)
             self.limits.block(self.switches.limits, self.motion.position_m())
         self.image.mode_display = self.mode.number
-        self._is_operating, self._began_ns = True, now_ns
+        resumes = self.axis_state is AxisState.RESUMING
+        self._enter(AxisEvent.READY, now_ns)
+        self._began_ns = now_ns
         self._settled_word = -1
         self._monitor.begin(self.mode)
-        if resume:
+        if resumes:
             self.mode.resume(now_ns)
         else:
             self.mode.begin(now_ns)
 
-    def _leave(self, now_ns: TimeNs) -> None:
-        if self._is_operating:
-            self._is_operating = False
-            self.mode.end(now_ns)
-
     def _release(self, now_ns: TimeNs) -> None:
         """Take the power away."""
-        self._leave(now_ns)
+        self._enter(AxisEvent.POWER_OFF, now_ns)
         self._stop = None
-        self._halted = self._goes_on = False
         self.motion.off(now_ns)
 
     def _brake(self, now_ns: TimeNs, reaction: Reaction, at_actual: bool = False) -> None:
         if reaction is Reaction.COAST:
             self._release(now_ns)
-            return
-        self._leave(now_ns)
-        self._halted = self._goes_on = False
-        self._stop = Stop(self.motion, self.limits, self._standstill, reaction)
-        self._stop.begin(now_ns, self.tick_ns, at_actual)
+        else:
+            self._enter(AxisEvent.STOP, now_ns)
+            self._begin_stop(now_ns, reaction, at_actual)
+
+    def _begin_stop(self, now_ns: TimeNs, reaction: Reaction, at_actual: bool = False) -> Stop:
+        stop = self._stop = Stop(self.motion, self.limits, self._standstill, reaction)
+        stop.begin(now_ns, self.tick_ns, at_actual)
+        return stop
 
     def _need_ticks(self) -> None:
-        if self._is_operating:
+        if self.axis_state is OPERATING:
             is_needed = self._monitor.is_active or self.mode.needs_ticks or self.switches.has_limits
         else:
             is_needed = self._is_under_way()
@@ -420,7 +419,8 @@ class Servo:
             return True
         if stop is None:
             return False
-        return not stop.is_done or machine.waiting is not None or self._goes_on
+        is_awaited = machine.waiting is not None or self.axis_state in AWAITS_MODE
+        return not stop.is_done or is_awaited
 
     def _sample(self) -> None:
         self._sampler.sample()
@@ -428,18 +428,16 @@ class Servo:
 
     def _status(self) -> int:
         word = _STATUSWORD[self.machine.state] | self._following_error
-        if self._is_operating:
+        if self.axis_state is OPERATING:
             word |= self.mode.status()
             if self.mode.is_limited:
                 word |= INTERNAL_LIMIT
             if self._monitor.is_warning:
                 word |= WARNING
-        elif (
-            self._stop is not None
-            and self._stop.is_done
-            and (self._halted or self.machine.state is State.QUICK_STOP_ACTIVE)
-        ):
-            word |= TARGET_REACHED
+        elif self._stop is not None and self._stop.is_done:
+            is_quick_stop = self.machine.state is State.QUICK_STOP_ACTIVE
+            if is_quick_stop or self.axis_state is AxisState.HALTED:
+                word |= TARGET_REACHED
         limits = self.limits
         if limits.blocked:
             word |= INTERNAL_LIMIT

@@ -149,5 +149,5 @@ def _movement_mm(machine: Machine) -> float:
     for after_ns in (CALM_NS, CALM_NS + 50 * MS):
         machine.scheduler.run_until(end_ns + after_ns)
         plant.advance_to(end_ns + after_ns)
-        places = [*places, axis.motion[0] * 1e3]
+        places = [*places, axis.position_m() * 1e3]
     return abs(places[1] - places[0])

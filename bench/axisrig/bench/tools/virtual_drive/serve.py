@@ -31,7 +31,13 @@ from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.bench.tools.virtual_drive.parameters import ParameterFile
 from axisrig.bench.tools.virtual_drive.watch import Watcher
-from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.axis import (
+    DEMAND_POSITION,
+    MOTOR_POSITION,
+    POSITION,
+    VELOCITY,
+    PlantAxis,
+)
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, US, Phase, S, TimeNs
 
@@ -248,6 +254,7 @@ class Trace:
     """The truth of the plants at every SYNC: `table()` as the traces of runs, without a kernel."""
 
     COLUMNS = ("truth_mm", "velocity_mm_s", "motor_mm", "demand_mm")
+    _PLACES = (POSITION, VELOCITY, MOTOR_POSITION, DEMAND_POSITION)
 
     def __init__(self, axes: dict[str, PlantAxis]) -> None:
         self._axes = axes
@@ -258,8 +265,7 @@ class Trace:
         """Note one SYNC."""
         row: list[float] = []
         for axis in self._axes.values():
-            position, velocity, motor, _, demand = axis.motion[:5]
-            row += (position * 1e3, velocity * 1e3, motor * 1e3, demand * 1e3)
+            row += [axis.motion[place] * 1e3 for place in self._PLACES]
         self._times.append(time_ns)
         self._rows.append(row)
 

@@ -22,6 +22,8 @@ AXIS_OUTPUTS = (
     "stop_force",
     "stop_face",
 )
+POSITION, VELOCITY = 0, 1  # places in AXIS_OUTPUTS
+MOTOR_POSITION, MOTOR_VELOCITY, DEMAND_POSITION = 2, 3, 4
 FORCE, STOP_FORCE, STOP_FACE = 5, 6, 7
 # Towards a stop, as towards a probe (docs/architecture.md): gain in speed of an axis at most; and
 # the speed of the stop itself
@@ -33,7 +35,7 @@ HISTORY_STEPS = 4096
 FINE_NS = 50_000
 
 
-_POSITION = ControlKind.POSITION
+_BY_POSITION = ControlKind.POSITION
 
 
 def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float]) -> float:
@@ -124,7 +126,7 @@ class PlantAxis:
             gain.read()
             self.kv_per_s = float(gain.values[0])
         self._sample()
-        self._command(start_ns, self.motion[2], 0.0, start_ns)
+        self._command(start_ns, self.motion[MOTOR_POSITION], 0.0, start_ns)
 
     def _command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
         self._commanded = (time_ns, position, rate, end_ns)
@@ -163,9 +165,11 @@ class PlantAxis:
         """Put in what the FMU does not tell, see `roles.csv`."""
         found = dict(zip(self._known, values, strict=True))
         position = found["position"]
-        velocity = found.get("velocity", self._slope(0, position))
+        velocity = found.get("velocity", self._slope(POSITION, position))
         motor = found.get("motor_position", position)
-        motor_velocity = self._slope(2, motor) if "motor_position" in found else velocity
+        motor_velocity = (
+            self._slope(MOTOR_POSITION, motor) if "motor_position" in found else velocity
+        )
         motor_velocity = found.get("motor_velocity", motor_velocity)
         demand = found.get("demand_position", self._demand_at(self.slave.time_ns))
         told = [found.get(role, 0.0) for role in AXIS_OUTPUTS[FORCE:]]
@@ -225,7 +229,7 @@ class PlantAxis:
         self._step_all(end_ns)
         for axis, begin in zip(self._stepped, begins, strict=True):
             end = axis.motion
-            axis.tick = (begin[0], begin[1], end[0], end[1])
+            axis.tick = (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
 
     def _step_all(self, end_ns: TimeNs) -> None:
         self._demand.step(self.slave, end_ns)
@@ -242,8 +246,8 @@ class PlantAxis:
         if not self._tells_stop:
             self._free_until_ns = sys.maxsize
         elif self._tells_face and motion[STOP_FORCE] <= 0.0:
-            gap_m = abs(motion[STOP_FACE] - motion[0])
-            speed = abs(motion[1]) + STOP_SPEED_M_S
+            gap_m = abs(motion[STOP_FACE] - motion[POSITION])
+            speed = abs(motion[VELOCITY]) + STOP_SPEED_M_S
             free_s = (sqrt(speed * speed + 2.0 * GAIN_M_S2 * gap_m) - speed) / GAIN_M_S2
             self._free_until_ns = self.slave.time_ns + int(free_s * S)
         else:
@@ -281,9 +285,9 @@ class PlantAxis:
             # Nothing switches this axis off: its demand stays where it was when that was asked for
             if not self._is_enabled:
                 return
-            position_m, velocity_m_s = self.motion[2], 0.0
-        if self._control.kind is not _POSITION:
-            self._control.choose(_POSITION)
+            position_m, velocity_m_s = self.motion[MOTOR_POSITION], 0.0
+        if self._control.kind is not _BY_POSITION:
+            self._control.choose(_BY_POSITION)
         self._command(time_ns, position_m, velocity_m_s, end_ns)
         if enabled is not self._is_enabled:
             self._enable(enabled)
@@ -308,7 +312,7 @@ class PlantAxis:
         """
         self._control.choose(ControlKind.VELOCITY)
         self._control.give_slope(acceleration_m_s2)
-        self._command(time_ns, self.motion[2], velocity_m_s, end_ns)
+        self._command(time_ns, self.motion[MOTOR_POSITION], velocity_m_s, end_ns)
         self._enable(True)
 
     def command_force(self, time_ns: TimeNs, force_n: float) -> None:
@@ -364,24 +368,24 @@ class PlantAxis:
 
     def position_m(self) -> float:
         """Return the load position now: the truth, which no drive ever sees."""
-        return self.motion[0]
+        return self.motion[POSITION]
 
     def motor_position_m(self) -> float:
         """Return what the motor encoder sees now, in load units."""
-        return self.motion[2]
+        return self.motion[MOTOR_POSITION]
 
     def motor_velocity_m_s(self) -> float:
         """Return the motor velocity now, in load units."""
-        return self.motion[3]
+        return self.motion[MOTOR_VELOCITY]
 
     def demand_position_m(self) -> float:
         """Return the demand that the position controller of the drive follows now.
 
         The actual position while it follows none (control of velocity or force).
         """
-        if self._control.kind is not _POSITION:
-            return self.motion[2]
-        return self.motion[4]
+        if self._control.kind is not _BY_POSITION:
+            return self.motion[MOTOR_POSITION]
+        return self.motion[DEMAND_POSITION]
 
     def motion_at(self, time_ns: TimeNs) -> list[float]:
         """Return `motion` as it was at the end of a step: AXIS_OUTPUTS.
@@ -395,7 +399,7 @@ class PlantAxis:
 
     def motor_position_m_at(self, time_ns: TimeNs) -> float:
         """Return the motor position at a past instant, by cubic Hermite inside its step."""
-        return self._past_m(time_ns, 2)
+        return self._past_m(time_ns, MOTOR_POSITION)
 
     def second_encoder_m_at(self, time_ns: TimeNs) -> float:
         """Return what the second encoder saw at a past instant; only where there is one.
@@ -404,7 +408,7 @@ class PlantAxis:
         one SYNC period) is not in it.
         """
         assert self.second_encoder is not None
-        return self._past_m(time_ns, 0) + (self.second_encoder() - self.motion[0])
+        return self._past_m(time_ns, POSITION) + (self.second_encoder() - self.motion[POSITION])
 
     def _past_m(self, time_ns: TimeNs, index: int) -> float:
         """Return a position of AXIS_OUTPUTS at a past instant; its rate is the next output."""

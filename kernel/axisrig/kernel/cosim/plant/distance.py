@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Mapping
 
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, PlantAxis
+from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, POSITION, PlantAxis
 from axisrig.kernel.cosim.plant.edges import Trajectory
 from axisrig.kernel.time.clock import S, TimeNs
 
@@ -62,7 +62,7 @@ class PlantDistance:
         return next(told for end_ns, told in reversed(self._past) if end_ns <= time_ns)
 
     def _write_positions(self) -> None:
-        self._positions.values[:] = [axis.motion[0] for axis in self._sources]
+        self._positions.values[:] = [axis.motion[POSITION] for axis in self._sources]
         self._positions.write()
 
     def _read(self, time_ns: TimeNs) -> None:

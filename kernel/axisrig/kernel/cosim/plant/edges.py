@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import PlantAxis, hermite
+from axisrig.kernel.cosim.plant.axis import POSITION, PlantAxis, hermite
 from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
@@ -45,7 +45,7 @@ class Trajectory:
         """Hand over a step in which the axes rest where they are."""
         motion: list[float] = []
         for axis in self._sources:
-            place = axis.motion[0]
+            place = axis.motion[POSITION]
             motion += (place, 0.0, place, 0.0)
         self.write(begin_ns, end_ns, motion)
 
@@ -154,7 +154,7 @@ class LevelProbe(PlantProbe):
         if self._trajectory is not None:
             self._trajectory.write_rest(begin_ns, end_ns)
         else:
-            self._positions.values[:] = [axis.motion[0] for axis in self.sources]
+            self._positions.values[:] = [axis.motion[POSITION] for axis in self.sources]
             self._positions.write()
 
     def _read_start(self) -> None:
@@ -231,7 +231,7 @@ class LevelProbe(PlantProbe):
             begin_ns, last_ns = self._step_ns
             time_s, step_s = (end_ns - begin_ns) * 1e-9, (last_ns - begin_ns) * 1e-9
             self._positions.values[:] = [
-                axis.motion[0] if end_ns == last_ns else hermite(time_s, step_s, axis.tick)
+                axis.motion[POSITION] if end_ns == last_ns else hermite(time_s, step_s, axis.tick)
                 for axis in self.sources
             ]
             self._positions.write()

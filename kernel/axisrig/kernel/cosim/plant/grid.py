@@ -4,7 +4,15 @@ from collections import deque
 from collections.abc import Callable
 
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import FORCE, PlantAxis, hermite
+from axisrig.kernel.cosim.plant.axis import (
+    DEMAND_POSITION,
+    FORCE,
+    MOTOR_POSITION,
+    POSITION,
+    VELOCITY,
+    PlantAxis,
+    hermite,
+)
 from axisrig.kernel.time.clock import TimeNs
 
 
@@ -35,15 +43,15 @@ class GridAxis(PlantAxis):
             self._points.append((self.slave.time_ns, self._read()))
         end = self._between(end_ns)
         self._remember(end_ns, end)
-        self.tick = (begin[0], begin[1], end[0], end[1])
+        self.tick = (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
 
     def _between(self, time_ns: TimeNs) -> list[float]:
         (begin_ns, begin), (end_ns, end) = list(self._points)[-2:]
         if time_ns == end_ns:
-            return [*end[:4], self._demand_of(end, time_ns), *end[FORCE:]]
+            return [*end[:DEMAND_POSITION], self._demand_of(end, time_ns), *end[FORCE:]]
         time_s, step_s = (time_ns - begin_ns) * 1e-9, (end_ns - begin_ns) * 1e-9
         motion: list[float] = []
-        for place in (0, 2):
+        for place in (POSITION, MOTOR_POSITION):
             ends = (begin[place], begin[place + 1], end[place], end[place + 1])
             motion += (hermite(time_s, step_s, ends), _rate(time_s, step_s, ends))
         share = time_s / step_s
@@ -51,7 +59,11 @@ class GridAxis(PlantAxis):
         return [*motion, self._demand_of(told, time_ns), *told[FORCE:]]
 
     def _demand_of(self, motion: list[float], time_ns: TimeNs) -> float:
-        return motion[4] if self.roles.has("demand_position") else self._demand_at(time_ns)
+        return (
+            motion[DEMAND_POSITION]
+            if self.roles.has("demand_position")
+            else self._demand_at(time_ns)
+        )
 
     def _points_before(self) -> list[tuple[TimeNs, list[float]]]:
         return list(self._points)[:-3:-1]

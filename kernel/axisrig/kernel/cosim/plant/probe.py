@@ -11,7 +11,7 @@ from math import hypot, sqrt
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.axis import POSITION, VELOCITY, PlantAxis
 from axisrig.kernel.time.clock import S, TimeNs
 
 SPEED_GAIN_M_S2 = 500.0
@@ -129,7 +129,7 @@ class PlantProbe(ABC):
     def _look(self) -> None:
         if self._has_clearance:
             self._clearance_m = min(max(0.0, self._read_clearance_m()), FAR_M)
-            self._places_m = [axis.motion[0] for axis in self.sources]
+            self._places_m = [axis.motion[POSITION] for axis in self.sources]
 
     # Where no edge can be
 
@@ -149,10 +149,12 @@ class PlantProbe(ABC):
         return self.free_until_ns
 
     def _free_ns(self, now_ns: TimeNs) -> TimeNs:
-        moved = [axis.motion[0] - x for axis, x in zip(self.sources, self._places_m, strict=True)]
+        moved = [
+            axis.motion[POSITION] - x for axis, x in zip(self.sources, self._places_m, strict=True)
+        ]
         self._seen_ns = now_ns
         self._room_m = self._clearance_m - hypot(*moved)
-        self._speed_m_s = hypot(*[axis.motion[1] for axis in self.sources])
+        self._speed_m_s = hypot(*[axis.motion[VELOCITY] for axis in self.sources])
         if self._room_m < 0.0:
             self._bound_is_broken(now_ns)
         return int(free_s(self._room_m, self._speed_m_s, self._gain_m_s2) * S) - self.look_back_ns
@@ -173,7 +175,7 @@ class PlantProbe(ABC):
         limit_m_s = self._speed_m_s + self._gain_m_s2 * since_s
         square = 0.0
         for axis in self.sources:
-            speed_m_s = axis.motion[1]
+            speed_m_s = axis.motion[VELOCITY]
             square += speed_m_s * speed_m_s
         if square > limit_m_s * limit_m_s and sqrt(square) * since_s > self._room_m:
             self._bound_is_broken(now_ns)

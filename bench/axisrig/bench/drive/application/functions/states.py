@@ -41,6 +41,14 @@ def _read() -> dict[tuple[int, int], Option]:
 
 
 OPTIONS: Final[Mapping[tuple[int, int], Option]] = _read()
+POWERED: Final = frozenset(
+    {
+        State.SWITCHED_ON,
+        State.OPERATION_ENABLED,
+        State.QUICK_STOP_ACTIVE,
+        State.FAULT_REACTION_ACTIVE,
+    }
+)
 BY_LIMIT: Final = frozenset({Reaction.CURRENT_LIMIT, Reaction.VOLTAGE_LIMIT})
 DISABLE_OPERATION, SHUTDOWN, QUICK_STOP, CONTINUE = 5, 8, 11, 16  # numbers of transitions
 _BRAKED = {DISABLE_OPERATION, SHUTDOWN}
