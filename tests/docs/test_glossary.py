@@ -9,10 +9,10 @@ import zipfile
 from pathlib import Path
 
 import pytest
+from axisrig.bench.record.event import Event
 
 from axisrig.bench.drive.dictionary.objects import object_rows
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.event import Event
 from axisrig.kernel.errors import UserError
 from axisrig.reports import glossary as module
 from axisrig.reports.glossary import glossary

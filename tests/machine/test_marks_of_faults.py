@@ -3,6 +3,7 @@
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.program.findings import program_events
 from axisrig.bench.machine.facts import facts_of
+from axisrig.bench.record.facts import Facts
 from axisrig.bench.tools.scenarios.campaign import examine
 from axisrig.bench.tools.scenarios.scenario import Scenario
 
@@ -11,10 +12,13 @@ MS = 1_000_000
 
 
 def marks(*faults: str) -> dict[str, int]:
-    _, machine = examine(Scenario(0, 1, (*INPUTS, *faults)))
+    seen: list[Facts] = []
+    _, machine = examine(
+        Scenario(0, 1, (*INPUTS, *faults)), lambda machine: seen.append(facts_of(machine))
+    )
     assert machine is not None
-    facts = facts_of(machine)
-    return {m.label: m.time_ns for m in program_events(Observed(facts, machine.recorder.series()))}
+    found = program_events(Observed(seen[0], machine.recorder.series()))
+    return {mark.label: mark.time_ns for mark in found}
 
 
 def test_a_fault_of_frames_tells_its_begin_and_how_many_it_hit() -> None:

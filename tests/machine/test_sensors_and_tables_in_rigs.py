@@ -131,10 +131,10 @@ start = { kv = 20, position_start_deg = 90 }
 def test_rotary_table_is_an_axis_of_degrees(run_own: Run, tmp_path: Path) -> None:
     """1 mm stands for 1 degree, also at the encoder; in steady motion it lags by v/kv."""
     out = run(run_own, tmp_path, {"C": "worm"}, TABLE, "N10 G90 G1 C180 F3600")
-    degrees = out.column("C.truth_mm")
+    degrees = out.column("C.truth_deg")
     assert degrees[0] == pytest.approx(90.0, abs=1e-9)
     steady = (degrees > 130) & (degrees < 160)
-    assert out.column("C.velocity_mm_s")[steady] == pytest.approx(60.0, rel=1e-4)
+    assert out.column("C.velocity_deg_s")[steady] == pytest.approx(60.0, rel=1e-4)
     assert out.column("C.drive_lag_mm")[steady] == pytest.approx(60.0 / 20, rel=1e-4)
     assert out.column("C.actual_mm") == pytest.approx(degrees, abs=6 / 2**20)
     assert out.column("C.set_mm")[-1] == 180.0

@@ -9,8 +9,8 @@ from pathlib import Path
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-
 from axisrig.bench.record.event import WARNING
+
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.reports.build import _alarms, _events, build_report
 from axisrig.reports.parts.bar import WIDTH, bar, scale

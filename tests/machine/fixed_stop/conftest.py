@@ -3,12 +3,29 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 from tests.machine.conftest import RIGS, Outcome, run_files
 
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.judge.fixed_stop.findings import stop_blocks
+from axisrig.bench.judge.observed.observed import Observed
 from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
 from axisrig.kernel.measuring.run import RunRecord
+
+
+def observed(result: CaseResult) -> Observed:
+    """What a case has left, as judges read it."""
+    assert result.facts is not None
+    assert result.series is not None
+    return Observed(result.facts, result.series)
+
+
+def blocks(result: CaseResult) -> list[dict[str, Any]]:
+    """What the report shows of each run to a fixed stop."""
+    return stop_blocks(observed(result))
+
 
 DETECT = "set:Z.kenngr.measure.fixed_stop_detect."
 TO_STOP = """\

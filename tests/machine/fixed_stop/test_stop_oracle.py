@@ -11,9 +11,11 @@ from typing import Any
 
 import pytest
 from tests.machine.conftest import RIGS
+from tests.machine.fixed_stop.conftest import blocks, observed
 
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.judge.topics import events
 from axisrig.bench.plan.plan import read_plan
 
 DETECT = "set:Z.kenngr.measure.fixed_stop_detect."
@@ -81,7 +83,7 @@ def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
     assert values["stop_force_n_max"] >= values["stop_force_n"] - 1e-6
     assert values["after_run_motion_um"] < 0.1
 
-    (told,) = json.loads(json.dumps(result.fixed_stop, allow_nan=False))
+    (told,) = json.loads(json.dumps(blocks(result), allow_nan=False))
     marks = {mark["key"]: mark for mark in told["marks"]}
     assert told["is_found"]
     for key in ("armed", "beyond", "window", "detected"):
@@ -99,7 +101,7 @@ def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
     # F + sqrt(F² + k m v²), m = 120 kg and 1.8e-4 kg m² on 10 mm: 191.06 kg
     assert values_told["stop_force_max"]["high"] == pytest.approx(552.9 + 829.3, abs=2.0)
     assert told["prediction"] == "contact of Z with its stop, found by lag and window"
-    labels = [event.label for event in result.events]
+    labels = [event.label for event in events(observed(result))]
     assert "Z: contact at the stop" in labels
     assert "Z: lag beyond its limit" in labels
     assert "SYNC that sampled the latch status" not in labels
@@ -111,7 +113,7 @@ def test_a_limit_below_the_running_lag_is_a_false_trigger_in_the_predicted_cycle
     assert values["detection_error_ms"] is None
     assert "meets no stop" in notes["detection_error_ms"]
     assert values["detection_followed_error_ms"] == 0.0
-    (told,) = result.fixed_stop
+    (told,) = blocks(result)
     assert "the lag limit 0.2 mm is not above the running lag" in told["prediction"]
     assert told["limits"]["Z"]["arming_mm"] == pytest.approx(3.0)
 
@@ -121,6 +123,6 @@ def test_without_a_criterion_nothing_is_foretold_or_found(run: Run) -> None:
     assert values["detection_error_ms"] is None
     assert notes["detection_error_ms"] == "no stop was found"
     assert values["detection_criterion"] == "none"
-    (told,) = result.fixed_stop
+    (told,) = blocks(result)
     assert told["prediction"] == "nothing can detect: no criterion is on"
     assert not told["is_found"]

@@ -5,11 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from tests.machine.fixed_stop.conftest import blocks
 
-from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
+from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case
-from axisrig.bench.judge.fixed_stop.findings import stop_blocks
-from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.plan.plan import read_plan
 
 PLAN = Path(__file__).parents[3] / "testplans/fixed_stop_gantry.csv"
@@ -21,12 +20,6 @@ def told(name: str) -> list[dict[str, Any]]:
     """What the bench tells of each run of a row."""
     (case,) = (case for case in read_plan(PLAN).cases if case.case == name)
     return blocks(run_case(case, RunFiles()))
-
-
-def blocks(result: CaseResult) -> list[dict[str, Any]]:
-    assert result.facts is not None
-    assert result.series is not None
-    return stop_blocks(Observed(result.facts, result.series))
 
 
 def values(run: dict[str, Any], key: str) -> list[dict[str, Any]]:

@@ -87,6 +87,16 @@ class Series:
         """Return some columns, or all with one value for each row."""
         return self._read(self.names if names is None else names)
 
+    def save(self, path: Path) -> None:
+        """Write series that are in memory into a file; those of a file are there already.
+
+        Raises OSError with the name of the file.
+        """
+        if not isinstance(self.source, Path):
+            writer = SeriesWriter(path)
+            writer.add(dict(zip(self.source.column_names, self.source.columns, strict=True)))
+            writer.close()
+
     def _schema(self) -> pa.Schema:
         if isinstance(self.source, Path):
             with _readable(self.source):

@@ -208,6 +208,8 @@ class ResultsWriter:
             for check in case.checks
         ]
         verdict = worst([result.verdict, *(item.verdict for item in checks)])
+        if result.series is not None:
+            result.series.save(self._rows.path_of("traces", case.run, ".parquet"))
         path = self._rows.path_of("runs", case.run, ".json")
         with naming(path):
             text = run_text(result.facts, result.error, result.log)

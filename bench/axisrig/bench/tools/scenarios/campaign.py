@@ -1,7 +1,7 @@
 """Runs scenarios, in this process or in several, and counts what they showed."""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
@@ -49,8 +49,13 @@ def run_scenario(scenario: Scenario) -> Judgement:
     return examine(scenario)[0]
 
 
-def examine(scenario: Scenario) -> tuple[Judgement, Machine | None]:
-    """Run one scenario; return the judgement and the machine as it stands (closed)."""
+def examine(
+    scenario: Scenario, look: Callable[[Machine], None] | None = None
+) -> tuple[Judgement, Machine | None]:
+    """Run one scenario; return the judgement and the machine, closed.
+
+    look: called with the machine at its end, before its plants are closed.
+    """
     rig, files = _rig(scenario.profile)
     changes = [(parse_assignment(text), as_written) for text in scenario.assignments]
     try:
@@ -62,6 +67,8 @@ def examine(scenario: Scenario) -> tuple[Judgement, Machine | None]:
         truth = Truth(machine, settings.axis["Z"].word("kenngr.measure.edge") == "POS")
         machine.channel.observers.append(truth)
         machine.run()
+        if look is not None:
+            look(machine)
         return judge(machine, truth), machine
     except SimulatedTimeoutError as error:
         alarms = [alarm.id for alarm in machine.channel.alarms]
