@@ -40,6 +40,10 @@ class PlcEvent(NamedTuple):
 class PlcInterface:
     """One channel as the PLC side sees it.
 
+    The PLC side reads the channel and the channel carries out what the PLC side commands: the two
+    know each other by this interface only, so the PLC side puts in here what it does (`take_turn`,
+    `inputs`, `is_idle`) once the channel is made.
+
     values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
     one, when everything before it is executed. events: everything that passed, in order.
     refreshed: variables that the PLC side promises to bring anew, by the same name.
