@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+from axisrig.bench.record.event import Event
 
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import Case, Plan
-from axisrig.bench.record.event import Event
 
 TEXT = (
     "case,program,rig,title,requirement,set:Z.edge,check:latch_error_um:Z,check:lag_mm_max:Z\n"

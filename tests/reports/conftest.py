@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pytest
+from axisrig.bench.record.event import Event
 
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
@@ -16,7 +17,6 @@ from axisrig.bench.campaign.results.writer import (
 from axisrig.bench.plan.checks import CheckResult, judge
 from axisrig.bench.plan.plan import Case, read_plan
 from axisrig.bench.plan.verdict import Verdict, worst
-from axisrig.bench.record.event import Event
 
 FEEDS_MM_S = (1.0, 2.0, 5.0, 10.0, 16.7, 25.0, 50.0)
 KV = 10.0

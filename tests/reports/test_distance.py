@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pytest
+from axisrig.bench.record.event import Event
 from tests.reports.distances import MS, info, law, samples, trace
 from tests.reports.test_report import Page
 
@@ -17,7 +18,6 @@ from axisrig.bench.oracles.distance.loop import CONST_DIST
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.event import Event
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
 from axisrig.reports.distance.path import drawing, ticks

@@ -11,6 +11,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
+from axisrig.bench.record.event import Event
 from tests.reports.stops import (
     BEGIN,
     CONTACT,
@@ -30,7 +31,6 @@ from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, bui
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.event import Event
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
 from axisrig.reports.fixed_stop.section import timelines

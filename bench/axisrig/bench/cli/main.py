@@ -39,6 +39,7 @@ from axisrig.bench.cli.options import (
     YesOption,
     rejecting,
 )
+from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
 
@@ -53,8 +54,8 @@ app = typer.Typer(
 )
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
-for listing in LISTINGS:
-    app.command()(listing)
+for command in (*LISTINGS, *TOOLS):
+    app.command()(command)
 
 
 @app.callback()
@@ -170,6 +171,39 @@ def demo(
 
     build(None)
     run(plans_in(folder), out, None, jobs, None, is_fresh=is_fresh)
+
+
+@app.command()
+@rejecting
+def judge(
+    folder: Annotated[Path, typer.Argument(help="Results folder.")],
+    plan: Annotated[Path, typer.Option("--plan", help="Plan with the new checks.")],
+    assignments: SetOption = None,
+    is_forced: ForceOption = False,
+    as_canopen: AsCanopenOption = False,
+) -> None:
+    """Judge the recordings of a results folder by another plan; nothing is simulated.
+
+    Results go into DIR/judged/<n>-<plan>, the files of the folder stay. Only checks, title, tags
+    and requirement may differ from the run that was recorded.
+    """
+    from axisrig.bench.campaign.campaign import show_verdicts
+    from axisrig.bench.campaign.rejudge import rejudge
+    from axisrig.reports.build import build_report
+
+    done = rejudge(
+        folder,
+        plan,
+        assignments=_inputs(assignments, is_forced, as_canopen),
+        command=["axisrig", *sys.argv[1:]],
+        started=datetime.now(UTC).isoformat(timespec="seconds"),
+        build_report=build_report,
+    )
+    show_verdicts(done.results)
+    for run in done.left:
+        print(f"no row of the plan judges {run}", file=sys.stderr)
+    print(done.report)
+    raise typer.Exit(done.exit_code)
 
 
 @app.command()
@@ -322,42 +356,6 @@ def replay(
 
 @app.command()
 @rejecting
-def bus(
-    place: Annotated[
-        Path,
-        typer.Argument(metavar="LOG", help="Results folder, folder of `drive -o`, or a log file."),
-    ],
-    run_id: Annotated[
-        str | None, typer.Argument(metavar="RUN", help="Run id, where LOG is a folder.")
-    ] = None,
-    rig: Annotated[
-        Path | None, typer.Option("--rig", help="Rig of a file: names of axes, values of PDOs.")
-    ] = None,
-    only: Annotated[
-        list[str] | None,
-        typer.Option("--only", help="Services, axes, telegrams, objects: SDO,Z,Z.TPDO1,6041."),
-    ] = None,
-    from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
-    to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
-    is_all: Annotated[
-        bool, typer.Option("--all", help="SYNCs and PDOs that bring nothing new as well.")
-    ] = False,
-) -> None:
-    """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
-    from axisrig.bench.rig.reading.file import read_rig
-    from axisrig.bench.rig.settings import read_settings
-    from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, tell_log
-
-    paths, settings = find_log(place, run_id)
-    if rig is not None:
-        settings = read_settings(*read_rig(rig), [])
-    words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
-    for line in tell_log(paths, settings, Selection(words, from_ms, to_ms, is_all)):
-        print(line)
-
-
-@app.command()
-@rejecting
 def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
 ) -> None:
@@ -367,25 +365,6 @@ def report(
 
     recover(folder)
     print(build_report(folder))
-
-
-@app.command()
-@rejecting
-def scenarios(
-    count: Annotated[int, typer.Option("--count", min=1, help="How many.")] = 200,
-    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the campaign.")] = 1,
-    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Processes.")] = 1,
-) -> None:
-    """Run random faults on a small machine and judge every reported value by the plant's truth."""
-    from axisrig.bench.tools.scenarios.campaign import Tally, run_scenarios
-
-    tally = Tally()
-    for scenario, judgement in run_scenarios(seed, first, count, jobs):
-        tally.add(scenario, judgement)
-    print(tally.table())
-    if tally.defects:
-        raise typer.Exit(1)
 
 
 @app.command()

@@ -23,6 +23,7 @@ from axisrig.bench.judge.program.findings import log_lines, program_events
 from axisrig.bench.judge.program.metrics import PROGRAM_METRICS, printed
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.record.series import MissingSignalError
 
 STOPPED = "stopped by the operator"
 
@@ -56,10 +57,17 @@ def observe(observed: Observed, check: Check, topics: Sequence[Topic] = TOPICS) 
 def judged(
     observed: Observed, checks: Sequence[Check], topics: Sequence[Topic] = TOPICS
 ) -> tuple[Verdict, list[CheckResult]]:
-    """Return the verdict of a run and what became of each check."""
+    """Return the verdict of a run and what became of each check.
+
+    A check is `error` when it needs a signal that was not recorded.
+    """
     found = []
     for check in checks:
-        seen = observe(observed, check, topics)
+        try:
+            seen = observe(observed, check, topics)
+        except MissingSignalError as error:
+            found.append(CheckResult(check, None, 0.0, Verdict.ERROR, str(error)))
+            continue
         found.append(
             judge(check, seen.value, seen.uncertainty, seen.note, is_hidden=seen.is_hidden)
         )

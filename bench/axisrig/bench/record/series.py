@@ -46,6 +46,13 @@ FORCE_COLUMNS = {
 }
 
 
+class MissingSignalError(KeyError):
+    """A signal that was not recorded."""
+
+    def __str__(self) -> str:
+        return f"the recording has no signal {self.args[0]}"
+
+
 class Telegrams(NamedTuple):
     """Values of a field in their order: ends of their frames, ns, and increments; shape (n,)."""
 
@@ -71,7 +78,10 @@ class Series:
         return [item.name for item in self._schema() if not pa.types.is_list(item.type)]
 
     def column(self, name: str) -> npt.NDArray[np.generic]:
-        """Return one value for each row, shape (n,). Raises KeyError for an unknown column."""
+        """Return one value for each row, shape (n,).
+
+        Raises MissingSignalError for one that was not recorded.
+        """
         values: npt.NDArray[np.generic] = self._read([name]).column(0).to_numpy()
         return values
 
@@ -108,11 +118,11 @@ class Series:
         return schema
 
     def _read(self, names: Sequence[str]) -> pa.Table:
-        if not isinstance(self.source, Path):
-            return self.source.select(list(names))
         missing = set(names) - set(self._schema().names)
         if missing:
-            raise KeyError(min(missing))
+            raise MissingSignalError(min(missing))
+        if not isinstance(self.source, Path):
+            return self.source.select(list(names))
         with _readable(self.source):
             return pq.ParquetFile(self.source).read(columns=list(names)).select(list(names))
 

@@ -32,6 +32,11 @@ LATER_COLUMNS = ("drive_substituted", "unproved_latches")
 IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""
 
+RECORDING = "recording"
+"""Column of `cases.csv` of runs that were judged again: the run whose recording it was."""
+RECORDINGS = "recordings"
+"""Entry of a manifest: the results folder that has the recordings, from this one."""
+
 _RUN = re.compile(r"[A-Za-z0-9_.-]+")  # a part of file names
 
 
@@ -100,7 +105,7 @@ class StoredResults:
     def input_columns(self) -> list[str]:
         """The columns of the plans that `cases.csv` carries on."""
         first = self.runs[0].case if self.runs else {}
-        own = (*CASE_COLUMNS, *LATER_COLUMNS, IN_PLAN)
+        own = (*CASE_COLUMNS, *LATER_COLUMNS, RECORDING, IN_PLAN)
         return [column for column in first if column not in own]
 
     @property
@@ -139,15 +144,13 @@ def read_results(folder: Path) -> StoredResults:
     checks: dict[str, list[Mapping[str, str]]] = {}
     for row in read_rows(folder / "results.csv", RESULT_COLUMNS, is_whole=is_whole)[1]:
         checks.setdefault(row["run"], []).append(row)
-    runs = [
-        StoredRun(
-            case=row,
-            checks=checks.get(row["run"], []),
-            file=_existing(folder / "runs" / f"{row['run']}.json"),
-            trace=_existing(folder / "traces" / f"{row['run']}.parquet"),
-        )
-        for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]
-    ]
+    base = folder / str(manifest.get(RECORDINGS, ""))
+    runs = []
+    for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]:
+        run = row.get(RECORDING, row["run"])
+        file = base / "runs" / f"{run}.json"
+        trace = base / "traces" / f"{run}.parquet"
+        runs.append(StoredRun(row, checks.get(row["run"], []), _existing(file), _existing(trace)))
     return StoredResults(folder, runs, manifest)
 
 
@@ -262,6 +265,7 @@ def _is_verdict(text: str) -> bool:
 
 _CELLS: Mapping[str, tuple[Callable[[str], object], str]] = {
     "run": (_RUN.fullmatch, "run id"),
+    RECORDING: (lambda text: not text or _RUN.fullmatch(text), "run id"),
     "verdict": (_is_verdict, "verdict"),
     "sim_s": (_is_number, "time"),
     "wall_s": (_is_number, "time"),

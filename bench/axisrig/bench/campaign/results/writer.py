@@ -33,6 +33,7 @@ from axisrig.bench.campaign.results.stored import (
     IN_PLAN,
     LATER_COLUMNS,
     NOTE,
+    RECORDING,
     RESULT_COLUMNS,
 )
 from axisrig.bench.files import json_text, naming, sha256_of, write_whole
@@ -55,6 +56,7 @@ class CaseResult:
 
     checks: one per check of the case. facts: what the run has left, None for one that ended before
     it could be judged; error: why, with what was printed until then in `log`. series: its columns.
+    recording: of a run that was judged again, the run that was recorded; empty without one.
     """
 
     case: Case
@@ -65,6 +67,7 @@ class CaseResult:
     series: Series | None = None
     error: str | None = None
     log: list[str] = field(default_factory=list)
+    recording: str = ""
 
     @property
     def lines(self) -> list[str]:
@@ -139,12 +142,14 @@ class ResultsWriter:
         runs: Collection[str] | None = None,
         is_fresh: bool = False,
         is_held: bool = False,
+        is_judged_again: bool = False,
     ) -> None:
         """Open `folder` for runs of `plans`; other results of theirs that it has stay.
 
         manifest: see `build_manifest`. bus_logs: kinds of `bench.bus.logs`. runs: ids of those that
         this call is to run, None = all. is_fresh: what lies there is removed first.
-        is_held: the caller holds the folder (`FolderLock`).
+        is_held: the caller holds the folder (`FolderLock`). is_judged_again: the recordings are in
+        another folder, which the manifest names.
         Raises UserError when the folder is in use, or holds results of another plan, damaged ones,
         or anything that is no results folder.
         """
@@ -155,6 +160,8 @@ class ResultsWriter:
             raise UserError("two plans of one campaign have the same name", file=folder)
         self._runs = {run for run in ids if runs is None or run in runs}
         self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
+        self._keeps_runs = not is_judged_again
+        self._carried += [] if self._keeps_runs else [RECORDING]
         self._written: set[str] = set()
         refuse_folder(folder, plans, is_fresh=is_fresh)
         with ExitStack() as held:
@@ -208,12 +215,8 @@ class ResultsWriter:
             for check in case.checks
         ]
         verdict = worst([result.verdict, *(item.verdict for item in checks)])
-        if result.series is not None:
-            result.series.save(self._rows.path_of("traces", case.run, ".parquet"))
-        path = self._rows.path_of("runs", case.run, ".json")
-        with naming(path):
-            text = run_text(result.facts, result.error, result.log)
-            path.write_text(text, encoding="utf-8", newline="")
+        if self._keeps_runs:
+            self._write_run(result)
         rows = [
             dict(zip((*RESULT_COLUMNS, NOTE), _check_row(case, item), strict=True))
             for item in checks
@@ -222,6 +225,15 @@ class ResultsWriter:
         self._written.add(case.run)
         if self._history.replaced(case.run):
             self._write_manifest()
+
+    def _write_run(self, result: CaseResult) -> None:
+        run = result.case.run
+        if result.series is not None:
+            result.series.save(self._rows.path_of("traces", run, ".parquet"))
+        path = self._rows.path_of("runs", run, ".json")
+        with naming(path):
+            text = run_text(result.facts, result.error, result.log)
+            path.write_text(text, encoding="utf-8", newline="")
 
     def close(self) -> None:
         """Put the rows into plan order, write junit.xml, and finish the manifest.
@@ -256,6 +268,7 @@ class ResultsWriter:
             "title": case.title,
             "tags": " ".join(case.tags),
             "requirement": case.requirement,
+            RECORDING: result.recording,
             **case.inputs,
         }
         own = [
@@ -311,7 +324,7 @@ def build_manifest(
             {"name": p.name, "path": str(p.path), "sha256": sha256_of(p.path), "runs": len(p.cases)}
             for p in plans
         ],
-        "files": _hashes(_cases(plans)),
+        "files": file_hashes(_cases(plans)),
         **(extra or {}),
     }
 
@@ -326,7 +339,7 @@ def _started(case: Case) -> list[Path]:
     return [case.program.parent / file for file in files]
 
 
-def _hashes(cases: Sequence[Case]) -> dict[str, str]:
+def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
     """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
     files = {
         (_as_written(case, path), path)

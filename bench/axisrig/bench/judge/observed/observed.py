@@ -68,8 +68,8 @@ class Observed:
     def column(self, axis: str, name: str) -> Signal:
         """Return one recorded signal, shape (n,), in the unit of its name.
 
-        An axis that turns is a slide with 1 mm for 1 degree. Raises KeyError for one that was not
-        recorded.
+        An axis that turns is a slide with 1 mm for 1 degree. Raises MissingSignalError for one
+        that was not recorded.
         """
         stored, arm_m = self._stored(axis, name)
         key = f"{axis}.{name}"

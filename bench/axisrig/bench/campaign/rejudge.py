@@ -1,0 +1,165 @@
+"""`axisrig judge DIR --plan NEW.csv`: new verdicts from the recordings of a results folder.
+
+Nothing is simulated, and the files of the folder stay as they are: results go into
+`DIR/judged/<n>-<plan>/`. A row is judged by the recording of the same case; program, rig, inputs
+and seed must be those of the recording. Checks, title, tags and requirement may differ.
+"""
+
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from axisrig.bench.campaign.results.folder import FOLDERS, JUDGED
+from axisrig.bench.campaign.results.stored import RECORDINGS, StoredResults, StoredRun, read_results
+from axisrig.bench.campaign.results.writer import (
+    CaseResult,
+    ResultsWriter,
+    build_manifest,
+    file_hashes,
+    no_values,
+)
+from axisrig.bench.files import sha256_of
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import STOPPED, judged
+from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
+from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.verdict import Verdict, exit_code, worst
+from axisrig.bench.record.series import Series
+from axisrig.kernel.errors import UserError
+
+NOT_RUN = "not run"
+
+
+@dataclass(frozen=True)
+class Rejudged:
+    """What came of it. left: runs of the folder that no row of the plan judges."""
+
+    folder: Path
+    results: Sequence[CaseResult]
+    left: Sequence[str]
+    report: Path | None
+
+    @property
+    def exit_code(self) -> int:
+        """The exit code of the worst verdict."""
+        return exit_code(worst([result.verdict for result in self.results]))
+
+
+def rejudge(
+    folder: Path,
+    path: Path,
+    *,
+    assignments: Sequence[str],
+    command: Sequence[str],
+    started: str,
+    build_report: Callable[[Path], Path] | None = None,
+) -> Rejudged:
+    """Judge the recordings of a results folder by a plan.
+
+    path: of the plan. assignments: texts of `--set` that the recorded runs were made with.
+    Raises UserError when folder or plan cannot be read, or the plan has no row.
+    """
+    stored = read_results(folder)
+    plan = read_plan(path).with_inputs([parse_assignment(text) for text in assignments])
+    if not plan.cases:
+        raise UserError("the plan has no row", file=path)
+    into = _new_folder(folder, plan)
+    manifest = build_manifest([plan], command=command, started=started, output=str(into))
+    manifest[RECORDINGS] = "../.."
+    results = []
+    with ResultsWriter(into, [plan], manifest, (), is_judged_again=True) as writer:
+        for result in _judged(stored, plan):
+            writer.add(result)
+            results.append(result)
+    for name in FOLDERS:
+        (into / name).rmdir()  # the recordings are in the folder above
+    used = {result.recording for result in results}
+    left = [run.run for run in stored.runs if run.run not in used]
+    return Rejudged(into, results, left, build_report(into) if build_report else None)
+
+
+def _new_folder(folder: Path, plan: Plan) -> Path:
+    """Return a folder with the next number; makes nothing."""
+    taken = [item.name.partition("-")[0] for item in (folder / JUDGED).glob("*-*")]
+    number = 1 + max((int(text) for text in taken if text.isdecimal()), default=0)
+    return folder / JUDGED / f"{number}-{plan.name}"
+
+
+def _judged(stored: StoredResults, plan: Plan) -> Iterator[CaseResult]:
+    """Judge each row of a plan by its recording."""
+    for case in plan.cases:
+        try:
+            run = _recording_of(stored.runs, case)
+            _check_is_same(run, case, stored.manifest.get("files", {}))
+        except UserError as error:
+            yield no_values(case, Verdict.ERROR, f"{NOT_RUN}: {error}")
+            continue
+        result = _judge(run, case)
+        result.recording = run.run
+        yield result
+
+
+def _recording_of(runs: Sequence[StoredRun], case: Case) -> StoredRun:
+    """Return the run of the same case, of the plan of this name before that of any other."""
+    own = _name(case.run, case.plan)
+    found = [run for run in runs if _name(run.run, run.case["plan"]) == own]
+    of_plan = [run for run in found if run.case["plan"] == case.plan]
+    chosen = of_plan or found
+    if not chosen:
+        raise UserError("the folder has no recording of this case")
+    if len(chosen) > 1:
+        names = ", ".join(run.run for run in chosen)
+        raise UserError(f"several plans of the folder have this case: {names}")
+    return chosen[0]
+
+
+def _name(run: str, plan: str) -> str:
+    """Return the name of a run in its plan, with the number of a repeat."""
+    return run.removeprefix(f"{plan}-")
+
+
+def _check_is_same(run: StoredRun, case: Case, hashes: Mapping[str, str]) -> None:
+    """Raise UserError where a row asks for another run than the recorded one."""
+    row = run.case
+    if row["seed"] != str(case.seed):
+        raise _other("the seed", row["seed"], str(case.seed))
+    recorded = {
+        column: value
+        for column, value in row.items()
+        if value and ":" in column and column.partition(":")[0] in INPUT_KINDS
+    }
+    for column in dict.fromkeys([*recorded, *case.inputs]):
+        before, now = recorded.get(column, ""), case.inputs.get(column, "")
+        if before != now:
+            raise _other(column, before or "no value", now or "no value")
+    _check_files(row, case, hashes)
+
+
+def _check_files(row: Mapping[str, str], case: Case, hashes: Mapping[str, str]) -> None:
+    """Raise UserError where a file of the case has other content than when it was run."""
+    known: Collection[str] = set(hashes.values())
+    for word, path in (("program", case.program), ("rig", case.rig)):
+        if hashes.get(row.get(word, "")) != sha256_of(path):
+            raise _other(f"the {word}", row.get(word, "no file"), f"{path}, other content")
+    for name, content in file_hashes([case]).items():
+        if content not in known:
+            raise UserError(f"{name} has other content than when the case was run")
+
+
+def _other(what: str, before: str, now: str) -> UserError:
+    return UserError(f"{what} is not that of the recording: {before} was run, the plan has {now}")
+
+
+def _judge(run: StoredRun, case: Case) -> CaseResult:
+    """Judge a recording by the checks of a row."""
+    recording = run.recording
+    facts = recording.facts
+    if facts is None or run.trace is None:
+        reason = recording.error or "its time series are missing"
+        result = no_values(case, Verdict.ERROR, reason)
+        result.log = list(recording.log)
+        return result
+    series = Series(run.trace)
+    verdict, checks = judged(Observed(facts, series), case.checks)
+    stopped = STOPPED if facts.is_stopped else None
+    return CaseResult(case, verdict, checks, 0.0, facts, series, stopped)

@@ -1,0 +1,64 @@
+"""Commands of tools beside plans; heavy modules are imported inside them."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axisrig.bench.cli.options import rejecting
+
+
+@rejecting
+def bus(
+    place: Annotated[
+        Path,
+        typer.Argument(metavar="LOG", help="Results folder, folder of `drive -o`, or a log file."),
+    ],
+    run_id: Annotated[
+        str | None, typer.Argument(metavar="RUN", help="Run id, where LOG is a folder.")
+    ] = None,
+    rig: Annotated[
+        Path | None, typer.Option("--rig", help="Rig of a file: names of axes, values of PDOs.")
+    ] = None,
+    only: Annotated[
+        list[str] | None,
+        typer.Option("--only", help="Services, axes, telegrams, objects: SDO,Z,Z.TPDO1,6041."),
+    ] = None,
+    from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
+    to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
+    is_all: Annotated[
+        bool, typer.Option("--all", help="SYNCs and PDOs that bring nothing new as well.")
+    ] = False,
+) -> None:
+    """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
+    from axisrig.bench.rig.reading.file import read_rig
+    from axisrig.bench.rig.settings import read_settings
+    from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, tell_log
+
+    paths, settings = find_log(place, run_id)
+    if rig is not None:
+        settings = read_settings(*read_rig(rig), [])
+    words = tuple(word.strip() for text in only or () for word in text.split(",") if word.strip())
+    for line in tell_log(paths, settings, Selection(words, from_ms, to_ms, is_all)):
+        print(line)
+
+
+@rejecting
+def scenarios(
+    count: Annotated[int, typer.Option("--count", min=1, help="How many.")] = 200,
+    first: Annotated[int, typer.Option("--first", min=0, help="Number of the first one.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the campaign.")] = 1,
+    jobs: Annotated[int, typer.Option("--jobs", "-j", min=1, help="Processes.")] = 1,
+) -> None:
+    """Run random faults on a small machine and judge every reported value by the plant's truth."""
+    from axisrig.bench.tools.scenarios.campaign import Tally, run_scenarios
+
+    tally = Tally()
+    for scenario, judgement in run_scenarios(seed, first, count, jobs):
+        tally.add(scenario, judgement)
+    print(tally.table())
+    if tally.defects:
+        raise typer.Exit(1)
+
+
+TOOLS = (bus, scenarios)
