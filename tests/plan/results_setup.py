@@ -2,16 +2,19 @@
 
 import csv
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
-from axisrig.bench.record.event import Event
+from tests.recordings import facts, kept
 
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.record.axes import AxisRecord, Edge, Latch, ProbeRecord
+from axisrig.bench.record.facts import Facts, MessageRecord
 
 TEXT = (
     "case,program,rig,title,requirement,set:Z.edge,check:latch_error_um:Z,check:lag_mm_max:Z\n"
@@ -21,7 +24,24 @@ TEXT = (
 )
 
 
-def run_case(case: Case, error_um: float | None = 0.1) -> CaseResult:
+def left(message: str = "Z 67.0 \x00 <&>") -> Facts:
+    """What each of the runs leaves beside its series: an edge, a latch and a message."""
+    probe = ProbeRecord(True, 1.0, edges=(Edge(1_000_000, True),))
+    axis = AxisRecord("can1", 1, 10_000.0, latches=(Latch(2_000_000, 1),))
+    messages = (MessageRecord(None, (), message),)
+    return facts(axes={"Z": axis}, probes={"probe": probe}, messages=messages)
+
+
+def add(
+    writer: ResultsWriter, case: Case, error_um: float | None = 0.1, message: str | None = None
+) -> None:
+    """Write a run with its series, as one that has been run does."""
+    result = run_case(case, error_um, writer.files_of(case.run).trace)
+    writer.add(result if message is None else replace(result, facts=left(message)))
+
+
+def run_case(case: Case, error_um: float | None = 0.1, file: Path | None = None) -> CaseResult:
+    """A run with its value; file: of its series, None to keep them in memory."""
     values: dict[str, Any] = {"latch_error_um:Z": error_um, "lag_mm_max:Z": 1.7, "alarms": []}
     checks = [judge(check, values[check.metric], 0.0, "why") for check in case.checks]
     trace = pa.table(
@@ -35,11 +55,8 @@ def run_case(case: Case, error_um: float | None = 0.1) -> CaseResult:
         case,
         max(item.verdict for item in checks),
         checks,
-        sim_s=0.005,
-        frame_log_sha256="ab" * 32,
-        trace=trace,
-        events=[Event(2_000_000, "latch", "latch", "Z"), Event(1_000_000, "edge", "edge", "Z")],
-        messages=["Z 67.0 \x00 <&>"],
+        facts=left(),
+        series=kept(trace, file),
     )
 
 
@@ -57,7 +74,7 @@ def write(
     runs = [plan.cases[index].run for index in order] if is_part else None
     with ResultsWriter(folder, [plan], manifest, runs=runs, is_fresh=is_fresh) as writer:
         for index in order:
-            writer.add(run_case(plan.cases[index], error_um))
+            add(writer, plan.cases[index], error_um)
     return folder
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pyarrow.parquet as pq
 import pytest
-from results_setup import TEXT, rows, run_case, write
+from results_setup import TEXT, add, left, rows, run_case, write
 
 from axisrig.bench.campaign.results.folder import recover
 from axisrig.bench.campaign.results.lock import FolderLock
@@ -17,6 +17,7 @@ from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.facts import run_text
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
@@ -86,12 +87,12 @@ def test_old_rows_stay_until_their_run_has_ended_again(plan: Plan, tmp_path: Pat
     log = out / "bus" / "probing-a.blf"
     log.write_bytes(b"first")
     with ResultsWriter(out, [plan], {}) as writer:
-        (path,) = writer.bus_paths("probing-a")
+        (path,) = writer.files_of("probing-a").bus_logs
         path.write_bytes(b"second")
         assert (log.read_bytes(), len(rows(out / "cases.csv"))) == (b"first", 3)
-        writer.add(run_case(plan.cases[0], 0.7))
+        add(writer, plan.cases[0], 0.7)
         assert (log.read_bytes(), len(rows(out / "cases.csv"))) == (b"second", 3)
-        (path,) = writer.bus_paths("probing-b")
+        (path,) = writer.files_of("probing-b").bus_logs
         path.write_bytes(b"broken off")
     assert not (out / "bus" / "probing-b.blf").exists()
     values = [row["value"] for row in rows(out / "results.csv") if "latch" in row["metric"]]
@@ -112,7 +113,7 @@ def test_files_of_the_earlier_run_go_with_it(plan: Plan, tmp_path: Path) -> None
     for name in ("probing-a.log", "probing-a@can1.pcap", "probing-a.b.blf", "probing-b.log"):
         (out / "bus" / name).write_bytes(b"x")
     result = run_case(plan.cases[0])
-    result.trace = None
+    result.series = None
     with ResultsWriter(out, [plan], {}, runs=["probing-a"]) as writer:
         writer.add(result)
     left = sorted(path.name for path in (out / "bus").iterdir())
@@ -181,7 +182,7 @@ def test_the_manifest_keeps_the_calls_whose_rows_are_there(plan: Plan, tmp_path:
         head = {"axisrig": "1", "started": started}
         with ResultsWriter(tmp_path / "out", [plan], head, runs=runs) as writer:
             for index in order:
-                writer.add(run_case(plan.cases[index]))
+                add(writer, plan.cases[index])
         content = manifest(tmp_path / "out")
         assert content["started"] == started
         earlier = content.get("earlier", [])
@@ -206,7 +207,7 @@ def test_plans_of_one_folder(plan: Plan, write_plan: PlanWriter, tmp_path: Path)
         with ResultsWriter(tmp_path / "out", plans, head) as writer:
             for one in plans:
                 for case in one.cases:
-                    writer.add(run_case(case, error_um))
+                    add(writer, case, error_um)
         return [row["run"] for row in rows(tmp_path / "out" / "cases.csv")]
 
     first = both([plan])
@@ -243,7 +244,7 @@ def test_a_second_campaign_is_told_who_holds_the_folder(plan: Plan, tmp_path: Pa
     out = tmp_path / "out"
     with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
         assert str(os.getpid()) in (out / ".lock").read_text(encoding="utf-8")
-        writer.add(run_case(plan.cases[0]))
+        add(writer, plan.cases[0])
         before = contents(out)
         for is_fresh in (False, True):
             with pytest.raises(UserError, match=f"in use: process {os.getpid()} on "):
@@ -320,11 +321,9 @@ def _rewrite(out: Path, plan: Plan, done: Path) -> None:
     """Write all runs with another value and note each that has ended."""
     with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
         for case in plan.cases:
-            result = run_case(case, 0.7)
-            result.messages = ["0.7"]
-            (path,) = writer.bus_paths(case.run)
+            (path,) = writer.files_of(case.run).bus_logs
             path.write_bytes(b"0.7")
-            writer.add(result)
+            add(writer, case, 0.7, "0.7")
             with done.open("a") as file:
                 file.write(f"{case.run}\n")
 
@@ -341,7 +340,7 @@ def _check_whole(out: Path, plan: Plan, *, had_rows: bool, done: list[str]) -> N
         found = {}
         for run in read_results(out).runs:
             (value,) = {check["value"] for check in run.checks if "latch" in check["metric"]}
-            assert run.info["messages"][0] == value if value == "0.7" else run.info
+            assert run.messages == ["0.7" if value == "0.7" else "Z 67.0 \x00 <&>"]
             assert run.trace is not None
             assert pq.read_table(run.trace).num_rows == 5
             if value == "0.7":
@@ -433,9 +432,9 @@ def test_the_file_that_met_the_full_disk_is_named(
 
     def campaign() -> None:
         with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
-            writer.add(run_case(plan.cases[0]))
-            monkeypatch.setattr("pyarrow.parquet.write_table", full)
-            writer.add(run_case(plan.cases[1]))
+            add(writer, plan.cases[0])
+            monkeypatch.setattr("pyarrow.parquet.ParquetWriter.write_table", full)
+            add(writer, plan.cases[1])
 
     with pytest.raises(OSError, match="No space left") as caught:
         campaign()
@@ -450,7 +449,7 @@ def test_what_a_killed_campaign_had_begun_is_carried_out_for_a_report(
     out = write(tmp_path / "out", plan, [0, 1, 2])
     staged = out / ".new" / "runs" / "probing-b.json"
     staged.parent.mkdir(parents=True)
-    staged.write_text('{"messages": ["new"]}', encoding="utf-8")
+    staged.write_text(run_text(left("new")), encoding="utf-8")
     case = {**rows(out / "cases.csv")[1], "title": "new"}
     content = {"run": "probing-b", "files": ["runs/probing-b.json"], "case": case, "checks": []}
     (out / ".new" / "probing-b.commit").write_text(json.dumps(content), encoding="utf-8")
@@ -459,8 +458,8 @@ def test_what_a_killed_campaign_had_begun_is_carried_out_for_a_report(
         assert read_results(out).runs[1].case["title"] == "second"
     recover(out)
     run = {run.run: run for run in read_results(out).runs}["probing-b"]
-    assert (run.case["title"], run.info, run.checks, run.trace) == (
-        "new", {"messages": ["new"]}, [], None,
+    assert (run.case["title"], run.messages, run.checks, run.trace) == (
+        "new", ["new"], [], None,
     )  # fmt: skip
 
 

@@ -1,12 +1,13 @@
 """A campaign made of formulas: 14 runs of a probing move, every verdict among them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pytest
-from axisrig.bench.record.event import Event
+from tests.recordings import alarm, facts, kept
 
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
@@ -17,6 +18,9 @@ from axisrig.bench.campaign.results.writer import (
 from axisrig.bench.plan.checks import CheckResult, judge
 from axisrig.bench.plan.plan import Case, read_plan
 from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.record.axes import AxisRecord, Contact, Edge, Latch, ProbeRecord
+from axisrig.bench.record.facts import Facts, MessageRecord, Note
+from axisrig.bench.record.measuring import MeasurementRun
 
 FEEDS_MM_S = (1.0, 2.0, 5.0, 10.0, 16.7, 25.0, 50.0)
 KV = 10.0
@@ -94,8 +98,41 @@ def _axis(
     }
 
 
-def result(case: Case, samples: int) -> CaseResult:
-    """The run of a case: the numbers of its checks are chosen so that every verdict comes up."""
+def probed(case: Case, samples: int, feed: float, contact: int, shown: str) -> Facts:
+    """What the run of a case leaves: one touch at `contact`, ns, and the messages with `shown`."""
+    edge, brake = contact + 3_000 + case.index * 1_000, contact + 3_600_000
+    probe = ProbeRecord(True, 1.0, (Contact(contact, {"Z": SURFACE_MM}),), (Edge(edge, True),))
+    run = MeasurementRun(
+        ("Z",),
+        inputs={"Z": 1},
+        begin_ns=300_000_000,
+        signal_ns=brake,
+        end_ns=brake + round(feed * 1e6) + 200_000_000,
+    )
+    axes = {name: AxisRecord("can1", node, 10_000.0) for node, name in enumerate("XYZ", start=1)}
+    axes["Z"] = replace(axes["Z"], latches=(Latch(edge + 1_000, 1),))
+    lines = ("N10 G0 X120 Y-35.5", "N20 G100 Z0 F1000", "N30 #MSG")
+    return facts(
+        sim_ns=samples * 1_000_000,
+        end_ns=samples * 1_000_000,
+        frame_log_sha256=f"{case.seed:08x}" * 8,
+        axes=axes,
+        probes={"probe": probe},
+        runs=(run,),
+        alarms=(alarm(50052, contact, axis="Z"),) if case.index == 9 else (),
+        messages=tuple(
+            MessageRecord(None, (), text)
+            for text in (f"MEASURED Z {shown}", "<b>&amp; end of program")
+        ),
+        notes=tuple(Note("printed", line) for line in lines),
+    )
+
+
+def result(case: Case, samples: int, file: Path | None) -> CaseResult:
+    """The run of a case: the numbers of its checks are chosen so that every verdict comes up.
+
+    file: of its series.
+    """
     feed = float(case.case.split("_")[1])
     trace, contact_s = probing_trace(feed, samples, np.random.default_rng(case.seed))
     contact = round(contact_s * 1e9)
@@ -116,23 +153,9 @@ def result(case: Case, samples: int) -> CaseResult:
         case=case,
         verdict=worst(item.verdict for item in checks),
         checks=checks,
-        sim_s=samples * 0.001,
         wall_s=0.41,
-        alarms=[50052] if case.index == 9 else [],
-        frame_log_sha256=f"{case.seed:08x}" * 8,
-        trace=trace,
-        events=[
-            Event(contact, "contact", "contact", "Z"),
-            Event(contact + 3_000 + case.index * 1_000, "edge", "edge", "Z"),
-            Event(contact + 4_000 + case.index * 1_000, "latch", "latch", "Z"),
-            Event(contact + 1_214_000, "pdo", "PDO with latch", "Z"),
-            Event(contact + 3_600_000, "brake", "brake", "Z"),
-            Event(
-                contact + 3_600_000 + round(feed * 1e6) + 200_000_000, "standstill", "standstill"
-            ),
-        ],
-        messages=[f"MEASURED Z {SURFACE_MM + error_um / 1000:.4f}", "<b>&amp; end of program"],
-        log=["N10 G0 X120 Y-35.5", "N20 G100 Z0 F1000", "N30 #MSG"],
+        facts=probed(case, samples, feed, contact, f"{SURFACE_MM + error_um / 1000:.4f}"),
+        series=kept(trace, file),
     )
 
 
@@ -157,7 +180,7 @@ def make_campaign(folder: Path, cases: int = 14, samples: int = 4000) -> Path:
                 reason = "FMU AxisRig.Drives.ServoAxis: status error in step 1204 <div>"
                 writer.add(no_values(case, Verdict.ERROR, reason, wall_s=0.2))
             else:
-                writer.add(result(case, samples))
+                writer.add(result(case, samples, writer.files_of(case.run).trace))
     return out
 
 

@@ -144,7 +144,7 @@ def trace(sample: Sample) -> pa.Table:
 
 
 def info(sample: Sample) -> dict[str, Any]:
-    """The parts of `runs/<run>.json` that distance control adds."""
+    """What the judge finds of distance control: its marks and its block."""
     ends = [*(row for row, _, _ in sample.plan[1:]), sample.rows - 1]
     stretches = [
         {
@@ -191,7 +191,7 @@ def info(sample: Sample) -> dict[str, Any]:
         "notes": [],
     }
     events = [
-        {"time_ns": row * MS, "kind": "alarm", "label": label, "axis": None}
+        {"time_ns": row * MS, "kind": "alarm", "label": label, "axis": None, "is_warning": False}
         for row, label in ([sample.alarm] if sample.alarm else [])
     ]
     return {"events": events, "distance": [control]}

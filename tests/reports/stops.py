@@ -100,18 +100,24 @@ def samples() -> list[Sample]:
 
 
 def info(sample: Sample) -> dict[str, Any]:
-    """The parts of `runs/<run>.json` that a run to a fixed stop adds."""
+    """What the judge finds of a run to a fixed stop: its marks and its block."""
     stops = [_stop(sample, number) for number in range(1, sample.count + 1)]
     at = sample.end_ns - MS
     events = [
-        {"time_ns": at, "kind": kind, "label": label, "axis": None}
+        {"time_ns": at, "kind": kind, "label": label, "axis": None, "is_warning": False}
         for kind, label in sample.trouble
     ]
     if sample.has_contact and sample.has_plant:
         for stop in stops:
             shift = stop["begin_ns"] - BEGIN
             events.append(
-                {"time_ns": CONTACT + shift, "kind": "contact", "label": "Z: contact", "axis": "Z"}
+                {
+                    "time_ns": CONTACT + shift,
+                    "kind": "contact",
+                    "label": "Z: contact",
+                    "axis": "Z",
+                    "is_warning": False,
+                }
             )
     return {"events": sorted(events, key=lambda e: e["time_ns"]), "fixed_stop": stops}
 

@@ -1,6 +1,5 @@
 """What the report tells of distance control, on runs made of formulas."""
 
-import json
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -8,16 +7,12 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 import pytest
-from axisrig.bench.record.event import Event
 from tests.reports.distances import MS, info, law, samples, trace
+from tests.reports.formulas import made, write_runs
 from tests.reports.test_report import Page
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import CONST_DIST
-from axisrig.bench.plan.checks import judge
-from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
 from axisrig.reports.distance.path import drawing, ticks
@@ -28,11 +23,12 @@ from axisrig.reports.signals import chart
 
 ALARMS = {"ID 70331": "Distance control of axis Z wants an offset of 5.004 mm"}
 SAMPLES = {sample.name: sample for sample in samples()}
+FINDINGS = {name: info(sample) for name, sample in SAMPLES.items()}
 
 
 def shown(name: str) -> dict[str, Any]:
     sample = SAMPLES[name]
-    (found,) = sections(info(sample), trace(sample), ALARMS)
+    (found,) = sections(info(sample), trace(sample), name, ALARMS)
     return found
 
 
@@ -98,7 +94,7 @@ def test_a_freeze_that_moves_says_so() -> None:
     offset[1200] += 0.001
     at = signals.column_names.index("Z.offset_mm")
     signals = signals.set_column(at, "Z.offset_mm", pa.array(offset))
-    (found,) = sections(info(sample), signals, {})
+    (found,) = sections(info(sample), signals, "x", {})
     assert "and moves by 0.001 mm" in dict(found["happened"])["1000.0 ms"]
 
 
@@ -119,17 +115,17 @@ def test_limits_say_what_was_used_of_them() -> None:
     sample = SAMPLES["profile"]
     told = info(sample)
     told["distance"][0]["limits"][-1]["used"] = -8.5  # min_pos
-    (found,) = sections(told, None, {})
+    (found,) = sections(told, None, "x", {})
     assert (found["limits"][-1]["word"], found["limits"][-1]["off"]) == ("beyond", True)
 
 
 def test_dead_cycles_of_the_frames_that_differ_are_marked() -> None:
     told = info(SAMPLES["profile"])
     told["distance"][0]["dead"]["measured"] = 2
-    (found,) = sections(told, None, {})
+    (found,) = sections(told, None, "x", {})
     assert found["laws"][0]["dead_off"] is True
     told["distance"][0]["dead"] = {"predicted": 1, "measured": None, "note": "no step"}
-    (found,) = sections(told, None, {})
+    (found,) = sections(told, None, "x", {})
     assert (found["laws"][0]["measured"], found["laws"][0]["dead_off"]) == ("–", False)
 
 
@@ -215,7 +211,7 @@ def test_states_are_a_lane_and_have_buttons() -> None:
 
 def test_without_signals_the_section_still_stands() -> None:
     sample = SAMPLES["surface-with-freeze"]
-    (found,) = sections(info(sample), None, {})
+    (found,) = sections(info(sample), None, "x", {})
     assert dict(found["happened"])["1000.0 ms"] == "FREEZE by the PLC: the offset stands"
     assert found["path"] == ""
 
@@ -246,40 +242,16 @@ def test_ticks_are_round(low: float, high: float, expected: list[float]) -> None
 # The page
 
 
-def write_results(folder: Path) -> Path:
-    """A results folder with every sample as a case."""
-    (folder / "a.nc").write_text("N10 G0 Z0\n", encoding="utf-8")
-    (folder / "a.toml").write_text("[machine]\n", encoding="utf-8")
-    lines = [f"{name},a.nc,a.toml,none" for name in SAMPLES]
-    (folder / "distance.csv").write_text(
-        "\n".join(["case,program,rig,check:alarms", *lines]) + "\n", encoding="utf-8"
-    )
-    plan = read_plan(folder / "distance.csv")
-    manifest = build_manifest([plan], command=["axisrig"], started="", output="out")
-    with ResultsWriter(folder / "out", [plan], manifest) as writer:
-        for case in plan.cases:
-            sample = SAMPLES[case.case]
-            told = info(sample)
-            events = [Event(**event) for event in told["events"]]
-            checks = [judge(check, [], 0.0, "") for check in case.checks]
-            writer.add(CaseResult(case, Verdict.PASS, checks, trace=trace(sample), events=events))
-    for case in plan.cases:
-        path = folder / "out" / "runs" / f"{case.run}.json"
-        told = json.loads(path.read_text(encoding="utf-8"))
-        told["distance"] = info(SAMPLES[case.case])["distance"]
-        path.write_text(json.dumps(told), encoding="utf-8")
-    return folder / "out"
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_results(tmp_path_factory.mktemp("distance"))
+    folder = tmp_path_factory.mktemp("distance")
+    return write_runs(folder, "distance", {name: trace(sample) for name, sample in SAMPLES.items()})
 
 
 def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
     """Every drawing has words, tables have captions, nothing comes from outside, few bytes."""
-    first = build_report(results).read_bytes()
-    assert build_report(results).read_bytes() == first
+    first = build_report(results, findings=made(FINDINGS)).read_bytes()
+    assert build_report(results, findings=made(FINDINGS)).read_bytes() == first
     page = Page(first.decode())
     found = [a for a in page.find("section") if a.get("class") == "stop distance"]
     assert len(found) == len(SAMPLES)
@@ -291,10 +263,7 @@ def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
     assert len(article) < 9_000
 
 
-def test_a_block_of_another_version_is_refused_with_its_name(results: Path) -> None:
-    path = results / "runs" / "distance-alarm.json"
-    before = path.read_text(encoding="utf-8")
-    path.write_text('{"distance": [{"axis": "Z"}]}', encoding="utf-8")
+def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) -> None:
+    lacking = FINDINGS | {"alarm": {"distance": [{"axis": "Z"}]}}
     with pytest.raises(UserError, match="`distance` of run distance-alarm cannot be read"):
-        build_report(results)
-    path.write_text(before, encoding="utf-8")
+        build_report(results, findings=made(lacking))

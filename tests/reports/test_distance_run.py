@@ -1,15 +1,15 @@
 """The section on distance control of runs that the bench has made: it tells what the plant did."""
 
-import json
 from pathlib import Path
 from typing import Any
 
-import pyarrow.parquet as pq
 import pytest
+from tests.recordings import only_run
 from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
+from axisrig.bench.judge.topics import findings
 from axisrig.reports.signals import chart, signals
 
 PLANS = Path(__file__).parents[2] / "testplans"
@@ -38,8 +38,7 @@ def run(plan: Path, out: Path, *more: str) -> tuple[dict[str, Any], str]:
     """Run a plan of one case; return its `distance` block and the text of the page."""
     told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out), *more])
     assert told.exit_code == 0, told.output
-    (path,) = (out / "runs").glob("*.json")
-    (control,) = json.loads(path.read_text(encoding="utf-8"))["distance"]
+    (control,) = findings(only_run(out))["distance"]
     page = Page((out / "report.html").read_text(encoding="utf-8"))
     return control, " ".join(" ".join(page.text).split())
 
@@ -65,8 +64,8 @@ def test_every_signal_of_it_has_its_place_in_a_plot(
     chapter_10: tuple[dict[str, Any], str, Path],
 ) -> None:
     _, _, out = chapter_10
-    (trace,), (info,) = (out / "traces").glob("*.parquet"), (out / "runs").glob("*.json")
-    drawn, _ = chart(pq.read_table(trace), json.loads(info.read_text(encoding="utf-8")))
+    observed = only_run(out)
+    drawn, _ = chart(observed.series.table(), findings(observed))
     names = [column["name"].partition(".")[2] for column in drawn["columns"]]
     assert [name for name in names if name and name not in signals()] == []
 
@@ -76,8 +75,7 @@ def test_what_is_told_is_what_the_trace_shows(
 ) -> None:
     """Largest steps of the offset from the trace itself; 40 mm + 1.5 mm is the plant's truth."""
     control, _, out = chapter_10
-    (path,) = (out / "traces").glob("*.parquet")
-    trace = pq.read_table(path)
+    trace = only_run(out).series.table()
     offset = trace.column("Z.offset_mm").to_numpy()
     used = {row["key"]: row["used"] for row in control["limits"]}
     assert used["max_deviation"] == pytest.approx(abs(offset).max())

@@ -1,6 +1,5 @@
 """Timelines of runs to a fixed stop: what they show, in words, instants and drawings."""
 
-import json
 import re
 import shutil
 from collections.abc import Mapping
@@ -11,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from axisrig.bench.record.event import Event
+from tests.reports.formulas import made, write_runs
 from tests.reports.stops import (
     BEGIN,
     CONTACT,
@@ -27,25 +26,22 @@ from tests.reports.stops import (
 )
 from tests.reports.test_report import Page
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
-from axisrig.bench.plan.checks import judge
-from axisrig.bench.plan.plan import read_plan
-from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 from axisrig.reports.build import build_report
-from axisrig.reports.fixed_stop.section import timelines
+from axisrig.reports.fixed_stop.section import sections
 from axisrig.reports.fixed_stop.signals import stops_of, with_changes
 from axisrig.reports.fixed_stop.timeline import HEIGHT, Row, Span, axis, lane, span_of
 from axisrig.reports.signals import chart
 
 ALARMS = {"ID 900034": "Drive of axis Z is in fault"}
 SAMPLES = {sample.name: sample for sample in samples()}
+FINDINGS = {name: info(sample) for name, sample in SAMPLES.items()}
 
 
 def shown(name: str) -> dict[str, Any]:
     """The last timeline of a case."""
     sample = SAMPLES[name]
-    return timelines(info(sample), trace(sample), name, ALARMS)[-1]
+    return sections(info(sample), trace(sample), name, ALARMS)[-1]
 
 
 def answers(name: str) -> Mapping[str, str]:
@@ -84,7 +80,7 @@ def test_why_here_names_axis_criteria_and_the_later_one() -> None:
 
 def test_an_alarm_after_the_detection_is_told_beside_it() -> None:
     sample = Sample("late", trouble=(("alarm", "ID 900034"),))
-    (found,) = timelines(info(sample), trace(sample), "late", ALARMS)
+    (found,) = sections(info(sample), trace(sample), "late", ALARMS)
     assert found["word"] == "stop found, then ID 900034"
     assert dict(found["answers"])["ended by"] == "ID 900034: Drive of axis Z is in fault"
 
@@ -118,7 +114,7 @@ def test_a_contact_that_was_lost_counts_from_its_return(
             "lost_ns": 60 * MS,
         }
     }
-    (found,) = timelines(told, trace(sample), "x", {})
+    (found,) = sections(told, trace(sample), "x", {})
     lost = "; first contact 177.6 ms before, lost for 60 ms"
     assert dict(found["answers"])["real stop"] == answer + lost
     assert found["word"] == word
@@ -138,7 +134,7 @@ def test_a_contact_of_another_axis_names_it() -> None:
     sample = SAMPLES["found-by-lag"]
     told = info(sample)
     next(m for m in told["fixed_stop"][0]["marks"] if m["key"] == "contact")["axis"] = "Z2"
-    (found,) = timelines(told, trace(sample), "x", {})
+    (found,) = sections(told, trace(sample), "x", {})
     assert dict(found["answers"])["real stop"].startswith("yes: Z2 in contact for 177.6 ms")
 
 
@@ -165,7 +161,7 @@ def test_the_longest_time_beyond_the_limit_is_told_not_the_last_or_the_sum() -> 
     lag[first + 60 : first + 71] = -1.2
     place = signals.column_names.index("Z.cnc_lag_mm")
     signals = signals.set_column(place, "Z.cnc_lag_mm", pa.array(lag))
-    (found,) = timelines(info(sample), signals, sample.name, ALARMS)
+    (found,) = sections(info(sample), signals, sample.name, ALARMS)
     missing = dict(found["answers"])["what was missing"]
     assert "largest lag 1.2 mm of 1 mm, beyond it for 40 of 200 ms" in missing
 
@@ -205,7 +201,7 @@ def test_without_a_closed_form_the_measured_instants_stand_alone() -> None:
 
 def test_an_instant_outside_its_band_is_marked() -> None:
     late = Sample("late", extra={"late": 20 * MS})
-    (found,) = timelines(info(late), trace(late), "late", {})
+    (found,) = sections(info(late), trace(late), "late", {})
     detected = next(row for row in found["rows"] if row["key"] == "detected")
     assert detected["is_inside"] is False
     assert detected["apart"] == "+20.10"
@@ -216,7 +212,7 @@ def test_values_outside_their_bounds_are_marked() -> None:
     sample = SAMPLES["found-by-lag"]
     told = info(sample)
     told["fixed_stop"][0]["values"][1] |= {"measured": 40.03}
-    (found,) = timelines(told, trace(sample), "x", {})
+    (found,) = sections(told, trace(sample), "x", {})
     assert [value["is_inside"] for value in found["values"]].count(False) == 1
 
 
@@ -227,7 +223,7 @@ def test_a_value_on_its_bound_to_the_digits_shown_is_inside() -> None:
     rows = told["fixed_stop"][0]["values"]
     rows[1] |= {"low": 40.025, "high": 40.025}
     rows[3] |= {"measured": 500.392877864, "high": 500.392877863}
-    (found,) = timelines(told, trace(sample), "x", {})
+    (found,) = sections(told, trace(sample), "x", {})
     assert (found["values"][3]["is_inside"], found["values"][1]["is_inside"]) == (True, None)
     assert found["values"][1]["apart"] == "+0.200 µm"
 
@@ -311,24 +307,21 @@ def test_several_runs_have_a_button_each_and_the_last_timeline_open() -> None:
     labels = [window["label"] for window in description["windows"]]
     assert labels == [f"{what} {n}" for n in (1, 2, 3) for what in ("fixed stop", "detection")]
     assert labels[description["opens"]] == "fixed stop 3"
-    assert [stop["number"] for stop in timelines(info(sample), trace(sample), "x", {})] == [1, 2, 3]
+    assert [stop["number"] for stop in sections(info(sample), trace(sample), "x", {})] == [1, 2, 3]
 
 
 def test_a_run_without_signals_still_has_its_timeline() -> None:
-    (found,) = timelines(info(SAMPLES["not-found"]), None, "x", {})
+    (found,) = sections(info(SAMPLES["not-found"]), None, "x", {})
     assert dict(found["answers"])["what was missing"] == "Z: lag limit 1 mm, window 1 µm"
 
 
 # The page
 
 
-def test_a_block_of_another_version_is_refused_in_words(results: Path, tmp_path: Path) -> None:
-    other = tmp_path / "other"
-    shutil.copytree(results, other)
-    path = other / "runs" / "stops-found-by-lag.json"
-    path.write_text('{"fixed_stop": [{"number": 1}]}', encoding="utf-8")
+def test_findings_that_lack_a_value_are_refused_with_their_block(results: Path) -> None:
+    lacking = FINDINGS | {"found-by-lag": {"fixed_stop": [{"number": 1}]}}
     with pytest.raises(UserError, match="`fixed_stop` of run stops-found-by-lag cannot be read"):
-        build_report(other)
+        build_report(results, findings=made(lacking))
 
 
 def test_a_trace_without_its_instants_is_refused(results: Path, tmp_path: Path) -> None:
@@ -339,39 +332,16 @@ def test_a_trace_without_its_instants_is_refused(results: Path, tmp_path: Path) 
         build_report(other)
 
 
-def write_results(folder: Path) -> Path:
-    """A results folder with every sample as a case."""
-    (folder / "stop.nc").write_text("N10 G0 Z0\n", encoding="utf-8")
-    (folder / "machine.toml").write_text("[machine]\n", encoding="utf-8")
-    lines = [f"{name},stop.nc,machine.toml,none" for name in SAMPLES]
-    text = "\n".join(["case,program,rig,check:alarms", *lines]) + "\n"
-    (folder / "stops.csv").write_text(text, encoding="utf-8")
-    plan = read_plan(folder / "stops.csv")
-    manifest = build_manifest([plan], command=["axisrig"], started="", output="out")
-    with ResultsWriter(folder / "out", [plan], manifest) as writer:
-        for case in plan.cases:
-            sample = SAMPLES[case.case]
-            events = [Event(**event) for event in info(sample)["events"]]
-            checks = [judge(check, [], 0.0, "") for check in case.checks]
-            signals: pa.Table = trace(sample)
-            writer.add(CaseResult(case, Verdict.PASS, checks, trace=signals, events=events))
-    for case in plan.cases:
-        path = folder / "out" / "runs" / f"{case.run}.json"
-        told = json.loads(path.read_text(encoding="utf-8"))
-        told["fixed_stop"] = info(SAMPLES[case.case])["fixed_stop"]
-        path.write_text(json.dumps(told), encoding="utf-8")
-    return folder / "out"
-
-
 @pytest.fixture(scope="module")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write_results(tmp_path_factory.mktemp("stops"))
+    folder = tmp_path_factory.mktemp("stops")
+    return write_runs(folder, "stops", {name: trace(sample) for name, sample in SAMPLES.items()})
 
 
 def test_the_page_holds_a_timeline_per_run_and_stays_the_same(results: Path) -> None:
     """Ids are unique, every drawing has words, nothing comes from outside, few bytes per case."""
-    first = build_report(results).read_bytes()
-    assert build_report(results).read_bytes() == first
+    first = build_report(results, findings=made(FINDINGS)).read_bytes()
+    assert build_report(results, findings=made(FINDINGS)).read_bytes() == first
     page = Page(first.decode())
     runs = sum(sample.count for sample in SAMPLES.values())
     assert len([a for a in page.find("section") if a.get("class") == "stop"]) == runs

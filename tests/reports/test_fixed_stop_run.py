@@ -1,13 +1,14 @@
 """The timeline of a run that the bench has made: what it tells is what the report reads."""
 
-import json
 from pathlib import Path
 
 import pytest
+from tests.recordings import only_run
 from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
 from axisrig.bench.cli.main import app
+from axisrig.bench.judge.topics import findings
 
 PLANS = Path(__file__).parents[2] / "testplans"
 CELLS = {
@@ -31,8 +32,7 @@ def test_the_timeline_shows_what_the_bench_tells(tmp_path: Path) -> None:
     plan.write_text(f"{','.join(CELLS)}\n{','.join(CELLS.values())}\n", encoding="utf-8")
     told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
     assert told.exit_code == 0, told.output
-    (path,) = (out / "runs").glob("*.json")
-    (stop,) = json.loads(path.read_text(encoding="utf-8"))["fixed_stop"]
+    (stop,) = findings(only_run(out))["fixed_stop"]
     marks = {mark["key"]: mark for mark in stop["marks"] if mark["axis"] in ("X2", None)}
     page = Page((out / "report.html").read_text(encoding="utf-8"))
     text = " ".join(" ".join(page.text).split())

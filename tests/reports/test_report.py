@@ -1,18 +1,21 @@
 """The page: nothing from outside, nothing unescaped, everything that a reader looks for."""
 
-import json
 import re
 import shutil
+from dataclasses import asdict, replace
 from html.parser import HTMLParser
 from pathlib import Path
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
-from axisrig.bench.record.event import WARNING
+from tests.recordings import alarm
 
+from axisrig.bench.judge.observed.event import WARNING
+from axisrig.bench.record.bus import RealTime
+from axisrig.bench.record.facts import AlarmRecord, read_run, run_text
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.reports.build import _alarms, _events, build_report
+from axisrig.reports.build import _alarm, _events, build_report
 from axisrig.reports.parts.bar import WIDTH, bar, scale
 from axisrig.reports.signals import chart, signals, table, windows
 
@@ -148,8 +151,10 @@ def test_a_run_on_a_real_bus_is_not_called_simulated(campaign: Path, tmp_path: P
     part = tmp_path / "part"
     shutil.copytree(campaign, part)
     path = part / "runs" / "probing-feed_1_a.json"
-    info = json.loads(path.read_text(encoding="utf-8")) | {"real_time": {"cycles": 0}}
-    path.write_text(json.dumps(info), encoding="utf-8")
+    facts = read_run(path).facts
+    assert facts is not None
+    none_sent = RealTime(1000.0, 100.0, 0, 0, None, None, (), (), 0, 0.0, 0, 0.0, 0)
+    path.write_text(run_text(replace(facts, real_time=none_sent)), encoding="utf-8")
     text = build_report(part).read_text(encoding="utf-8")
     assert text.count("<dt>ran</dt>") == 1
     assert "<dt>on a real bus</dt>" in text
@@ -277,10 +282,10 @@ def test_a_run_with_an_alarm_opens_there() -> None:
     """Not at a contact long before; a warning is no reason to look elsewhere."""
     ms = 1_000_000
     contact = {"time_ns": 100 * ms, "kind": "contact", "label": "probe: contact"}
-    alarm = {"time_ns": 900 * ms, "kind": "alarm", "label": "ID 900006"}
-    first, *_ = windows([contact, alarm], 0, 2000 * ms)
+    ended = {"time_ns": 900 * ms, "kind": "alarm", "label": "ID 900006"}
+    first, *_ = windows([contact, ended], 0, 2000 * ms)
     assert (first["label"], first["start_ns"], first["end_ns"]) == ("alarm", 850 * ms, 1050 * ms)
-    warning = {**alarm, "label": f"ID 50052{WARNING}"}
+    warning = {**ended, "label": f"ID 50052{WARNING}", "is_warning": True}
     assert [w["label"] for w in windows([contact, warning], 0, 2000 * ms)] == ["edge"]
 
 
@@ -290,35 +295,36 @@ def test_a_measurement_without_an_edge_has_no_button_for_one() -> None:
     assert [w["label"] for w in windows([end], 0, 2000 * ms)] == ["measurement"]
 
 
+def shown(record: AlarmRecord) -> dict[str, str]:
+    return _alarm(asdict(record))
+
+
 def test_an_alarm_says_in_words_what_it_is() -> None:
-    log = [str(Alarm(900031, segment="can1"))]
-    (told,) = _alarms("900031", log)
+    told = shown(alarm(900031, segment="can1"))
     assert told["id"] == "900031"
-    assert "A SYNC could not be sent" in told["text"]
-    assert _alarms("", log) == []
+    assert told["text"].startswith("A SYNC could not be sent")
 
 
 def test_the_table_shows_the_first_sentence_of_an_alarm() -> None:
     """Without the place in the program; the whole text stands at the run."""
-    line = "ID 900005 class 5: Drive of axis Z is at 0.5 mm (a.nc line 6, block N50). Look it up."
-    (told,) = _alarms("900005", [line])
+    place = "a.nc line 6, block N50"
+    line = f"ID 900005 class 5: Drive of axis Z is at 0.5 mm ({place}). Look it up."
+    told = shown(AlarmRecord(0, 900005, 5, True, line, place=place))
     assert told["short"] == "Drive of axis Z is at 0.5 mm"
     assert told["text"].endswith("Look it up.")
 
 
 def test_what_came_up_during_the_stop_is_told_beside_the_alarm() -> None:
-    log = [
-        str(Alarm(900031, segment="can1")),
-        f"besides: {Alarm(900034, axis='Z', node=3, state='stopped')}",
-    ]
-    first, second = _alarms("900031", log)
+    first = shown(alarm(900031, segment="can1"))
+    second = shown(alarm(900034, is_further=True, axis="Z", node=3, state="stopped"))
     assert (first["id"], second["id"]) == ("900031", "900034")
+    assert not first["text"].startswith("besides: ")
     assert second["text"].startswith("besides: Drive of axis Z")
 
 
 def test_an_alarm_with_a_newer_twin_names_it() -> None:
     values = {"owner": "axis Z", "deviation_mm": 6, "limit_mm": 5, "offset_mm": 5}
-    (told,) = _alarms("70331", [str(Alarm(70331, **values))])
+    told = shown(alarm(70331, **values))
     assert told["text"].endswith("Newer builds report 310017.")
     assert str(Alarm(310017, **values)).endswith("Older builds report 70331.")
 

@@ -6,8 +6,9 @@ Equal result folders give equal bytes: the page holds no clock and no path of th
 import math
 import shlex
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from decimal import Decimal
 from importlib import resources
 from pathlib import Path
@@ -21,37 +22,62 @@ from axisrig.bench.campaign.results.stored import NOTE, StoredResults, StoredRun
 from axisrig.bench.files import write_whole
 from axisrig.bench.judge.observed.event import BESIDES
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import findings
+from axisrig.bench.judge.topics import findings, shown_facts
 from axisrig.bench.plan.checks import parse_check, plot_limits
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
-from axisrig.reports.distance.section import sections
-from axisrig.reports.fixed_stop.section import timelines
 from axisrig.reports.glossary import glossary
 from axisrig.reports.parts.bar import bar
 from axisrig.reports.parts.realtime import real_time
+from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.signals import chart
+from axisrig.reports.topics import TOPICS
 
+Findings = Callable[[Observed], Mapping[str, Any]]
+"""What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
+
+_SECTION = "section.html"
 _WHOLE, _TINY = 1e15, 1e-3
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 
 
-def build_report(results_dir: Path) -> Path:
+@dataclass(frozen=True)
+class _Parts:
+    """Who says what is shown of a run, and the topics that show it."""
+
+    findings: Findings
+    topics: Sequence[ReportTopic]
+
+    def template(self, name: str) -> str:
+        """Return a template of the page; `<topic>/section.html` is that of a topic."""
+        packages = {f"{topic.name}/{_SECTION}": topic.package for topic in self.topics}
+        if name in packages:
+            return resources.files(packages[name]).joinpath(_SECTION).read_text(encoding="utf-8")
+        return _file(name)
+
+
+def build_report(
+    results_dir: Path,
+    *,
+    findings: Findings = findings,
+    topics: Sequence[ReportTopic] = TOPICS,
+) -> Path:
     """Write `report.html` into a results folder and return its path.
 
-    Raises UserError when the folder is none, OSError with the name of the file.
+    findings: of a recorded run, a block for each of the topics by its name. Raises UserError when
+    the folder is none, or a recording is damaged, OSError with the name of the file.
     """
-    results = read_results(results_dir)
+    results, parts = read_results(results_dir), _Parts(findings, topics)
     environment = Environment(
-        loader=FunctionLoader(_file),
+        loader=FunctionLoader(parts.template),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
     page = environment.get_template("page.html").render(
-        view=_page(results),
+        view=_page(results, parts),
         style=Markup(_file("vendor/uplot/uPlot.min.css") + _file("style.css")),
         library=Markup(_file("vendor/uplot/uPlot.iife.min.js")),
         script=Markup(_file("page.js")),
@@ -66,14 +92,14 @@ def _file(name: str) -> str:
     return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
-def _page(results: StoredResults) -> dict[str, Any]:
+def _page(results: StoredResults, parts: _Parts) -> dict[str, Any]:
     """Everything the template prints."""
     manifest = results.manifest
     output = str(manifest.get("output", results.folder.name))
     runs = []
     for run in results.runs:
         with _readable(run, "what it left"):
-            runs.append(_run(run, results.input_columns, output))
+            runs.append(_run(run, results.input_columns, output, parts))
     counts = [
         (_verdict(verdict), sum(run.verdict == verdict for run in results.planned))
         for verdict in Verdict
@@ -89,6 +115,7 @@ def _page(results: StoredResults) -> dict[str, Any]:
         "files": _files(manifest),
         "packages": manifest.get("packages", {}),
         "runs": runs,
+        "legends": [topic.legend for topic in parts.topics if topic.legend],
         "glossary": glossary(),
     }
 
@@ -152,17 +179,18 @@ def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
     return list({**plans, **manifest.get("files", {}), **manifest.get("fmus", {})}.items())
 
 
-def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
-    case, info = run.case, _info(run)
+def _run(run: StoredRun, columns: list[str], output: str, parts: _Parts) -> dict[str, Any]:
+    case, info = run.case, _info(run, parts.findings)
     trace = _trace(run)
     alarms = [_alarm(alarm) for alarm in info["alarms"]]
     told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
-    with _readable(run, "fixed_stop"):
-        stops = timelines(info, trace, run.run, told)
-    with _readable(run, "distance"):
-        controls = sections(info, trace, told)
+    sections = []
+    for topic in parts.topics:
+        with _readable(run, topic.name):
+            found = topic.sections(info, trace, run.run, told)
+        sections.append({"template": f"{topic.name}/{_SECTION}", "found": found})
     with _readable(run, "trace"):
-        description, packed = ({}, "") if trace is None else chart(trace, info)
+        description, packed = ({}, "") if trace is None else chart(trace, info, parts.topics)
     checks = [_check(row) for row in run.checks]
     replaced = case.get("drive_substituted", "")
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
@@ -189,8 +217,7 @@ def _run(run: StoredRun, columns: list[str], output: str) -> dict[str, Any]:
         "error": info.get("error"),
         "messages": info.get("messages", []),
         "log": info.get("log", []),
-        "stops": stops,
-        "controls": controls,
+        "sections": sections,
         "events": _events(info),
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
@@ -216,12 +243,13 @@ def _one_line(error: Exception) -> str:
     return repr(error) if isinstance(error, KeyError) else str(error).strip().partition("\n")[0]
 
 
-def _info(run: StoredRun) -> dict[str, Any]:
-    """What is shown of a run beside its checks: `findings`, and limits to draw."""
+def _info(run: StoredRun, findings: Findings) -> dict[str, Any]:
+    """What is shown of a run beside its checks: the findings, and limits to draw."""
     facts = run.recording.facts
     found: dict[str, Any] = {"alarms": [], "log": run.log, "error": run.error}
-    if facts is not None and run.trace is not None:
-        found = findings(Observed(facts, Series(run.trace)))
+    if facts is not None:
+        found = shown_facts(facts)
+        found |= {} if run.trace is None else findings(Observed(facts, Series(run.trace)))
     checks = []
     for row in run.checks:
         with suppress(UserError):  # a metric of another version

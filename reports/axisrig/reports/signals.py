@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from axisrig.reports.distance import signals as distance_signals
-from axisrig.reports.fixed_stop import signals as stop_signals
 from axisrig.reports.parts.encode import encode_signal, pack
+from axisrig.reports.parts.topic import Plots, ReportTopic
+from axisrig.reports.topics import TOPICS
 
 SHARED = "*"
 """Stands for the axis where a signal belongs to every axis, such as a probe."""
@@ -59,18 +59,19 @@ def table(name: str) -> list[dict[str, Any]]:
     return list(csv.DictReader(text.splitlines()))
 
 
-def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], str]:
+def chart(
+    content: pa.Table, info: Mapping[str, Any], topics: Sequence[ReportTopic] = TOPICS
+) -> tuple[dict[str, Any], str]:
     """Return what the page needs to draw a run: the description, and the packed signals.
 
-    content: its trace. info: the run's JSON file (events, limits). The description is empty when
-    the trace is.
+    content: its trace. info: what is shown of it (events, limits, a block for each topic). The
+    description is empty when the trace is.
     """
     if content.num_rows == 0:
         return {}, ""
-    stops = stop_signals.stops_of(info, content.column_names)
-    content = stop_signals.with_changes(content, stops)
-    controls = distance_signals.controls_of(info)
-    content = distance_signals.with_surfaces(content, controls)
+    for topic in topics:
+        content = topic.with_signals(content, info)
+    added = [topic.plots(content, info) for topic in topics]
     columns, parts = _encode(content)
     series = _series(content.column_names)
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
@@ -80,22 +81,17 @@ def chart(content: pa.Table, info: Mapping[str, Any]) -> tuple[dict[str, Any], s
         "rows": content.num_rows,
         "columns": columns,
         "axes": axes,
-        "axis": _first_axis(content, axes, events, stops, controls),
+        "axis": _first_axis(content, axes, events, added),
         "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
         "events": events,
         "limits": [
             *info.get("limits", []),
-            *stop_signals.limits(content, stops),
-            *distance_signals.limits(controls),
+            *(limit for plots in added for limit in plots.limits),
         ],
-        "windows": _windows(events, stops, controls, int(time_ns[0]), int(time_ns[-1])),
+        "windows": _windows(events, added, int(time_ns[0]), int(time_ns[-1])),
     }
-    if controls:
-        description["lanes"] = distance_signals.lanes(controls)
-    if stops:
-        description["opens"] = len(stop_signals.windows(stops[:-1]))
-        description["bands"] = stop_signals.bands(stops)
-        description["ranges"] = stop_signals.ranges(stops)
+    for plots in added:
+        description |= plots.more
     return description, pack(parts)
 
 
@@ -159,20 +155,15 @@ def _first_axis(
     content: pa.Table,
     axes: Sequence[str],
     events: Sequence[Mapping[str, Any]],
-    stops: Sequence[stop_signals.Stop],
-    controls: Sequence[distance_signals.Control],
+    added: Sequence[Plots],
 ) -> str | None:
-    """The axis to show first: of the run to a fixed stop that is open, else with distance control,
-    else of an event, else the one that travels farthest.
+    """The axis to show first: of the first topic that has one, else of an event, else the one that
+    travels farthest.
     """
-    if stops and stops[-1]["main_axis"] in axes:
-        return str(stops[-1]["main_axis"])
-    for control in controls:
-        if control["axis"] in axes:
-            return str(control["axis"])
-    for event in events:
-        if event["axis"] in axes:
-            return str(event["axis"])
+    of_topics = [axis for plots in added for axis in plots.axes]
+    for axis in (*of_topics, *(event["axis"] for event in events)):
+        if axis in axes:
+            return str(axis)
     travel = {
         axis: float(np.ptp(content.column(name).to_numpy()))
         for axis in axes
@@ -184,22 +175,20 @@ def _first_axis(
 
 def _windows(
     events: Sequence[Mapping[str, Any]],
-    stops: Sequence[stop_signals.Stop],
-    controls: Sequence[distance_signals.Control],
+    added: Sequence[Plots],
     start_ns: int,
     end_ns: int,
 ) -> list[dict[str, Any]]:
-    """The stretches of `windows`; runs to a fixed stop and distance controls have their own, before
-    an alarm in them.
-    """
-    spans = [(stop["begin_ns"], stop["end_ns"]) for stop in stops]
+    """The stretches of `windows`; those of the topics come first, before an alarm in them."""
+    spans = [span for plots in added for span in plots.spans]
 
     def is_outside(event: Mapping[str, Any]) -> bool:
         return not any(begin <= event["time_ns"] <= end for begin, end in spans)
 
     own = [
         {**w, "start_ns": max(start_ns, w["start_ns"]), "end_ns": min(end_ns, w["end_ns"])}
-        for w in (*stop_signals.windows(stops), *distance_signals.windows(controls))
+        for plots in added
+        for w in plots.windows
     ]
     return [*own, *windows([event for event in events if is_outside(event)], start_ns, end_ns)]
 

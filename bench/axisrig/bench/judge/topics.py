@@ -23,6 +23,7 @@ from axisrig.bench.judge.program.findings import log_lines, program_events
 from axisrig.bench.judge.program.metrics import PROGRAM_METRICS, printed
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.verdict import Verdict, worst
+from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import MissingSignalError
 
 STOPPED = "stopped by the operator"
@@ -85,15 +86,24 @@ def events(observed: Observed, topics: Sequence[Topic] = TOPICS) -> list[Event]:
 
 
 def findings(observed: Observed, topics: Sequence[Topic] = TOPICS) -> dict[str, Any]:
-    """Return what the report shows of a run beside its checks, as plain data."""
-    facts = observed.facts
+    """Return what the report shows of a run beside its checks, as plain data.
+
+    `shown_facts` with the marks (`events`) and the block of each topic, by its name.
+    """
     return {
+        **shown_facts(observed.facts),
         "events": [asdict(event) for event in events(observed, topics)],
+        **{topic.name: topic.block(observed) for topic in topics},
+    }
+
+
+def shown_facts(facts: Facts) -> dict[str, Any]:
+    """Return what the report shows of a run that needs no series, as plain data."""
+    return {
         "messages": [message.shown for message in facts.messages],
         "log": log_lines(facts),
         "bus": [asdict(bus) for bus in facts.buses],
         "error": STOPPED if facts.is_stopped else None,
         "real_time": None if facts.real_time is None else asdict(facts.real_time),
         "alarms": [asdict(alarm) for alarm in facts.alarms],
-        **{topic.name: topic.block(observed) for topic in topics},
     }

@@ -295,7 +295,7 @@ class Check:
 
     metric: the metric as written, e.g. `latch_error_um:X`. reference: where the limit comes
     from, e.g. `probing.csv:3`. axis: of a per-axis metric, else None. block: NC block and number
-    (from 1) of a `msg` metric, else None.
+    (from 1) of a `msg` metric, else None. defined: a metric that `metrics.csv` does not have.
     """
 
     metric: str
@@ -303,6 +303,7 @@ class Check:
     reference: str
     axis: str | None = field(default=None, compare=False)
     block: tuple[str, int] | None = field(default=None, compare=False)
+    defined: Metric | None = field(default=None, compare=False)
 
     @property
     def name(self) -> str:
@@ -311,8 +312,8 @@ class Check:
 
     @property
     def definition(self) -> Metric:
-        """The row of `metrics.csv`."""
-        return known_metrics()[self.name]
+        """The row of `metrics.csv`, or what was given in its place."""
+        return self.defined or known_metrics()[self.name]
 
     @property
     def unit(self) -> str:

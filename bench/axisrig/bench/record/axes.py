@@ -7,7 +7,7 @@ from axisrig.bench.record.frozen import Frozen
 from axisrig.kernel.time.clock import TimeNs
 
 Value = bool | int | float | str
-"""A parameter as a list writes it."""
+"""A parameter as a list writes it; its numbers are finite."""
 
 
 @dataclass(frozen=True)

@@ -187,7 +187,7 @@ def read_run(path: Path) -> RunFile:
                 hint=_AGAIN,
             ) from error  # fmt: skip
         first = error.errors(include_url=False, include_input=False)[0]
-        key = ".".join(str(part) for part in first["loc"])
+        key = ".".join(str(part) for part in first["loc"]) or "the whole"
         words = {"missing": "is missing", "unexpected_keyword_argument": "is unknown"}
         said = words.get(first["type"], f"cannot be read: {first['msg']}")
         raise UserError(

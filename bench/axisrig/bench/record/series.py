@@ -168,8 +168,13 @@ class SeriesWriter:
         self._series: Series | None = None
 
     def add(self, columns: Mapping[str, pa.Array]) -> None:
-        """Write a block. Raises OSError with the name of the file."""
+        """Write a block. Raises OSError with the name of the file.
+
+        Raises ValueError for a block without instants: a defect.
+        """
         table = pa.table(dict(columns))
+        if TIME not in columns:
+            raise ValueError(f"a block without {TIME}")
         if self._path is None:
             self._tables.append(table)
             return

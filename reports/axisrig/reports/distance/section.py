@@ -1,4 +1,4 @@
-"""Distance control of a case: from `distance` of `runs/<run>.json` to what the page prints.
+"""Distance control of a case: from its block of the findings to the page.
 
 Nothing is judged here: what the control did stands beside what closed forms say of its loop.
 """
@@ -19,12 +19,12 @@ _REACHED = 1e-6
 
 
 def sections(
-    info: Mapping[str, Any], trace: pa.Table | None, alarms: Mapping[str, str]
+    info: Mapping[str, Any], trace: pa.Table | None, _run: str, alarms: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """Make what the page prints of each axis with distance control, in their order.
 
-    info: the run's JSON file. trace: its signals as recorded, if it left any. alarms: what each
-    alarm says, by the words of its event (`ID 70331`).
+    info: what is shown of the run. trace: its signals as recorded, if it left any. alarms: what
+    each alarm says, by the words of its event (`ID 70331`).
     """
     return [
         _section(control, _ended(control, info.get("events", [])), trace, alarms)

@@ -7,8 +7,10 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.reports.parts.topic import Info, Plots
+
 Control = Mapping[str, Any]
-"""One axis with distance control, as `distance` of `runs/<run>.json` tells it."""
+"""One axis with distance control, as the block `distance` of the findings has it."""
 Signal = npt.NDArray[np.float64]
 
 STATES = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
@@ -23,8 +25,24 @@ _REPLACED = ("filtered_mm", "distance_held", "distance_override_pct")
 
 
 def controls_of(info: Mapping[str, Any]) -> list[Control]:
-    """Return the axes with distance control of a case; info: the run's JSON file."""
+    """Return the axes with distance control of a case; info: what is shown of it."""
     return list(info.get("distance") or ())
+
+
+def with_signals(trace: pa.Table, info: Info) -> pa.Table:
+    """Return the signals of a run as its plots show them; see `with_surfaces`."""
+    return with_surfaces(trace, controls_of(info))
+
+
+def plots(_trace: pa.Table, info: Info) -> Plots:
+    """Return what distance control adds to the plots of a run."""
+    controls = controls_of(info)
+    return Plots(
+        axes=[str(control["axis"]) for control in controls],
+        limits=limits(controls),
+        windows=windows(controls),
+        more={"lanes": lanes(controls)} if controls else {},
+    )
 
 
 def modes(control: Control) -> set[str]:

@@ -9,6 +9,9 @@ import pyarrow as pa
 
 from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Control, Signal, column
 
+LEGEND = "The lane above the plots of an axis with distance control is the state of the control."
+"""How to read its plots."""
+
 _NS_PER_MS = 1e6
 _SETTLED = 0.05
 _LEAST_MM = 0.002

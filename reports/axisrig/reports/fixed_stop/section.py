@@ -1,4 +1,4 @@
-"""The timeline of a run to a fixed stop: from `fixed_stop` of `runs/<run>.json` to what is printed.
+"""The timeline of a run to a fixed stop: from its block of the findings to the page.
 
 Nothing is judged here: measured instants stand beside those of the closed form, with its band.
 """
@@ -44,12 +44,13 @@ _STATES = {
 }
 
 
-def timelines(
+def sections(
     info: Mapping[str, Any], trace: pa.Table | None, run: str, alarms: Mapping[str, str]
 ) -> list[dict[str, Any]]:
     """Make what the page prints of each run to a fixed stop of a case, in their order.
 
-    info: the run's JSON file. trace: its signals, if it left any. run: makes names on the page.
+    info: what is shown of the run. trace: its signals, if it left any. run: makes names on the
+    page.
     alarms: what each alarm says, by the words of its event (`ID 900036`).
     """
     stops = stops_of(info, () if trace is None else trace.column_names)

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from axisrig.reports.fixed_stop.timeline import Span, span_of
+from axisrig.reports.parts.topic import Info, Plots
 
 CHANGE, CHANGE_TURNED = "change_um", "change_mdeg"
 """Suffix of the column that this module adds: way of an axis within the minimum time."""
@@ -48,7 +49,7 @@ class Shortfall:
 def stops_of(info: Mapping[str, Any], columns: Sequence[str]) -> list[Stop]:
     """Return the runs to a fixed stop of a case, with the names of the signals of each axis.
 
-    info: the run's JSON file. columns: of its trace. `signals` names, per axis, the columns for
+    info: what is shown of it. columns: of its trace. `signals` names, per axis, the columns for
     `cnc_lag_mm` and the like; one that the trace lacks is missing there.
     """
     return [
@@ -70,6 +71,29 @@ def stops_of(info: Mapping[str, Any], columns: Sequence[str]) -> list[Stop]:
         }
         for stop in info.get("fixed_stop") or ()
     ]
+
+
+def with_signals(trace: pa.Table, info: Info) -> pa.Table:
+    """Return the signals of a run with those of the window criterion; see `with_changes`."""
+    return with_changes(trace, stops_of(info, trace.column_names))
+
+
+def plots(trace: pa.Table, info: Info) -> Plots:
+    """Return what runs to a fixed stop add to the plots; the last one is open."""
+    stops = stops_of(info, trace.column_names)
+    if not stops:
+        return Plots()
+    return Plots(
+        axes=[str(stops[-1]["main_axis"])],
+        limits=limits(trace, stops),
+        windows=windows(stops),
+        spans=[(stop["begin_ns"], stop["end_ns"]) for stop in stops],
+        more={
+            "opens": len(windows(stops[:-1])),
+            "bands": bands(stops),
+            "ranges": ranges(stops),
+        },
+    )
 
 
 def of_axis(stop: Stop, axis: str, name: str) -> str:

@@ -16,6 +16,12 @@ from axisrig.reports.fixed_stop.signals import (
     value_at,
 )
 
+LEGEND = (
+    "Plots of a run to a fixed stop count from its contact; their shaded stretches are where the"
+    " closed form expects an instant."
+)
+"""How to read its plots."""
+
 _NS_PER_MS = 1e6
 _SHORT_MM = 0.1
 

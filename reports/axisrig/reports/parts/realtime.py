@@ -5,7 +5,7 @@ from typing import Any
 
 
 def real_time(told: Mapping[str, Any] | None) -> dict[str, Any] | None:
-    """Make the section from `real_time` of `runs/<run>.json`; None for simulated time."""
+    """Make the section from `real_time` of a recording; None for simulated time."""
     if not told or not told["cycles"]:
         return None
     late, interval = told["lateness_us"], told["interval_us"]

@@ -1,0 +1,208 @@
+"""What a run leaves beside its series: written and read back equal, damaged ones in one message."""
+
+import json
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from pathlib import Path
+from types import UnionType
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from tests.recordings import facts
+
+from axisrig.bench.record import axes, bus, distance, measuring
+from axisrig.bench.record import facts as record
+from axisrig.bench.record.axes import Value
+from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run, run_text
+from axisrig.bench.record.frozen import Frozen
+from axisrig.kernel.errors import UserError
+
+# Among the numbers those that JSON has no word for, and those that a text may lose
+SIMPLE: dict[Any, st.SearchStrategy[Any]] = {
+    float: st.floats() | st.sampled_from([math.inf, -math.inf, math.nan, -0.0, 5e-324, 0.1 + 0.2]),
+    str: st.text(st.characters(codec="utf-8"), max_size=12),
+    int: st.integers(-(2**63), 2**63 - 1),
+    bool: st.booleans(),
+    type(None): st.none(),
+    Value: st.booleans() | st.integers(-99, 99) | st.floats(-1e9, 1e9) | st.text("ab1", max_size=3),
+}
+
+
+@cache
+def any_of(hint: Any) -> st.SearchStrategy[Any]:
+    """Values of a type as the classes of a recording write it; few of each, or none."""
+    origin, parts = get_origin(hint), get_args(hint)
+    if hint in SIMPLE:
+        return SIMPLE[hint]
+    if is_dataclass(hint):
+        hints = get_type_hints(hint)
+        return st.builds(hint, **{f.name: any_of(hints[f.name]) for f in fields(hint)})
+    if origin is Literal:
+        return st.sampled_from(parts)
+    if origin is Mapping:
+        return st.dictionaries(any_of(parts[0]), any_of(parts[1]), max_size=2)
+    if origin is tuple:
+        is_open = parts[1:] == (...,)
+        several = st.lists(any_of(parts[0]), max_size=2).map(tuple)
+        return several if is_open else st.tuples(*map(any_of, parts))
+    assert origin is UnionType, hint
+    return st.one_of(*map(any_of, parts))
+
+
+def classes(*modules: Any) -> list[type[Frozen]]:
+    """The classes of a recording."""
+    found = [c for module in modules for c in vars(module).values() if isinstance(c, type)]
+    return [c for c in dict.fromkeys(found) if issubclass(c, Frozen) and is_dataclass(c)]
+
+
+CLASSES = classes(axes, bus, distance, measuring, record)
+
+
+def written(path: Path, file: RunFile) -> RunFile:
+    path.write_text(run_text(file.facts, file.error, file.log), encoding="utf-8", newline="")
+    return read_run(path)
+
+
+def same(one: Any, other: Any) -> bool:
+    """Whether two values are equal, and of one type; a number that is none equals another one."""
+    if isinstance(one, float) and isinstance(other, float) and math.isnan(one):
+        return math.isnan(other)
+    if type(one) is not type(other):
+        return False
+    if is_dataclass(one):
+        return all(same(getattr(one, f.name), getattr(other, f.name)) for f in fields(one))
+    if isinstance(one, dict):
+        pairs = [same(one[key], other.get(key)) for key in one]
+        return list(one) == list(other) and all(pairs)
+    if isinstance(one, tuple | list):
+        return len(one) == len(other) and all(map(same, one, other))
+    return bool(one == other) and repr(one) == repr(other)
+
+
+@settings(max_examples=100, deadline=None, suppress_health_check=list(HealthCheck))
+@given(left=any_of(Facts))
+def test_facts_come_back_equal(left: Facts, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Each class of the recording, with whatever numbers and texts."""
+    path = tmp_path_factory.mktemp("facts") / "run.json"
+    assert same(written(path, RunFile(VERSION, left)).facts, left)
+
+
+@pytest.mark.parametrize("kind", CLASSES, ids=lambda kind: kind.__name__)
+def test_every_class_is_part_of_what_a_run_leaves(kind: type[Frozen]) -> None:
+    """So the test before has made each of them."""
+    known: set[Any] = set()
+    ahead: list[Any] = [RunFile]
+    while ahead:
+        one = ahead.pop()
+        if one in known:
+            continue
+        known.add(one)
+        hints = [f.type for f in fields(one)] if is_dataclass(one) else one.__args__
+        ahead += [hint for hint in hints if is_dataclass(hint) or hasattr(hint, "__args__")]
+    assert kind in known
+
+
+def test_whoever_leaves_nothing_says_why(tmp_path: Path) -> None:
+    file = RunFile(VERSION, None, "the FMU ended the process", ("N10 G0 X120", "\x00 ü"))
+    assert written(tmp_path / "run.json", file) == file
+
+
+def test_equal_facts_give_equal_bytes() -> None:
+    assert run_text(facts()) == run_text(facts())
+    assert run_text(facts()).endswith("}\n")
+
+
+def edited(change: Callable[[Any], None]) -> str:
+    content = json.loads(run_text(facts(axes={"Z": axes.AxisRecord("can1", 3, 10_000.0)})))
+    change(content)
+    return json.dumps(content)
+
+
+def wanting(content: Any) -> None:
+    del content["facts"]["timing"]["period_ns"]
+
+
+def foreign(content: Any) -> None:
+    content["facts"]["axes"]["Z"]["colour"] = "red"
+
+
+def wrong(content: Any) -> None:
+    content["facts"]["axes"]["Z"]["node"] = "three"
+
+
+def listed(content: Any) -> None:
+    content["facts"]["axes"] = []
+
+
+@pytest.mark.parametrize(
+    ("text", "key", "what"),
+    [
+        (edited(wanting), "facts.timing.period_ns", "is missing"),
+        (edited(foreign), "facts.axes.Z.colour", "is unknown"),
+        (edited(wrong), "facts.axes.Z.node", "cannot be read"),
+        (edited(listed), "facts.axes", "cannot be read"),
+    ],
+)
+def test_a_damaged_recording_is_one_message_with_file_and_key(
+    tmp_path: Path, text: str, key: str, what: str
+) -> None:
+    path = tmp_path / "plan-a.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UserError) as caught:
+        read_run(path)
+    message = str(caught.value)
+    assert f"the recording is damaged: {key} {what}" in message
+    assert "plan-a.json" in message
+    assert "run the case again" in message
+    assert message.count("the recording is damaged") == 1
+
+
+@pytest.mark.parametrize("text", ["", "[]", "7", "{", "null", '"a"', '{"version": 1}\n{}'])
+def test_what_is_no_recording_at_all_is_named(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "plan-a.json"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match=r"plan-a.json: the recording is damaged: the whole"):
+        read_run(path)
+
+
+def test_bytes_that_are_no_text_are_named(tmp_path: Path) -> None:
+    path = tmp_path / "plan-a.json"
+    path.write_bytes(bytes(range(256)))
+    with pytest.raises(UserError, match="the recording is damaged"):
+        read_run(path)
+
+
+@pytest.mark.parametrize("version", [0, 2, "1", None])
+def test_another_version_is_told_from_damage(tmp_path: Path, version: object) -> None:
+    """Also that of older folders, which name none."""
+
+    def change(content: Any) -> None:
+        content["version"] = version
+        content["facts"]["later"] = {}
+
+    path = tmp_path / "plan-a.json"
+    path.write_text(edited(change), encoding="utf-8")
+    with pytest.raises(UserError) as caught:
+        read_run(path)
+    message = str(caught.value)
+    assert "a recording of another version" in message
+    assert "allowed: 1" in message
+    path.write_text('{"events": [], "log": []}', encoding="utf-8")
+    with pytest.raises(UserError, match="a recording of another version"):
+        read_run(path)
+
+
+def test_a_file_that_cannot_be_read_is_no_damage(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match=r"run\.json"):
+        read_run(tmp_path / "run.json")
+
+
+def test_what_is_recorded_stays() -> None:
+    """A judge cannot change what it judges."""
+    with pytest.raises(AttributeError):
+        facts().end_ns = 0  # type: ignore[misc]
+    assert replace(facts(), end_ns=0) != facts()

@@ -1,0 +1,135 @@
+"""Series of a run: blocks read back as columns, lists of telegrams, damaged files."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from axisrig.bench.record.series import ACTUAL, SECOND, TARGET, Series, SeriesWriter
+from axisrig.kernel.errors import UserError
+
+MS = 1_000_000
+
+
+def block(begin: int, rows: int) -> dict[str, pa.Array]:
+    """Rows from `begin` on: a time, a position, a state, and the telegrams of each cycle.
+
+    Row n has n modulo 3 of them, with their ends 1000 ns apart.
+    """
+    at = np.arange(begin, begin + rows, dtype=np.int64)
+    ends = [[int(n) * MS + 1000 * k for k in range(n % 3)] for n in at]
+    values = [[int(10 * n + k) for k in range(n % 3)] for n in at]
+    return {
+        "time_ns": pa.array(at * MS),
+        "Z.set_mm": pa.array(np.where(at % 7 == 6, np.nan, at / 3.0)),
+        "probe.signal": pa.array((at % 2).astype(np.int8)),
+        "Z.actual_frame_ns": pa.array(ends, pa.list_(pa.int64())),
+        "Z.actual_increments": pa.array(values, pa.list_(pa.int64())),
+    }
+
+
+def write(path: Path | None, sizes: Sequence[int]) -> Series:
+    writer = SeriesWriter(path)
+    begin = 0
+    for size in sizes:
+        writer.add(block(begin, size))
+        begin += size
+    return writer.close()
+
+
+@settings(max_examples=25, deadline=None)
+@given(sizes=st.lists(st.integers(0, 40), min_size=1, max_size=6), is_kept=st.booleans())
+def test_blocks_read_back_as_the_columns_of_one(
+    sizes: list[int], is_kept: bool, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    folder = tmp_path_factory.mktemp("series")
+    found = write(folder / "parts.parquet" if is_kept else None, sizes)
+    whole = write(folder / "one.parquet", [sum(sizes)])
+    assert found.names == whole.names == ["time_ns", "Z.set_mm", "probe.signal"]
+    for name in whole.names:
+        one, other = found.column(name), whole.column(name)
+        assert one.dtype == other.dtype
+        assert one.tobytes() == other.tobytes()
+    for one, other in zip(found.telegrams("Z", ACTUAL), whole.telegrams("Z", ACTUAL), strict=True):
+        assert one.tolist() == other.tolist()
+
+
+def test_telegrams_are_all_of_the_bus_in_their_order(tmp_path: Path) -> None:
+    """Rows 0 to 5 have 0, 1, 2, 0, 1, 2 telegrams."""
+    ends, values = write(tmp_path / "a.parquet", [2, 4]).telegrams("Z", ACTUAL)
+    assert ends.tolist() == [1 * MS, 2 * MS, 2 * MS + 1000, 4 * MS, 5 * MS, 5 * MS + 1000]
+    assert values.tolist() == [10, 20, 21, 40, 50, 51]
+    assert (ends.dtype, values.dtype) == (np.int64, np.int64)
+
+
+def test_a_field_that_no_telegram_has_is_empty(tmp_path: Path) -> None:
+    series = write(tmp_path / "a.parquet", [3])
+    for axis, field in (("Z", TARGET), ("Z", SECOND), ("X", ACTUAL)):
+        ends, values = series.telegrams(axis, field)
+        assert (len(ends), len(values)) == (0, 0)
+
+
+def test_some_columns_are_a_table_in_their_order(tmp_path: Path) -> None:
+    series = write(tmp_path / "a.parquet", [3])
+    assert series.table(["probe.signal", "time_ns"]).column_names == ["probe.signal", "time_ns"]
+    assert series.table().column_names == series.names
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_a_column_that_was_not_recorded_is_a_key_error(tmp_path: Path, is_kept: bool) -> None:
+    series = write(tmp_path / "a.parquet" if is_kept else None, [3])
+    with pytest.raises(KeyError, match=r"Z\.truth_mm"):
+        series.column("Z.truth_mm")
+
+
+def test_a_file_that_was_broken_off_is_named(tmp_path: Path) -> None:
+    path = tmp_path / "plan-a.parquet"
+    series = write(path, [40])
+    data = path.read_bytes()
+    for kept in (0, 4, len(data) // 2, len(data) - 1):
+        path.write_bytes(data[:kept])
+        with pytest.raises(UserError, match=r"plan-a\.parquet: the trace is damaged: \S"):
+            series.column("Z.set_mm")
+
+
+@pytest.mark.parametrize(
+    "times", [None, pa.array([0.0, 1.0]), pa.array(["a", "b"])], ids=["none", "float", "text"]
+)
+def test_a_file_without_instants_is_named(tmp_path: Path, times: pa.Array | None) -> None:
+    path = tmp_path / "plan-a.parquet"
+    columns = {"Z.set_mm": pa.array([1.0, 2.0])}
+    pq.write_table(pa.table(columns if times is None else {"time_ns": times, **columns}), path)
+    for call in (lambda: Series(path).names, lambda: Series(path).column("Z.set_mm")):
+        with pytest.raises(
+            UserError, match=r"plan-a\.parquet: .*no column time_ns of whole numbers"
+        ):
+            call()
+
+
+def test_a_file_that_is_not_there_is_no_damage(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match=r"a\.parquet"):
+        Series(tmp_path / "a.parquet").column("time_ns")
+
+
+def test_a_run_that_is_broken_off_leaves_no_file(tmp_path: Path) -> None:
+    path = tmp_path / "traces" / "a.parquet"
+    writer = SeriesWriter(path)
+    writer.add(block(0, 3))
+    assert path.exists()
+    writer.discard()
+    assert not path.exists()
+    finished = SeriesWriter(path)
+    finished.add(block(0, 3))
+    series = finished.close()
+    finished.discard()
+    assert series.column("time_ns").tolist() == [0, MS, 2 * MS]
+
+
+def test_a_block_without_instants_is_a_defect(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="time_ns"):
+        SeriesWriter(tmp_path / "a.parquet").add({"time_s": pa.array([0.0])})

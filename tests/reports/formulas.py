@@ -1,0 +1,44 @@
+"""A results folder of runs whose signals and findings are made of formulas."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pyarrow as pa
+from tests.recordings import facts, kept
+
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import findings
+from axisrig.bench.plan.checks import judge
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.build import Findings
+
+
+def write_runs(folder: Path, name: str, traces: Mapping[str, pa.Table]) -> Path:
+    """Write plan `name` below `folder`, and a results folder with a run for each trace."""
+    (folder / "a.nc").write_text("N10 G0 Z0\n", encoding="utf-8")
+    (folder / "a.toml").write_text("[machine]\n", encoding="utf-8")
+    lines = [f"{case},a.nc,a.toml,none" for case in traces]
+    text = "\n".join(["case,program,rig,check:alarms", *lines]) + "\n"
+    (folder / f"{name}.csv").write_text(text, encoding="utf-8")
+    plan = read_plan(folder / f"{name}.csv")
+    manifest = build_manifest([plan], command=["axisrig"], started="", output="out")
+    with ResultsWriter(folder / "out", [plan], manifest) as writer:
+        for case in plan.cases:
+            checks = [judge(check, [], 0.0, "") for check in case.checks]
+            series = kept(traces[case.case], writer.files_of(case.run).trace)
+            writer.add(CaseResult(case, Verdict.PASS, checks, facts=facts(), series=series))
+    return folder / "out"
+
+
+def made(found: Mapping[str, Mapping[str, Any]]) -> Findings:
+    """Make findings: those of the judge, and in place of its blocks and marks those of a case."""
+
+    def of_run(observed: Observed) -> dict[str, Any]:
+        assert isinstance(observed.series.source, Path)
+        case = observed.series.source.stem.partition("-")[2]
+        return {**findings(observed), **found[case]}
+
+    return of_run
