@@ -9,9 +9,9 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from axisrig.bench.record.event import Event
 
 from axisrig.bench.drive.dictionary.objects import object_rows
+from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
 from axisrig.reports import glossary as module

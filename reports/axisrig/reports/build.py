@@ -18,7 +18,13 @@ import pyarrow as pa
 from jinja2 import Environment, FunctionLoader, StrictUndefined
 from markupsafe import Markup
 
-from axisrig.bench.campaign.results.stored import NOTE, StoredResults, StoredRun, read_results
+from axisrig.bench.campaign.results.stored import (
+    NOTE,
+    RECORDED_IN,
+    StoredResults,
+    StoredRun,
+    read_results,
+)
 from axisrig.bench.files import write_whole
 from axisrig.bench.judge.observed.event import BESIDES
 from axisrig.bench.judge.observed.observed import Observed
@@ -95,7 +101,8 @@ def _file(name: str) -> str:
 def _page(results: StoredResults, parts: _Parts) -> dict[str, Any]:
     """Everything the template prints."""
     manifest = results.manifest
-    output = str(manifest.get("output", results.folder.name))
+    folder = manifest.get("output", results.folder.name)
+    output = str(manifest.get(RECORDED_IN, folder))
     runs = []
     for run in results.runs:
         with _readable(run, "what it left"):
@@ -221,7 +228,7 @@ def _run(run: StoredRun, columns: list[str], output: str, parts: _Parts) -> dict
         "events": _events(info),
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
-        "replay": shlex.join(["axisrig", "replay", output, run.run]),
+        "replay": shlex.join(["axisrig", "replay", output, run.recorded]),
         "chart": description,
         "data": packed,
     }

@@ -10,7 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from axisrig.bench.campaign.results.folder import FOLDERS, JUDGED
-from axisrig.bench.campaign.results.stored import RECORDINGS, StoredResults, StoredRun, read_results
+from axisrig.bench.campaign.results.stored import (
+    RECORDED_IN,
+    RECORDINGS,
+    StoredResults,
+    StoredRun,
+    read_results,
+)
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
@@ -22,7 +28,7 @@ from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
-from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.plan import Case, Plan, default_seed, read_plan
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
@@ -65,7 +71,7 @@ def rejudge(
         raise UserError("the plan has no row", file=path)
     into = _new_folder(folder, plan)
     manifest = build_manifest([plan], command=command, started=started, output=str(into))
-    manifest[RECORDINGS] = "../.."
+    manifest |= {RECORDINGS: "../..", RECORDED_IN: str(folder)}
     results = []
     with ResultsWriter(into, [plan], manifest, (), is_judged_again=True) as writer:
         for result in _judged(stored, plan):
@@ -121,8 +127,9 @@ def _name(run: str, plan: str) -> str:
 def _check_is_same(run: StoredRun, case: Case, hashes: Mapping[str, str]) -> None:
     """Raise UserError where a row asks for another run than the recorded one."""
     row = run.case
-    if row["seed"] != str(case.seed):
-        raise _other("the seed", row["seed"], str(case.seed))
+    before, now = _seed(run.run, row["seed"]), _seed(case.run, str(case.seed))
+    if before != now:
+        raise _other("the seed", before, now)
     recorded = {
         column: value
         for column, value in row.items()
@@ -133,6 +140,11 @@ def _check_is_same(run: StoredRun, case: Case, hashes: Mapping[str, str]) -> Non
         if before != now:
             raise _other(column, before or "no value", now or "no value")
     _check_files(row, case, hashes)
+
+
+def _seed(run: str, seed: str) -> str:
+    """Return a seed that a row gives; the one of a row that gives none follows from its name."""
+    return "none given" if seed == str(default_seed(run)) else seed
 
 
 def _check_files(row: Mapping[str, str], case: Case, hashes: Mapping[str, str]) -> None:

@@ -117,6 +117,11 @@ class Plan:
         return replace(self, columns=columns, cases=cases)
 
 
+def default_seed(run: str) -> int:
+    """Return the seed of a run whose row gives none."""
+    return crc32(run.encode())
+
+
 def read_plan(path: Path) -> Plan:
     """Read and check a plan.
 
@@ -208,7 +213,7 @@ def _read_row(table: Table, row: Row, forms: Mapping[str, ColumnForm], index: in
             title=row.cells.get("title", ""),
             tags=tuple(row.cells.get("tags", "").split()),
             requirement=row.cells.get("requirement", ""),
-            seed=crc32(run.encode()) if seed is None else (seed + count) % (_SEED_MAX + 1),
+            seed=default_seed(run) if seed is None else (seed + count) % (_SEED_MAX + 1),
             repeat=0 if repeats == 1 else count + 1,
             file=table.path,
             line=row.line,

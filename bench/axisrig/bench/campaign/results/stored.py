@@ -36,6 +36,8 @@ RECORDING = "recording"
 """Column of `cases.csv` of runs that were judged again: the run whose recording it was."""
 RECORDINGS = "recordings"
 """Entry of a manifest: the results folder that has the recordings, from this one."""
+RECORDED_IN = "recorded_in"
+"""Entry of a manifest: the same folder as the command line named it."""
 
 _RUN = re.compile(r"[A-Za-z0-9_.-]+")  # a part of file names
 
@@ -81,6 +83,11 @@ class StoredRun:
     def run(self) -> str:
         """The run id."""
         return self.case["run"]
+
+    @property
+    def recorded(self) -> str:
+        """The id of the run whose recording it is."""
+        return self.case.get(RECORDING) or self.run
 
     @property
     def verdict(self) -> Verdict:
@@ -147,7 +154,7 @@ def read_results(folder: Path) -> StoredResults:
     base = folder / str(manifest.get(RECORDINGS, ""))
     runs = []
     for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]:
-        run = row.get(RECORDING, row["run"])
+        run = row.get(RECORDING) or row["run"]
         file = base / "runs" / f"{run}.json"
         trace = base / "traces" / f"{run}.parquet"
         runs.append(StoredRun(row, checks.get(row["run"], []), _existing(file), _existing(trace)))
