@@ -66,7 +66,7 @@ def test_its_metric_is_judged_beside_the_others() -> None:
     assert seen.value == pytest.approx(PEAK_MM)
     for cell, expected in (("<= 0.3", Verdict.PASS), ("<= 0.2", Verdict.FAIL)):
         verdict, (result,) = judged(recorded(), [check(cell)], ALL)
-        assert (verdict, result.verdict, result.unit) == (expected, expected, "mm")
+        assert (verdict, result.verdict, result.check.unit) == (expected, expected, "mm")
         assert result.note == "a cycle of 1 ms"
 
 
