@@ -261,6 +261,14 @@ def _cut(text: str) -> str:
     return text[:-40]
 
 
+def _other(text: str, put: str) -> Callable[[str], str]:
+    def change(old: str) -> str:
+        assert text in old
+        return old.replace(text, put)
+
+    return change
+
+
 DAMAGES: list[tuple[str, str, bytes | Callable[[str], str], tuple[str, ...]]] = [
     ("manifest empty", "manifest.json", b"", ("report", "replay")),
     ("manifest a list", "manifest.json", b"[]", ("report", "replay")),
@@ -272,6 +280,15 @@ DAMAGES: list[tuple[str, str, bytes | Callable[[str], str], tuple[str, ...]]] = 
     ("results binary", "results.csv", bytes(range(256)), ("report",)),
     ("run empty", "runs/plan-a.json", b"", ("report",)),
     ("run a list", "runs/plan-a.json", b"[]", ("report",)),
+    ("run of an older version", "runs/plan-a.json", b'{"events": [], "log": []}', ("report",)),
+    (
+        "run of a later version",
+        "runs/plan-a.json",
+        _other('"version": 1', '"version": 2'),
+        ("report",),
+    ),
+    ("run without a value", "runs/plan-a.json", _other('"end_ns"', '"ended_ns"'), ("report",)),
+    ("trace empty", "traces/plan-a.parquet", b"", ("report",)),
     ("trace broken", "traces/plan-a.parquet", b"PAR1", ("report",)),
 ]
 

@@ -116,15 +116,15 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
 def test_a_full_disk_ends_with_4_and_names_the_file(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write_table = parquet.write_table
+    write_table = parquet.ParquetWriter.write_table
 
-    def full(trace: object, path: Path, **options: object) -> None:
-        if path.stem == "plan-b":
+    def full(writer: parquet.ParquetWriter, *rows: object, **options: object) -> None:
+        if Path(writer.where).stem == "plan-b":
             raise OSError(errno.ENOSPC, "Error writing bytes to file")
-        write_table(trace, path, **options)
+        write_table(writer, *rows, **options)
 
     plan = write_plan(place, PASSES, FAILS, PASSES.replace("a,", "c,", 1))
-    monkeypatch.setattr(parquet, "write_table", full)
+    monkeypatch.setattr(parquet.ParquetWriter, "write_table", full)
     code, out, err = axisrig("run", plan, "-o", "out")
     assert code == 4
     assert "Traceback" not in out + err

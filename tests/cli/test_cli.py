@@ -174,14 +174,14 @@ def test_defect_in_one_row_costs_that_row_only(
     place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What no user can cause is verdict error of the row, code 4, and the rest runs on."""
-    judged = runner._judged
+    run_case = runner._run_case
 
     def breaks(case: Case, *rest: Any) -> Any:
         if case.case == "a":
             raise RuntimeError("a wheel came off")
-        return judged(case, *rest)
+        return run_case(case, *rest)
 
-    monkeypatch.setattr(runner, "_judged", breaks)
+    monkeypatch.setattr(runner, "_run_case", breaks)
     rows = [f"{name},part.nc,rig.toml,3000,== 1," for name in ("a", "b")]
     code, out, err = axisrig("run", write_plan(place, *rows), "-o", "out")
     assert code == 4

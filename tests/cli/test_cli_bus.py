@@ -9,6 +9,7 @@ import can
 import pytest
 
 from axisrig.bench.bus.frame import Frame, frame_bits
+from axisrig.bench.record.facts import Facts, read_run
 
 Call = Callable[..., tuple[int, str, str]]
 SLOW = ("--set", "bus:can1.bitrate=500000")
@@ -30,19 +31,20 @@ def plan(place: Path) -> Path:
     return path
 
 
-def stored(place: Path) -> tuple[dict[str, float], dict[str, object]]:
+def stored(place: Path) -> tuple[dict[str, float], Facts]:
     with (place / "out" / "results.csv").open(newline="", encoding="utf-8") as file:
         values = {
             row["metric"]: float(row["value"]) for row in csv.DictReader(file) if row["value"]
         }
-    info = json.loads((place / "out" / "runs" / "plan-a.json").read_text(encoding="utf-8"))
-    return values, info
+    facts = read_run(place / "out" / "runs" / "plan-a.json").facts
+    assert facts is not None
+    return values, facts
 
 
 def test_load_and_waits_fit_the_log(place: Path, axisrig: Call, plan: Path) -> None:
     """The log has the end of every frame; with its length the busy time follows."""
     assert axisrig("run", plan, "-o", "out")[0] == 0
-    values, info = stored(place)
+    values, facts = stored(place)
     with can.BLFReader(place / "out" / "bus" / "plan-a.blf") as reader:
         log = [
             (
@@ -67,8 +69,8 @@ def test_load_and_waits_fit_the_log(place: Path, axisrig: Call, plan: Path) -> N
     worst_us = max(sum(by_ms[first : first + 100]) for first in range(len(by_ms)))
     assert values["bus_load_100ms_pct_max"] == pytest.approx(worst_us / 1e3, rel=1e-3)
     assert values["error_frames"] == 0
-    (bus,) = info["bus"]  # type: ignore[misc]
-    waits = {wait["name"]: wait["worst_us"] for wait in bus["waiting"]}
+    (bus,) = facts.buses
+    waits = {wait.name: wait.worst_us for wait in bus.waiting}
     assert {"SYNC", "Z.TPDO1", "Z.RPDO1", "Z.SDO request"} <= set(waits)
     assert values["queueing_us_max"] == max(waits.values())
     assert values["queueing_us_max:Z"] == max(us for name, us in waits.items() if "Z." in name)
@@ -85,9 +87,9 @@ def test_overload_runs_only_when_forced_and_is_told(place: Path, axisrig: Call, 
     _, out, _ = axisrig("run", plan, "-o", "out", *SLOW, "--force")
     line = next(line for line in out.splitlines() if "overloaded" in line)
     assert "segment can1 is overloaded: last TPDO" in line
-    _, info = stored(place)
-    (bus,) = info["bus"]  # type: ignore[misc]
-    assert bus["overload"]
+    _, facts = stored(place)
+    (bus,) = facts.buses
+    assert bus.overload
     assert "overloaded:" in (place / "out" / "report.html").read_text(encoding="utf-8")
     _, out, _ = axisrig("replay", "out", "plan-a")
     assert out.splitlines()[-1] == "frame_log_sha256 equal"

@@ -12,8 +12,10 @@ import pytest
 from tests.recordings import alarm
 
 from axisrig.bench.judge.observed.event import WARNING
+from axisrig.bench.record.axes import PlantRecord
 from axisrig.bench.record.bus import RealTime
 from axisrig.bench.record.facts import AlarmRecord, read_run, run_text
+from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.reports.build import _alarm, _events, build_report
 from axisrig.reports.parts.bar import WIDTH, bar, scale
@@ -159,6 +161,36 @@ def test_a_run_on_a_real_bus_is_not_called_simulated(campaign: Path, tmp_path: P
     assert text.count("<dt>ran</dt>") == 1
     assert "<dt>on a real bus</dt>" in text
     assert "s in 13 runs" in text
+
+
+def test_a_recording_that_contradicts_itself_is_refused_with_its_run(
+    campaign: Path, tmp_path: Path
+) -> None:
+    """A run to a fixed stop of an axis whose signals the trace does not have."""
+    part = tmp_path / "part"
+    shutil.copytree(campaign, part)
+    path = part / "runs" / "probing-feed_1_a.json"
+    facts = read_run(path).facts
+    assert facts is not None
+    stop = FixedStop({"Q": Criteria(1.0)}, axes=("Q",))
+    run = MeasurementRun(
+        ("Q",), inputs={"Q": 1}, start_ns=0, signal_ns=1, end_ns=2, fixed_stop=stop
+    )
+    axes = {**facts.axes, "Q": replace(facts.axes["Z"], plant="q")}
+    changed = replace(facts, runs=(run,), axes=axes, plants={"q": PlantRecord()})
+    path.write_text(run_text(changed), encoding="utf-8")
+    with pytest.raises(UserError, match=r"of run probing-feed_1_a cannot be read: KeyError\('Q\."):
+        build_report(part)
+
+
+def test_a_run_without_its_series_keeps_what_needs_none(campaign: Path, tmp_path: Path) -> None:
+    part = tmp_path / "part"
+    shutil.copytree(campaign, part)
+    before = Page(build_report(part).read_text(encoding="utf-8"))
+    (part / "traces" / "probing-feed_1_a.parquet").unlink()
+    after = Page(build_report(part).read_text(encoding="utf-8"))
+    assert len(after.find("figure")) == len(before.find("figure")) - 1
+    assert len(after.find("pre")) == len(before.find("pre"))
 
 
 def test_other_folders_are_refused(tmp_path: Path) -> None:

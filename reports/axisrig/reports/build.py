@@ -44,6 +44,8 @@ Findings = Callable[[Observed], Mapping[str, Any]]
 """What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
 
 _SECTION = "section.html"
+# What comes up where a part of a recording lacks what another part has
+_UNREADABLE = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, AssertionError)
 _WHOLE, _TINY = 1e15, 1e-3
 _SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
 
@@ -239,7 +241,7 @@ def _readable(run: StoredRun, block: str) -> Iterator[None]:
     """Raise UserError for a part of a run that was edited, or that another version wrote."""
     try:
         yield
-    except (LookupError, TypeError, ValueError, ArithmeticError, AttributeError) as error:
+    except _UNREADABLE as error:
         raise UserError(
             f"`{block}` of run {run.run} cannot be read: {_one_line(error)}",
             hint="run the case again with this version",
