@@ -9,6 +9,7 @@ with the ends of their frames.
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Final, NamedTuple
 
@@ -75,7 +76,7 @@ class Series:
 
         Raises UserError when the file is damaged, OSError when it cannot be read.
         """
-        return [item.name for item in self._schema() if not pa.types.is_list(item.type)]
+        return [item.name for item in self._schema if not pa.types.is_list(item.type)]
 
     def column(self, name: str) -> npt.NDArray[np.generic]:
         """Return one value for each row, shape (n,).
@@ -88,7 +89,7 @@ class Series:
     def telegrams(self, axis: str, field: str) -> Telegrams:
         """Return the cyclic values of a field (TARGET, ACTUAL, SECOND); empty without any."""
         names = [f"{axis}.{field}_{part}" for part in (FRAME_NS, INCREMENTS)]
-        if names[0] not in self._schema().names:
+        if names[0] not in self._schema.names:
             return Telegrams(np.empty(0, np.int64), np.empty(0, np.int64))
         table = self._read(names)
         return Telegrams(*(_flat(table.column(place)) for place in (0, 1)))
@@ -107,24 +108,31 @@ class Series:
             writer.add(dict(zip(self.source.column_names, self.source.columns, strict=True)))
             writer.close()
 
+    def __reduce__(self) -> tuple[type["Series"], tuple[Path | pa.Table]]:
+        return Series, (self.source,)  # an open file stays in its process
+
+    @cached_property
+    def _file(self) -> pq.ParquetFile:
+        assert isinstance(self.source, Path)
+        with _readable(self.source):
+            return pq.ParquetFile(self.source, memory_map=False)
+
+    @cached_property
     def _schema(self) -> pa.Schema:
-        if isinstance(self.source, Path):
-            with _readable(self.source):
-                schema = pq.read_schema(self.source)
-        else:
-            schema = self.source.schema
+        is_file = isinstance(self.source, Path)
+        schema = self._file.schema_arrow if is_file else self.source.schema  # type: ignore[union-attr]
         if TIME not in schema.names or schema.field(TIME).type != pa.int64():
             raise _damaged(self.source, "no column time_ns of whole numbers")
         return schema
 
     def _read(self, names: Sequence[str]) -> pa.Table:
-        missing = set(names) - set(self._schema().names)
+        missing = set(names) - set(self._schema.names)
         if missing:
             raise MissingSignalError(min(missing))
         if not isinstance(self.source, Path):
             return self.source.select(list(names))
         with _readable(self.source):
-            return pq.ParquetFile(self.source).read(columns=list(names)).select(list(names))
+            return self._file.read(columns=list(names), use_threads=False).select(list(names))
 
 
 class _readable:  # noqa: N801
