@@ -8,8 +8,6 @@ response. N = n_cycles, a = smoothing factor, q = 1 - a, n = order, g = tan(pi f
 import math
 from dataclasses import dataclass
 
-from scipy.special import beta, hyp2f1
-
 # Assumed walk of the distance in one cycle, the one free number of the Kalman filters
 PROCESS_SIGMA_MM = 0.1
 
@@ -49,6 +47,8 @@ def low_pass(order: int, f0_hz: float, period_s: float) -> Character:
     if order == 0:
         return Character(0.0, 1.0)
     g = math.tan(math.pi * f0_hz * period_s)
+    from scipy.special import beta, hyp2f1  # noqa: PLC0415 - takes long to load
+
     energy = g / math.pi * beta(0.5, order + 0.5) * hyp2f1(1, 0.5, order + 1, 1 - g * g)
     return Character(order / (2 * g), math.sqrt(energy))
 

@@ -8,7 +8,6 @@ import math
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
 
 from axisrig.bench.oracles.distance.loop import BOTH, SET_POS, Loop, growth, polynomials, transfer
 from axisrig.bench.oracles.distance.smoothing import Polynomial
@@ -97,6 +96,8 @@ def offset_noise_gain(loop: Loop, kp: float) -> float:
 
     Root of the sum of squares of the impulse response of kp C F q^s/((1 - q) + kp C B).
     """
+    from scipy import signal  # noqa: PLC0415 - takes a second to load
+
     start, gain = polynomials(loop)
     control = np.array([1.0 + loop.derivative, -loop.derivative])
     below = np.polynomial.polynomial.polyadd(start, kp * gain)

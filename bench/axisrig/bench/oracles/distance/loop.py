@@ -97,7 +97,11 @@ def _shift(polynomial: Polynomial, cycles: int) -> Polynomial:
 
 def poles(loop: Loop, kp: float) -> npt.NDArray[np.complex128]:
     """Return the roots of the characteristic polynomial in z."""
-    start, gain = polynomials(loop)
+    return roots_at(*polynomials(loop), kp)
+
+
+def roots_at(start: Polynomial, gain: Polynomial, kp: float) -> npt.NDArray[np.complex128]:
+    """Return the roots of A(q) + kp B(q) in z; start, gain: what `polynomials` gives."""
     whole = np.polynomial.polynomial.polyadd(start, kp * gain)
     roots: npt.NDArray[np.complex128] = np.roots(whole).astype(np.complex128)
     return roots
@@ -105,7 +109,11 @@ def poles(loop: Loop, kp: float) -> npt.NDArray[np.complex128]:
 
 def growth(loop: Loop, kp: float) -> float:
     """Return the magnitude of the largest pole: what is left of an error after one cycle."""
-    found = poles(loop, kp)
+    return largest(poles(loop, kp))
+
+
+def largest(found: npt.NDArray[np.complex128]) -> float:
+    """Return the largest magnitude among poles."""
     return float(np.max(np.abs(found))) if len(found) else 0.0  # none: all poles lie at 0
 
 

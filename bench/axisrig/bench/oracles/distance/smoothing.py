@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
-from scipy import signal
 
 from axisrig.bench.oracles.distance.filters import PROCESS_SIGMA_MM
 from axisrig.bench.oracles.distance.lists import Control
@@ -42,9 +41,14 @@ class Smoothing:
     @property
     def noise_gain(self) -> float:
         """Standard deviation of its output for white noise of 1: root of the sum of h(k)^2."""
-        impulse = np.zeros(4000)
-        impulse[0] = 1.0
-        answer = signal.lfilter(self.numerator, self.denominator, impulse)
+        answer = np.zeros(4000)
+        if len(self.denominator) == 1:
+            answer[: len(self.numerator)] = self.numerator / self.denominator[0]
+        else:
+            from scipy import signal  # noqa: PLC0415 - takes a second to load
+
+            answer[0] = 1.0
+            answer = signal.lfilter(self.numerator, self.denominator, answer)
         return float(np.sqrt(np.sum(answer**2)))
 
     def response(self, omega_t: Polynomial) -> npt.NDArray[np.complex128]:
@@ -118,6 +122,8 @@ def butterworth(order: int, corner_hz: float, period_s: float) -> Smoothing:
 
     Delay 1/(2 tan(pi f0 T) sin(pi/2n)) cycles.
     """
+    from scipy import signal  # noqa: PLC0415 - takes a second to load
+
     b, a = signal.butter(order, corner_hz, fs=1.0 / period_s)
     return Smoothing(f"Butterworth of order {order}", np.asarray(b), np.asarray(a))
 

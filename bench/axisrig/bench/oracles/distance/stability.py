@@ -9,7 +9,16 @@ import math
 
 import numpy as np
 
-from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
+from axisrig.bench.oracles.distance.loop import (
+    BOTH,
+    CONST_DIST,
+    SET_POS,
+    Loop,
+    growth,
+    largest,
+    polynomials,
+    roots_at,
+)
 
 KP_MAX = 2.0
 """P-AXIS-00759 allows no more."""
@@ -67,12 +76,17 @@ def kp_limit(loop: Loop) -> float:
 
     0.0 for a loop that no kp keeps stable. Searched up to 20; inf where none is found.
     """
+    start, gain = polynomials(loop)
+
+    def is_reached(kp: float) -> bool:
+        return largest(roots_at(start, gain, kp)) >= _EDGE
+
     grid = np.linspace(0.0, _SEARCH_MAX, _STEPS + 1)[1:]
-    if growth(loop, 1e-3) >= _EDGE:
+    if is_reached(1e-3):
         return 0.0
     low = 1e-3
     for kp in grid:
-        if growth(loop, float(kp)) >= _EDGE:
+        if is_reached(float(kp)):
             high = float(kp)
             break
         low = float(kp)
@@ -80,7 +94,7 @@ def kp_limit(loop: Loop) -> float:
         return math.inf
     while high - low > _CLOSE * high:
         middle = 0.5 * (low + high)
-        if growth(loop, middle) >= _EDGE:
+        if is_reached(middle):
             high = middle
         else:
             low = middle
