@@ -96,6 +96,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
     settings, link = machine.settings, machine.links[name]
     axis = settings.rig.axis[name]
     is_outside = name in machine.outside
+    drive = settings.rig.drive[axis.drive].make()
     per_mm = link.settings.increments_per_mm
     latches: list[Latch] = []
     origin_mm = 0.0
@@ -128,9 +129,11 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
         homed_ns=tuple(at for at, homed in machine.channel.single.homed if homed == name),
         doubt_mm=link.doubt_mm,
         unproved_latches=link.unproved_latches,
+        rated_torque_mnm=drive.rated_torque_mnm,
+        lead_um=float(drive.lead_um),
         second_delay_cycles=int(settings.rig.drive[axis.drive].second_delay_cycles),
         latches=tuple(sorted(latches, key=lambda latch: (latch.time_ns, latch.probe))),
-        force_limits=machine.torque_limits.of(name),
+        torque_limits=machine.torque_limits.of(name),
         states=tuple(DriveState(at, state.name, state in _TROUBLE) for at, state in states),
     )
 

@@ -226,7 +226,7 @@ class Machine:
         """Build what looks at every cycle and keeps what the run leaves behind."""
         self.recorder = self._build_recorder(trace)
         self._open.callback(self.recorder.discard)
-        self.torque_limits = LimitLog({name: n.servo for name, n in self.nodes.items()})
+        self.torque_limits = LimitLog(self.nodes)
         self.distance_log = DistanceLog()
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]

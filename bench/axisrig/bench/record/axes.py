@@ -47,12 +47,16 @@ class Latch(Frozen):
 
 
 @dataclass(frozen=True)
-class ForceLimit(Frozen):
-    """Torque limits of a drive from an instant on, N at the slide: downwards and upwards."""
+class TorqueLimit(Frozen):
+    """Torque limits of a drive from an instant on, per mille of its rated torque.
+
+    most: 6072, negative: 60E1, positive: 60E0.
+    """
 
     since_ns: TimeNs
-    negative_n: float
-    positive_n: float
+    most: int
+    negative: int
+    positive: int
 
 
 @dataclass(frozen=True)
@@ -75,6 +79,7 @@ class AxisRecord(Frozen):
     that the drive counts from at the end; homed_ns: when that was set anew (G74). doubt_mm: how far
     a measured value may be wrong that no SDO has proved; None: proved. unproved_latches: how many
     rest on telegrams alone. second_delay_cycles: age of 60E4 beside 6064.
+    rated_torque_mnm, lead_um: of motor and screw.
     """
 
     segment: str
@@ -94,8 +99,10 @@ class AxisRecord(Frozen):
     doubt_mm: float | None = None
     unproved_latches: int = 0
     second_delay_cycles: int = 0
+    rated_torque_mnm: int = 0
+    lead_um: float = 0.0
     latches: tuple[Latch, ...] = ()
-    force_limits: tuple[ForceLimit, ...] = ()
+    torque_limits: tuple[TorqueLimit, ...] = ()
     states: tuple[DriveState, ...] = ()
 
 

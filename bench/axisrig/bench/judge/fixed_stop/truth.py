@@ -11,7 +11,7 @@ from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.fixed_stop.contact import StopPath
 from axisrig.bench.oracles.fixed_stop.following import Course
 from axisrig.bench.oracles.fixed_stop.lists import Written
-from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop
+from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop, drive_limit_n
 from axisrig.bench.record.axes import AxisRecord, PlantRecord
 from axisrig.bench.record.series import Signal, Times
 from axisrig.kernel.time.clock import TimeNs
@@ -146,11 +146,13 @@ class AxisTruth:
 
     def _limit_n(self, time_ns: TimeNs, direction: int) -> float | None:
         """Return the limit of the drive that acted at an instant in a direction (1, -1)."""
-        limits = self.record.force_limits
+        limits, record = self.record.torque_limits, self.record
         known = [limit for limit in limits if limit.since_ns <= time_ns] or limits[:1]
         if not known:
             return None
-        return known[-1].positive_n if direction > 0 else known[-1].negative_n
+        now = known[-1]
+        acting = (now.most, now.positive if direction > 0 else now.negative)
+        return drive_limit_n(record.rated_torque_mnm, record.lead_um, acting)
 
 
 def axis_truth(observed: Observed, axis: str, zero_mm: float) -> AxisTruth:

@@ -7,6 +7,7 @@ F. R. E. Crossley, J. Applied Mechanics 42 (1975) for the damping.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 UM = 1e-3
@@ -32,6 +33,16 @@ class Stop:
             return linear_m * 1e3
         share = math.pow(linear_m / self.reference_m, 1.0 / self.exponent)
         return self.reference_m * share * 1e3
+
+
+def drive_limit_n(rated_torque_mnm: int, lead_um: float, per_mille: Sequence[int]) -> float:
+    """Return the force of a motor at its torque limits, of which the least acts.
+
+    F = 2 pi M / lead (a screw without loss); per_mille: of the rated torque M, 6072 and 60E0 or
+    60E1. Source: CiA 402-2, objects 6072 and 60E0.
+    """
+    rated_n = 2.0 * math.pi * rated_torque_mnm * 1e3 / lead_um
+    return min(per_mille) * rated_n / 1000
 
 
 @dataclass(frozen=True)
