@@ -118,7 +118,7 @@ def test_damaged_fmu_in_the_cache_is_built_again(tmp_path):
 
 EXPORTER = Path(building.__file__).parent
 # What no FMU depends on: what only people read
-ASIDE = ("__pycache__", "package.order")
+ASIDE = ("__pycache__", "package.order", "py.typed")
 FILES = sorted(
     path.relative_to(EXPORTER)
     for path in EXPORTER.rglob("*")

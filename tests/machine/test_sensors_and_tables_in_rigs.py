@@ -135,7 +135,7 @@ def test_rotary_table_is_an_axis_of_degrees(run_own: Run, tmp_path: Path) -> Non
     assert degrees[0] == pytest.approx(90.0, abs=1e-9)
     steady = (degrees > 130) & (degrees < 160)
     assert out.column("C.velocity_deg_s")[steady] == pytest.approx(60.0, rel=1e-4)
-    assert out.column("C.drive_lag_mm")[steady] == pytest.approx(60.0 / 20, rel=1e-4)
-    assert out.column("C.actual_mm") == pytest.approx(degrees, abs=6 / 2**20)
-    assert out.column("C.set_mm")[-1] == 180.0
+    assert out.column("C.drive_lag_deg")[steady] == pytest.approx(60.0 / 20, rel=1e-4)
+    assert out.column("C.actual_deg") == pytest.approx(degrees, abs=6 / 2**20)
+    assert out.column("C.set_deg")[-1] == 180.0
     assert degrees[-1] == pytest.approx(180.0, abs=0.1)

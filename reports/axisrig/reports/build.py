@@ -249,7 +249,7 @@ def _readable(run: StoredRun, block: str) -> Iterator[None]:
 
 
 def _one_line(error: Exception) -> str:
-    return repr(error) if isinstance(error, KeyError) else str(error).strip().partition("\n")[0]
+    return repr(error) if type(error) is KeyError else str(error).strip().partition("\n")[0]
 
 
 def _info(run: StoredRun, findings: Findings) -> dict[str, Any]:
