@@ -179,7 +179,9 @@ def test_a_recording_that_contradicts_itself_is_refused_with_its_run(
     axes = {**facts.axes, "Q": replace(facts.axes["Z"], plant="q")}
     changed = replace(facts, runs=(run,), axes=axes, plants={"q": PlantRecord()})
     path.write_text(run_text(changed), encoding="utf-8")
-    with pytest.raises(UserError, match=r"of run probing-feed_1_a cannot be read: the recording has no signal Q\."):
+    with pytest.raises(
+        UserError, match=r"of run probing-feed_1_a cannot be read: the recording has no signal Q\."
+    ):
         build_report(part)
 
 
