@@ -1,7 +1,8 @@
 """Distance control: from a sensor value to an offset, once per NC cycle.
 
 It has no link to an axis, program or drive. Sensor values count against the motor: they fall when
-the tool lifts, s = -g with the gap g, and are 0 where the tool touches the ideal surface (FCT-M3 5). Laws:
+the tool lifts, s = -g with the gap g, and are 0 where the tool touches the ideal surface
+(FCT-M3 5). Laws:
 
 surface (FCT-M3 5.1)            e = filter(actual + sensor - SET_POS) - offset
 constant distance (5.2, 7.1)    e = SET_DIST - filter(d), d = -sensor
@@ -279,8 +280,8 @@ class DistanceControl:
     def step(self, reading: Reading) -> float:
         """Take the values of a cycle and return the offset for it, mm.
 
-        Raises the alarms of `supervision`: the state is ERROR then and the offset is held; at its limit
-        where it would have passed it.
+        Raises the alarms of `supervision`: the state is ERROR then; the offset is held,
+        at its limit where it would have passed it.
         """
         self._take(reading)
         if self.state in FOLLOWING:

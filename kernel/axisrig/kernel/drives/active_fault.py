@@ -1,7 +1,8 @@
 """Asks a drive for the fault that it has had since before anybody listened.
 
 Emergencies are sent once, when the fault comes up. What is active afterwards is reported by 603F
-(error code, CiA 402) and by the newest entry of the error history 1003:1 (CiA 301); a drive may lack both.
+(error code, CiA 402) and by the newest entry of the error history
+1003:1 (CiA 301); a drive may lack both.
 """
 
 from functools import partial

@@ -90,7 +90,7 @@ class LatchCheck:
         self._is_answered = False
 
     def begin(self) -> None:
-        """A run begins: forget earlier reports, and take note of the counter while nothing moves."""
+        """A run begins: forget earlier reports, and read the counter while nothing moves."""
         self._question += 1  # answers to earlier questions do not count
         self._is_asked = self._is_answered = False
         self._waiting = None

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from axisrig.kernel.channel.path.settings import CycleTiming
+from axisrig.kernel.drives.active_fault import ActiveFault
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.active_fault import ActiveFault
 from axisrig.kernel.drives.watch import BusWatch, DriveWatch, HeartbeatProducer, WatchSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import Clock

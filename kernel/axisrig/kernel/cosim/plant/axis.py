@@ -71,7 +71,7 @@ def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, fl
 class PlantAxis:
     """A servo axis of the plant as its drive sees it (SI units).
 
-    roles: what its FMU takes and gives. advance_to: advances the whole plant to an instant. `motion`
+    roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
     `tick` load position and velocity at both ends of the last step. The last 4096 steps are kept,
     so that the position at a latch can be looked up. fine_ns: longest step where a stop can be

@@ -1,8 +1,8 @@
 """Zero offset and tool lists in the format of the manuals: one name and one value per line.
 
-What is allowed there is in `lists.csv`: number, list, path (`[i]`, `[j]` for indices), type, unit,
-min and max (blank = the range of the type), default, acts: yes; `ignored` = read and without effect;
-or the only value that is allowed there.
+`lists.csv` has what is allowed there: number, list, path (`[i]`, `[j]` for indices), type, unit,
+min and max (blank = the range of the type), default, acts: yes; `ignored` = read and without
+effect; or the only value that is allowed there.
 """
 
 import csv
