@@ -122,7 +122,7 @@ def test_without_the_offer_a_fine_step_is_the_uncertainty(place: Make) -> None:
 
 
 @pytest.mark.parametrize("version", [3], ids=["FMI3"], indirect=True)
-@pytest.mark.parametrize(("behaviour", "text"), [(1, "stands still"), (2, "is no number")])
+@pytest.mark.parametrize(("behaviour", "text"), [(1, "does not advance"), (2, "is no number")])
 def test_gate_whose_time_stops_is_no_run_without_an_edge(
     place: Make, behaviour: int, text: str
 ) -> None:

@@ -78,7 +78,7 @@ def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
     assert [e["label"] for e in told["events"] if e["kind"] == "edge"] == [
         "switch: rising edge, known to 50 us"
     ]
-    assert "tells no contact" in told["notes"]["latch_error_um:Z"]
+    assert "does not report contacts" in told["notes"]["latch_error_um:Z"]
 
 
 @pytest.mark.parametrize(("behaviour", "value"), [(1, "nan"), (2, "inf")])

@@ -100,7 +100,7 @@ def test_what_does_not_fit_is_refused(table: FmuSlave, source: Source, text: str
 
 def test_unit_that_the_fmu_names_but_does_not_define_is_refused(fmu: Callable[..., Path]) -> None:
     slave = load_fmu(fmu(), "odd")
-    with pytest.raises(UserError, match="nothing tells what the unit is; found 'parsec'"):
+    with pytest.raises(UserError, match="the unit is not given; found 'parsec'"):
         unit_of(slave.description, slave.variable("far"))
     slave.close()
 

@@ -100,7 +100,7 @@ def test_step_that_is_done_half_way_goes_on_from_there(odd: Odd) -> None:
         ("discards all", True, True, "discards every step down to 1 ns"),
         ("discards all", False, True, "discard without progress, and the FMU cannot save its"),
         ("discards all", True, False, "cannot take steps that differ in length"),
-        ("tells no progress", True, True, "does not tell how far it came"),
+        ("tells no progress", True, True, "does not say how far it came"),
     ],
 )
 def test_discard_ends_in_an_error_and_never_in_an_endless_loop(
@@ -178,7 +178,7 @@ def test_early_returns_without_progress_end_in_an_error(odd: Odd) -> None:
 @pytest.mark.parametrize(
     ("behaviour", "text"),
     [
-        ("stands still", r"the FMU stands still \(lastSuccessfulTime 0\.005 s\)"),
+        ("stands still", r"the FMU does not advance \(lastSuccessfulTime 0\.005 s\)"),
         ("loses its time", r"where the FMU has come \(lastSuccessfulTime\) is no number"),
     ],
 )
@@ -197,7 +197,7 @@ def test_time_may_wait_for_a_longer_step_that_the_description_tells(odd: Odd) ->
         slave.step_to(end_us * US)
         assert slave.get("slide.x") == pytest.approx(100.0 * (end_us // 1000) * 1e-3, abs=1e-9)
     slave = odd("waits", name="silent")
-    with pytest.raises(PlantError, match="the FMU stands still"):
+    with pytest.raises(PlantError, match="the FMU does not advance"):
         slave.step_to(250 * US)
 
 

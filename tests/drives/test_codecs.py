@@ -175,7 +175,7 @@ def test_a_table_may_order_its_objects_as_it_likes(tmp_path: Path) -> None:
         ("16,no,,", "16,maybe,,", "signed of the mapping table", 4),
         ("16,no,,", "16,no,torque,", "field of the mapping table", 4),
         ("16,no,,", "16,no,statusword,", "pdo of the mapping table", 4),
-        ("16,no,,", "16,no,target,", "stands twice", 4),
+        ("16,no,,", "16,no,target,", "is twice", 4),
         ("TPDO1,1,0,0x6041,0,16,no,statusword,\n", "", "lacks a field", None),
         ("RPDO1,1,0,0x607A", "RPDO1,254,0,0x607A", "must come with every SYNC", 3),
         ("0x6072,0,16", "0x6072,0,64", "longer than a PDO", None),

@@ -183,7 +183,7 @@ def test_900011_names_object_and_value_of_a_mapping(link_bench: Make) -> None:
     bench.remote.object_dictionary = object_dictionary(NODE, DriveProfile())
     alarm = _result(bench, telegrams=telegrams(0x60BA, counter=True))
     assert alarm is not None
-    assert "did not take mapping of TPDO2: 0x1A01:" in str(alarm)
+    assert "did not accept mapping of TPDO2: 0x1A01:" in str(alarm)
     assert "= 0x60D50010: abort 0x06020000, " in str(alarm)
 
 

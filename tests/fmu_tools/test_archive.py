@@ -72,7 +72,7 @@ def test_an_entry_without_a_name(pack: Pack, refused: Refused) -> None:
         (["resources/stra\u00dfe", "resources/STRASSE"], "one file where case does not count"),
         (["resources/\u00e9", "resources/e\u0301"], "one file where case does not count"),
         (["resources/\u212b", "resources/\u00c5"], "one file where case does not count"),
-        (["resources", "resources/a"], "lies inside a file"),
+        (["resources", "resources/a"], "is inside a file"),
         (["resources/a", "resources"], "is a file and a folder"),
         (["modelDescription.xml"], "is there twice"),
         (["MODELDESCRIPTION.XML"], "one file where case does not count"),

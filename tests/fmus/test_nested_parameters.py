@@ -111,7 +111,7 @@ def test_start_value_outside_its_limits_is_refused_with_its_line(tmp_path):
     text = LIBRARY.replace("Spring spring(stiffness=30);", "Spring spring(stiffness=-30);")
     (root / "package.mo").write_text(text, encoding="utf-8")
     with pytest.raises(
-        BuildError, match=r"-30 of box\.spring\.stiffness lies outside 0 \.\. inf"
+        BuildError, match=r"-30 of box\.spring\.stiffness is outside 0 \.\. inf"
     ) as e:
         build("Small.Plant", tmp_path / "plant.fmu", root)
     assert (e.value.file, e.value.line) == ("Small/package.mo", 3)

@@ -99,9 +99,9 @@ def ensure_built(
 
 
 def is_ours(path: Path, cache_dir: Path | None = None) -> bool:
-    """Tell whether the file at `path` is byte for byte an FMU that `ensure_built` has made.
+    """Return whether the file at `path` is byte for byte an FMU that `ensure_built` has made.
 
-    Wherever it lies: the cache keeps the hash of each one. cache_dir: as `place_in_cache`.
+    The place does not matter: the cache keeps the hash of each one. cache_dir: as `place_in_cache`.
     """
     return path.is_file() and _record(path, _cache(cache_dir)).is_file()
 
@@ -190,7 +190,7 @@ def _targets(names: Sequence[str], fmi: str) -> list[Platform]:
             message = f"platform {name} is not known; there are {', '.join(PLATFORMS)}"
             raise BuildError(None, None, message)
     targets = [PLATFORMS[name] for name in dict.fromkeys(names)] or [this_platform()]
-    # One folder of FMI 2.0 stands for both machines of macOS: it gets the library of both.
+    # One folder of FMI 2.0 is for both machines of macOS: it gets the library of both.
     folders = {target.folder(fmi) for target in targets}
     if fmi == "2.0" and targets != [this_platform()]:
         targets = [p for p in PLATFORMS.values() if p.fmi2_folder in folders]

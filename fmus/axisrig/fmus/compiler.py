@@ -65,7 +65,7 @@ class Platform:
         """The folder below `binaries`. Raises BuildError when this version of FMI has none."""
         found = self.name if fmi == "3.0" else self.fmi2_folder
         if not found:
-            raise BuildError(None, None, f"FMI {fmi} knows no {self.name}; FMI 3.0 does")
+            raise BuildError(None, None, f"FMI {fmi} has no {self.name}; FMI 3.0 has")
         return found
 
 

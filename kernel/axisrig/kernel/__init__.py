@@ -1,4 +1,4 @@
 """The CNC and the co-simulation master: NC language, motion, measuring, drive links, time.
 
-The kernel sees the machine through the bus only and knows nothing of test plans.
+The kernel sees the machine through the bus only and does not depend on test plans.
 """

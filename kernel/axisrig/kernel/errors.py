@@ -30,11 +30,11 @@ class _GuessedText(str):
 
 
 class UserError(Exception):
-    """Input that cannot be accepted, told so that the reader can mend it.
+    """Input that cannot be accepted, with a message by which the reader can correct it.
 
     message: what is wrong, one sentence without full stop.
     file, line, column: where (line and column count from 1).
-    value: what was found. allowed: what may stand there, or a `Guess`. hint: what to do.
+    value: what was found. allowed: what is allowed there, or a `Guess`. hint: what to do.
     excerpt: the line with a mark under the place, for a reader at a terminal; no part of the text.
     further: what else is wrong in the same file, in its order; no part of the text either.
     """
@@ -111,7 +111,7 @@ class CatalogueEntry:
         manuals say none. area: the function that it belongs to.
     is_raised: whether the function is implemented; else nothing raises it yet.
     text: our words with `{name}` places. values: these names, with their unit at the end.
-    remedy: what to do. source: where the ID stands. inferred: columns that no source tells.
+    remedy: what to do. source: where the ID is documented. inferred: columns that no source gives.
     """
 
     id: int
@@ -185,7 +185,7 @@ def same_cause(alarm_id: int) -> int:
 class Alarm(Exception):  # noqa: N818
     """An entry of the catalogue that has come up, with the values of its text.
 
-    Raises KeyError for an ID or a value that the catalogue does not know: that is a defect.
+    Raises KeyError for an ID or a value that is not in the catalogue: that is a defect.
     """
 
     def __init__(self, alarm_id: int, *, place: str | None = None, **values: object) -> None:
@@ -207,5 +207,5 @@ class Alarm(Exception):  # noqa: N818
     def __str__(self) -> str:
         text = self.entry.text.format(**self.values)
         place = f" ({self.place})" if self.place else ""
-        told = f"ID {self.entry.id} class {self.entry.reaction_class}: {text}{place}."
-        return " ".join(filter(None, (told, self.entry.remedy, self.entry.relation)))
+        head = f"ID {self.entry.id} class {self.entry.reaction_class}: {text}{place}."
+        return " ".join(filter(None, (head, self.entry.remedy, self.entry.relation)))

@@ -171,7 +171,7 @@ def test_900240_says_that_standing_in_the_exact_stop_window_is_no_stop(stage: Ma
         made.finish()
     told = str(caught.value.values["criteria"])
     assert "at rest with 0.0000 mm, inside its exact-stop window of" in told
-    assert "(P-AXIS-00236), where standing is no stop" in told
+    assert "(P-AXIS-00236), where standstill is no stop" in told
 
 
 @pytest.mark.parametrize("stop_mm", [5.0, 1e9])

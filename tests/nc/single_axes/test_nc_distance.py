@@ -154,9 +154,9 @@ def test_a_variable_that_the_plc_does_not_have_stays_as_written(run: Run, variab
         ("FREEZE CHECK_POS", "FREEZE and CHECK_POS of", 20),
         ("OFF REF", "OFF and REF of", 17),
         ("ON DRYRUN", "ON and DRYRUN of", 16),
-        ("CONST_DIST SET_DIST=1", "CONST_DIST of Z[DIST_CTRL stands with ON or DRYRUN", 13),
-        ("FREEZE NO_MOVE", "NO_MOVE of Z[DIST_CTRL stands with OFF", 20),
-        ("WAIT REF", "WAIT of Z[DIST_CTRL stands with", 13),
+        ("CONST_DIST SET_DIST=1", "CONST_DIST of Z[DIST_CTRL needs ON or DRYRUN", 13),
+        ("FREEZE NO_MOVE", "NO_MOVE of Z[DIST_CTRL needs OFF", 20),
+        ("WAIT REF", "WAIT of Z[DIST_CTRL needs", 13),
         ("N_CYCLES=3 DISTC_N_CYCLES=4", "are the same", 39),
         ("KP=2.5", "KP out of range", 16),
         ("FILTER_TYPE=MEDIAN", "FILTER_TYPE takes a name", 25),
@@ -176,7 +176,7 @@ def test_what_the_text_alone_shows_is_refused_before_anything_moves(
 
 @pytest.mark.parametrize("words", ["ON DIST_CTRL", "SET_POS=3", "SET_DIST 3 DIST_CTRL", "ON"])
 def test_dist_ctrl_is_the_first_word(run: Run, words: str) -> None:
-    with pytest.raises(UserError, match="DIST_CTRL stands in front of its keywords") as caught:
+    with pytest.raises(UserError, match="DIST_CTRL is written before its keywords") as caught:
         run(f"%t\nZ[{words}]\nM30\n")
     assert (caught.value.line, caught.value.column) == (2, 3)
 

@@ -61,7 +61,7 @@ ERRORS = [
     ("#CS ADD[WP][a,5,0]", 1, 13, "takes a number", "a"),
     ("#CS SET[WP][0,b]", 1, 15, "takes a number", "b"),
     ("#CS ADD[WP,3][1,5,0]", 1, 12, "takes one name", "3"),
-    ("#CS ON[0,0,1 2]", 1, 14, "a comma stands", "2"),
+    ("#CS ON[0,0,1 2]", 1, 14, "separated by a comma", "2"),
     ('#MSG ["%f", O]', 1, 13, "takes a number", "O"),
     ("#MSG", 1, 1, "wrong values", None),
     ("#MSG [1]", 1, 1, "wrong values", None),
@@ -73,7 +73,7 @@ ERRORS = [
     ('#MSG ["a", 1]', 1, 8, "number of format elements", "1 values"),
     ('#MSG ["%s", 1]', 1, 8, "value 1 does not fit", "%s"),
     ('#MSG ["%f", "a"]', 1, 8, "value 1 does not fit", "%f"),
-    ('#MSG ["%f" V.A.ABS.X]', 1, 12, "a comma stands", "V.A.ABS.X"),
+    ('#MSG ["%f" V.A.ABS.X]', 1, 12, "separated by a comma", "V.A.ABS.X"),
     # brackets, texts, line breaks
     ("N10 #CS ON[0,0,33\nN20 G1 X1", 1, 11, "not closed", "["),
     ("G1 F1\n#MEAS MODE[1", 2, 11, "not closed", "["),

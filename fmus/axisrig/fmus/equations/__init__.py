@@ -1,1 +1,1 @@
-"""The equations of a model, sorted, solved and told apart by when they act."""
+"""The equations of a model, sorted, solved and sorted by the times at which they act."""

@@ -7,7 +7,7 @@ from typing import Any
 from axisrig.fmus.reading.expressions import Expr, UnsupportedError, apply, const
 from axisrig.fmus.reading.ir import Ir, Source
 
-# How far a start value may lie from what the equations give, in the unit of the variable.
+# How far a start value may be from what the equations give, in the unit of the variable.
 START_TOLERANCE = 1e-6
 _KINDS = {"Assert": "assert", "Warning": "warning", "Terminate": "terminate"}
 _DIGITS = 6  # of String(r), as the language says

@@ -147,7 +147,7 @@ class _Reader:
     # --- one sample()
 
     def _schedule(self, condition: Mapping[str, Any], owner: str) -> Schedule:
-        """The schedule of one sample(); `owner`: a variable of the component that it stands in."""
+        """The schedule of one sample(); `owner`: a variable of the component that contains it."""
         span = condition["provenance"].get("span")
         clock = self._systems["clocks"]["clocks"][condition["operation"]["clock"]]
         operation = clock["operation"]

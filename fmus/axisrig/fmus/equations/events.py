@@ -38,7 +38,7 @@ class Relation:
 
 @dataclass(frozen=True)
 class Row:
-    """target := value. vector, index: the slot of y or p. place: where the equation stands."""
+    """target := value. vector, index: the slot of y or p. place: of the equation in the source."""
 
     vector: str
     index: int
@@ -49,7 +49,7 @@ class Row:
 def is_synthetic(function: Expr) -> bool:
     """Whether a root function is the compiler's own sin(pi*q), which marks whole numbers of q.
 
-    Two such zeros can lie in one step, so that `Memories` holds the whole number instead.
+    Two such zeros can be in one step, so that `Memories` holds the whole number instead.
     """
     if function.kind != "Sub" or function.args[0] is not ZERO or function.args[1].kind != "Sin":
         return False

@@ -31,7 +31,7 @@ class Equation:
 
 @dataclass(frozen=True)
 class Solution:
-    """unknown := value. place: where the equation stands."""
+    """unknown := value. place: of the equation in the source."""
 
     unknown: Expr
     value: Expr
@@ -42,7 +42,7 @@ class Solution:
 class Block:
     """Equations that hold at once: residuals(unknowns) = 0.
 
-    unknowns: what Newton's method looks for; empty for linear equations, which stand in the
+    unknowns: what Newton's method looks for; empty for linear equations, which are in the
     expression of their solution. inputs: leaves that the residuals read beside. slopes: the
     derivative of each residual by each unknown, row by row. names: everything in the block.
     """

@@ -3,7 +3,7 @@
 Layout: the solve representation has a vector y (states first, then everything that follows from
 them at the same instant) and a vector p (parameters, inputs, discrete variables, their previous
 values, relation memory). Each relation has a function whose sign decides it; between events its
-value rests in p. Slots behind the compiler's own hold what this exporter adds.
+value rests in p. Slots after the compiler's own hold what this exporter adds.
 """
 
 import functools
@@ -237,7 +237,7 @@ class _Reader:
         return equations
 
     def _twins(self, equations: Sequence[Equation], count: int) -> list[tuple[int, int]]:
-        """States that stand for a variable of the model, as after index reduction."""
+        """States that replace a variable of the model, as after index reduction."""
         declared = {name for v in self._ir.dae["variables"] for name in v["scalar_names"]}
         equal: dict[int, int] = {}
         for equation in equations:

@@ -1,4 +1,4 @@
-"""Whole numbers rest in doubles: exact up to 2^53, and told beyond."""
+"""Whole numbers are kept in doubles: exact up to 2^53, and reported above."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ _HANDS_ON = frozenset({"Mod", "Neg", "Abs", "Min", "Max"})
 
 
 def with_exact_wholes(ir: Ir, rows: Sequence[Row]) -> list[Row]:
-    """The rows with sums and products of Integer variables marked: not a number beyond 2^53.
+    """The rows with sums and products of Integer variables marked: not a number above 2^53.
 
     A rounded product would go on as a wrong number, as in a generator of random numbers.
     """

@@ -26,7 +26,7 @@ class Body:
 def used_classes(files: Mapping[int, str], model: str) -> Iterator[Body]:
     """The classes that a model (full name) can reach, itself first.
 
-    A class counts as reached when its name stands in one that is; files: text by number.
+    A class counts as reached when its name is in one that is; files: text by number.
     """
     bodies: dict[str, list[Body]] = {}
     for number, text in files.items():

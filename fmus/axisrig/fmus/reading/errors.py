@@ -4,7 +4,7 @@ from pathlib import Path
 
 
 class BuildError(Exception):
-    """A model cannot become an FMU here, told so that its author can mend it.
+    """A model cannot become an FMU here, with a message by which its author can correct it.
 
     file, line: where in the library (line counts from 1), None when it is no matter of a file.
     message: what is wrong, one sentence without full stop.

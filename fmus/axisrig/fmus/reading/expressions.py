@@ -54,7 +54,7 @@ LOGICAL = frozenset({"And", "Or", "Not", *COMPARE})
 
 
 class UnsupportedError(Exception):
-    """A construct without a meaning here; the caller knows the place in the source."""
+    """A construct without a meaning here; the caller has the place in the source."""
 
 
 class Expr:

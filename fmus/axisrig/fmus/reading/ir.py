@@ -19,7 +19,7 @@ SCHEMA_VERSION = 71
 TARGET = Path(__file__).parent.parent / "target"
 
 # The compiler prints mappings nearly as JSON: strings are escaped as in Rust, some words differ.
-# Stretches that are JSON as they stand come first and as long as possible: there are millions of
+# Stretches that are JSON as they are come first and as long as possible: there are millions of
 # tokens, and few to change.
 _TOKEN = re.compile(
     r'(?P<json>(?:"[^"\\]*+"|[^"A-Za-z]++|\b(?:true|false)\b|(?<=\d)e(?=[-+\d]))++)'
@@ -41,11 +41,11 @@ class Source:
 
 @dataclass(frozen=True)
 class Ir:
-    """What the compiler knows about one model.
+    """What the compiler reports about one model.
 
     solve: programs and layout. dae: variables with their attributes. flat: the flattened class, for
-    what the others do not tell: its description and the names of types. files: text of each source
-    file by the compiler's file number. root: the folder that holds the library.
+    what the others do not contain: its description and the names of types. files: text of each
+    source file by the compiler's file number. root: the folder that holds the library.
     """
 
     model: str
@@ -58,7 +58,7 @@ class Ir:
     def enumeration_of(self, variable: str) -> tuple[str, tuple[str, ...]] | None:
         """Name and literals, in their order, of the type of an enumeration variable.
 
-        None when the compiler does not tell which type it is.
+        None when the compiler does not say which type it is.
         """
         type_name = self.flat["variable_type_names"].get(variable, "")
         types: dict[str, dict[int, str]] = {}
@@ -70,7 +70,7 @@ class Ir:
         return (max(types, key=len), found.pop()) if len(found) == 1 else None
 
     def place(self, span: Mapping[str, int] | None) -> Source | None:
-        """Where a span of the compiler lies; None when it is not from a file."""
+        """Where a span of the compiler is; None when it is not from a file."""
         if span is None or span.get("source") not in self.files:
             return None
         path, text = self.files[span["source"]]
@@ -136,15 +136,15 @@ def _refused(error: BaseException, model: str, library: Path) -> BuildError:
                 what = message.group(1) if message else "syntax error"
                 return BuildError(_short(file, library), int(place.group(1)), what)
     first = text.splitlines()[0] if text else type(error).__name__
-    told = re.search(r" ?\[([^\]\s]+\.mo):(\d+):\d+\]", text)
-    if told and (file := Path(told.group(1))).is_relative_to(library):
-        return BuildError(_short(file, library), int(told.group(2)), first.replace(told[0], ""))
+    found = re.search(r" ?\[([^\]\s]+\.mo):(\d+):\d+\]", text)
+    if found and (file := Path(found.group(1))).is_relative_to(library):
+        return BuildError(_short(file, library), int(found.group(2)), first.replace(found[0], ""))
     file, line = _place_of(re.findall(r"[`']([\w.\[\]]+)[`']", first), model, library)
     return BuildError(_short(file, library), line, first)
 
 
 def _place_of(names: Sequence[str], model: str, library: Path) -> tuple[Path, int | None]:
-    """Where one of the names stands in a class that the model uses; else where the model begins."""
+    """Where one of the names is in a class that the model uses; else where the model begins."""
     home = _file_of(model, library)
     others = [file for file in sorted(library.rglob("*.mo")) if file != home]
     files = dict(enumerate([home, *others] if library.is_dir() else [home]))

@@ -42,7 +42,7 @@ def refuse_dropped_modifiers(ir: Ir) -> None:
 
 
 def _dropped(text: str, classes: Mapping[str, str]) -> Iterator[tuple[int, str]]:
-    """Where a modifier stands that has no effect, and what to say; classes: text by name."""
+    """Where a modifier is that has no effect, and what to say; classes: text by name."""
     of_class = (
         "the compiler drops the modifier of a class in redeclare and constrainedby;"
         " modify the component instead"
@@ -78,7 +78,7 @@ def shared_numbers(ir: Ir) -> Iterator[tuple[int, int, Source | None]]:
     """Parameters that must follow another one: their slot in p, that of the other, the place.
 
     Of `A a(k = 5)` with `B b(k = k)` in A the compiler binds a.b.k to the number, not to a.k. Both
-    then stand with the same piece of text, which is not the declaration of either.
+    then have the same piece of text, which is not the declaration of either.
     """
     groups: dict[tuple[object, ...], dict[str, Mapping[str, Any]]] = {}
     elements = {}

@@ -1,6 +1,6 @@
 """Register programs of the solve representation, read into expressions.
 
-A program is straight-line code: each operation writes one or several registers in a row. Arrays lie
+A program is straight-line code: each operation writes one or several registers in a row. Arrays are
 row by row in registers that follow each other. What is not known here stops the build.
 """
 
@@ -42,7 +42,7 @@ def read_program(
 ) -> dict[int, Expr]:
     """Turn register code into one expression for each output index.
 
-    call, linear: what a function call and linear equations stand for. captures: values that a
+    call, linear: what a function call and linear equations mean. captures: values that a
     branch takes from around it.
     Raises UnsupportedError for an op, operator or form that is not known.
     """
@@ -259,7 +259,7 @@ def _dot(left: Sequence[Expr], right: Sequence[Expr]) -> Expr:
 
 
 def _picked(values: Sequence[Expr], index: Expr, first: int) -> Expr:
-    """values[index - first]; not a number where the index lies outside."""
+    """values[index - first]; not a number where the index is outside."""
     result = const(math.nan)
     for number in range(len(values) - 1, -1, -1):
         condition = Expr("Eq", (index, const(number + first)))

@@ -13,7 +13,7 @@ from axisrig.fmus.reading.ir import Ir, Source
 def refuse_unsupported(ir: Ir) -> None:
     """Stop at every part of the representation that nothing here acts on.
 
-    Raises BuildError with the place of the construct where the compiler tells it.
+    Raises BuildError with the place of the construct where the compiler gives it.
     """
     solve, temporal = ir.solve, ir.dae["systems"]["temporal"]
     layout, events = solve["solve_layout"], solve["events"]

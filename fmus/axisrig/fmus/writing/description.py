@@ -13,7 +13,7 @@ from axisrig.fmus.writing.structure import output_dependencies
 from axisrig.fmus.writing.units import BASE, Unit, read_unit
 from axisrig.fmus.writing.variables import Variable
 
-TOKEN_MARK = "@TOKEN@"  # stands for the instantiation token until the texts are complete
+TOKEN_MARK = "@TOKEN@"  # placeholder of the instantiation token until the texts are complete
 FMI2_TYPES: Mapping[str, str] = {
     "Float64": "Real",
     "Int32": "Integer",
@@ -102,7 +102,7 @@ def _base_unit(unit: Unit) -> str:
 
 
 def _value_attributes(variable: Variable) -> str:
-    """The attributes that a type of value brings: they are the same words in both versions."""
+    """The attributes that a type of value has: they are the same words in both versions."""
     pairs = {"declaredType": variable.enumeration} if variable.literals else {}
     pairs |= {"unit": variable.unit} if variable.unit else {}
     if variable.type != "Boolean" and not variable.literals:

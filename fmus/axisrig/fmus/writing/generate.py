@@ -41,7 +41,7 @@ def runtime_files(fmi: str) -> tuple[str, ...]:
 def generate(ir: Ir, step_s: float, fmi: str = "3.0") -> Generated:
     """Write the texts for a compiled model with an internal step of `step_s` seconds.
 
-    fmi: "3.0" or "2.0". Version 2.0 knows no arrays: each element is a variable of its own.
+    fmi: "3.0" or "2.0". Version 2.0 has no arrays: each element is a variable of its own.
     Raises BuildError for any construct that the runtime does not hold.
     """
     system = read_system(ir)

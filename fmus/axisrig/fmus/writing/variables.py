@@ -199,7 +199,7 @@ def read_variables(ir: Ir, system: System) -> list[Variable]:
             continue
         vector, index = slots[0]
         if slots != [(vector, index + k) for k in range(len(slots))]:
-            message = f"the elements of {variable['name']} do not lie side by side"
+            message = f"the elements of {variable['name']} are not side by side"
             raise ir.error(variable["declaration"].get("span"), message)
         variables.append(_variable(ir, variable, len(variables) + 1, slots, computed))
     return variables
@@ -258,9 +258,7 @@ def _check_start(ir: Ir, source: Mapping[str, Any], variable: Variable) -> None:
     for value in variable.start or ():
         if not low <= value <= high:
             span = source["declaration"].get("span")
-            message = (
-                f"the start value {value:g} of {variable.name} lies outside {low:g} .. {high:g}"
-            )
+            message = f"the start value {value:g} of {variable.name} is outside {low:g} .. {high:g}"
             raise ir.error(span, message)
 
 

@@ -1,4 +1,4 @@
-"""The alarms of a channel: who finds one registers it here, whoever reacts to it."""
+"""The alarms of a channel: every alarm is registered here, whatever reacts to it."""
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import Clock, TimeNs

@@ -140,7 +140,7 @@ class Channel(ChannelView):
         self._limits = SoftLimitWatch(limits, links, offsets.uncounted_mm())
 
     def is_measuring(self, axis: str) -> bool:
-        """Tell whether a run of an axis is under way."""
+        """Return whether a run of an axis is under way."""
         return self.single.measuring_state(axis) is not None
 
     def _assign(self) -> None:
@@ -163,7 +163,7 @@ class Channel(ChannelView):
         self.single.assign(known)
         self.distance.assign(known)
         known.while_busy(self.plc.is_waiting)
-        known.register(canon.TechnologyFunction, self.plc.tell)
+        known.register(canon.TechnologyFunction, self.plc.send)
         known.register(canon.ExternalWrite, self.plc.write)
         known.register(canon.Wait, self._go_on, ready=lambda: path.is_settled, is_block=False)
         known.register(canon.EndOfProgram, self._end, ready=self._may_end, is_block=False)

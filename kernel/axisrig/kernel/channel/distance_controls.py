@@ -233,7 +233,7 @@ class DistanceControls:
                 found.control.switch_off_kept()
 
     def end_by_error(self) -> None:
-        """Switch off when the axes stand behind an alarm; ERROR stays until a reset."""
+        """Switch off when the axes are at rest after an alarm; ERROR stays until a reset."""
         self.switch_off(self.axes)
         for axis in self.axes.values():
             axis.control.forget_set_values()

@@ -35,7 +35,7 @@ class DriveFunctions:
         self._awaited: str | None = None
         self._values: dict[tuple[str, str], float] = {}
         self._failed: Alarm | None = None
-        self._cyclic: list[str] = []  # axes whose RPDO goes out in this cycle
+        self._cyclic: list[str] = []  # axes whose RPDO is sent in this cycle
 
     @property
     def is_waiting(self) -> bool:
@@ -54,13 +54,13 @@ class DriveFunctions:
         return any(self._open.values())
 
     def value(self, axis: str, key: str) -> float:
-        """Return what the last read of a function brought."""
+        """Return what the last read of a function returned."""
         return self._values[axis, key.upper()]
 
     def check(self) -> None:
         """Begin a cycle: raise what has gone wrong with a command that ran beside the program.
 
-        What went out with the RPDO of the cycle before has acted at the SYNC of this one.
+        What was sent with the RPDO of the cycle before has acted at the SYNC of this one.
         """
         if self._cyclic:
             self._open.subtract(self._cyclic)

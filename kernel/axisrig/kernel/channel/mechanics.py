@@ -12,7 +12,7 @@ class Mechanics(Protocol):
         """Be at the instant of the last SYNC: observers look at the mechanics of this cycle."""
 
     def has_come_to_rest(self) -> bool:
-        """Tell whether the axes stand; asked in every cycle from the end of a run on."""
+        """Return whether the axes are at rest; asked in every cycle from the end of a run on."""
 
 
 class NoMechanics:
@@ -22,5 +22,5 @@ class NoMechanics:
         """Do nothing."""
 
     def has_come_to_rest(self) -> bool:
-        """Tell that nothing moves."""
+        """Always at rest: nothing moves."""
         return True

@@ -59,7 +59,7 @@ class Reactions:
 
     @property
     def has_stopped(self) -> bool:
-        """Whether the axes that were taken off the path stand."""
+        """Whether the axes that were taken off the path are at rest."""
         return all(ramp.is_standing for ramp in self._ramps.values())
 
     @property
@@ -122,7 +122,7 @@ class Reactions:
             self._follow()
 
     def reset(self) -> None:
-        """Give the axes back to the path where they stand, and lead the drives again."""
+        """Give the axes back to the path where they are, and lead the drives again."""
         if self._ramps:
             self._ramps, self._path.follow = {}, self._follow
         for link in self._links:

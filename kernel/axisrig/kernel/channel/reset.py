@@ -1,4 +1,4 @@
-"""A reset of the channel: the program ends, the axes stand, the drives are in operation again.
+"""A reset of the channel: the program ends, the axes rest, the drives are in operation again.
 
 The axes stop on the path as an alarm of class 4 stops them, runs end without a result, distance
 controls are off with their offset kept. Sources: FCT-M3 6 and 12.8.4; TF527x kernel API 402223627.
@@ -36,9 +36,9 @@ class Reset:
         self._power_up = PowerUp(self._links, self._timing, resets_faults=True)
 
     def go_on(self) -> bool:
-        """Do one cycle while the set positions stand; return whether every drive is in operation.
+        """Do one cycle while the set positions rest; return whether every drive is in operation.
 
-        Faults are acknowledged. An axis whose drive has left operation stands where it is.
+        Faults are acknowledged. An axis whose drive has left operation stays where it is.
         Raises Alarm 900005 and 900008 as the start does.
         """
         self._reactions.reset()

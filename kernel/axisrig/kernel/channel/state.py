@@ -7,8 +7,8 @@ class ChannelState(Enum):
     """STARTING over SDO, POWERING until every drive is enabled, RUNNING, STOPPING after an alarm,
     ENDED.
 
-    While the PLC side goes on behind a program: READY for the next one, in ERROR when an alarm has
-    ended it; RESETTING until the axes stand, which leads to READY.
+    While the PLC side goes on after a program: READY for the next one, in ERROR when an alarm has
+    ended it; RESETTING until the axes rest, which leads to READY.
     """
 
     STARTING = auto()

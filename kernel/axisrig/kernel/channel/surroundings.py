@@ -15,7 +15,7 @@ class Surroundings:
 
     put_out: takes every message as soon as it is due. monitor: the watch over drives and buses;
     None = drives are watched by their telegrams. functions: what #DRIVE and #IDENT act on.
-    mechanics: what the drives move; after an alarm SYNC and cycles go on until it stands.
+    mechanics: what the drives move; after an alarm SYNC and cycles go on until it is at rest.
     """
 
     put_out: Callable[[canon.Message], None]

@@ -21,7 +21,7 @@ class ChannelView:
     links: Sequence[AxisLink]
 
     def position_acs_mm(self, axis: str) -> float:
-        """Return where the interpolation stands, axis coordinates."""
+        """Return the set position of the interpolation, axis coordinates."""
         return self.path.position_acs_mm(axis)
 
     def measured_acs_mm(self, axis: str) -> float | None:
@@ -29,7 +29,7 @@ class ChannelView:
         return self.measurement.measured_acs_mm(axis)
 
     def measurement_ok(self, axis: str) -> bool:
-        """Tell whether the axis' last run had a signal (V.A.MERF)."""
+        """Return whether the axis' last run had a signal (V.A.MERF)."""
         return self.measurement.measured_acs_mm(axis) is not None
 
     def actual_acs_mm(self, axis: str) -> float:
@@ -37,7 +37,7 @@ class ChannelView:
         return next(link.actual_mm for link in self.links if link.name == axis)
 
     def may_measure(self, axis: str) -> bool:
-        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
+        """Return whether an axis is a measuring axis (P-AXIS-00118)."""
         return self.path.settings(axis).may_measure
 
     def distance_state(self, axis: str) -> str | None:
@@ -50,5 +50,5 @@ class ChannelView:
         return next((axis.name for axis in self.axes if axis.number == number), None)
 
     def drive_value(self, axis: str, key: str) -> float:
-        """Return what the last #DRIVE RD of this function brought."""
+        """Return what the last #DRIVE RD of this function returned."""
         return self.functions.value(axis, key)

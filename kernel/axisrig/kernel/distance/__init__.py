@@ -1,4 +1,4 @@
-"""Distance control as far as it knows no axis: filters, controller, limits, states."""
+"""Distance control as far as it is independent of the axis: filters, controller, limits, states."""
 
 from axisrig.kernel.distance.control import DistanceControl, Reading
 from axisrig.kernel.distance.objects import CncObject, objects

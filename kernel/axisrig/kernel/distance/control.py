@@ -1,7 +1,8 @@
 """Distance control: from a sensor value to an offset, once per NC cycle.
 
-It knows no axis, program or drive. Sensor values count against the motor: they fall when the tool
-lifts, s = -g with the gap g, and are 0 where the tool touches the ideal surface (FCT-M3 5). Laws:
+It has no link to an axis, program or drive. Sensor values count against the motor: they fall when
+the tool lifts, s = -g with the gap g, and are 0 where the tool touches the ideal surface
+(FCT-M3 5). Laws:
 
 surface (FCT-M3 5.1)            e = filter(actual + sensor - SET_POS) - offset
 constant distance (5.2, 7.1)    e = SET_DIST - filter(d), d = -sensor
@@ -43,7 +44,7 @@ ABSOLUTE_SENSOR, REFERENCED_WHILE_ON = (900312,), (900313,)
 
 @dataclass(frozen=True)
 class Reading:
-    """What one cycle tells, in mm.
+    """The values of one cycle, in mm.
 
     sensor_mm: sensor value. actual_mm: actual position of the same SYNC. sent_mm: total set
     position that was sent in the cycle before. is_held: feedhold or override 0 of the axis.
@@ -64,7 +65,7 @@ class DistanceControl:
 
     Shown, in mm: offset_mm; of the last reading sensor_mm, distance_mm, surface_mm; of the control
     filtered_mm (deviation from SET_POS, or distance), error_mm, delta_mm before the limits and
-    step_mm behind them. set_pos_mm and set_dist_mm: in force, None while there is none.
+    step_mm after them. set_pos_mm and set_dist_mm: in force, None while there is none.
     """
 
     def __init__(self, owner: str, settings: DistanceSettings, period_ns: TimeNs) -> None:
@@ -82,7 +83,7 @@ class DistanceControl:
         self._is_filter_new = False
         self._mode = DistanceState.ACTIVE  # the law that the filter works for
         self._zero_mm = 0.0  # sensor value that REF has made 0
-        # What the sensor has told, newest last, since the axis was last sent anywhere
+        # What the sensor has measured, newest last, since the axis was last sent anywhere
         self._standing: deque[float] = deque(maxlen=STANDING_MAX)
         self._sent_mm: float | None = None
         self._memory: tuple[DistanceSettings | None, int] = (None, 0)
@@ -238,12 +239,12 @@ class DistanceControl:
             raise alarm
 
     def may_reference(self) -> bool:
-        """Whether enough is known for REF: what the filter remembers, while the axis stands."""
+        """Whether enough is known for REF: what the filter remembers, while the axis is at rest."""
         is_refused = self.settings.has_absolute_sensor or self.state is not DistanceState.INACTIVE
         return is_refused or len(self._standing) >= min(self._memory_cycles(), STANDING_MAX)
 
     def _memory_cycles(self) -> int:
-        """Return what the filter remembers; 0 for one that cannot be, which `reference` tells."""
+        """Return what the filter remembers; 0 for one that cannot be, which `reference` reports."""
         settings, cycles = self._memory
         if settings is not self.settings:
             try:
@@ -254,7 +255,7 @@ class DistanceControl:
         return cycles
 
     def forget_readings(self) -> None:
-        """Forget what was read: another sensor tells from now on."""
+        """Forget what was read: another sensor measures from now on."""
         self._standing.clear()
 
     def reference(self, sensor_mm: float) -> None:
@@ -279,8 +280,8 @@ class DistanceControl:
     def step(self, reading: Reading) -> float:
         """Take the values of a cycle and return the offset for it, mm.
 
-        Raises the alarms of `supervision`: the state is ERROR then, the offset stands, at its limit
-        where it would have gone beyond.
+        Raises the alarms of `supervision`: the state is ERROR then; the offset is held,
+        at its limit where it would have passed it.
         """
         self._take(reading)
         if self.state in FOLLOWING:
@@ -358,7 +359,7 @@ class DistanceControl:
             self._fail(alarm)
 
     def _fail(self, alarm: Alarm) -> None:
-        """Stand from the next cycle on."""
+        """Hold the offset from the next cycle on."""
         self.state, self.is_dry_run = DistanceState.ERROR, False
         self._limiter.rest()
         raise alarm

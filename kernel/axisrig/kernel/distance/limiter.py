@@ -27,7 +27,7 @@ class Limiter:
         self.step_mm = 0.0
 
     def rest(self) -> None:
-        """Stand: the next motion begins with speed 0."""
+        """Come to rest: the next motion begins with speed 0."""
         self.step_mm = 0.0
 
     def limit(
@@ -64,7 +64,7 @@ class Limiter:
         before_mm = self.step_mm
         lowest_mm = before_mm - change_mm
         if settings.a_weight_down_permille and lowest_mm < 0:
-            # What is left of the cycle behind a stop builds up the way down
+            # What is left of the cycle after a stop builds up the way down
             left = 1 - max(before_mm, 0.0) / change_mm
             build_up_mm = change_mm * _weight(settings.a_weight_down_permille) * left
             lowest_mm = min(before_mm, 0.0) - build_up_mm

@@ -1,7 +1,7 @@
 """CNC objects of a distance control, by name (`objects.csv`).
 
-Written values act from the next INACTIVE or FREEZE to ACTIVE on (FCT-M3 7.6); a read tells what was
-written last. Addresses: index group 0x120300, `offset` behind the axis number.
+Written values act from the next INACTIVE or FREEZE to ACTIVE on (FCT-M3 7.6); a read gives what was
+written last. Addresses: index group 0x120300, `offset` after the axis number.
 """
 
 import csv
@@ -23,9 +23,9 @@ from axisrig.kernel.parameters.types import Value
 class CncObject:
     """One row of `objects.csv`.
 
-    offset: of the index, hexadecimal as printed, empty where no source tells it. type, unit: of the
+    offset: of the index, hexadecimal as printed, empty where no source gives it. type, unit: of the
     value; factor: of it make one mm, mm/s or mm/s2, else 1. attributes: way to the value from a
-    `DistanceControl`. parameter: the one behind `kenngr.dist_ctrl[0].` whose range a written value
+    `DistanceControl`. parameter: the one after `kenngr.dist_ctrl[0].` whose range a written value
     has, empty where it cannot be written. column: of the trace of a run.
     """
 

@@ -50,7 +50,7 @@ FOLLOWING = (DistanceState.ACTIVE, DistanceState.ACTIVE_CONST_DIST)
 class Change:
     """One row of `states.csv`.
 
-    next: state behind the command, None where it is refused. alarm_ids: with which a program's
+    next: state after the command, None where it is refused. alarm_ids: with which a program's
     command is refused, newer and older ID; that of the PLC is refused with `REFUSED_PLC`.
     """
 

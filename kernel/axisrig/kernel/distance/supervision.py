@@ -70,7 +70,7 @@ def range_alarm(owner: str, sensor_mm: float, settings: DistanceSettings) -> Ala
 def deviation_alarm(
     owner: str, wanted_mm: float, offset_mm: float, settings: DistanceSettings
 ) -> Alarm | None:
-    """Return the alarm of an offset that is wanted beyond its limit (00414)."""
+    """Return the alarm of an offset that is wanted above its limit (00414)."""
     if abs(wanted_mm) <= settings.max_deviation_mm:
         return None
     return settings.alarm(

@@ -39,7 +39,7 @@ def encode(od: ObjectDictionary, index: int, sub: int, value: int) -> bytes:
     """Return `value` as the object's type wants it.
 
     Raises UserError for an object that the drive does not have or cannot write, and for a value
-    beyond its type.
+    outside its type.
     """
     found = variable(od, index, sub)
     if found is None:
@@ -58,7 +58,7 @@ def encode(od: ObjectDictionary, index: int, sub: int, value: int) -> bytes:
 
 
 def is_signed(found: ODVariable) -> bool:
-    """Tell whether a variable has a sign."""
+    """Return whether a variable has a sign."""
     return found.data_type in datatypes.SIGNED_TYPES
 
 

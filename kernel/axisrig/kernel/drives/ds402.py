@@ -1,6 +1,6 @@
 """CiA 402 as master and slave share it: states, commands, transitions, touch probe bits.
 
-The tables stand in `ds402_states.csv`, `ds402_commands.csv` and `ds402_transitions.csv`; the
+The tables are `ds402_states.csv`, `ds402_commands.csv` and `ds402_transitions.csv`; the
 transition numbers are those of the standard. Source: CiA 402-2, finite state automaton and touch
 probe function (objects 6040, 6041, 60B8 to 60BD).
 """
@@ -43,7 +43,7 @@ class Command(Enum):
 
 
 class Status(IntFlag):
-    """Bits of the statusword 6041 beside those that tell the state; bit 12 as the mode says."""
+    """Bits of the statusword 6041 beside those that give the state; bit 12 as the mode says."""
 
     VOLTAGE_ENABLED = 1 << 4
     WARNING = 1 << 7
@@ -108,7 +108,7 @@ class CommandPattern:
 class Transition:
     """A row of `ds402_transitions.csv`.
 
-    source: None stands for power on ("" in the table) and for any state ("*", number 13).
+    source: None means power on ("" in the table) and for any state ("*", number 13).
     event: a command, or "AUTOMATIC" or "ERROR". on_path: whether a master takes it by choice.
     """
 
@@ -159,7 +159,7 @@ _RESET = COMMANDS[Command.FAULT_RESET].mask
 
 
 def state_of(statusword: int) -> State:
-    """Return the state that a statusword tells.
+    """Return the state that a statusword reports.
 
     Raises ValueError when its bits fit no state.
     """
@@ -171,7 +171,7 @@ def state_of(statusword: int) -> State:
 
 @cache
 def find_state(statusword: int) -> State | None:
-    """Return the state that a statusword tells, None when its bits fit no state."""
+    """Return the state that a statusword reports, None when its bits fit no state."""
     for state, pattern in STATES.items():
         if statusword & pattern.mask == pattern.value:
             return state
@@ -260,7 +260,7 @@ def enabled_bit(probe: int) -> int:
 
 
 def stored_bit(probe: int, edge: str) -> int:
-    """Return the bit of 60B9 that tells that the edge's position is stored."""
+    """Return the bit of 60B9 that reports that the edge's position is stored."""
     return int(_STORED_BIT[edge]) << _SHIFT[probe]
 
 

@@ -41,7 +41,7 @@ class Emergency:
 
     @property
     def reaction(self) -> str:
-        """What the kernel does: stop, warn or none. A code that nobody knows stops."""
+        """What the kernel does: stop, warn or none. A code that is in no table stops."""
         return self.row.reaction if self.row else "stop"
 
     def __str__(self) -> str:
@@ -56,7 +56,7 @@ def row_of(code: int) -> EmergencyCode | None:
 def meaning_of(code: int) -> str:
     """Say a code in words."""
     row = row_of(code)
-    return row.meaning if row else "a code that the table does not know"
+    return row.meaning if row else "a code that is not in the table"
 
 
 @cache

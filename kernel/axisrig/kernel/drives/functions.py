@@ -62,7 +62,7 @@ class DriveFunction:
         """Return what the drive gets for a programmed value.
 
         A value outside the limits is moved to the limit without a message (P-AXIS-00408, 00409).
-        Raises Alarm 900111 for a value that is not whole, 900112 beyond the data type.
+        Raises Alarm 900111 for a value that is not whole, 900112 outside the data type.
         """
         if abs(value - round(value)) > _WHOLE:
             raise Alarm(900111, axis=axis, key=self.key, value=f"{value:g}")
@@ -109,8 +109,8 @@ def read_functions(
 ) -> tuple[dict[str, DriveFunction], list[Alarm]]:
     """Return the functions of an axis by key (upper case) and the warnings of their limits.
 
-    Warnings: 70383, 70384 (a limit beyond the data type was corrected), 70385 (limits swapped).
-    Raises UserError for a function without ident and for a key that stands twice.
+    Warnings: 70383, 70384 (a limit outside the data type was corrected), 70385 (limits swapped).
+    Raises UserError for a function without ident and for a key that is there twice.
     """
     functions: dict[str, DriveFunction] = {}
     warnings: list[Alarm] = []

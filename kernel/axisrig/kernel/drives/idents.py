@@ -23,7 +23,7 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class DriveIdent(DriveFunction):
-    """An ident and the object that stands for it.
+    """An ident and the object that replaces it.
 
     factor: object per ident. off, object_off: what switches the watch off on either side, None
     where nothing does.

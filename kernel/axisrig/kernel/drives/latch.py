@@ -6,9 +6,9 @@ value counts only with a proof that it belongs to the latch that 60B9 reports:
 - by the counter (60D5 to 60D8 in one telegram with the position): it is exactly one more than
   while the probe was off. A frame from before the latch has another count.
 - by repetition, where the counter has no room on the bus or the drive has none: the position is
-  told by SYNCs in a row, two when it was never told before, else `SAME_VALUE_CYCLES`.
+  reported by SYNCs in a row, two when it was never reported before, else `SAME_VALUE_CYCLES`.
 
-Either way the position must lie where the axis was. What contradicts itself is an alarm, never a
+Either way the position must be where the axis was. What contradicts itself is an alarm, never a
 value. Source: docs/touch-probe.md.
 """
 
@@ -21,12 +21,12 @@ from axisrig.kernel.errors import Alarm
 
 REPEATED_CYCLES: Final = 2
 SAME_VALUE_CYCLES: Final = 8
-# A counter that goes back has been cleared when it is told so often in a row; else it was late
+# A counter that goes back has been cleared when it is reported so often in a row; else it was late
 CLEARED_CYCLES: Final = 4
 OLD_VALUES: Final = 8
 # A counter may be ahead of 60B9 for as long as drives are known to be late with it
 UNSHOWN_CYCLES_MAX: Final = 4
-# The latch lies within the travel of the last cycles: delays and filters look back so far
+# The latch is within the travel of the last cycles: delays and filters look back so far
 TRAVEL_CYCLES: Final = 32
 # Motor encoder and load may differ by backlash and wind-up
 TOLERANCE_MM: Final = 0.1
@@ -67,13 +67,13 @@ class LatchWatch:
         self._travel: deque[int] = deque(maxlen=TRAVEL_CYCLES)
 
     def arm(self) -> None:
-        """Tell that the probe is ordered on with the next telegram."""
+        """Take note that the probe is switched on with the next telegram."""
         self._forget()
         self._at_rest = None
         self.is_ordered = True
 
     def disarm(self) -> None:
-        """Tell that the probe is ordered off; there is no value from now on."""
+        """Take note that the probe is switched off; there is no value from now on."""
         self._forget()
         self.is_ordered = False
 
@@ -93,11 +93,11 @@ class LatchWatch:
         return bool(self._status & self._stored_bit)
 
     def miss(self) -> None:
-        """Tell that this cycle has brought no 60B9: what repeats, repeats from anew."""
+        """Take note that this cycle has no 60B9: what repeats is counted anew."""
         self._cycles = 0
 
     def take(self, status: int, value: int | None, count: int | None, actual: int) -> None:
-        """Take what one SYNC brought: 60B9, latch and counter (None: not there), and 6064.
+        """Take what one SYNC delivered: 60B9, latch and counter (None: not there), and 6064.
 
         Raises Alarm 900060 to 900064 for what contradicts itself.
         """
@@ -132,7 +132,7 @@ class LatchWatch:
                 self._count_before, self._cleared = count, (0, 0)
 
     def _check_kept(self, status: int) -> None:
-        """Refuse a latch that vanishes; a probe that is off altogether is the run's to tell."""
+        """Refuse a latch that vanishes; a probe that is off altogether is for the run to report."""
         if self._was_stored and self.is_armed and not self.has_latched:
             raise Alarm(900062, axis=self._axis, status=f"0x{status:04X}")
         self._was_stored = self.has_latched
@@ -188,7 +188,7 @@ class LatchWatch:
 
 
 def _ahead(count: int, before: int) -> int:
-    """Return how far a 16 bit counter is ahead of another; beyond half of it: behind."""
+    """Return how far a 16 bit counter is ahead of another; more than half of it: it is late."""
     return count - before & _COUNTER_MASK
 
 
@@ -200,8 +200,8 @@ def _speed_at(value: int, places: list[int]) -> float:
     sqrt(b^2 + 4 c (x - x1)) at x. An axis that never was there had the speed of its last cycle.
     """
     for at in range(len(places) - 2, 0, -1):
-        before, here, behind = places[at - 1 : at + 2]
-        if here != behind and min(here, behind) <= value <= max(here, behind):
-            b, c = (behind - before) / 2.0, (behind - 2 * here + before) / 2.0
-            return copysign(sqrt(max(b * b + 4.0 * c * (value - here), 0.0)), behind - here)
+        before, here, after = places[at - 1 : at + 2]
+        if here != after and min(here, after) <= value <= max(here, after):
+            b, c = (after - before) / 2.0, (after - 2 * here + before) / 2.0
+            return copysign(sqrt(max(b * b + 4.0 * c * (value - here), 0.0)), after - here)
     return float(places[-1] - places[-2]) if len(places) > 1 else 0.0

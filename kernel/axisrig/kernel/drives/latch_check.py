@@ -1,11 +1,11 @@
 """A latched position read over a second way: SDO beside the PDOs.
 
-What changes a telegram behind the CAN controller, sends its identifier too, or delivers it a run
+What changes a telegram after the CAN controller, sends its identifier too, or delivers it a run
 late can pass every check of the cyclic telegrams. It does not change the answers of the SDO server
-in the same way: a latch that both ways tell is the drive's own.
+in the same way: a latch that both ways report is the drive's own.
 
 On a segment that has no room for SDO in each cycle there may be room while none of its axes moves
-(`StandstillRoom`): a telegram that comes a cycle late then tells the same as the one before.
+(`StandstillRoom`): a telegram that comes a cycle late then reports the same as the one before.
 """
 
 from collections.abc import Callable, Sequence
@@ -45,7 +45,7 @@ class StandstillRoom:
 
     @property
     def is_open(self) -> bool:
-        """Whether every axis of the segment stands."""
+        """Whether every axis of the segment is at rest."""
         return all(link.is_still for link in self._links)
 
     def enter(self) -> bool:
@@ -90,7 +90,7 @@ class LatchCheck:
         self._is_answered = False
 
     def begin(self) -> None:
-        """A run begins: forget what was told, and take note of the counter while nothing moves."""
+        """A run begins: forget earlier reports, and read the counter while nothing moves."""
         self._question += 1  # answers to earlier questions do not count
         self._is_asked = self._is_answered = False
         self._waiting = None
@@ -121,7 +121,7 @@ class LatchCheck:
             waiting()
 
     def agrees(self, increments: int) -> bool:
-        """Whether the drive has told this position by SDO; asks (again) when it has not."""
+        """Whether the drive has reported this position by SDO; asks (again) when it has not."""
         self._go_on()
         if self._is_answered:
             self._is_answered = False

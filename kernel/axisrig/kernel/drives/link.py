@@ -1,6 +1,6 @@
 """The kernel's end of one drive: set values out, actual values and latches in, over PDOs only.
 
-Everything the kernel knows of the machine comes through here. Positions are millimetres on the
+All data of the machine that the kernel gets come through here. Positions are millimetres on the
 kernel's side and increments on the bus.
 """
 
@@ -42,7 +42,7 @@ class AxisLink:
     mode_bits: bits of the controlword that belong to the mode. leads_itself: the drive moves by
     itself (homing), so that there is no lag and its position may jump to a new reference.
     watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
-    second_age_cycles: since a telegram has brought the second encoder. unproved_latches: how many
+    second_age_cycles: since a telegram has delivered the second encoder. unproved_latches: how many
     latches were believed by telegrams alone. doubt_mm: how far the last of them may be wrong, None
     where SDO has proved it.
     """
@@ -124,7 +124,7 @@ class AxisLink:
         self._pdos.begin_cycle()
 
     def take(self) -> None:
-        """Take what this cycle's SYNC brought.
+        """Take what this cycle's SYNC delivered.
 
         A telegram that came twice with different contents, or whose status word cannot be, counts
         as one that stayed out. Raises Alarm 900006, 900080 or 900081 when that lasts, 900028 for
@@ -218,7 +218,7 @@ class AxisLink:
         self._is_held_back = True
 
     def quick_stop(self) -> None:
-        """Let the drive stop by itself: it does not follow what it is told."""
+        """Let the drive stop by itself: it does not follow its targets."""
         self._is_held_back = self.stops_quickly = True
 
     def let_go(self) -> None:
@@ -227,7 +227,7 @@ class AxisLink:
 
     @property
     def has_actual(self) -> bool:
-        """Whether this cycle's SYNC has brought 0x6064."""
+        """Whether this cycle's SYNC has delivered 0x6064."""
         return self._actual_age == 0
 
     @property
@@ -237,7 +237,7 @@ class AxisLink:
 
     @property
     def second_increments(self) -> int | None:
-        """Position of the second encoder 0x60E4:1; None until a telegram has brought it."""
+        """Position of the second encoder 0x60E4:1; None until a telegram has delivered it."""
         return self._sparse.values.get("second", self._second)
 
     @property
@@ -308,7 +308,7 @@ class AxisLink:
         )
 
     def check_latches(self, sdo: SdoClient, room: StandstillRoom | None = None) -> None:
-        """Believe a latch only when the drive tells it by SDO too; else telegrams are enough.
+        """Believe a latch only when the drive reports it by SDO too; else telegrams are enough.
 
         room: where a cycle has none for SDO, see `LatchCheck`.
         """
@@ -365,7 +365,7 @@ class AxisLink:
         return self._check is None or self._check.is_ready
 
     def is_confirmed(self) -> bool:
-        """Whether SDO has told the latch too, or cannot: asks, or notes the latch as unproved."""
+        """Whether SDO has reported the latch too, or cannot: asks, or notes it as unproved."""
         increments = self._latch.increments
         if increments is None:
             return False
@@ -380,7 +380,7 @@ class AxisLink:
 
     @property
     def is_actuated(self) -> bool | None:
-        """Whether the probe input has the level that the edge brings; None without 0x60FD."""
+        """Whether the probe input has the level that the edge leads to; None without 0x60FD."""
         inputs = self._sparse.values.get("inputs", self._inputs)
         if inputs is None:
             return None

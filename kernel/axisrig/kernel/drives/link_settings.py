@@ -1,4 +1,4 @@
-"""What the kernel must know of a drive to link an axis with it."""
+"""The data of a drive that the kernel needs to link an axis with it."""
 
 from dataclasses import dataclass
 
@@ -10,14 +10,14 @@ MISSING_CYCLES = 3
 
 @dataclass(frozen=True)
 class LinkSettings:
-    """What the kernel must know of a drive.
+    """The data of a drive that the kernel needs.
 
     increments_per_mm: scaling of 607A, 6064 and the latch objects. probe_input: 1 or 2
     (P-AXIS-00517). edge: POS or NEG (P-AXIS-00518). lag_delay_cycles: P-AXIS-00191. pdo_map:
     path of a mapping table, None for the kernel's own. missing_cycles: how often in a row a cyclic
     telegram may stay out. jump_mm: largest credible motion from one SYNC to the next.
-    lag_limit_mm: of the CNC's position lag while a program runs. fault_reset: a fault that stands
-    when the drive is switched on is acknowledged.
+    lag_limit_mm: of the CNC's position lag while a program runs. fault_reset: a fault that is
+    active when the drive is switched on is acknowledged.
     trigger_source: P-AXIS-00702, CNC_DEFINED = the probe input, DRIVE_DEFINED = what 60D0 of the
     drive names. status_delay_cycles: SYNCs by which 60B9 may be old when it is sent. stamps: the
     clock of the drive, None where it is not known. has_counter, has_inputs, has_second: of the

@@ -65,7 +65,7 @@ class MappedObject:
 
 
 class BitCodec:
-    """The codec of a PDO with lengths that no `struct` has: the first object lies lowest.
+    """The codec of a PDO with lengths that no `struct` has: the first object has the lowest bits.
 
     Same calls as `struct.Struct`. Source: CiA 301 section 7.1, bit sequences are little endian.
     """
@@ -145,7 +145,7 @@ class Telegram:
 
     @property
     def communication_index(self) -> int:
-        """Index of the communication parameter; the mapping lies 0x200 behind it."""
+        """Index of the communication parameter; the mapping is 0x200 after it."""
         return (0x1400 if self.is_received else 0x1800) + int(self.name[-1]) - 1
 
     def cob_id(self, node_id: int) -> int:
@@ -290,7 +290,7 @@ def _check_whole(
         for mapped in telegram.objects:
             if mapped.field in fields:
                 raise UserError(
-                    f"the field {mapped.field} stands twice in the mapping table",
+                    f"the field {mapped.field} is twice in the mapping table",
                     file=table, line=places[telegram.name],
                 )  # fmt: skip
             if mapped.field:

@@ -1,4 +1,4 @@
-"""The PDOs of one drive while the cycle runs: what came with the last SYNC, what goes out next.
+"""The PDOs of one drive while the cycle runs: what came with the last SYNC, what is sent next.
 
 Every TPDO of type 1 belongs to the SYNC that it answers; one that stays out is counted. Those that
 come less often are in `sparse.py`. Values are
@@ -81,7 +81,7 @@ class ProcessData:
     def choose_latch(self, latch_object: int, counter_object: int) -> bool:
         """Take the latched position and its counter from these objects from now on.
 
-        Returns False, and changes nothing, when no TPDO brings the position with every SYNC.
+        Returns False, and changes nothing, when no TPDO delivers the position with every SYNC.
         """
         latch = self._place(lambda mapped: mapped.index == latch_object)
         if latch is None:
@@ -100,7 +100,7 @@ class ProcessData:
         self._places[TAKEN.index("stamp")] = place
 
     def _place(self, wanted: Callable[[MappedObject], bool]) -> Place | None:
-        """Return where an object stands: number of its cyclic TPDO, position in it."""
+        """Return where an object is: number of its cyclic TPDO, position in it."""
         for slot, telegram in enumerate(self._cyclic):
             for position, mapped in enumerate(telegram.objects):
                 if wanted(mapped):
@@ -114,7 +114,7 @@ class ProcessData:
             # A counter proves a latch only when one telegram carries both
             self._places[TAKEN.index("latch_count")] = None
         begins = [sum(len(t.objects) for t in self._cyclic[:slot]) for slot in range(self._count)]
-        # Behind all values stands a None, for fields that are not mapped
+        # After all values comes a None, for fields that are not mapped
         return itemgetter(*(begins[p[0]] + p[1] if p else -1 for p in self._places))
 
     def begin(self) -> None:
@@ -130,7 +130,7 @@ class ProcessData:
             self._contradicted.clear()
 
     def take(self) -> Sequence[int | None]:
-        """Take what the last SYNC brought: the values of `TAKEN`, None for what is not there.
+        """Take what the last SYNC delivered: the values of `TAKEN`, None for what is not there.
 
         A telegram that came twice with different contents, or whose status word cannot be, counts
         as one that stayed out.

@@ -82,7 +82,7 @@ class _Request:
 
     @property
     def header(self) -> bytes:
-        """Index and sub-index as they stand in a frame."""
+        """Index and sub-index as they are in a frame."""
         return bytes((self.index & 0xFF, self.index >> 8, self.sub))
 
     def restart(self) -> None:
@@ -176,7 +176,7 @@ class SdoClient:
     def _end(self, result: bytes | SdoError) -> None:
         self.latency_ns = self._clock.now_ns - self._begin_ns
         request = self._queue.popleft()
-        # The next one first: what `done` asks for comes behind what waits already
+        # The next one first: what `done` asks for comes after what waits already
         if self._queue:
             self._begin()
         request.done(result)
@@ -212,7 +212,7 @@ class SdoClient:
             self._on_upload_segment(request, command, frame)
         elif command >> 5 != 2:
             self._give_up(UNKNOWN_COMMAND)
-        elif command & 2:  # expedited; bit 0: the unused bytes are told in bits 3..2
+        elif command & 2:  # expedited; bit 0: the unused bytes are counted in bits 3..2
             unused = command >> 2 & 3 if command & 1 else 0
             self._end(frame[4 : 8 - unused])
         else:

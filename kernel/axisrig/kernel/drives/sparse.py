@@ -21,7 +21,7 @@ class _Every:
 
 
 class SparseData:
-    """Keeps what such TPDOs bring; values: by field. news: fields that came since they were taken.
+    """Keeps what such TPDOs deliver; values: by field. news: fields that came since the last take.
 
     wrong_length: takes name, length and expected length of a PDO that does not fit its mapping.
     is_watched: whether any of them has to come again and again.

@@ -41,7 +41,7 @@ class DriveAddress:
 
 
 class StartUp:
-    """The start-up of one drive. `step` tells where it is.
+    """The start-up of one drive. `step` shows where it is.
 
     keep(index, sub, value): takes the values of objects that RPDOs will carry for drive functions.
 
@@ -148,7 +148,7 @@ class StartUp:
     def _is_command_waiting(self) -> bool:
         """Whether the NMT command has not got onto the bus: a boot-up is none of its own then.
 
-        False where nobody can tell: interfaces of python-can do not show their transmit queue.
+        False where this cannot be read: interfaces of python-can do not show their transmit queue.
         """
         bus = getattr(self._network, "bus", None)
         return any(
@@ -219,20 +219,20 @@ class StartUp:
                 )
             )
             return
-        told = Scaling(encoder, Fraction(feed, per_shaft) * Fraction(shaft, gear))
+        reported = Scaling(encoder, Fraction(feed, per_shaft) * Fraction(shaft, gear))
         exact = Fraction(encoder, motor)
         if exact == expected.encoder_increments and (
-            told.units_per_revolution == expected.units_per_revolution
+            reported.units_per_revolution == expected.units_per_revolution
         ):
             self._advance()
         else:
-            told_text = _told(exact, told.units_per_revolution)
+            found = _as_text(exact, reported.units_per_revolution)
             self._end(
                 Alarm(
                     900022,
                     axis=self.drive.axis,
                     node=self.drive.node_id,
-                    found=told_text,
+                    found=found,
                     expected=_shown(expected),
                 )
             )
@@ -247,8 +247,8 @@ def _asked(step: Step, failed: SdoError) -> str:
 
 
 def _shown(scaling: Scaling) -> str:
-    return _told(Fraction(scaling.encoder_increments), scaling.units_per_revolution)
+    return _as_text(Fraction(scaling.encoder_increments), scaling.units_per_revolution)
 
 
-def _told(increments: Fraction, units: Fraction) -> str:
+def _as_text(increments: Fraction, units: Fraction) -> str:
     return f"{increments} increments and {units} position units per motor revolution"

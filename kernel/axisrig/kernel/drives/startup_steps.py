@@ -1,4 +1,4 @@
-"""What a drive is told before it runs, as a list of steps made from the rig's declaration.
+"""What is sent to a drive before it runs, as a list of steps made from the rig's declaration.
 
 The order is that of CiA 302-2 (boot-up of a slave) and, inside a PDO, of CiA 301: disabled by
 bit 31 of its COB-ID, mapping emptied, entries, their number, type, enabled. `startup.py` runs it.
@@ -55,7 +55,7 @@ class BusSettings:
 class StartUpSettings:
     """The declaration of one kind of drive (rig table `[drive.D]`); objects in the field names.
 
-    boot: how the drive is brought to pre-operational. device_type: profile number that 1000 must
+    boot: how the drive gets to pre-operational. device_type: profile number that 1000 must
     show, None = not looked at. identity: sub-index of 1018 -> value. mode: 6060.
     sync_window_us: 1007, None = left alone. heartbeat_ms: 1017, 0 = off. consumer_ms: time of the
     drive's watch over the kernel (1016:1), 0 = none. guard_time_ms, life_factor: 100C, 100D.
@@ -161,7 +161,7 @@ def start_up_steps(
     scaling: Scaling,
     od: ObjectDictionary,
 ) -> tuple[Step, ...]:
-    """Return the steps that bring one drive to operational.
+    """Return the steps that lead one drive to operational.
 
     Raises UserError for an object, type or mapping that the drive does not have.
     """
@@ -196,7 +196,7 @@ def _steps(
     for telegram in telegrams.values():
         for mapped in telegram.objects if telegram.is_received else ():
             if not mapped.field:
-                name = f"{object_name(mapped.index, mapped.sub)} as it stands"
+                name = f"{object_name(mapped.index, mapped.sub)} as it is"
                 yield Keep(name, mapped.index, mapped.sub, mapped.signed)
     yield from _guarding(settings, bus, od)
     yield Nmt("NMT start", NMT_START)

@@ -116,7 +116,7 @@ class DriveWatch:
         return self._jump()
 
     def _jump(self) -> Alarm | None:
-        """Tell of a jump in operation; before it a drive may still be looking for its encoder."""
+        """Report a jump in operation; before it a drive may still be looking for its encoder."""
         jump_mm, self._link.jump_mm = self._link.jump_mm, None
         if jump_mm is None or self._link.state is not State.OPERATION_ENABLED:
             return None
@@ -130,13 +130,13 @@ class DriveWatch:
         """
         link = self._link
         if link.stops_quickly:
-            return None  # as it was told
+            return None  # as it was commanded
         if link.state is State.OPERATION_ENABLED and link.emergency is None:
             return self._lag()
         word = f"0x{link.statusword:04X}"
         if link.state in (State.FAULT, State.FAULT_REACTION_ACTIVE):
-            told = "none" if link.emergency is None else str(link.emergency)
-            return Alarm(900005, axis=link.name, statusword=word, emcy=told)
+            emergency = "none" if link.emergency is None else str(link.emergency)
+            return Alarm(900005, axis=link.name, statusword=word, emcy=emergency)
         if link.emergency is not None:
             return self._judge(link.emergency)
         return Alarm(900027, axis=link.name, statusword=word, state=link.state.name)
@@ -184,7 +184,7 @@ class BusWatch:
 
     @property
     def holds_back_sync(self) -> bool:
-        """Whether a SYNC that was requested still waits for the bus; False where nobody can tell.
+        """Whether a SYNC that was requested still waits for the bus; False where it is unknown.
 
         Interfaces of python-can do not show their transmit queue.
         """

@@ -1,13 +1,13 @@
 """One measurement run to a fixed stop (type 7), evaluated once per NC cycle.
 
     STARTING   lag monitoring of the CNC off, then the path
-    MOVING     the path is travelled; behind the arming every watched axis is judged, and the first
+    MOVING     the path is travelled; after the arming every watched axis is judged, and the first
                whose criteria hold ends the motion
     BRAKING    the distance to go is deleted; the actual positions of the detection are kept
     RELAXING   the set positions are led back to them, which takes the lag away
-    DONE       the axes stand in their windows, lag monitoring is on again
+    DONE       the axes rest in their windows, lag monitoring is on again
 
-Nothing here knows where the stop is: position lag and actual position tell it. The axes come as
+The place of the stop is not known here: position lag and actual position show it. The axes come as
 `StopPort`, the motion as `StopMotion`: the path of the channel, or an axis beside it.
 Sources: FCT-C4 7.3, its sequence in 7.3.1.
 """
@@ -74,7 +74,7 @@ class StopPlan:
 
     measuring: the axes that deliver a position. watched: where the stop is looked for. moved: the
     axes of the motion, which is led back at its end. block_mm: length of the programmed path.
-    is_error: finding no stop is an alarm (P-CHAN-00266). rest: makes what tells, asked once per
+    is_error: finding no stop is an alarm (P-CHAN-00266). rest: makes what reports, asked once per
     cycle, whether the watched axes have come to rest. slaves: they follow axes of the motion.
     """
 
@@ -182,7 +182,7 @@ class FixedStopRun:
             self.stop.armed_ns = now_ns
         self._take(now_ns)
         self._set.look()
-        if self._set.has_moved and (self._set.stands or self._set.slows):
+        if self._set.has_moved and (self._set.rests or self._set.slows):
             self._rearmed_mm = self._motion.travelled_mm + self.stop.start_distance_mm
         is_at_rest = self._is_at_rest(now_ns)
         for axis, detector in self._axes:
@@ -196,8 +196,8 @@ class FixedStopRun:
         return self._motion.travelled_mm >= distance_mm - SAME_MM
 
     def _is_at_rest(self, now_ns: TimeNs) -> bool:
-        """Whether the watched axes rest while the set positions stand."""
-        if not self._set.stands:
+        """Whether the watched axes rest while the set positions rest."""
+        if not self._set.rests:
             self._rests = self._rest_ns = None
             return False
         if self._rests is None:
@@ -209,12 +209,12 @@ class FixedStopRun:
         return True
 
     def _window_decides(self, axis: Watched, is_at_rest: bool) -> bool:
-        """Whether a window that holds tells of a stop, alone or beside the lag.
+        """Whether a window that holds shows a stop, alone or beside the lag.
 
-        Not while the set positions brake or stand, at the target or in a feedhold: an axis that
-        follows them is no axis at a stop. When they stand an axis that rests outside its window is.
+        Not while the set positions brake or rest, at the target or in a feedhold: an axis that
+        follows them is no axis at a stop. When they rest an axis that rests outside its window is.
         """
-        if self._set.stands:
+        if self._set.rests:
             return is_at_rest and _is_held_off(axis)
         return not self._set.slows and self._reaches(self._rearmed_mm)
 
@@ -249,23 +249,23 @@ class FixedStopRun:
             raise Alarm(
                 900240,
                 axes=", ".join(axis.port.name for axis, _ in self._axes),
-                criteria="; ".join(self._told(axis, detector) for axis, detector in self._axes),
+                criteria="; ".join(self._found(axis, detector) for axis, detector in self._axes),
             )
         return self._relax(now_ns, {port.name: port.actual_mm for port in self._plan.moved})
 
-    def _told(self, axis: Watched, detector: StopDetector) -> str:
+    def _found(self, axis: Watched, detector: StopDetector) -> str:
         """What was looked for at an axis, and how near it came."""
-        begin = f"{axis.port.name} {_told(detector.criteria, axis.settings)}"
+        begin = f"{axis.port.name} {_in_words(detector.criteria, axis.settings)}"
         if self.stop.armed_ns is None:
             start_mm, path_mm = self.stop.start_distance_mm, self._motion.travelled_mm
             path = f"only from {start_mm:g} mm on and the path was {path_mm:g} mm"
             return f"{begin}, never judged: {path}"
-        told = f"{begin}, largest lag {detector.largest_lag_mm:.4f} mm"
-        told += f", at rest with {abs(axis.port.lag_mm):.4f} mm"
+        text = f"{begin}, largest lag {detector.largest_lag_mm:.4f} mm"
+        text += f", at rest with {abs(axis.port.lag_mm):.4f} mm"
         if detector.window_ns is not None and not _is_held_off(axis):
             window = f"exact-stop window of {axis.exact_stop_mm:g} mm (P-AXIS-00236)"
-            told += f", inside its {window}, where standing is no stop"
-        return told
+            text += f", inside its {window}, where standstill is no stop"
+        return text
 
     def _braking(self, now_ns: TimeNs) -> Order:
         if not self._motion.has_stopped:
@@ -297,7 +297,7 @@ class _SetPath:
         self._ports = ports
         self._places = self._here()
         self._step_mm = 0.0
-        self.stands, self.slows, self.has_moved = True, False, False
+        self.rests, self.slows, self.has_moved = True, False, False
 
     def _here(self) -> tuple[float, ...]:
         return tuple(port.set_mm for port in self._ports)
@@ -306,8 +306,8 @@ class _SetPath:
         """Take what was sent since the last look."""
         places = self._here()
         step_mm = dist(places, self._places)
-        self.stands = places == self._places
-        self.has_moved |= not self.stands
+        self.rests = places == self._places
+        self.has_moved |= not self.rests
         self.slows = step_mm < self._step_mm - SAME_MM
         self._places, self._step_mm = places, step_mm
 
@@ -320,7 +320,7 @@ def _known(pairs: Iterable[tuple[str, TimeNs | None]]) -> dict[str, TimeNs]:
     return {name: at_ns for name, at_ns in pairs if at_ns is not None}
 
 
-def _told(criteria: Criteria, settings: FixedStopSettings) -> str:
+def _in_words(criteria: Criteria, settings: FixedStopSettings) -> str:
     """What was looked for, with the reason when it is nothing."""
     lag_mm, window_mm = criteria.lag_limit_mm, criteria.window_mm
     if lag_mm is None and window_mm is None:

@@ -3,7 +3,7 @@
 The SYNC in which they came to rest is the last one whose stored edges count. Its 60B9 arrives as
 late as the update delay of the drive says, and later by as many telegrams as have stayed out.
 Without time stamps the first 60B9 that is old enough decides. With them (60D1 to 60D4) the stamp
-does, and a stored edge is waited for as long as the chain may take to tell it.
+does, and a stored edge is waited for as long as the chain may take to report it.
 Source: docs/ambiguities.md, "When is there no signal?".
 """
 
@@ -30,7 +30,7 @@ class StampClock:
     def sync_of_ns(self, stamp: int, now_ns: TimeNs) -> TimeNs:
         """Return when a SYNC must have been requested at the earliest to find the latch stored.
 
-        The stamp lies less than one wrap of the clock before now.
+        The stamp is less than one wrap of the clock before now.
         """
         now_units = now_ns // self.unit_ns
         age_units = self.start + now_units - stamp & _STAMP_MASK
@@ -42,7 +42,7 @@ class Arrival:
     """How the status of a latch arrives.
 
     delay_cycles: SYNCs by which the status may be old. missing_cycles: telegrams in a row that may
-    stay out. clock: of the drive, None where it is not known. is_new: this cycle has brought the
+    stay out. clock: of the drive, None where it is not known. is_new: this cycle has delivered the
     status. stamp: time stamp of the latch, None where no telegram carries it.
     """
 
@@ -54,12 +54,12 @@ class Arrival:
 
     @property
     def is_stamped(self) -> bool:
-        """Whether it can be told when the latch was."""
+        """Whether the time of the latch can be found."""
         return self.clock is not None and self.stamp is not None
 
 
 class StatusPort(Protocol):
-    """What a latch tells of its edge; latched_mm: None while the position is not proved."""
+    """What a latch says about its edge; latched_mm: None while the position is not proved."""
 
     @property
     def has_latched(self) -> bool: ...  # noqa: D102
@@ -87,11 +87,11 @@ class LatestEdge:
 
     @property
     def waits_for_stamp(self) -> bool:
-        """Whether an edge is told, and not yet when it came."""
+        """Whether an edge is reported, and not yet when it came."""
         return self.is_open and self._port.has_latched
 
     def look(self, now_ns: TimeNs, rest_ns: TimeNs | None) -> None:
-        """Judge what this cycle has brought.
+        """Judge what this cycle has delivered.
 
         rest_ns: the SYNC in which the axes came to rest, None before that.
         """

@@ -1,6 +1,6 @@
 """What the measuring types say about a run: speed, stroke of the probe, overtravel, no signal.
 
-`measuring_types.csv` says which of it holds for a type. Nothing here knows of a machine: an
+`measuring_types.csv` says which of it holds for a type. Nothing here depends on a machine: an
 independent axis and the path ask the same functions.
 """
 
@@ -25,7 +25,7 @@ FIXED_STOP = "FIXED_STOP"
 class MeasuringAxis:
     """What the parameter list of an axis says about measuring.
 
-    speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way behind
+    speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way past
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
     comes from, P-AXIS-00516 or the older switches. simulated: mode and parameter of a probe that
@@ -85,7 +85,7 @@ class MeasuringAxis:
             raise Alarm(900100, word=word, what="source of the probing signal")
 
     def overtravel_mm(self, kind: MeasuringType) -> float:
-        """Return how far the axis may go behind its target in a run of a type."""
+        """Return how far the axis may go past its target in a run of a type."""
         known = {"P-AXIS-00467": self.offset_mm, "P-AXIS-00114": self.old_offset_mm}
         return next((known[name] for name in kind.overtravel if known[name]), 0.0)
 
@@ -121,7 +121,7 @@ def highest_speed(
 def lengthened(
     here: Mapping[str, float], target: Mapping[str, float], overtravel_mm: Mapping[str, float]
 ) -> dict[str, float]:
-    """Return the target of a path that is longer by what its axes may go behind theirs.
+    """Return the target of a path that is longer by what its axes may go past theirs.
 
     The axis that allows least decides. All in mm. Source: FCT-C4, P-AXIS-00467.
     """
@@ -139,7 +139,7 @@ def lengthened(
 
 
 def misses_signal(kind: MeasuringType, error_no_signal: bool) -> bool:
-    """Tell whether a run without a signal is an alarm.
+    """Return whether a run without a signal is an alarm.
 
     error_no_signal: P-CHAN-00176, or ERR_NO_SIGNAL of #MEAS.
     """

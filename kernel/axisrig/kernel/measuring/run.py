@@ -7,13 +7,13 @@ The run is a small state machine that is evaluated once per NC cycle with this c
     ARMING      latch control word set until every drive has acknowledged
     MOVING      the path is travelled; the first stored edge of any axis deletes the distance to go,
                 unless the run goes on to its target (type 3 with G106)
-    COLLECTING  the axes stand; it is waited for what tells whether an edge came before they had
+    COLLECTING  the axes rest; it is waited for what shows whether an edge came before they had
                 come to rest (`latest_edge.py`). Then every measuring axis must deliver a value that
                 is proved, and confirm it by SDO
     DONE        results are final
 
 It touches the machine through `LatchPort` only, one per measuring axis: the latch in a drive
-(P-AXIS-00516 = DRIVE) is one, and so can be everything that tells a signal and a position.
+(P-AXIS-00516 = DRIVE) is one, and so can be everything that gives a signal and a position.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -29,9 +29,9 @@ from axisrig.kernel.time.clock import TimeNs
 # Cycles that a drive may take to show a changed latch control word: four times the two to four
 # cycles of known drives (docs/touch-probe.md).
 HANDSHAKE_CYCLES_MAX = 16
-# Cycles that the proof of a value may take once the edge is told and the axes stand
+# Cycles that the proof of a value may take once the edge is reported and the axes rest
 PROOF_CYCLES_MAX = 16
-# Cycles that a drive may take to tell counter and latch by SDO: some answer after tens of ms
+# Cycles that a drive may take to send counter and latch by SDO: some answer after tens of ms
 CHECK_CYCLES_MAX = 200
 
 
@@ -60,7 +60,7 @@ class LatchPort(StatusPort, Protocol):
 
 
 class RunState(Enum):
-    """Where a measurement run stands; see the module text."""
+    """The phase of a measurement run; see the module text."""
 
     CLEARING = auto()
     ARMING = auto()
@@ -70,7 +70,7 @@ class RunState(Enum):
 
 
 class Order(Enum):
-    """What the run asks of the motion in this cycle; RELAX: go to the places that the run tells."""
+    """What the run asks of the motion in this cycle; RELAX: go to the places that the run gives."""
 
     NONE = auto()
     START = auto()
@@ -240,7 +240,7 @@ class MeasuringRun:
         if self.record.has_signal:
             return self._finish(now_ns)
         if any(e.is_open and not e.waits_for_stamp for e in self._edges.values()):
-            return Order.NONE  # an edge may still be told
+            return Order.NONE  # an edge may still be reported
         late = self._without_proof()
         if late:
             self._waited += 1
@@ -251,7 +251,7 @@ class MeasuringRun:
         return self._finish(now_ns)
 
     def _without_proof(self) -> list[LatchPort]:
-        """Return the latches whose edge is told, and its value or its time not proved."""
+        """Return the latches whose edge is reported, and its value or its time not proved."""
         return [
             port
             for port in self._ports
@@ -262,7 +262,7 @@ class MeasuringRun:
         return port.latched_mm is not None and self._edges[port.name].counts
 
     def _judge_missing(self) -> None:
-        """Values are missing for good: tell which of the four reasons it is."""
+        """Values are missing for good: report which of the four reasons it is."""
         for port in self._without_proof():
             if self._is_proved(port):
                 raise Alarm(900083, axis=port.name, cycles=self._waited - 1)

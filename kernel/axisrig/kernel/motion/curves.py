@@ -1,4 +1,4 @@
-"""Where a path lies: a straight line or an arc, by the distance travelled on it.
+"""The shape of a path: a straight line or an arc, by the distance travelled on it.
 
 Positions are tuples in mm, in the order of the interpolator's axes. A path begins at `at(0)`; its
 end is given as such and not computed, so that it is hit exactly.
@@ -67,7 +67,7 @@ class Line:
         self._direction = tuple((b - a) * scale for a, b in zip(start_mm, end_mm, strict=True))
 
     def at(self, travelled_mm: float) -> Positions:
-        """Give the point after `travelled_mm`, also beyond the end."""
+        """Give the point after `travelled_mm`, also past the end."""
         return tuple(
             [a + c * travelled_mm for a, c in zip(self.start_mm, self._direction, strict=True)]
         )
@@ -85,7 +85,7 @@ class Line:
 class Arc:
     """An arc of a circle; what the circle does not explain moves linearly with the angle.
 
-    centre_mm: per axis; an axis without a part in the circle stands there where it starts.
+    centre_mm: per axis; an axis without a part in the circle stays where it starts.
     tangent: unit vector of the motion at the start, in the plane of the circle, at right angles to
     the radius. angle_rad: above 0, more than one turn allowed.
     The point at the angle t is centre + r cos t + b sin t + h t / angle with the radius vector

@@ -132,8 +132,8 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
     path acceleration u and speed v is at most sqrt((u k A)² + (v² k² A)²) + u |g|, reached
     somewhere on a full circle. The centripetal part v² k² A may take 1/sqrt(2) of what the axis
     may do, which limits the speed; what it leaves at that speed or at the feed is for the ramps,
-    solved for u. Of a slope with two steps the smaller one counts: an axis stands in two points of
-    a circle and is fastest in two others.
+    solved for u. Of a slope with two steps the smaller one counts: an axis is at rest in two points
+    of a circle and is fastest in two others.
     Source: d²/dt² of the parametric form of `Arc`, Cauchy-Schwarz for a sum of sine and cosine.
     """
     turn = arc.angle_rad / arc.length_mm

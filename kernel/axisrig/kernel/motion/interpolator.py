@@ -1,4 +1,4 @@
-"""Interpolator: one set position per cycle along a path, and the buffer behind it."""
+"""Interpolator: one set position per cycle along a path, and the buffer after it."""
 
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
@@ -15,7 +15,7 @@ class Interpolator:
 
     axes: names; every tuple of positions (mm) is in their order. cycle_ns: time between two calls
     of `advance`. Positions are taken from the profile at k times the cycle, never accumulated.
-    is_held: a path that begins stands at its start until `go_on`.
+    is_held: a path that begins waits at its start until `go_on`.
     """
 
     def __init__(self, axes: Sequence[str], cycle_ns: TimeNs) -> None:
@@ -46,7 +46,7 @@ class Interpolator:
         return self._is_over and self._profile.end_mm == self._end_mm
 
     def hold(self, positions_mm: Positions) -> None:
-        """Take over where the axes stand; raises ValueError while a move has not ended."""
+        """Take over where the axes are; raises ValueError while a move has not ended."""
         if not self.is_standing:
             raise ValueError("a move has not ended")
         self.positions_mm = positions_mm
@@ -65,7 +65,7 @@ class Interpolator:
     ) -> None:
         """Begin a straight move, as `follow` does.
 
-        An axis that is missing in `start_mm` or `target_mm` stands where it is.
+        An axis that is missing in `start_mm` or `target_mm` stays where it is.
         """
         held = dict(zip(self.axes, self.positions_mm, strict=True)) | dict(start_mm)
         start = tuple(held[axis] for axis in self.axes)
@@ -87,7 +87,7 @@ class Interpolator:
         self.positions_mm, self.path_travelled_mm, self.speed_mm_s = path.start_mm, 0.0, 0.0
 
     def advance(self) -> Positions:
-        """Move on by one cycle and return the set positions; standing, return them unchanged."""
+        """Move on by one cycle and return the set positions; at rest, return them unchanged."""
         if self._is_over:
             return self.positions_mm
         self._cycle += 1
@@ -149,11 +149,11 @@ class SetpointBuffer:
 
     @property
     def is_settled(self) -> bool:
-        """Whether everything in the buffer is the same position: its output stands."""
+        """Whether everything in the buffer is the same position: its output is at rest."""
         return all(positions == self._queue[0] for positions in self._queue)
 
     def is_settled_of(self, indices: Iterable[int]) -> bool:
-        """Whether the output stands for some of the axes."""
+        """Whether the output is at rest for some of the axes."""
         first = self._queue[0]
         return all(p[i] == first[i] for i in indices for p in self._queue)
 

@@ -80,7 +80,7 @@ class Segment(NamedTuple):
 class Profile:
     """Path and speed over time from `start_mm` to `end_mm`; time counts from 0.
 
-    segments: in order, without gaps in time; empty for a profile that stands.
+    segments: in order, without gaps in time; empty for a profile at standstill.
     """
 
     __slots__ = ("duration_s", "end_mm", "segments", "start_mm")
@@ -144,7 +144,7 @@ def plan(
     deceleration: Slope,
     start_speed_mm_s: float = 0.0,
 ) -> Profile:
-    """Plan a path of `distance_mm` at no more than `feed_mm_s` that ends standing.
+    """Plan a path of `distance_mm` at no more than `feed_mm_s` that ends at standstill.
 
     A path too short for the feed turns over at the highest speed from which it can still stop.
     Raises ValueError if the path cannot be driven: a negative length, no feed, a start speed above
@@ -165,7 +165,7 @@ def plan_rest(
     deceleration: Slope,
     speed_mm_s: float,
 ) -> Profile:
-    """Plan the rest of a path, from `path_mm` at `speed_mm_s` on, that ends standing at `end_mm`.
+    """Plan the rest of a path, from `path_mm` at `speed_mm_s` on, that ends at rest at `end_mm`.
 
     A speed above the feed comes down to it with the deceleration. One that just stops at the end,
     or by rounding a little late, brakes at once and ends there.
@@ -233,7 +233,7 @@ def _joined(
 
     first: steps of the ramp to the constant speed, (speed before, speed after, a), in their order.
     down: those of the ramp to standstill, lowest speed first. That one is placed from the end
-    backwards, the first one from the start; what rounding leaves lies between them.
+    backwards, the first one from the start; what rounding leaves is between them.
     """
     falling_mm = [end_mm]
     for low, high, a in down:

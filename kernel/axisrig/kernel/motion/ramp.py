@@ -7,7 +7,7 @@ STANDING_MM_S = 1e-6  # below it is what rounding leaves of standstill
 
 
 class Ramp:
-    """Brakes one axis from where it is; without a deceleration it stands at once.
+    """Brakes one axis from where it is; without a deceleration it stops at once.
 
     position_mm, velocity_mm_s: of the last set position. Formula: s = v t - a t² / 2.
     """

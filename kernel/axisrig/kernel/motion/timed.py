@@ -11,7 +11,7 @@ def speed_for(
     """Return the speed in mm/s at which the whole motion, with both ramps, takes `time_s`.
 
     A motion that cannot be so fast gets `fastest`. The duration falls with the speed, so the
-    speed lies between distance / time and `fastest` and is found by halving.
+    speed is between distance / time and `fastest` and is found by halving.
     """
     if plan(distance_mm, fastest, acceleration, deceleration).duration_s >= time_s:
         return fastest

@@ -1,6 +1,6 @@
 """What the interpreter hands to the channel: plain commands in machine axes and millimetres.
 
-Everything the language knows of coordinate systems, shifts and variables is resolved here: a
+Everything the language has of coordinate systems, shifts and variables is resolved here: a
 channel moves axes, runs measurements and puts out messages without reading a word of NC text.
 """
 
@@ -53,7 +53,7 @@ class ArcMove:
     """An arc of a circle; everything else moves in proportion to its angle.
 
     target_acs_mm: every axis that takes part. centre_acs_mm: the axes of the circle; the radius
-    vector from it to where they stand is at right angles to the tangent. tangent: unit vector of
+    vector from it to where they are is at right angles to the tangent. tangent: unit vector of
     the motion at the start, by axis, the same axes. angle_rad: above 0, at most a full turn.
     feed_mm_min: path feed.
     """
@@ -91,7 +91,7 @@ class ProgramStop:
 
 @dataclass(frozen=True)
 class TechnologyFunction:
-    """An M, H, S or T function is told to the PLC side; letter and number as programmed."""
+    """An M, H, S or T function is sent to the PLC side; letter and number as programmed."""
 
     block: Block
     letter: str
@@ -132,7 +132,7 @@ class ProbeSettings:
     """Which signal an axis measures with from its next run on (#MEAS); None = as it was.
 
     edge: POS or NEG. probe_input: of the drive. probe: 0 or 1 for INPUT=PROBE0 or PROBE1, which
-    stand for an input of the parameter list. source: SIGNAL, as P-AXIS-00516.
+    mean an input of the parameter list. source: SIGNAL, as P-AXIS-00516.
     """
 
     block: Block
@@ -174,7 +174,7 @@ class Message:
 
     @property
     def shown(self) -> str:
-        """The text behind the name of its receiver."""
+        """The text after the name of its receiver."""
         return f"{self.receiver}: {self.text}" if self.receiver else self.text
 
 
@@ -222,7 +222,7 @@ class DriveWait:
 
 @dataclass(frozen=True)
 class Warn:
-    """An alarm of class 1: it is told when the machining has got here, and the program goes on."""
+    """An alarm of class 1: it is reported when the machining gets here, and the program goes on."""
 
     block: Block
     alarm: Alarm
@@ -232,7 +232,7 @@ class Warn:
 class ExternalWrite:
     """A value for a variable of the PLC side, given out when the machining has got here.
 
-    name: behind `V.E.`, as the PLC side spells it.
+    name: after `V.E.`, as the PLC side spells it.
     """
 
     block: Block
@@ -332,7 +332,7 @@ class AxisExchange:
 
 @dataclass(frozen=True)
 class AdoptActual:
-    """The set positions of standing axes become their actual ones (#CHANNEL INIT [ACTPOS])."""
+    """The set positions of axes at rest become their actual ones (#CHANNEL INIT [ACTPOS])."""
 
     block: Block
     axes: tuple[str, ...]
@@ -347,7 +347,7 @@ class DistanceCommand:
     stays where it is and the program counts from there. dry_run: with on and on_const, nothing is
     put out. set_pos_mm: of the surface, axis coordinates; set_dist_mm. parameters: by their names
     in `DistanceControl.program`, what was not programmed is not there. sensor_source: VARIABLE or
-    SECOND_ENCODER. sensor_variable: behind `V.E.` as the PLC side spells it, else as programmed.
+    SECOND_ENCODER. sensor_variable: after `V.E.` as the PLC side spells it, else as programmed.
     values: VAL1 to VAL5. All act in this order: sensor, values, parameters, action.
     """
 
@@ -406,7 +406,7 @@ TAKES_TIME = (
 
 
 def takes_time(command: Command) -> bool:
-    """Tell whether at least one cycle passes with a command, whatever the machine does."""
+    """Return whether at least one cycle passes with a command, whatever the machine does."""
     if isinstance(command, Dwell):
         return command.duration_ns > 0
     if isinstance(command, ProgramStop):

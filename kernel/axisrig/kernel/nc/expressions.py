@@ -16,7 +16,7 @@ TRUE_FROM = 0.5
 
 
 class NoValue(Exception):  # noqa: N818
-    """The expression has no value; the text says why. Its caller tells the user the place."""
+    """The expression has no value; the text says why. Its caller adds the place."""
 
 
 class DivisionByZero(NoValue):
@@ -28,7 +28,7 @@ class DivisionByZero(NoValue):
 
 
 def is_true(value: float) -> bool:
-    """Tell whether a condition holds: from a magnitude of 0.5 on."""
+    """Return whether a condition holds: from a magnitude of 0.5 on."""
     return abs(value) >= TRUE_FROM
 
 
@@ -136,7 +136,7 @@ def evaluate(expression: Expression, read: Read) -> float:
     """Compute an expression whose value is a number; `read` gives the value of a variable.
 
     Raises NoValue for a text, a division by zero, a function outside of its range and a result
-    beyond the range of a float; and whatever `read` raises.
+    outside the range of a float; and whatever `read` raises.
     """
     value = value_of(expression, read)
     if isinstance(value, str):
@@ -179,7 +179,7 @@ def _call(function: str, operands: list[float]) -> float:
 
 
 def _step(sign: str, left: Value, operand: Expression, read: Read) -> Value:
-    """Do one operation of a chain; what && and || need not know is not computed."""
+    """Do one operation of a chain; what && and || do not need is not computed."""
     if sign in ("&&", "||"):
         if is_true(_number(left)) is (sign == "||"):
             return float(sign == "||")

@@ -15,7 +15,7 @@ class MeasuringType:
     other axes may not be named. has_own_speed: P-AXIS-00215 instead of F. keeps_stroke: the speed
     is lowered for P-AXIS-00086. overtravel: the parameters that lengthen the path, the first that
     is not 0 counts. no_signal: what decides about an alarm when no signal comes, or `alarm`, or
-    `goes on`. runs_to_stop: standing at a fixed stop is the signal. acts: whether it acts.
+    `goes on`. runs_to_stop: standstill at a fixed stop is the signal. acts: whether it acts.
     """
 
     number: int

@@ -29,7 +29,7 @@ class Format:
 class FormatError(Exception):
     """A text that cannot be put out.
 
-    position: offset in the text. value: the element. allowed: what may stand there.
+    position: offset in the text. value: the element. allowed: what is allowed there.
     """
 
     def __init__(self, message: str, position: int, value: str, allowed: str) -> None:
@@ -71,7 +71,7 @@ def pieces_of(text: str) -> tuple[str | Format, ...]:
 
 
 def check_arguments(pieces: Sequence[str | Format], is_text: Sequence[bool | None]) -> None:
-    """Check number and kind of the values behind the text; raises FormatError at position 0.
+    """Check number and kind of the values after the text; raises FormatError at position 0.
 
     is_text: for each value whether it is a text; None for a variable, which shows when it is read.
     """

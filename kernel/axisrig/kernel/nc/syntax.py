@@ -29,7 +29,7 @@ class Text:
 
 @dataclass(frozen=True)
 class Variable:
-    """A variable by its full name in upper case; every index stands as `[]` in the name.
+    """A variable by its full name in upper case; every index is written as `[]` in the name.
 
     `V.G.KIN_STEP[1].ID[98].PARAM[0]` is `V.G.KIN_STEP[].ID[].PARAM[]` with three indices;
     `P1092` and `P[1092]` are both `P[]` with the index 1092.
@@ -133,7 +133,7 @@ class Words:
 
     g, m: functions in order, without leading zeros. axes: axis and value, in order.
     addresses: letter (F I J K R T D S E H ...) and value, in order. axis_commands: commands to
-    single axes. goto: the jump behind G310.
+    single axes. goto: the jump after G310.
     """
 
     g: tuple[str, ...] = ()
@@ -154,7 +154,7 @@ class Words:
 
     @property
     def ends_program(self) -> bool:
-        """Whether M2 or M30 stands in the block."""
+        """Whether M2 or M30 is in the block."""
         return bool(self.m) and ("M30" in self.m or "M2" in self.m)
 
 
@@ -175,7 +175,7 @@ class Command:
         return next((value for name, value in self.options if name == keyword), None)
 
     def has(self, keyword: str) -> bool:
-        """Tell whether a keyword stands in the command."""
+        """Return whether a keyword is in the command."""
         return any(name == keyword for name, _ in self.options)
 
 
@@ -192,7 +192,7 @@ class Declare:
     """A variable of #VAR ... #ENDVAR: `V.P.NAME[2][3] = [1,2,3,4,5,6]`.
 
     target: the name with `[]` per dimension; its indices are the sizes. values: the first values
-    in the order of the indices, last index fastest; empty for none. kind: the type behind the
+    in the order of the indices, last index fastest; empty for none. kind: the type after the
     colon (`UNS32`, `STRING`), REAL64 where none is written.
     """
 
@@ -346,9 +346,9 @@ Statement = Words | Command | Assign | Declare | SubprogramCall | Control
 
 @dataclass(frozen=True)
 class NotActing:
-    """A word that the manuals know and the kernel does not carry out (yet).
+    """A word that the manuals contain and the kernel does not carry out (yet).
 
-    word: as written in a program. what: what it stands for. line, column: where it stands, from 1.
+    word: as written in a program. what: what it means. line, column: where it is, from 1.
     """
 
     word: str
@@ -376,8 +376,8 @@ class ProgramBlock:
 class Program:
     """A program in which every word has been checked.
 
-    name: what stands behind `%`, empty without. blocks: the main program. subprograms: the local
-    ones by name as written behind `%L`. variables: every variable it reads or writes, with the
+    name: what follows `%`, empty without. blocks: the main program. subprograms: the local
+    ones by name as written after `%L`. variables: every variable it reads or writes, with the
     line and column of the first place. axes: the axes it was checked for, main axes first.
     """
 

@@ -1,7 +1,7 @@
 """Machine data: parameters of axes and channel under the names, types and units of the manuals.
 
 `table.py` reads the tables of everything known, `values.py` holds what one list and the plan set
-and resolves the rest, `lists.py` reads and writes lists, `errata.py` knows what scans make of
+and resolves the rest, `lists.py` reads and writes lists, `errata.py` contains what scans make of
 names, `start_up.py` corrects what the control corrects when it starts.
 """
 

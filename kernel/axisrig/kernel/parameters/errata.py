@@ -1,7 +1,7 @@
 """What the scans of the manuals made of parameter lists, and what was meant.
 
 `errata.csv` has the damaged places of the printed sample lists. Beside it a damaged name is
-recognised where blanks stand for underscores, or where the value touches the name.
+recognised where blanks replace underscores, or where the value touches the name.
 """
 
 import csv
@@ -95,7 +95,7 @@ def _joined(value: str, row: Parameter | None) -> str:
 
 
 def damaged_value(value: str, row: Parameter | None) -> str | None:
-    """Return a hint for a STRING that stands in several words."""
+    """Return a hint for a STRING that is written in several words."""
     if row is None or row.type != "STRING":
         return None
     joined = _joined(value.strip(), row)

@@ -1,7 +1,7 @@
 """Parameter lists in the manuals' format: one name and one value per line.
 
-`#`, `;` and ` (` begin a comment, texts with blanks stand in quotes, BOOL is 0 or 1, whole numbers
-may be hexadecimal. Several axes may stand in one list: `kopf.achs_nr` begins the next one.
+`#`, `;` and ` (` begin a comment, texts with blanks are in quotes, BOOL is 0 or 1, whole numbers
+may be hexadecimal. Several axes may be in one list: `kopf.achs_nr` begins the next one.
 """
 
 import re
@@ -18,7 +18,7 @@ from axisrig.kernel.parameters.values import ParameterSet
 NEXT_AXIS = "kopf.achs_nr"
 NAME = "kopf.log_achs_name"
 
-NO_SIGN = "no `=` stands between name and value"
+NO_SIGN = "no `=` between name and value"
 
 _LINE = re.compile(
     r"""\s*(?P<name>[^\s"'#;]\S*)(?:\s+(?P<value>"[^"]*"|'[^']*'|\S+)(?P<rest>.*))?""", re.DOTALL
@@ -33,7 +33,7 @@ def read_list(path: str | Path, kind: Kind, axis: str | None = None) -> Paramete
 
     axis: whose part is wanted of a list that holds several axes.
     Raises UserError with file, line and column for everything that is not accepted, for a name
-    that stands twice (older and present names are one), and for a file that cannot be read.
+    that is there twice (older and present names are one), and for a file that cannot be read.
     """
     sections = read_sections(path, kind)
     if len(sections) == 1:
@@ -47,7 +47,7 @@ def read_list(path: str | Path, kind: Kind, axis: str | None = None) -> Paramete
         else f"the list holds several axes and none of them is {axis}",
         file=path,
         allowed=[name for name in by_name if name] or None,
-        hint=f"{NAME} behind {NEXT_AXIS} says which part belongs to which axis",
+        hint=f"{NAME} after {NEXT_AXIS} says which part belongs to which axis",
     )
 
 
@@ -57,7 +57,7 @@ def read_sections(path: str | Path, kind: Kind) -> list[ParameterSet]:
     Raises UserError as `read_list` does; what else is wrong is in its `further`.
     """
     try:
-        # Old lists are not always UTF-8, but only their comments hold anything beyond ASCII.
+        # Old lists are not always UTF-8, but only their comments hold anything outside ASCII.
         text = Path(path).read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
         message = "parameter list cannot be read"
@@ -114,11 +114,11 @@ def _key(parameters: ParameterSet, name: str, value: str, origin: Origin, line: 
 
 
 def unit_hint(rest: str, unit: str) -> str | None:
-    """Tell in which unit a value counts that has something like a unit behind it."""
+    """Return in which unit a value counts that has something like a unit after it."""
     if rest[:1].isdigit():
         return None
     counted = f"; it counts in {unit}" if unit else ""
-    return f"a list has no units behind its values{counted}"
+    return f"a list has no units after its values{counted}"
 
 
 def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Origin, Origin] | None:
@@ -140,14 +140,14 @@ def _parts(line: str, file: str, number: int, kind: Kind) -> tuple[str, str, Ori
         if hint is not None:
             raise at_name.error("damaged parameter name", value=text.strip(), hint=hint)
     if value is None:
-        raise at_name.error("no value behind the name", value=name)
+        raise at_name.error("no value after the name", value=name)
     at_value = Origin(file, number, match.start("value") + 1)
     if value.startswith("="):
         raise at_value.error(NO_SIGN, value=value, hint=f"write `{name} {value[1:] or rest}`")
-    if rest and row is not None:  # else its name is told
+    if rest and row is not None:  # else its name is reported
         hint = damaged_value(f"{value} {rest}", row) or unit_hint(rest, row.unit)
         at_rest = Origin(file, number, text.index(rest, match.end("value")) + 1)
-        raise at_rest.error("more than one value behind the name", value=rest, hint=hint)
+        raise at_rest.error("more than one value after the name", value=rest, hint=hint)
     if value[0] in _QUOTES and value[-1] == value[0] and len(value) > 1:
         value = value[1:-1]
     return name, value, at_name, at_value

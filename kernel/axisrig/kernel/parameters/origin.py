@@ -8,7 +8,7 @@ from axisrig.kernel.errors import UserError
 
 @dataclass(frozen=True)
 class Origin:
-    """Where a setting stands: a file and, where there are any, line and column from 1."""
+    """The place of a setting: a file and, where there are any, line and column from 1."""
 
     file: str
     line: int | None = None

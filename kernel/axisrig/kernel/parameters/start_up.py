@@ -55,7 +55,7 @@ def _sources() -> Mapping[str, _Source]:
 
 
 def start_up(parameters: ParameterSet, name: str) -> list[Alarm]:
-    """Correct the parameters of an axis or of the channel as the control does; tell each warning.
+    """Correct the parameters of an axis or of the channel as the control does; report each warning.
 
     name: of the axis; of the channel whatever. To be called once, when everything is set.
     Raises UserError for a probing input that the signal source does not have.

@@ -128,7 +128,7 @@ class Parameter:
         return value
 
     def is_within(self, value: Value) -> bool:
-        """Whether a value of the right type lies in the range of this parameter."""
+        """Whether a value of the right type is in the range of this parameter."""
         if isinstance(value, str):
             return not self.values or value in self.values or value == self.default
         if self.values and written(value) not in self.values:

@@ -56,7 +56,7 @@ class ParameterSet:
     def set(self, path: str, text: str, origin: Origin | str) -> None:
         """Set one parameter from its written value; a later setting replaces an earlier one.
 
-        path: as in a list, for instance `kenngr.measure.edge`. origin: where the text stands.
+        path: as in a list, for instance `kenngr.measure.edge`. origin: where the text is.
         Raises UserError for an unknown path, a value of the wrong type or outside its range, and
         for a value that is known to the manuals but has no effect yet.
         """
@@ -73,8 +73,8 @@ class ParameterSet:
     def load(self, path: str, text: str, origin: Origin) -> str:
         """Set one parameter as a list does, and return its present path.
 
-        A list may hold what does not act yet, `inert` tells it. Raises UserError as `set` does for
-        everything else.
+        A list may hold what does not act yet, `inert` reports it. Raises UserError as `set` does
+        for everything else.
         """
         parameter, key = self.find(path, origin)
         self._store(path, parameter, key, text, origin)
@@ -238,7 +238,7 @@ class ParameterSet:
     def items(self) -> Iterator[tuple[str, Value]]:
         """Give path and value of everything that was set, in the order of the table.
 
-        What has the same first index stands together: one drive function behind the other.
+        What has the same first index is together: one drive function after the other.
         """
         order: dict[str, int] = {}
         for at, parameter in enumerate(self._table.parameters):
@@ -291,7 +291,7 @@ def _stem(path: str) -> str:
 
 
 def _numbered(number: str, asked: Kind) -> str:
-    """Tell the name that a number stands for."""
+    """Return the name that a number means."""
     for kind in (asked, *KINDS):
         row = table(kind).numbered(number)
         if row is not None:

@@ -41,13 +41,13 @@ class PlcInterface:
     """One channel as the PLC side sees it.
 
     The PLC side reads the channel and the channel carries out what the PLC side commands: the two
-    know each other by this interface only, so the PLC side puts in here what it does (`take_turn`,
+    are connected by this interface only, so the PLC side puts in here what it does (`take_turn`,
     `inputs`, `is_idle`) once the channel is made.
 
-    values: V.E. variables by the name behind `V.E.`; a program reads them at the block that uses
+    values: V.E. variables by the name after `V.E.`; a program reads them at the block that uses
     one, when everything before it is executed. events: everything that passed, in order.
-    refreshed: variables that the PLC side promises to bring anew, by the same name.
-    inputs: bring into `values` what the PLC side reads, in front of its turn.
+    refreshed: variables that the PLC side promises to refresh, by the same name.
+    inputs: write into `values` what the PLC side reads, before its turn.
     take_turn: the PLC side's own work of a cycle. feedhold, override_permille: control units of the
     path; True or 0 stops it. axis: control units of every axis. acknowledged_later: functions (M50)
     that the PLC side acknowledges by `acknowledge`; every other one counts as acknowledged at once.
@@ -78,11 +78,11 @@ class PlcInterface:
     # What the channel does
 
     def is_waiting(self) -> bool:
-        """Tell whether a function is still to be acknowledged: nothing begins before."""
+        """Return whether a function is still to be acknowledged: nothing begins before."""
         return self._awaits_acknowledgement
 
-    def tell(self, command: canon.TechnologyFunction) -> None:
-        """Tell the PLC side a function."""
+    def send(self, command: canon.TechnologyFunction) -> None:
+        """Send a function to the PLC side."""
         self.events.append(PlcEvent(self._clock.now_ns, command))
         self._awaits_acknowledgement = command.word in self.acknowledged_later
 
@@ -94,7 +94,7 @@ class PlcInterface:
     # What the PLC side does in its turn, or when a drive has answered it
 
     def acknowledge(self) -> None:
-        """Acknowledge the function that was told last."""
+        """Acknowledge the function that was sent last."""
         self._awaits_acknowledgement = False
 
     def note(self, words: str, place: str) -> None:

@@ -1,7 +1,7 @@
 """The control units of an axis at the PLC's side: feedhold and override, distance control.
 
 Source: HLI, control commands of an axis; MC_CONTROL_DISTANCE_CONTROL (TF5200 distance control
-290209035), whose element names stand here.
+290209035), whose element names are used here.
 """
 
 from dataclasses import dataclass, field
@@ -63,13 +63,13 @@ class AxisUnit:
 
     @property
     def holds(self) -> bool:
-        """Whether the axis is to stand."""
+        """Whether the axis is to be held at rest."""
         return self.feedhold or self.override_permille == 0
 
 
 @dataclass
 class Refreshed:
-    """A variable that the PLC side promises to bring anew.
+    """A variable that the PLC side promises to refresh.
 
     period_ns: after so long at the latest. age_cycles: NC cycles since it was.
     """

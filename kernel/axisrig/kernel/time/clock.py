@@ -1,6 +1,6 @@
 """Simulated time: integer nanoseconds since the start of a run, and who may ask for it.
 
-Nothing in the kernel or the bench reads a wall clock. Whoever needs to act later asks the
+Nothing in the kernel or the bench reads a wall clock. A participant that acts later asks the
 `Clock` for a call; the scheduler of the co-simulation master is its only implementation in
 simulation.
 """
@@ -29,7 +29,7 @@ class Phase:
 
 
 class Clock(Protocol):
-    """What a participant needs to know about time."""
+    """The time as a participant needs it."""
 
     @property
     def now_ns(self) -> TimeNs:

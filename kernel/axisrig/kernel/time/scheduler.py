@@ -41,10 +41,10 @@ class Scheduler:
         """Run `action` at `time_ns` in `phase`; return the handle that `cancel` takes.
 
         An earlier phase of the current instant is allowed: it runs next.
-        Raises ValueError when `time_ns` lies before now (a defect of the caller).
+        Raises ValueError when `time_ns` is before now (a defect of the caller).
         """
         if time_ns < self.now_ns:
-            raise ValueError(f"call_at({time_ns} ns) lies before now ({self.now_ns} ns)")
+            raise ValueError(f"call_at({time_ns} ns) is before now ({self.now_ns} ns)")
         event = [time_ns, phase, next(self._sequence), action]
         heapq.heappush(self._events, event)
         return event
@@ -60,7 +60,7 @@ class Scheduler:
         Raises RuntimeError when called from an action, ValueError for a time before now.
         """
         if time_ns < self.now_ns:
-            raise ValueError(f"run_until({time_ns} ns) lies before now ({self.now_ns} ns)")
+            raise ValueError(f"run_until({time_ns} ns) is before now ({self.now_ns} ns)")
         events, pop = self._events, heapq.heappop
         with self._advancing:
             while events and events[0][0] <= time_ns:

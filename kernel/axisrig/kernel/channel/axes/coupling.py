@@ -36,12 +36,12 @@ class Couplings:
         self.watched = False
 
     def switch_on(self, command: canon.AxisLinkOn) -> None:
-        """Couple standing axes where they are."""
+        """Couple axes at standstill where they are."""
         self._groups[command.group] = [self._couple(pair) for pair in command.pairs]
         self._renew()
 
     def switch_off(self, command: canon.AxisLinkOff) -> None:
-        """Let the slaves of a group stand where they are."""
+        """Stop the slaves of a group where they are."""
         self._groups.pop(command.group, None)
         self._renew()
 

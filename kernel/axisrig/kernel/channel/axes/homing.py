@@ -19,7 +19,7 @@ from axisrig.kernel.time.clock import Clock, S, TimeNs
 HOMING_MODE: Final = 6
 MODE, MODE_DISPLAY, METHOD, ERROR_CODE = 0x6060, 0x6061, 0x6098, 0x603F
 START: Final = 1 << 4  # of the controlword
-# The bits of an earlier homing stand until the drive has seen the start; none takes longer
+# The bits of an earlier homing stay until the drive has seen the start; none takes longer
 BLIND_CYCLES: Final = 16
 MODE_POLLS_MAX: Final = 100  # readings of 6061 until the mode has changed
 # A bus with little room gets an SDO frame only now and then, so that no telegram is late twice
@@ -28,7 +28,7 @@ LIMIT_NS: Final[TimeNs] = 300 * S
 
 
 class Phase(Enum):
-    """Where the homing of an axis stands."""
+    """The progress of the homing of an axis."""
 
     ENTERING = auto()  # the drive changes to mode 6
     SEARCHING = auto()
@@ -48,7 +48,7 @@ class AxisHoming:
         self._polls = self._cycles = self._pause = 0
         self._request: Callable[[], None] | None = None
         self._begin_ns = clock.now_ns
-        self._told: dict[int, int] = {}
+        self._answers: dict[int, int] = {}
         self._failed: Alarm | None = None
         link.leads_itself = True
         self._read(MODE_DISPLAY, self._enter)
@@ -65,7 +65,7 @@ class AxisHoming:
             self._look()
 
     def abort(self) -> None:
-        """Break off: the drive brings the axis to rest."""
+        """Break off: the drive stops the axis."""
         self._link.mode_bits = 0
         self.phase = Phase.DONE
 
@@ -144,19 +144,19 @@ class AxisHoming:
         self.phase = Phase.EXPLAINING
         word = self._link.statusword
 
-        def tell(error: int) -> None:
+        def report(error: int) -> None:
             self._failed = Alarm(
                 900190,
                 axis=self._link.name,
-                method=self._told[METHOD],
+                method=self._answers[METHOD],
                 reason=reason,
                 statusword=f"0x{word:04X}",
                 error=f"0x{error:04X}",
             )
 
         def keep(method: int) -> None:
-            self._told[METHOD] = method
-            self._read(ERROR_CODE, tell)
+            self._answers[METHOD] = method
+            self._read(ERROR_CODE, report)
 
         self._read(METHOD, keep)
 

@@ -24,16 +24,16 @@ from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.time.clock import Clock
 
-# What the run of an axis tells by these is one documented alarm for independent axes
+# What the run of an axis reports by these is one documented alarm for independent axes
 NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664
 
 
 @dataclass
 class Mover:
-    """One axis on its way; run: its measurement, None without. waits: until it stands for one.
+    """One axis on its way; run: its measurement, None without. waits: until it is at rest for one.
     standstill: when it comes to rest in its run.
 
-    speed_mm_s: of its motion, and of the one that takes the lag away behind a fixed stop, without
+    speed_mm_s: of its motion, and of the one that takes the lag away after a fixed stop, without
     an override. feed: of the present one. override_permille: 0 holds it.
     """
 
@@ -52,7 +52,7 @@ class Mover:
 
     @property
     def position_mm(self) -> float:
-        """Where the interpolation of the axis stands."""
+        """Set position of the interpolation of the axis."""
         return self.interpolator.positions_mm[0]
 
 
@@ -72,7 +72,7 @@ class _StopMotion:
         return self.axes.has_stopped(self.mover)
 
     def is_in_position(self) -> bool:
-        return self.axes.stands(self.mover)
+        return self.axes.is_at_rest(self.mover)
 
 
 class IndependentAxes:
@@ -116,8 +116,8 @@ class IndependentAxes:
     def begin(self, command: canon.IndependentMove) -> None:
         """Begin the motion of an axis; without a way there is nothing to do.
 
-        Raises Alarm 900012 for a target that cannot be told to the drive, 120002 or 120003 for one
-        beyond a software limit switch, for G100 also 50059, 900100, 900103.
+        Raises Alarm 900012 for a target that cannot be sent to the drive, 120002 or 120003 for one
+        past a software limit switch, for G100 also 50059, 900100, 900103.
         """
         path, axis = self._path, command.axis
         here_mm, settings = path.position_acs_mm(axis), path.settings(axis)
@@ -165,8 +165,8 @@ class IndependentAxes:
                 raise _judged(mover, alarm) from None
 
     def _begin_run(self, mover: Mover) -> None:
-        """A lagging axis could take its own retract for an actuated probe: it stands first."""
-        if self.stands(mover):
+        """A lagging axis could take its own retract for an actuated probe: it stops first."""
+        if self.is_at_rest(mover):
             command = mover.command
             assert command.measuring_type is not None
             axes, kind, block = (command.axis,), command.measuring_type, command.block
@@ -189,7 +189,7 @@ class IndependentAxes:
         else:
             watch = mover.standstill
             rest_ns = None if watch is None else watch.look(self.has_stopped(mover))
-            order = run.evaluate(now_ns, self.stands(mover), rest_ns)
+            order = run.evaluate(now_ns, self.is_at_rest(mover), rest_ns)
         if order is Order.START:
             self._start_run(mover)
         elif order is Order.BRAKE:
@@ -242,7 +242,7 @@ class IndependentAxes:
         """Whether the same set position of the axis is sent again and again."""
         return mover.interpolator.is_standing and self._path.has_axis_stopped(mover.link.name)
 
-    def stands(self, mover: Mover) -> bool:
+    def is_at_rest(self, mover: Mover) -> bool:
         """Whether the axis is in its exact-stop window; raises Alarm 70082."""
         if not self.has_stopped(mover):
             mover.settling.restart()
@@ -280,7 +280,7 @@ def _motion(command: canon.IndependentMove) -> Motion:
 def _start(
     mover: Mover, beyond_mm: float = 0.0, allowed: Callable[[float], float] = lambda mm_s: mm_s
 ) -> None:
-    """Begin the motion to the target, and as far behind it as a run may go (P-AXIS-00467).
+    """Begin the motion to the target, and as far past it as a run may go (P-AXIS-00467).
 
     allowed: gives the speed of a run for the one that the command wants.
     """

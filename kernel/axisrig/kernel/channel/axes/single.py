@@ -116,7 +116,7 @@ class SingleAxes:
         self._renew()
 
     def _adopt(self, command: canon.AdoptActual) -> None:
-        """What an axis lags while it comes to rest is no place to stand at: wait for its end."""
+        """The lag of an axis that comes to rest is no position to stay at: wait for its end."""
         axes = [(self._path.settings(axis), self._links[axis]) for axis in command.axes]
         self._adopted = command.axes
         self._rest = Rest(self._clock, self._timing.period_ns, axes)

@@ -25,9 +25,9 @@ WITHOUT_AGE = 900315
 class AxisDistance:
     """Distance control of one axis.
 
-    values: V.E. variables, by the name behind `V.E.`. refreshed: those that come with a period.
-    is_held: the offset stands, by feedhold or override 0 of the axis. override: of the axis, 1 =
-    100 %. output_mm: the offset that went out in the last cycle.
+    values: V.E. variables, by the name after `V.E.`. refreshed: those that come with a period.
+    is_held: the offset is held, by feedhold or override 0 of the axis. override: of the axis, 1 =
+    100 %. output_mm: the offset that was sent in the last cycle.
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class AxisDistance:
         self.sensor_mm: float | None = None
         self.is_held, self.override = False, 1.0
         self.output_mm = 0.0
-        self._before_mm = 0.0  # offset of the cycle before, which goes out in this one
+        self._before_mm = 0.0  # offset of the cycle before, which is sent in this one
         self._without_age: set[str] = set()  # sensors that were warned of
 
     @property
@@ -91,7 +91,7 @@ class AxisDistance:
     def require_sensor(self) -> float:
         """Return the sensor value.
 
-        Raises Alarm 310027 or 310029 when nothing tells it, 900314 when it is too old.
+        Raises Alarm 310027 or 310029 when nothing measures it, 900314 when it is too old.
         """
         self._require(self.sensor)
         self.take()  # a program may begin in the cycle that has just powered the drives
@@ -152,11 +152,11 @@ class AxisDistance:
 
     @property
     def pending_mm(self) -> float:
-        """The offset that goes out in this cycle."""
+        """The offset that is sent in this cycle."""
         return self.control.offset_mm if self.settings.is_optimized else self._before_mm
 
     def put_out(self) -> float:
-        """Return the offset of this cycle. To be called once per cycle, behind everything else."""
+        """Return the offset of this cycle. To be called once per cycle, after everything else."""
         self.output_mm = self.pending_mm
         self._before_mm = self.control.offset_mm
         return self.output_mm

@@ -1,4 +1,4 @@
-"""What tells an axis the distance: the second encoder of its drive, or a variable of the PLC.
+"""Where an axis gets the distance from: the second encoder of its drive, or a variable of the PLC.
 
 Both give millimetres in the convention of distance control: the value counts against the motor, it
 falls when the tool lifts. Sources: P-AXIS-00230, 00418, 00422 to 00424; FCT-M3 5 and 12.8.4.
@@ -18,7 +18,7 @@ from axisrig.kernel.time.clock import TimeNs
 SECOND_ENCODER: Final = "SECOND_ENCODER"
 VARIABLE: Final = "VARIABLE"
 UNITS_PER_MM: Final = 10_000  # 0.1 um
-COUNTS: Final = 1 << 32  # of 60E4:1, behind which it begins anew
+COUNTS: Final = 1 << 32  # of 60E4:1, after which it begins anew
 LINEAR, MODULO = 1, 2
 PERIODS_MAX: Final = 3
 """So many of its periods a sensor may be silent, where the rig says no other limit."""
@@ -75,16 +75,16 @@ class EncoderSensor:
 
     @property
     def age_cycles(self) -> int:
-        """NC cycles since a telegram has brought a value."""
+        """NC cycles since a telegram has delivered a value."""
         return self._link.second_age_cycles
 
     @property
     def exists(self) -> bool:
-        """Whether the drive tells a second encoder."""
+        """Whether the drive sends a second encoder."""
         return self._link.has_second
 
     def read_mm(self) -> float | None:
-        """Return the sensor value, None until the drive has told one. To be called every cycle."""
+        """Return the sensor value, None until the drive has sent one. To be called every cycle."""
         count = self._link.second_increments
         if count is None:
             return None
@@ -100,7 +100,7 @@ class EncoderSensor:
 class VariableSensor:
     """A V.E. variable in 0.1 um, which the PLC has normalised: it has its sign and resolution.
 
-    name: as a program writes it, with or without `V.E.`. values: of the PLC, by the name behind it.
+    name: as a program writes it, with or without `V.E.`. values: of the PLC, by the name after it.
     refreshed: those of them that come with a period.
     """
 
@@ -124,7 +124,7 @@ class VariableSensor:
 
     @property
     def age_cycles(self) -> int:
-        """NC cycles since the PLC has brought a value; 0 for one that has no age."""
+        """NC cycles since the PLC has delivered a value; 0 for one that has no age."""
         found = self._refreshed.get(self.name)
         return 0 if found is None else found.age_cycles
 

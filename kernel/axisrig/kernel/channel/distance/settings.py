@@ -11,7 +11,7 @@ from axisrig.kernel.parameters import ParameterSet
 class AxisDistanceSettings:
     """What an axis needs for its distance control.
 
-    is_optimized: P-AXIS-00509, the offset goes out in the cycle that has computed it, not in the
+    is_optimized: P-AXIS-00509, the offset is sent in the cycle that has computed it, not in the
     next one. checks_limits: P-AXIS-00428, software limit switches count the offset.
     """
 

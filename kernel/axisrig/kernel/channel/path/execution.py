@@ -78,7 +78,7 @@ class Execution:
         return None if self._queue is None or self._queue.is_empty else self._queue.head
 
     def is_busy(self) -> bool:
-        """Tell whether somebody still carries out a command that keeps the next one waiting."""
+        """Return whether somebody still carries out a command that keeps the next one waiting."""
         for is_busy in self._busy:  # noqa: SIM110 - asked in every cycle, without a generator
             if is_busy():
                 return True

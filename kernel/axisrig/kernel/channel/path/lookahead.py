@@ -18,7 +18,7 @@ class Lookahead:
     """A queue of decoded commands.
 
     commands: the decoder's. put_out: takes messages that do not wait for the machine.
-    failed: the alarm of a block that could not be decoded. It comes up behind the blocks before it.
+    failed: the alarm of a block that could not be decoded. It comes up after the blocks before it.
     """
 
     def __init__(self, commands: Iterator[Command], put_out: Callable[[Message], None]) -> None:
@@ -30,7 +30,7 @@ class Lookahead:
         self.failed: Alarm | None = None
 
     def begin_cycle(self) -> None:
-        """Let the decoder go on behind a wait for the next cycle."""
+        """Let the decoder go on after a wait for the next cycle."""
         self._closed_for_cycle = False
 
     def refill(self) -> None:

@@ -1,6 +1,6 @@
-"""The measurement run of the channel: begins it, leads its path, keeps what it brought.
+"""The measurement run of the channel: begins it, leads its path, keeps its results.
 
-A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (standing at a stop is the signal).
+A run is a `MeasuringRun` (a probe signals) or a `FixedStopRun` (rest at a stop is the signal).
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
@@ -88,7 +88,7 @@ class Measurement:
     # Settings (#MEAS)
 
     def may_choose(self) -> bool:
-        """Tell whether no probe is armed, also not by an axis beside the path."""
+        """Return whether no probe is armed, also not by an axis beside the path."""
         return not any(link.is_probing for link in self._links.values())
 
     def choose(self, command: canon.ProbeSettings) -> None:
@@ -184,7 +184,7 @@ class Measurement:
     ) -> MeasuringRun:
         """Make a run of released axes, and note it; who moves them has to evaluate it.
 
-        error_no_signal: None = P-CHAN-00176. simulated: what tells the signal in place of the
+        error_no_signal: None = P-CHAN-00176. simulated: what gives the signal in place of the
         drive, by axis. Raises Alarm 50052.
         """
         kind = measuring_types()[measuring_type]
@@ -248,7 +248,7 @@ class Measurement:
         return [(self._path.settings(name), self._links[name]) for name in names]
 
     def keep(self, record: RunRecord) -> None:
-        """Keep what a run brought."""
+        """Keep the results of a run."""
         self._measured.update({axis: record.latched_mm.get(axis) for axis in record.axes})
 
     def speed_mm_s(
@@ -376,7 +376,7 @@ class Measurement:
         return run.evaluate(now_ns, self._path.is_in_position(), rest_ns)
 
     def _relax(self, targets_mm: Mapping[str, float], speed_mm_s: float) -> None:
-        """Lead the axes straight to where they are to stand, no faster than the run."""
+        """Lead the axes straight to where they are to rest, no faster than the run."""
         path = self._path
         targets_mm = {axis: mm - path.superposed_mm(axis) for axis, mm in targets_mm.items()}
         dynamics = path.dynamics(targets_mm, Motion.MEASURING)

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from axisrig.kernel.channel.path.settings import CycleTiming
+from axisrig.kernel.drives.active_fault import ActiveFault
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.standing_fault import StandingFault
 from axisrig.kernel.drives.watch import BusWatch, DriveWatch, HeartbeatProducer, WatchSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import Clock
@@ -16,7 +16,7 @@ FAULT_CYCLES_MAX = 50  # long enough for a reset and for a drive that looks once
 
 
 class Monitor:
-    """Takes what the buses delivered and tells the most telling alarm of a cycle.
+    """Takes what the buses delivered and returns the most specific alarm of a cycle.
 
     watches: per drive, in the order of the links; without them each gets one of the defaults.
     heartbeat: the kernel's own.
@@ -38,7 +38,7 @@ class Monitor:
         self.further: list[Alarm] = []
 
     def prepare(self) -> None:
-        """Let the drives hear the kernel, before they are told to watch it."""
+        """Let the drives hear the kernel, before they are set to watch it."""
         if self._heartbeat is not None:
             self._heartbeat.begin()
 
@@ -63,7 +63,7 @@ class Monitor:
     def take(self) -> None:
         """Take the telegrams of every link.
 
-        Raises the alarm that tells most: own controller, SYNC, connection of a drive, telegrams;
+        Raises the most specific alarm: own controller, SYNC, connection of a drive, telegrams;
         the others of this cycle are in `further`.
         """
         silent: list[Alarm] = []
@@ -74,13 +74,13 @@ class Monitor:
                 silent.append(alarm)
         found: list[Alarm] = []
         for bus in self._buses:
-            if (told := bus.check()) is not None:
-                found.append(told)
+            if (wrong := bus.check()) is not None:
+                found.append(wrong)
         if self._late_sync is not None:
             found.append(self._late_sync)
         for drive in self._drives:
-            if (told := drive.communication()) is not None:
-                found.append(told)
+            if (wrong := drive.communication()) is not None:
+                found.append(wrong)
         if found or silent:
             self._raise(found + silent)
 
@@ -91,8 +91,8 @@ class Monitor:
         """
         found: list[Alarm] = []
         for drive in self._drives:
-            if (told := drive.condition()) is not None:
-                found.append(told)
+            if (wrong := drive.condition()) is not None:
+                found.append(wrong)
         if found:
             self._raise(found)
 
@@ -102,14 +102,14 @@ class Monitor:
 
 
 class PowerUp:
-    """Leads all drives to operation enabled; resets_faults: acknowledges those that stand."""
+    """Leads all drives to operation enabled; resets_faults: acknowledges those that are active."""
 
     def __init__(
         self, links: Sequence[AxisLink], timing: CycleTiming, *, resets_faults: bool = False
     ) -> None:
         self._links, self._timing, self._resets_faults = links, timing, resets_faults
         self._cycles = 0
-        self._faults: dict[str, StandingFault] = {}
+        self._faults: dict[str, ActiveFault] = {}
 
     def step(self) -> bool:
         """Do one cycle; return whether every drive is there.
@@ -140,11 +140,11 @@ class PowerUp:
         """Ask for a fault that nobody has heard of, and raise Alarm 900005 when it stays."""
         fault = self._faults.get(link.name)
         if fault is None:
-            fault = self._faults[link.name] = StandingFault(link.sdo)
+            fault = self._faults[link.name] = ActiveFault(link.sdo)
         if link.emergency is None:
             fault.ask()
         waits_max = POWER_UP_CYCLES_MAX if fault.is_open else FAULT_CYCLES_MAX
         if self._cycles > waits_max:
-            told = fault if link.emergency is None else link.emergency
+            emergency = fault if link.emergency is None else link.emergency
             word = f"0x{link.statusword:04X}"
-            raise Alarm(900005, axis=link.name, statusword=word, emcy=str(told))
+            raise Alarm(900005, axis=link.name, statusword=word, emcy=str(emergency))

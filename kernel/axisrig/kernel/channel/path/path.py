@@ -1,4 +1,4 @@
-"""The path of the channel: interpolator, set point buffer, links, and when the axes stand."""
+"""The path of the channel: interpolator, set point buffer, links, and when the axes are at rest."""
 
 from collections import deque
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
@@ -54,7 +54,7 @@ class Path:
         self._recent = deque([self.interpolator.positions_mm] * 3, maxlen=3)
 
     def position_acs_mm(self, axis: str) -> float:
-        """Return where the interpolation stands, axis coordinates."""
+        """Return the set position of the interpolation, axis coordinates."""
         return self.interpolator.positions_mm[self._index[axis]]
 
     def settings(self, axis: str) -> AxisSettings:
@@ -66,7 +66,7 @@ class Path:
         return self._offsets.superposed_mm(axis)
 
     def take_over(self, positions_mm: Positions) -> None:
-        """Stand where the axes are, with nothing left in the buffer."""
+        """Stay where the axes are, with nothing left in the buffer."""
         self.interpolator.hold(positions_mm)
         self._buffer = SetpointBuffer(self._timing.buffer_cycles, positions_mm)
         self._recent.extend([positions_mm] * 3)
@@ -110,7 +110,7 @@ class Path:
         self.interpolator.lead(self._index[axis], position_mm)
 
     def put(self, axis: str, position_mm: float) -> None:
-        """Let the set position of a standing axis be this one at once, the buffer with it.
+        """Let the set position of an axis at rest be this one at once, the buffer with it.
 
         What is superposed on it is part of it.
         """
@@ -120,7 +120,7 @@ class Path:
         self._buffer.put(index, position_mm)
 
     def take_offset(self, axis: str, offset_mm: float) -> None:
-        """Let the set position of a standing axis contain what was superposed on it until now."""
+        """Let the set position of an axis at rest contain what was superposed on it until now."""
         index = self._index[axis]
         self.interpolator.lead(index, self.interpolator.positions_mm[index] + offset_mm)
         self._buffer.move(index, offset_mm)
@@ -128,7 +128,7 @@ class Path:
             self._recent[at] = with_axis(positions_mm, index, positions_mm[index] + offset_mm)
 
     def let_float(self, axes: Collection[str]) -> None:
-        """Ask no exact-stop window of these axes: their offset goes on while the path stands."""
+        """Ask no exact-stop window of these axes: their offset goes on while the path rests."""
         if self._floating != axes:
             self._floating = frozenset(axes)
             self._settling.restart()
@@ -161,7 +161,7 @@ class Path:
         angle_rad: float,
         feed_mm_min: float,
     ) -> None:
-        """Begin an arc from where the axes stand; the arguments are those of `canon.ArcMove`."""
+        """Begin an arc from where the axes are; the arguments are those of `canon.ArcMove`."""
         here = self.interpolator.positions_mm
         names = [axis.name for axis in self._axes]
         arc = Arc(
@@ -196,10 +196,10 @@ class Path:
         *,
         overtravel_mm: Mapping[str, float] | None = None,
     ) -> None:
-        """Begin a straight path; overtravel_mm: how far its axes may go behind their targets.
+        """Begin a straight path; overtravel_mm: how far its axes may go past their targets.
 
-        Raises Alarm 900012 for a target that cannot be told to a drive, 120002 or 120003 for one
-        beyond a software limit switch.
+        Raises Alarm 900012 for a target that cannot be sent to a drive, 120002 or 120003 for one
+        past a software limit switch.
         """
         here = dict(zip(self._index, self.interpolator.positions_mm, strict=True))
         target = {**here, **target_acs_mm}
@@ -305,7 +305,7 @@ class Path:
         """Give an axis its set position of this cycle, whatever the path says."""
         self.interpolator.put(self._index[axis], position_mm)
 
-    # Standing
+    # Standstill
 
     @property
     def is_moving(self) -> bool:
@@ -319,7 +319,7 @@ class Path:
 
     @property
     def is_settled(self) -> bool:
-        """Whether what leaves the buffer stands, but for axes that something else leads."""
+        """Whether what leaves the buffer is at rest, but for axes that something else leads."""
         if self._led:
             return self._buffer.is_settled_of(self._common)
         return self._buffer.is_settled
@@ -330,7 +330,7 @@ class Path:
         return self.interpolator.is_standing and self.is_settled
 
     def is_in_position(self, but_for: Container[str] = ()) -> bool:
-        """Whether the interpolation stands and every axis is in its exact-stop window.
+        """Whether the interpolation is at rest and every axis is in its exact-stop window.
 
         but_for: axes that are not asked, nor are those that something else leads. Raises Alarm
         70082.

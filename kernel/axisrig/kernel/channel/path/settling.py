@@ -1,4 +1,4 @@
-"""When axes stand: at their set positions (exact stop, P-AXIS-00236), or wherever they are."""
+"""When axes are at rest: at their set positions (exact stop, P-AXIS-00236), or anywhere."""
 
 from collections.abc import Iterable
 
@@ -15,10 +15,10 @@ STANDSTILL_INCREMENTS = 1  # from one SYNC to the next
 
 
 class Settling:
-    """Watches axes whose set positions stand come into their exact-stop windows.
+    """Watches axes whose set positions are at rest come into their exact-stop windows.
 
-    They stand when they have been there for SETTLED_CYCLES: an axis that friction has wound up
-    runs through its window once.
+    They are at rest after SETTLED_CYCLES there: an axis that friction has wound up runs
+    through its window once.
     """
 
     def __init__(self, clock: Clock, period_ns: TimeNs) -> None:
@@ -31,7 +31,7 @@ class Settling:
         self._settling_since_ns = self._inside_since_ns = None
 
     def judge(self, axes: Iterable[tuple[AxisSettings, AxisLink]]) -> bool:
-        """Tell whether the axes stand; called once per cycle while the set positions stand.
+        """Return whether the axes are at rest; called once per cycle while the set positions are.
 
         Raises Alarm 70082 when an axis does not get there within its settling time.
         """
@@ -128,7 +128,7 @@ class Rest:
         self._places = [link.actual_increments for _, link in self._axes]
 
     def judge(self) -> bool:
-        """Tell whether the axes rest; called once per cycle.
+        """Return whether the axes rest; called once per cycle.
 
         Raises Alarm 900200 for one that sways too long and too far.
         """

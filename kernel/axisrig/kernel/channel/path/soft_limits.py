@@ -1,4 +1,4 @@
-"""Software limit switches: where an axis may be told to go, and where it may be.
+"""Software limit switches: where an axis may be sent, and where it may be.
 
 Set positions are checked before a motion begins, actual positions in every cycle with a tolerance
 (P-AXIS-00177 to 00179). Whether the offset of distance control counts says P-AXIS-00428. Source:
@@ -38,7 +38,7 @@ class SoftLimits:
         )
 
     def require_target(self, axis: str, target_mm: float) -> None:
-        """Raise Alarm 120002 or 120003 for a set position beyond a switch; at it is allowed."""
+        """Raise Alarm 120002 or 120003 for a set position past a switch; at it is allowed."""
         if target_mm > self.positive_mm:
             raise _alarm(TARGET_ABOVE, axis, target_mm, self.positive_mm)
         if target_mm < self.negative_mm:
@@ -64,8 +64,8 @@ class _Watched:
 class SoftLimitWatch:
     """Watches the actual positions of all axes that have switches.
 
-    uncounted_mm: by axis, tells what of its position does not count: the offset of distance control
-    without P-AXIS-00428. An axis that its drive leads (homing) is not watched.
+    uncounted_mm: by axis, the part of its position that does not count: the offset of distance
+    control without P-AXIS-00428. An axis that its drive leads (homing) is not watched.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class SoftLimitWatch:
         ]
 
     def check(self) -> None:
-        """Raise Alarm 70021 or 70022 for the first axis that is beyond a switch."""
+        """Raise Alarm 70021 or 70022 for the first axis that is past a switch."""
         for axis in self._axes:
             if not axis.counts or not axis.lowest <= axis.link.actual_increments <= axis.highest:
                 self._judge(axis)

@@ -153,7 +153,7 @@ _BROKEN = (
     RuntimeError,
     OverflowError,
 )
-REPACK = "have it packed again by whoever made it"
+REPACK = "ask its maker to pack it again"
 NO_FMU = "this is no FMU (a zip archive with modelDescription.xml)"
 
 
@@ -246,7 +246,7 @@ def _check_names(path: Path, entries: list[zipfile.ZipInfo]) -> None:
                 _refuse(path, name, f"and {other!r} are one file where case does not count")
             if key in files:
                 is_same = depth == len(parts)
-                _refuse(path, name, "is there twice" if is_same else "lies inside a file")
+                _refuse(path, name, "is there twice" if is_same else "is inside a file")
         if not name.endswith("/"):
             if any(other.startswith(f"{key}/") for other in spellings):
                 _refuse(path, name, "is a file and a folder")
@@ -305,10 +305,10 @@ def _check_sizes(path: Path, file: BufferedReader, entries: list[zipfile.ZipInfo
     packed = file.seek(0, os.SEEK_END)
     total = sum(entry.file_size for entry in entries)
     largest = max(entries, key=lambda entry: entry.file_size)
-    told = f"{total / MIB:.0f} MiB unpacked, {packed / MIB:.3g} MiB packed"
+    sizes = f"{total / MIB:.0f} MiB unpacked, {packed / MIB:.3g} MiB packed"
     if total > TOTAL_BYTES_MAX or (total > RATIO_BYTES_MIN and total > RATIO_MAX * packed):
         limit = f"{TOTAL_BYTES_MAX // MIB} MiB and {RATIO_MAX} times the packed size"
-        _refuse(path, largest.orig_filename, f"makes an absurd size: {told}", allowed=limit)
+        _refuse(path, largest.orig_filename, f"makes an absurd size: {sizes}", allowed=limit)
     for name in XML_FILES:
         size = next((e.file_size for e in entries if e.orig_filename == name), 0)
         if size > XML_BYTES_MAX:

@@ -17,7 +17,7 @@ from axisrig.kernel.cosim.fmi.slave import POINTER, FmuSlave
 _LAST_SUCCESSFUL_TIME, _TERMINATED = 2, 3  # fmi2StatusKind
 
 # fmpy's proxy fills in the arguments of printf-like messages and hands them to one function for the
-# whole process: the environment tells which instance speaks.
+# whole process: the environment says which instance speaks.
 _SPEAKERS: "WeakValueDictionary[int, Fmi2Slave]" = WeakValueDictionary()
 _NUMBERS = count(1)
 
@@ -92,6 +92,6 @@ class Fmi2Slave(FmuSlave):
         try:
             call[1](self._fmu.component, _TERMINATED, ctypes.byref(wants_end))
             call[0](self._fmu.component, _LAST_SUCCESSFUL_TIME, ctypes.byref(last_s))
-        except Exception:  # refused or not in the library: then nothing is told
+        except Exception:  # refused or not in the library: then nothing is reported
             return math.nan, bool(wants_end.value)
         return last_s.value, bool(wants_end.value)

@@ -67,7 +67,7 @@ def load_description(path: Path) -> tuple[ModelDescription, str]:
     folder = unpack(path)
     try:
         description, _ = _read_anyhow(folder)
-    except Exception as error:  # fmpy tells an unknown version or a missing element like that
+    except Exception as error:  # fmpy reports an unknown version or a missing element like that
         problems = getattr(error, "problems", None) or [str(error) or type(error).__name__]
         more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
         raise UserError(

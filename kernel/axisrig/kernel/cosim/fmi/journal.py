@@ -1,4 +1,4 @@
-"""Tells a process that outlives this one which call into which FMU is under way.
+"""Reports to a process that outlives this one which call into which FMU is under way.
 
 An FMU can end its process at any moment. Where somebody watches, every call into one is noted in a
 small file in shared memory before it begins; what the process wrote last is there after its death.
@@ -25,7 +25,7 @@ class LastCall:
     """The last call that a process noted.
 
     number: how many calls began. is_inside: it has not come back. file, instance, function: which
-    FMU and what of it. time_ns: where the instance stood.
+    FMU and what of it. time_ns: the time of the instance.
     """
 
     number: int
@@ -78,14 +78,14 @@ def _label(file: str, instance: str, function: str) -> bytes:
     return b"\0".join(parts).ljust(_TEXT_BYTES, b"\0")
 
 
-class Standing(Protocol):
-    """What stands at a time."""
+class Timed(Protocol):
+    """What has a simulated time."""
 
     time_ns: TimeNs
 
 
 def watched(
-    call: Callable[..., Any], file: str, instance: str, function: str, slave: Standing
+    call: Callable[..., Any], file: str, instance: str, function: str, slave: Timed
 ) -> Callable[..., Any]:
     """Return a function of an FMU as one that notes its calls, or itself if nobody watches."""
     if not _OPEN:

@@ -43,7 +43,7 @@ class LogMessage:
     text: str
 
 
-# FMUs tell their time as a sum of floats; less than this is no progress
+# FMUs give their time as a sum of floats; less than this is no progress
 TIME_RESOLUTION_S = 1e-12
 OK, WARNING, DISCARD, ERROR, FATAL, PENDING = range(6)
 STATUS_WORDS = {
@@ -60,7 +60,7 @@ class Capabilities:
 
     can_save_state: get, set and free FMU states. can_return_early: `doStep` may end at an event
     inside the step. can_vary_step: steps may differ in length. fixed_step_s: internal step, None
-    when not told.
+    when not given.
     """
 
     can_save_state: bool
@@ -74,26 +74,26 @@ class Capabilities:
     @classmethod
     def of(cls, description: ModelDescription) -> "Capabilities":
         """Read the flags of the co-simulation interface."""
-        told = description.coSimulation
-        early = told.mightReturnEarlyFromDoStep  # FMI 3.0 only; False for 2.0
+        declared = description.coSimulation
+        early = declared.mightReturnEarlyFromDoStep  # FMI 3.0 only; False for 2.0
         return cls(
-            can_save_state=bool(told.canGetAndSetFMUstate),
-            can_serialize_state=bool(told.canSerializeFMUstate),
+            can_save_state=bool(declared.canGetAndSetFMUstate),
+            can_serialize_state=bool(declared.canSerializeFMUstate),
             can_return_early=bool(early),
-            can_vary_step=bool(told.canHandleVariableCommunicationStepSize),
-            once_per_process=bool(told.canBeInstantiatedOnlyOncePerProcess),
-            needs_tool=bool(told.needsExecutionTool),
-            fixed_step_s=float(told.fixedInternalStepSize) if told.fixedInternalStepSize else None,
+            can_vary_step=bool(declared.canHandleVariableCommunicationStepSize),
+            once_per_process=bool(declared.canBeInstantiatedOnlyOncePerProcess),
+            needs_tool=bool(declared.needsExecutionTool),
+            fixed_step_s=float(step_s) if (step_s := declared.fixedInternalStepSize) else None,
         )
 
 
 def own_step_s(description: ModelDescription) -> float | None:
     """Return the step in which an FMU goes on by itself, s: internal, else that of its experiment.
 
-    None when it tells neither.
+    None when it gives neither.
     """
-    told, experiment = description.coSimulation, description.defaultExperiment
-    step_s = told.fixedInternalStepSize or (experiment.stepSize if experiment else None)
+    declared, experiment = description.coSimulation, description.defaultExperiment
+    step_s = declared.fixedInternalStepSize or (experiment.stepSize if experiment else None)
     return float(step_s) if step_s else None
 
 
@@ -101,19 +101,19 @@ def standstill(last_s: float, end_s: float, own_step_s: float | None) -> str | N
     """Say why a step of status ok that should have come to `end_s` has not come there.
 
     last_s: where it has come by its own account. It may wait for the end of a longer step of its
-    own where its description tells this step. None: nothing is wrong.
+    own where its description gives this step. None: nothing is wrong.
     """
     if math.isnan(last_s):
         return "where the FMU has come (lastSuccessfulTime) is no number"
     if end_s - last_s > (own_step_s or 0.0) + TIME_RESOLUTION_S:
-        return f"the FMU stands still (lastSuccessfulTime {last_s:.9g} s)"
+        return f"the FMU does not advance (lastSuccessfulTime {last_s:.9g} s)"
     return None
 
 
 def grid_of(description: ModelDescription) -> TimeNs | None:
     """Return the step of an FMU that cannot take steps of different length; None for others.
 
-    An FMU that tells no step of its own gets the steps that the bench takes.
+    An FMU that gives no step of its own gets the steps that the bench takes.
     """
     step_s = own_step_s(description)
     if step_s is None or description.coSimulation.canHandleVariableCommunicationStepSize:
@@ -122,13 +122,13 @@ def grid_of(description: ModelDescription) -> TimeNs | None:
 
 
 class Missing:
-    """Stands for a function that a library lacks: loading goes on, calling it tells its name."""
+    """Replaces a function that a library lacks: loading goes on, calling it reports its name."""
 
     def __init__(self, name: str) -> None:
         self.name = name
 
     def __call__(self, *_arguments: object) -> int:
-        """Tell what is missing."""
+        """Report what is missing."""
         raise UserError(f"the library of the FMU has no function {self.name}")
 
 

@@ -1,8 +1,8 @@
 """What the bench needs of a plant, and which variables of an FMU give it (`roles.csv`).
 
 A role is a meaning with an SI unit. Variables that have the name of a role in the right unit are
-taken by themselves; others are mapped by the rig. What is missing and can be done without is told
-in `notes`, never left unsaid.
+taken by themselves; others are mapped by the rig. What is missing and can be done without is always
+reported in `notes`.
 """
 
 import csv
@@ -49,7 +49,7 @@ class Values(Protocol):
 
 @dataclass(frozen=True)
 class Role:
-    """One row of `roles.csv`; `<g>` in a name stands for a coordinate that the rig wires.
+    """One row of `roles.csv`; `<g>` in a name means a coordinate that the rig wires.
 
     group: roles that only make sense together. need: `required`, `optional`, or a word that
     several groups share, one of which must be complete. without: what happens then.
@@ -71,7 +71,7 @@ class Source:
 
     unit: None = as the FMU says. sign: -1 turns the direction round, or inverts a level.
     threshold: a number above it is the level true. lead_m: travel per revolution, for a rotation
-    that stands for a travel (and a torque for a force along it).
+    that represents a travel (and a torque for a force along it).
     """
 
     variable: str
@@ -228,11 +228,11 @@ class Roles:
         self._check()
 
     def has(self, *roles: str) -> bool:
-        """Tell whether all these roles are there."""
+        """Return whether all these roles are there."""
         return all(role in self.bound for role in roles)
 
     def has_group(self, group: str) -> bool:
-        """Tell whether all roles of a group are there."""
+        """Return whether all roles of a group are there."""
         return self.has(*self._group(group))
 
     def _group(self, group: str) -> list[str]:
@@ -401,14 +401,14 @@ def _refuse_second_writer(bound: Mapping[str, Bound], roles: Mapping[str, Role],
 
 
 def _fits(slave: FmuSlave, name: str, role: Role) -> bool:
-    """Tell whether a variable that has a role's name may stand for it."""
+    """Return whether a variable that has a role's name may be used for it."""
     if not slave.has(name):
         return False
     return slave.variable(name).causality in _MAY_BE[role.causality]
 
 
 def guess_kind(slave: FmuSlave, sources: Mapping[str, Source | None]) -> str | None:
-    """Tell the kind of a plant by the mapped roles, else by its variables; None: unclear."""
+    """Return the kind of a plant by the mapped roles, else by its variables; None: unclear."""
     mapped = [
         kind
         for kind in KINDS

@@ -135,7 +135,7 @@ class FmuSlave(ABC):
         self._names: dict[str, list[str]] = {}
         for variable in description.modelVariables:
             self._names.setdefault(variable.causality, []).append(variable.name)
-        self._excess_s = 0.0  # how far behind `time_ns` an early return left the FMU
+        self._excess_s = 0.0  # how far before `time_ns` an early return left the FMU
         self.own_step_s = own_step_s(description)
         self.grid_ns = grid_of(description)
         self._stands_ns: TimeNs = 0  # on a grid: the last point that the FMU has reached
@@ -166,7 +166,7 @@ class FmuSlave(ABC):
 
     @abstractmethod
     def _progress(self) -> tuple[float, bool]:
-        """Tell where a step ended (s; nan: not told), and whether the FMU wants to end the run."""
+        """Return where a step ended (s; nan: not reported), and whether the FMU ends the run."""
 
     # Loading
 
@@ -194,7 +194,7 @@ class FmuSlave(ABC):
             os.chdir(working_directory)  # fmpy leaves it changed when a library fails to load
 
     def _limit_logging(self) -> None:
-        """Ask for messages that tell of trouble only: each costs a call into Python."""
+        """Ask for messages about trouble only: each costs a call into Python."""
         wanted = [c.name for c in self.description.logCategories if c.name.startswith("logStatus")]
         if wanted:
             with suppress(Exception):  # all messages then come, which is slow but not wrong
@@ -244,7 +244,7 @@ class FmuSlave(ABC):
         return self._variables[name]
 
     def has(self, *names: str) -> bool:
-        """Tell whether the FMU has all these variables."""
+        """Return whether the FMU has all these variables."""
         return all(name in self._variables for name in names)
 
     def names(self, causality: str) -> list[str]:
@@ -300,7 +300,7 @@ class FmuSlave(ABC):
             self._fail(f"doStep: not at {end_ns / 1e6:.6f} ms after {PARTS_MAX} steps")
 
     def step_towards(self, end_ns: TimeNs) -> TimeNs:
-        """Do one step that shall end at `end_ns`; return where the FMU stands, perhaps earlier.
+        """Do one step that shall end at `end_ns`; return the time of the FMU, perhaps earlier.
 
         Raises PlantError as `step_to` does.
         """
@@ -336,7 +336,7 @@ class FmuSlave(ABC):
         return end_ns
 
     def _not_there(self, status: int, end_ns: TimeNs) -> TimeNs:
-        """Go on after a step that did not reach its end: from where the FMU stands.
+        """Go on after a step that did not reach its end: from the time of the FMU.
 
         An FMU that has discarded the whole step gets half of it, when its state can be saved: only
         setting a state leads out of a discarded step (FMI 2.0.4, 4.2.4).
@@ -348,7 +348,7 @@ class FmuSlave(ABC):
             if wants_end:
                 self._fail("the FMU ended the simulation", last_s, EndedError)
             if not begin_s - TIME_RESOLUTION_S <= last_s <= end_ns * 1e-9 + TIME_RESOLUTION_S:
-                self._fail("doStep: cut short, and the FMU does not tell how far it came")
+                self._fail("doStep: cut short, and the FMU does not say how far it came")
             if last_s > begin_s + TIME_RESOLUTION_S:
                 return self._stand_at(last_s, end_ns)
             if status <= WARNING:

@@ -74,26 +74,28 @@ def find_unit(description: ModelDescription, name: str) -> Unit | None:
 
 
 def unit_of(
-    description: ModelDescription, variable: ModelVariable, told: str | None = None
+    description: ModelDescription, variable: ModelVariable, written: str | None = None
 ) -> Unit | None:
-    """Return the unit of a variable; None when neither the FMU nor `told` names one.
+    """Return the unit of a variable; None when neither the FMU nor `written` names one.
 
-    told: the unit that the user writes. Raises UserError for a unit that nobody defines, and for a
-    told one that is not the FMU's.
+    written: the unit that the user writes. Raises UserError for a unit that nobody defines, and for
+    one that is not the FMU's.
     """
     own = unit_name(variable)
-    units = {name: find_unit(description, name) for name in (own, told) if name}
+    units = {name: find_unit(description, name) for name in (own, written) if name}
     for name, unit in units.items():
-        if unit is None and (name == told or told is None):
+        if unit is None and (name == written or written is None):
             raise UserError(
-                f"{variable.name}: nothing tells what the unit is"
+                f"{variable.name}: the unit is not given"
                 if name == own
                 else f"{variable.name}: unknown unit",
                 value=name,
                 allowed=nearest(name, known_units()) or known_units(),
-                hint='say it in the map: { variable = "...", unit = "..." }' if not told else None,
+                hint='say it in the map: { variable = "...", unit = "..." }'
+                if not written
+                else None,
             )
-    first, second = units.get(own or ""), units.get(told or "")
+    first, second = units.get(own or ""), units.get(written or "")
     if (
         first
         and second
@@ -105,6 +107,6 @@ def unit_of(
         )
     ):
         raise UserError(
-            f"{variable.name}: the FMU says {own}", value=told, allowed=f"{own}, or no unit"
+            f"{variable.name}: the FMU says {own}", value=written, allowed=f"{own}, or no unit"
         )
     return second or first

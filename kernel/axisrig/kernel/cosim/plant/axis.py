@@ -57,7 +57,7 @@ def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float
 def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
     """Return place and value of the vertex of the parabola through three points (Newton's form).
 
-    The middle point where they lie on a straight line or in a valley.
+    The middle point where they are on a straight line or in a valley.
     """
     (x0, x1, x2), (y0, y1, y2) = places, values
     first = (y1 - y0) / (x1 - x0)
@@ -69,15 +69,15 @@ def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, fl
 
 
 class PlantAxis:
-    """A servo axis of the plant as the drive in front of it sees it (SI units).
+    """A servo axis of the plant as its drive sees it (SI units).
 
-    roles: what its FMU takes and gives. advance_to: brings the whole plant to an instant. `motion`
-    holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not tell),
+    roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
+    holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
     `tick` load position and velocity at both ends of the last step. The last 4096 steps are kept,
     so that the position at a latch can be looked up. fine_ns: longest step where a stop can be
     touched, so that the force of the contact is known that closely; it moves nothing else.
     beside: the axis on the same FMU that steps it, None = this one does.
-    second_encoder: tells what the second encoder of the drive sees, None = there is none.
+    second_encoder: returns what the second encoder of the drive sees, None = there is none.
     """
 
     def __init__(
@@ -118,7 +118,7 @@ class PlantAxis:
         return self.roles.has("velocity")
 
     def start(self, start_ns: TimeNs) -> None:
-        """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it tells none."""
+        """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it gives none."""
         if self._steps:
             self.slave.initialize(start_ns)
         if self.roles.has("kv"):
@@ -153,8 +153,8 @@ class PlantAxis:
             for role, value in wrong
             if self.roles.has(role)
         ]
-        told = ", ".join(names or [f"{role} is {value}" for role, value in wrong])
-        raise PlantError(self.slave.name, self.slave.time_ns, told)
+        text = ", ".join(names or [f"{role} is {value}" for role, value in wrong])
+        raise PlantError(self.slave.name, self.slave.time_ns, text)
 
     def _read(self) -> list[float]:
         self._outputs.read()
@@ -162,7 +162,7 @@ class PlantAxis:
         return values if len(values) == len(AXIS_OUTPUTS) else self._completed(values)
 
     def _completed(self, values: Sequence[float]) -> list[float]:
-        """Put in what the FMU does not tell, see `roles.csv`."""
+        """Put in what the FMU does not report, see `roles.csv`."""
         found = dict(zip(self._known, values, strict=True))
         position = found["position"]
         velocity = found.get("velocity", self._slope(POSITION, position))
@@ -172,8 +172,8 @@ class PlantAxis:
         )
         motor_velocity = found.get("motor_velocity", motor_velocity)
         demand = found.get("demand_position", self._demand_at(self.slave.time_ns))
-        told = [found.get(role, 0.0) for role in AXIS_OUTPUTS[FORCE:]]
-        return [position, velocity, motor, motor_velocity, demand, *told]
+        forces = [found.get(role, 0.0) for role in AXIS_OUTPUTS[FORCE:]]
+        return [position, velocity, motor, motor_velocity, demand, *forces]
 
     def _demand_at(self, time_ns: TimeNs) -> float:
         begin_ns, start, rate, end_ns = self._commanded
@@ -237,10 +237,10 @@ class PlantAxis:
             axis._sample()
 
     def _may_touch(self, end_ns: TimeNs) -> bool:
-        """Tell whether there is, or can be until `end_ns`, a contact with the stop.
+        """Return whether there is, or can be until `end_ns`, a contact with the stop.
 
         The gap g is used up after t with (|v| + v_stop) t + A t^2/2 = g at the earliest. An FMU
-        that does not tell where its stop is has a contact while there is a force.
+        that does not report where its stop is has a contact while there is a force.
         """
         motion = self.motion
         if not self._tells_stop:
@@ -335,24 +335,24 @@ class PlantAxis:
         self._control.limit(negative_n, positive_n)
 
     def force_n(self) -> float | None:
-        """Return the motor force now; None: the FMU does not tell it."""
+        """Return the motor force now; None: the FMU does not report it."""
         return self.motion[FORCE] if self.roles.has("force") else None
 
     def stop_force_peak_n(self, since_ns: TimeNs, until_ns: TimeNs) -> float:
         """Return the largest force between slide and stop from `since_ns` to `until_ns`, N.
 
-        Of the forces at the ends of steps, which lie `fine_ns` (h) apart while there is a contact,
+        Of the forces at the ends of steps, which are `fine_ns` (h) apart while there is a contact,
         and of the parabola through the largest and those beside it. It is off by at most
         0.064 h^3 times the third derivative (interpolation of degree 2, any text on it): 0.02 %
         for 500 N/um.
-        0 when nothing that is still kept lies there.
+        0 when nothing that is still kept is there.
         """
         if self._touched_ns < since_ns:
             return 0.0
         first, end = bisect_left(self._times, since_ns), bisect_right(self._times, until_ns)
-        told = [motion[STOP_FORCE] for motion in islice(self._past, first, end)]
-        largest = max(told, default=0.0)
-        middle = min(first + told.index(largest), end - 2) if largest > 0.0 else 0
+        kept = [motion[STOP_FORCE] for motion in islice(self._past, first, end)]
+        largest = max(kept, default=0.0)
+        middle = min(first + kept.index(largest), end - 2) if largest > 0.0 else 0
         if middle < 1:
             return largest
         places = range(middle - 1, middle + 2)

@@ -92,7 +92,7 @@ class Control:
 class SampledDemand:
     """Samples the ramp for an FMU that takes a plain demand and holds it.
 
-    The samples lie SAMPLE_NS apart from the command on, whatever the steps are.
+    The samples are SAMPLE_NS apart from the command on, whatever the steps are.
     """
 
     def __init__(self, roles: Roles) -> None:

@@ -1,4 +1,4 @@
-"""A distance sensor of the plant: it follows the motion of axes and tells a distance."""
+"""A distance sensor of the plant: it follows the motion of axes and reports a distance."""
 
 from collections import deque
 from collections.abc import Mapping
@@ -8,7 +8,7 @@ from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, POSITION, PlantAxis
 from axisrig.kernel.cosim.plant.edges import Trajectory
 from axisrig.kernel.time.clock import S, TimeNs
 
-Told = tuple[float, float | None, bool, bool]
+Reported = tuple[float, float | None, bool, bool]
 FOLLOW_NS = 250_000
 """Longest step of a plant with distance sensors: over it the cubic between the ends of a step
 is within 1 nm of the motion, across an acceleration jump of 1000 mm/s2 (docs/architecture.md)."""
@@ -19,8 +19,8 @@ class PlantDistance:
 
     roles: what its FMU gives. sources: coordinate of the FMU (`x`) -> the axis whose load position
     it reads. An FMU with plain positions sees those at the end of a step. distance_m: what the
-    sensor tells; distance_true_m: None when the FMU does not tell it. is_valid, is_touching: True
-    and False when it does not tell.
+    sensor reports; distance_true_m: None when the FMU does not report it. is_valid, is_touching:
+    True and False when it does not report them.
     """
 
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
@@ -28,18 +28,18 @@ class PlantDistance:
         self.distance_m = 0.0
         self.distance_true_m: float | None = None
         self.is_valid, self.is_touching = True, False
-        self._past: deque[tuple[TimeNs, Told]] = deque(maxlen=HISTORY_STEPS)
+        self._past: deque[tuple[TimeNs, Reported]] = deque(maxlen=HISTORY_STEPS)
         self._sources = list(sources.values())
         self._trajectory = Trajectory(roles, sources) if roles.has_group("trajectory") else None
         if self._trajectory is None:
             self._positions = roles.exchange([f"{group}_position" for group in sources])
-        self._told = [role for role in ("distance", "distance_true") if roles.has(role)]
+        self._roles = [role for role in ("distance", "distance_true") if roles.has(role)]
         self._levels = [role for role in ("valid", "touching") if roles.has(role)]
-        self._lengths = roles.exchange(self._told)
+        self._lengths = roles.exchange(self._roles)
         self._flags = roles.exchange(self._levels) if self._levels else None
 
     def start(self, start_ns: TimeNs) -> None:
-        """Initialise the FMU where the axes stand."""
+        """Initialise the FMU where the axes are."""
         self.slave.time_ns = start_ns
         if self._trajectory is not None:
             self._trajectory.write_rest(start_ns, start_ns + S)
@@ -57,9 +57,9 @@ class PlantDistance:
         self.slave.step_to(end_ns)
         self._read(end_ns)
 
-    def told_at(self, time_ns: TimeNs) -> Told:
+    def told_at(self, time_ns: TimeNs) -> Reported:
         """Return distance, true distance, validity and touch at the end of a step that is past."""
-        return next(told for end_ns, told in reversed(self._past) if end_ns <= time_ns)
+        return next(report for end_ns, report in reversed(self._past) if end_ns <= time_ns)
 
     def _write_positions(self) -> None:
         self._positions.values[:] = [axis.motion[POSITION] for axis in self._sources]
@@ -67,7 +67,7 @@ class PlantDistance:
 
     def _read(self, time_ns: TimeNs) -> None:
         self._lengths.read()
-        lengths = dict(zip(self._told, self._lengths.values[:], strict=True))
+        lengths = dict(zip(self._roles, self._lengths.values[:], strict=True))
         self.distance_m = lengths["distance"]
         self.distance_true_m = lengths.get("distance_true")
         if self._flags is not None:
@@ -75,5 +75,5 @@ class PlantDistance:
             levels = dict(zip(self._levels, self._flags.values[:], strict=True))
             self.is_valid = bool(levels.get("valid", True))
             self.is_touching = bool(levels.get("touching", False))
-        told = (self.distance_m, self.distance_true_m, self.is_valid, self.is_touching)
-        self._past.append((time_ns, told))
+        report = (self.distance_m, self.distance_true_m, self.is_valid, self.is_touching)
+        self._past.append((time_ns, report))

@@ -1,6 +1,6 @@
-"""How the edges of a probe are found: told by its FMU, or by looking at its level.
+"""How the edges of a probe are found: reported by its FMU, or by looking at its level.
 
-An FMU that gets the trajectory of a step and tells the instants of its edges locates them itself.
+An FMU that gets the trajectory of a step and reports the instants of its edges locates them itself.
 Any other one is asked for its level: where it changes the step is repeated from the saved state
 until the instant is enclosed; without saved states the step remains the uncertainty.
 """
@@ -58,7 +58,7 @@ class Trajectory:
 
 
 class LocatingProbe(PlantProbe):
-    """A probe whose FMU gets the trajectory of a step and tells number and instant of its edges."""
+    """A probe whose FMU gets the trajectory of a step and reports number and instant of edges."""
 
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
         super().__init__(roles, sources)
@@ -126,7 +126,7 @@ class LocatingProbe(PlantProbe):
 
 
 class LevelProbe(PlantProbe):
-    """A probe whose FMU tells its level only, or gets positions instead of trajectories.
+    """A probe whose FMU reports its level only, or gets positions instead of trajectories.
 
     A position is handed over as it is at the end of a step, so that the level then belongs to it. A
     level that changes back inside a step is not seen. `edge_uncertainty_ns` is the worst so far: 1
@@ -186,7 +186,7 @@ class LevelProbe(PlantProbe):
         return max(rising, len(self._new) - rising)
 
     def _step_or_edge(self, end_ns: TimeNs, level: bool) -> bool:
-        """Step towards `end_ns`, not beyond the next edge; return the level there."""
+        """Step towards `end_ns`, not past the next edge; return the level there."""
         begin_ns = self.slave.time_ns
         if self._can_enclose:
             self._begin_state = self.slave.save_state(self._begin_state)
@@ -205,7 +205,7 @@ class LevelProbe(PlantProbe):
         return not level
 
     def _enclose(self, low_ns: TimeNs, high_ns: TimeNs, level: bool) -> tuple[TimeNs, bool]:
-        """Find the change of the level in (low_ns, high_ns], 1 ns apart; stand at it.
+        """Find the change of the level in (low_ns, high_ns], 1 ns apart; stop at it.
 
         Return its instant, and whether time alone changed the level. Starts from `_begin_state`.
         """

@@ -55,8 +55,10 @@ class GridAxis(PlantAxis):
             ends = (begin[place], begin[place + 1], end[place], end[place + 1])
             motion += (hermite(time_s, step_s, ends), _rate(time_s, step_s, ends))
         share = time_s / step_s
-        told = [(1 - share) * first + share * last for first, last in zip(begin, end, strict=True)]
-        return [*motion, self._demand_of(told, time_ns), *told[FORCE:]]
+        values = [
+            (1 - share) * first + share * last for first, last in zip(begin, end, strict=True)
+        ]
+        return [*motion, self._demand_of(values, time_ns), *values[FORCE:]]
 
     def _demand_of(self, motion: list[float], time_ns: TimeNs) -> float:
         return (

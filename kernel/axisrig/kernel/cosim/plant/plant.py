@@ -35,7 +35,7 @@ class Plant:
     exchange_ns: longest step. fine_ns: step where an edge can be; `initialize` shortens it to whole
     internal steps of the axes, so that they integrate over the same grid whatever the steps are.
     hold_ns, look_back_ns: around an edge, what the drives look up in the motion. notes: what an
-    FMU lacks, by instance, and what is done without it; remarks: what else a user should know.
+    FMU lacks, by instance, and what is done without it; remarks: what else a user should read.
     """
 
     def __init__(
@@ -142,7 +142,7 @@ class Plant:
     def _whole_steps_ns(self, fine_ns: TimeNs) -> TimeNs:
         """Return the longest span up to `fine_ns` that is whole internal steps of every axis.
 
-        An axis that tells none, or one that is no whole nanosecond or too long, does not count.
+        An axis that gives none, or one that is no whole nanosecond or too long, does not count.
         """
         told_s = [axis.slave.can.fixed_step_s or 0.0 for axis in self._axes]
         steps_ns = [round(step_s * S) for step_s in told_s]
@@ -161,7 +161,7 @@ class Plant:
             self._step(time_ns)
 
     def _step(self, limit_ns: TimeNs) -> None:
-        """Take one step, as far as it may go but not beyond `limit_ns`."""
+        """Take one step, as far as it may go but not past `limit_ns`."""
         end_ns = self.now_ns + self._span_ns(limit_ns - self.now_ns)
         near = [p for p in self._probes if self._follows_always or p.free_until_ns < end_ns]
         if near:

@@ -1,7 +1,7 @@
-"""A touch probe of the plant: what it is told of the motion, and the edges it gives.
+"""A touch probe of the plant: what it gets of the motion, and the edges it gives.
 
 A probe follows the motion only where an edge can be. Elsewhere it rests, and the bench reckons how
-far the axes may go before they could use up the `clearance` that it told last.
+far the axes may go before they could use up the `clearance` that it reported last.
 """
 
 from abc import ABC, abstractmethod
@@ -20,7 +20,7 @@ collision brakes harder, but only drives speed an axis up."""
 
 
 FAR_M = 1e3
-"""A clearance that needs no better number, also when an FMU tells infinity."""
+"""A clearance that needs no better number, also when an FMU reports infinity."""
 
 
 class PlantSignal:
@@ -89,7 +89,7 @@ class PlantProbe(ABC):
 
     @abstractmethod
     def _write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
-        """Tell the FMU that the axes rest where they are, over a step."""
+        """Give the FMU axes that rest where they are, over a step."""
 
     @abstractmethod
     def _read_start(self) -> None:
@@ -101,7 +101,7 @@ class PlantProbe(ABC):
 
     @abstractmethod
     def _has_new_edges(self) -> bool:
-        """Tell whether an edge came that was not accepted."""
+        """Return whether an edge came that was not accepted."""
 
     @abstractmethod
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> int:
@@ -117,7 +117,7 @@ class PlantProbe(ABC):
     # At rest
 
     def start(self, start_ns: TimeNs) -> None:
-        """Initialise the FMU where the axes stand; the level it finds is no edge."""
+        """Initialise the FMU where the axes are; the level it finds is no edge."""
         self.slave.time_ns = start_ns
         self._write_rest(start_ns, start_ns + S)
         self.slave.initialize(start_ns)
@@ -160,7 +160,7 @@ class PlantProbe(ABC):
         return int(free_s(self._room_m, self._speed_m_s, self._gain_m_s2) * S) - self.look_back_ns
 
     def _catch_up(self, now_ns: TimeNs) -> None:
-        """Bring the FMU to now, at rest where the axes are: no edge lies between."""
+        """Advance the FMU to now, at rest where the axes are: no edge is between."""
         self._write_rest(self.slave.time_ns, now_ns)
         self.slave.step_to(now_ns)
         if self._has_new_edges():

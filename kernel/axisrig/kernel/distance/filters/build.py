@@ -101,7 +101,7 @@ def _check(parameters: tuple[str, ...], settings: FilterSettings, kind: str, own
 
 
 def _is_within(name: str, settings: FilterSettings) -> bool:
-    """Whether a value lies in the range that the parameter tables give it."""
+    """Whether a value is in the range that the parameter tables give it."""
     row, _ = table("axis").find(f"kenngr.dist_ctrl[0].{name}")
     return row.is_within(getattr(settings, name))
 

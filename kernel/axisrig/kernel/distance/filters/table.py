@@ -12,7 +12,7 @@ class FilterKind:
     """One row of `filters.csv`.
 
     ident: the word of P-AXIS-00782. model: which code builds it (`build`). parameters: the names
-    that act on it. formula: in words. delay: behind a ramp, in cycles. source: manual, section.
+    that act on it. formula: in words. delay: after a ramp, in cycles. source: manual, section.
     """
 
     ident: str

@@ -1,4 +1,4 @@
-"""Filters that weight the last values: both means, and the Kalman filters that stand on them."""
+"""Filters that weight the last values: both means, and the Kalman filters that use them."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ def exponential_weights(n_cycles: int, smoothing_factor: float) -> list[float]:
 def kalman_weights(mean: Sequence[float], sigma_mm: float) -> list[float]:
     """Weights of y = p + K (s - p) with the prediction p of `prediction_weights`.
 
-    mean: weights of the mean that the prediction stands on. sigma_mm: standard deviation of one
+    mean: weights of the mean that the prediction is made from. sigma_mm: standard deviation of one
     measured value. K weights prediction and value by their variances, as a Kalman filter that has
     settled: the prediction passes on the noise of the values before, r = sigma^2 times g = sum of
     its squared weights, and the distance itself walks by q = `PROCESS_SIGMA_MM`^2 in a cycle:
@@ -64,7 +64,7 @@ def kalman_weights(mean: Sequence[float], sigma_mm: float) -> list[float]:
 def prediction_weights(mean: Sequence[float]) -> list[float]:
     """Weights of the next value as predicted from a mean M with the mean age L of its values.
 
-    The mean of the means MM lags another L behind M, so (M - MM)/L is the slope and
+    The mean of the means MM lags another L after M, so (M - MM)/L is the slope and
     p = M + (1 + L)(M - MM)/L the value one cycle ahead: exact on every straight line (R. G. Brown,
     Smoothing, Forecasting and Prediction of Discrete Time Series, 1963: double moving average and
     double exponential smoothing). A mean of one value has L = 0; the slope is then the difference

@@ -1,1 +1,1 @@
-"""Measuring type 7: an axis runs against a mechanical stop, and standing there is the signal."""
+"""Measuring type 7: an axis runs against a mechanical stop, and standstill there is the signal."""

@@ -1,4 +1,4 @@
-"""Judges from lag and actual position whether an axis stands at a fixed stop."""
+"""Judges from lag and actual position whether an axis is at a fixed stop."""
 
 from collections import deque
 
@@ -7,15 +7,16 @@ from axisrig.kernel.time.clock import TimeNs
 
 
 class StopDetector:
-    """The criteria of one axis, judged once per cycle; knows nothing of a machine.
+    """The criteria of one axis, judged once per cycle; independent of the machine.
 
-    beyond_ns: since when |lag| is beyond its limit without a break, from the arming on. window_ns:
+    beyond_ns: since when |lag| is above its limit without a break, from the arming on. window_ns:
     since when the window holds. A time that is no whole number of cycles is rounded up.
 
         lag     |e(t)| > L in every cycle from beyond_ns on, and t - beyond_ns >= min_time
         window  |x(t) - x(t - min_time)| <= W, sliding with every cycle
 
-    The window looks back behind the arming; the axis stood before the first position.
+    The window also contains positions from before the arming; before the first one the axis is
+    taken to be at rest.
     Sources: P-AXIS-00774, 00775, 00778; docs/ambiguities.md, "Run to a fixed stop".
     """
 
@@ -57,7 +58,7 @@ class StopDetector:
     def is_fulfilled(self, *, window_decides: bool) -> bool:
         """Whether every active criterion holds; without any nothing is ever found.
 
-        window_decides: whether a window that holds tells of a stop at all.
+        window_decides: whether a window that holds shows a stop at all.
         """
         limit_mm, window_mm = self.criteria.lag_limit_mm, self.criteria.window_mm
         if window_mm is not None and (self.window_ns is None or not window_decides):

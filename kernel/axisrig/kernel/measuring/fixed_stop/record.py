@@ -1,4 +1,4 @@
-"""What a measurement run to a fixed stop leaves behind, beside `RunRecord`."""
+"""The results of a measurement run to a fixed stop, beside `RunRecord`."""
 
 from dataclasses import dataclass, field
 
@@ -9,7 +9,7 @@ from axisrig.kernel.time.clock import TimeNs
 class Criteria:
     """What has to hold at an axis for its stop to count as found; None = no criterion.
 
-    lag_limit_mm: |position lag| must be beyond it for min_time_ns without a break. window_mm: the
+    lag_limit_mm: |position lag| must be above it for min_time_ns without a break. window_mm: the
     actual position may change by no more within min_time_ns.
     """
 
@@ -25,11 +25,11 @@ class FixedStopRecord:
     criteria: of every watched axis. axes: all that take part, with the slaves of those that move.
     start_distance_mm: path of the block before the stop is looked
     for; armed_ns: the cycle from which it is. beyond_ns: begin of the last time without a break
-    that the lag was beyond its limit. window_ns: begin of the last time without a break that the
+    that the lag was above its limit. window_ns: begin of the last time without a break that the
     window held. detected_by: the axis that was first. set_mm, actual_mm: of all axes in that
-    cycle; the set position is the one that was sent. brake_end_ns: the set positions stand at
+    cycle; the set position is the one that was sent. brake_end_ns: the set positions rest at
     the stop. relax_begin_ns, relax_end_ns: motion to the latched (or actual) positions, up to the
-    cycle in which the axes stand in their windows. watch_off_ns, watch_on_ns: lag monitoring of the
+    cycle in which the axes rest in their windows. watch_off_ns, watch_on_ns: lag monitoring of the
     position controller.
     """
 

@@ -1,4 +1,4 @@
-"""Machining coordinate systems: where one lies in the one below, and the way through it."""
+"""Machining coordinate systems: where one is in the one below, and the way through it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

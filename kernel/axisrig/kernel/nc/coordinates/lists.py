@@ -1,8 +1,8 @@
 """Zero offset and tool lists in the format of the manuals: one name and one value per line.
 
-What may stand there is `lists.csv`: number, list, path (`[i]`, `[j]` for indices), type, unit, min
-and max (blank = the range of the type), default, acts: yes; `ignored` = read and without effect;
-or the only value that may stand there.
+`lists.csv` has what is allowed there: number, list, path (`[i]`, `[j]` for indices), type, unit,
+min and max (blank = the range of the type), default, acts: yes; `ignored` = read and without
+effect; or the only value that is allowed there.
 """
 
 import csv
@@ -27,7 +27,7 @@ LAST_INDEX: Mapping[str, tuple[int, ...]] = {ZERO_OFFSETS: (96, 31), TOOLS: (200
 
 _INDEX = re.compile(r"\s*\[\s*([0-9]{1,4})\s*\]")
 _COMMENT = re.compile(r"[#;].*|\([^()]*\)\s*$")
-# A blank may stand in front of an index, as printed
+# A blank is allowed before an index, as printed
 _LINE = re.compile(r"\s*(?P<name>[^\s\[]+(?:\s*\[[^\]]*\][^\s\[]*)*)(?P<rest>.*)$")
 _PLACE = re.compile(r"\[[ij]\]")
 
@@ -74,7 +74,7 @@ class Entry:
 
 @cache
 def forms(name: str) -> Mapping[str, Form]:
-    """Give what may stand in a list, by path."""
+    """Give what is allowed in a list, by path."""
     text = resources.files(__package__).joinpath("lists.csv").read_text(encoding="utf-8")
     rows = csv.DictReader(text.splitlines())
     return {row["path"]: _form(row) for row in rows if row["list"] == name}
@@ -96,7 +96,7 @@ def _form(row: Mapping[str, str]) -> Form:
 
 
 def guess_list(text: str) -> str | None:
-    """Tell which of the two lists a text is by the beginnings of its names; None for neither."""
+    """Return which of the two lists a text is by the beginnings of its names; None for neither."""
     said = {re.split(r"[\s\[]", line.strip(), maxsplit=1)[0] for line in text.splitlines()}
     for name in (ZERO_OFFSETS, TOOLS):
         if said & {path.partition("[")[0] for path in forms(name)}:
@@ -139,7 +139,7 @@ def read_entry(name: str, path: str, text: str, origin: Origin) -> Entry:
 
 
 def _guessed(name: str, path: str, key: str) -> str:
-    """Tell what an unknown name may mean."""
+    """Say what an unknown name may mean."""
     for form in forms(name).values():
         if form.number == path.upper():
             return f"it is the number of `{form.path}`; lists and plans take the name"
@@ -148,7 +148,7 @@ def _guessed(name: str, path: str, key: str) -> str:
 
 
 def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:
-    """Read a list file with the places of its values; a name stands once.
+    """Read a list file with the places of its values; a name is written once.
 
     `#` and `;` begin a comment, brackets at the end of a line are one. Raises UserError; what else
     is wrong is in its `further`.
@@ -170,7 +170,7 @@ def read_entries(name: str, path: str | Path) -> Iterator[tuple[Entry, Origin]]:
             entry = read_entry(name, written_name, value, origin)
             key = (entry.path, entry.indices)
             if key in lines:
-                raise origin.error(f"it stands in line {lines[key]} already", value=written_name)
+                raise origin.error(f"it is in line {lines[key]} already", value=written_name)
         except UserError as error:
             errors.append(error)
             continue
@@ -193,13 +193,13 @@ def _taken_apart(name: str, bare: str, origin: Origin) -> tuple[str, str]:
         raise origin.error(NO_SIGN, value=bare.strip(), hint=hint)
     form = forms(name).get(_key(path))
     if form is None and not rest:
-        raise origin.error("no value behind the name", value=path)
+        raise origin.error("no value after the name", value=path)
     value, _, further = rest.partition(" ")
     further = further.strip()
     if form is not None and not value:
-        raise origin.error("no value behind the name", value=path)
+        raise origin.error("no value after the name", value=path)
     if form is not None and further:
-        message = "more than one value behind the name"
+        message = "more than one value after the name"
         at = Origin(origin.file, origin.line, bare.rindex(further) + 1)
         raise at.error(message, value=further, hint=unit_hint(further, form.unit))
     return path, value

@@ -26,7 +26,7 @@ class Shifts:
 
     @property
     def system_mm(self) -> float:
-        """All but the tool: where the origin of the next coordinate system lies."""
+        """All but the tool: where the origin of the next coordinate system is."""
         return self.zero_shifts_mm + self.measurement_mm
 
     @property

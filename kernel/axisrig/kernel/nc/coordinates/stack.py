@@ -4,7 +4,7 @@ PCS   programmed coordinates of the active coordinate system.
 ABS   PCS + all shifts of the axis, same coordinate system.
 ACS   axis coordinates: ABS through the stack of coordinate systems.
 
-Shifts take effect for an axis with its next absolute programming. A new coordinate system lies
+Shifts take effect for an axis with its next absolute programming. A new coordinate system is
 relative to the shifted one below it and begins without shifts; those programmed in it end with it.
 A tool acts on top of whatever system is active.
 Source: programming manual, G54 (206487307), G92 (206057739), G101, D (306370955), #CS (208480907).
@@ -53,7 +53,7 @@ class _Level:
 
 @dataclass
 class _AxisState:
-    """Where one axis stands in the active coordinate system, and how it got there.
+    """Where one axis is in the active coordinate system, and how it got there.
 
     absolute_mm: ABS. shifts: those that were in effect when it was programmed absolutely.
     programmed_mm: PCS of the last block that programmed it.
@@ -92,7 +92,7 @@ class Arc:
 class Coordinates:
     """The coordinate systems of a channel and the position it has been sent to.
 
-    axes: all axes, main axes first. acs_mm: where every axis stands. tool: data of the tool in
+    axes: all axes, main axes first. acs_mm: where every axis is. tool: data of the tool in
     use, a copy that may be written. plane: of circles, and where the length of the tool acts.
     """
 
@@ -114,7 +114,7 @@ class Coordinates:
     def _none(self) -> dict[str, float]:
         return dict.fromkeys(self.axes, 0.0)
 
-    # ---- what stands
+    # ---- what is in force
 
     @property
     def transformed(self) -> bool:
@@ -133,7 +133,7 @@ class Coordinates:
 
     @property
     def origin_acs_mm(self) -> tuple[float, ...]:
-        """Where the origin of the active coordinate system lies, by main axis."""
+        """Where the origin of the active coordinate system is, by main axis."""
         return tuple(float(part) for part in self._levels[-1].frame.offset_mm)
 
     @property
@@ -245,7 +245,7 @@ class Coordinates:
     def aim(self, programmed_mm: Mapping[str, float], *, absolute: bool) -> dict[str, float]:
         """Take the axis words of a move; return the new axis position of every axis that changes.
 
-        absolute: G90, values are coordinates; otherwise distances from where the axis stands.
+        absolute: G90, values are coordinates; otherwise distances from where the axis is.
         Raises GeometryError for a position that no axis can have.
         """
         before = self._main_abs()
@@ -350,7 +350,7 @@ class Coordinates:
             self._state[axis].absolute_mm = position_mm
 
     def begin_at(self, acs_mm: Mapping[str, float]) -> None:
-        """Take over where axes stand, as what was programmed for them (position initialised).
+        """Take over where axes are, as what was programmed for them (position initialised).
 
         In a turned system the place of one main axis is part of the coordinates of all.
         """
@@ -364,7 +364,7 @@ class Coordinates:
         return position_mm - self._state[axis].shifts.total_mm
 
     def take_as_target(self, axes: Iterable[str]) -> None:
-        """Let what was programmed for axes be where they stand.
+        """Let what was programmed for axes be where they are.
 
         Source: programming manual 206197003, G310 after the signal.
         """
@@ -424,7 +424,7 @@ class Coordinates:
         return position
 
     def _renew(self) -> None:
-        """Express where the axes stand in the coordinate system that is active now."""
+        """Express where the axes are in the coordinate system that is active now."""
         for axis, position_mm in self._from_acs(self.acs_mm).items():
             shifts = self.shifts(axis)
             self._state[axis] = _AxisState(

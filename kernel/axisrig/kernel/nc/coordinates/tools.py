@@ -28,7 +28,7 @@ class Tool:
 
 
 class Tools:
-    """The tools behind D and V.G.WZ[], by number; 0 is no tool."""
+    """The tools for D and V.G.WZ[], by number; 0 is no tool."""
 
     def __init__(self, tools: dict[int, Tool] | None = None) -> None:
         self._tools = tools or {}
@@ -55,7 +55,7 @@ def inch_tools(entries: Iterable[Entry]) -> set[int]:
 
 
 def make_tools(entries: Iterable[Entry]) -> Tools:
-    """Make the tools from the values of a list; the unit of a tool may stand behind its values."""
+    """Make the tools from the values of a list; the unit of a tool may be after its values."""
     entries = tuple(entries)
     inch = inch_tools(entries)
     tools = Tools()

@@ -11,7 +11,7 @@ NONE = 0
 
 @dataclass
 class ZeroOffsets:
-    """The table behind G54 to G59 (groups 1 to 6), G159 and V.G.NP[].
+    """The table for G54 to G59 (groups 1 to 6), G159 and V.G.NP[].
 
     offsets_mm: by (group, axis index), as written. inactive: pairs that do not act. group_0_acts:
     P-ZERO-00001. default_group: in use when a program begins, P-ZERO-00002.

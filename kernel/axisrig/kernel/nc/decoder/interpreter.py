@@ -152,7 +152,7 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
 
 
 def _refuses_itself(part: ProgramBlock) -> bool:
-    """Whether a word that does not act has a handler, which knows better what it is."""
+    """Whether a word that does not act has a handler, which can say more exactly what it is."""
     statement = part.statement
     if isinstance(statement, Words):
         return part.not_acting[0].word in technology.SPINDLE

@@ -38,7 +38,7 @@ def known() -> tuple[Entry, ...]:
 def _words() -> Iterator[Entry]:
     for kind, handled in (
         ("G", {*registry.SETTINGS, *registry.TAKES_AXES}),
-        # What has no meaning of its own is told to the PLC side
+        # What has no meaning of its own is sent to the PLC side
         ("M", words("M").keys() - technology.SPINDLE),
         ("address", {*registry.ADDRESSES, *registry.READ_ADDRESSES, *_LETTERS}),
         ("function", {*FUNCTIONS, "NOT"}),

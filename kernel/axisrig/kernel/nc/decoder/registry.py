@@ -74,12 +74,12 @@ ENDINGS: Mapping[str, Handler] = _together(topic.endings for topic in TOPICS)
 READERS: Mapping[str, Reader] = _together(topic.readers for topic in TOPICS)
 WRITERS: Mapping[str, Writer] = _together(topic.writers for topic in TOPICS)
 # Letters whose values are taken by something else than a handler of their own
-READ_ADDRESSES = (*technology.TOLD, *(a for topic in TOPICS for a in topic.read_addresses))
+READ_ADDRESSES = (*technology.SENT, *(a for topic in TOPICS for a in topic.read_addresses))
 
 
 @cache
 def _stem(name: str, *, writes: bool) -> tuple[str, str] | None:
-    """Split a variable into the stem that somebody handles and what stands behind it."""
+    """Split a variable into the stem that somebody handles and what follows it."""
     table: Mapping[str, object] = WRITERS if writes else READERS
     if name in table:
         return name, ""
@@ -98,7 +98,7 @@ def _waits_of_name(name: str) -> str:
 
 
 def waits_of(statement: Statement) -> str:
-    """Tell what a block waits for before it is decoded: nothing, `machine` or `cycle`.
+    """Return what a block waits for before it is decoded: nothing, `machine` or `cycle`.
 
     `machine`: until everything before it is executed. `cycle`: the same, and the next cycle.
     Source: variables.csv, column waits.
@@ -113,7 +113,7 @@ def waits_of(statement: Statement) -> str:
 
 
 def is_read(row_name: str) -> bool:
-    """Tell whether somebody reads the variables of a row of variables.csv."""
+    """Return whether somebody reads the variables of a row of variables.csv."""
     return _stem(row_name.replace("<axis>", "X").replace("<name>", "ANY"), writes=False) is not None
 
 

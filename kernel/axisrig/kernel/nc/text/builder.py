@@ -119,8 +119,8 @@ class Builder(ControlBuilder):
     @v_args(inline=False)
     def declaration(self, children: list[Part]) -> Block:
         """A line between #VAR and #ENDVAR."""
-        head, variable, *behind, values = children
-        kind = next((str(part).upper() for part in behind if isinstance(part, Token)), "REAL64")
+        head, variable, *after, values = children
+        kind = next((str(part).upper() for part in after if isinstance(part, Token)), "REAL64")
         return head, (Declare(variable.expression, values or (), kind),)
 
     def size(self, token: Token) -> None:
@@ -151,11 +151,11 @@ class Builder(ControlBuilder):
         return nodes.Opened(token.upper(), bracket, expression, self.at(token))
 
     def lone_number(self, token: Token) -> nodes.Lone:
-        """The time behind G4."""
+        """The time after G4."""
         return nodes.Lone(Number(self.digits(token, self.at(token))), self.at(token))
 
     def lone_variable(self, variable: nodes.Value) -> nodes.Lone:
-        """The time behind G4."""
+        """The time after G4."""
         return nodes.Lone(variable.expression, variable.offset)
 
     def setting(self, variable: nodes.Value, value: nodes.Value) -> nodes.Setting:
@@ -183,7 +183,7 @@ class Builder(ControlBuilder):
         jumps_only = words_of_block == Words(goto=found.goto)
         if found.goto and not jumps_only and not _JUMP_BEHIND & set(words_of_block.g):
             raise self.source.error(
-                "$GOTO stands alone, behind assignments, or behind G310 (G210)",
+                "$GOTO is allowed alone, after assignments, or after G310 (G210)",
                 self.source.place_of("$", self.begin),
                 value="$GOTO",
                 allowed="a block of its own",
@@ -195,7 +195,7 @@ class Builder(ControlBuilder):
         if item.address in ("G", "M"):
             found.functions.append((item, self._function(item)))
             return
-        if item.address == ZERO_GROUP:  # its value stands among the addresses
+        if item.address == ZERO_GROUP:  # its value is among the addresses
             found.functions.append((item, words("G")[ZERO_GROUP]))
         if item.assigned and item.address in _RADIUS:
             self._axis_or_address(found, "R", self._number(item), item)
@@ -216,7 +216,7 @@ class Builder(ControlBuilder):
         elif item.value is not None:
             if item.address not in ("P", "R") or value is None:
                 raise self.source.error(
-                    "a value stands in [ ] or behind =, not in both",
+                    "a value is either in [ ] or after =, not in both",
                     item.offset,
                     value=item.address,
                 )
@@ -232,10 +232,10 @@ class Builder(ControlBuilder):
         """G4 takes its time without an address. Source: programming manual 206132747."""
         if not found.functions or found.functions[-1][1].word != "G4":
             raise self.source.error(
-                "a value needs an address in front of it",
+                "a value needs an address before it",
                 offset,
                 value=self.source.found(offset),
-                allowed="X10, F500; a time alone behind G4",
+                allowed="X10, F500; a time alone after G4",
             )
         if any(name == "G4" for name, _ in found.addresses):
             raise self.source.error("second time in one block", offset)
@@ -326,7 +326,9 @@ class Builder(ControlBuilder):
     def _no_address(self, address: str, as_written: str, offset: int) -> Exception:
         if address == "N":
             return self.source.error(
-                "a block number stands at the beginning of its block", offset, value=as_written
+                "a block number is only allowed at the beginning of its block",
+                offset,
+                value=as_written,
             )
         return self.source.error(
             "the rig has no such axis", offset, value=address, allowed=self.axes.values()

@@ -1,4 +1,4 @@
-"""Reads a program without running it: everything that is wrong, and what to know beside."""
+"""Reads a program without running it: everything that is wrong, and the notes beside it."""
 
 import re
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ _NUMBERED_AXIS = re.compile(r"(?<![A-Za-z0-9_.@])([ABCUVWXYZ][0-9]+)(?=[ \t]*(?:
 
 @dataclass(frozen=True)
 class Note:
-    """Something to know that is no error. line, column: from 1."""
+    """A note that is no error. line, column: from 1."""
 
     line: int
     column: int
@@ -50,10 +50,10 @@ def check_program(text: str, file: str | Path | None, axes: Sequence[str]) -> Ch
     notes = {Note(line, column, remark) for remark, line, column in reading.remarks}
     for part in parts:
         for word in part.not_acting:
-            told = f"{word.word} is known to the manuals and does not act yet ({word.what})"
-            notes.add(Note(word.line, word.column, told))
-    for line, column, told in ending_words(parts, axes[0] if axes else ""):
-        notes.add(Note(line, column, f"a run ends here: {told}"))
+            text = f"{word.word} is in the manuals and does not act yet ({word.what})"
+            notes.add(Note(word.line, word.column, text))
+    for line, column, text in ending_words(parts, axes[0] if axes else ""):
+        notes.add(Note(line, column, f"a run ends here: {text}"))
     ordered = sorted(notes, key=lambda note: (note.line, note.column, note.text))
     return Checked(tuple(reading.errors), tuple(ordered), reading.block_count, program)
 

@@ -1,4 +1,4 @@
-"""What a # command may say beyond its table: constants that no machine could take."""
+"""What a # command may say that its table does not limit: constants that no machine could take."""
 
 import re
 from collections.abc import Callable, Mapping
@@ -40,7 +40,7 @@ def checked(
     places: Mapping[str, int],
     raw: nodes.RawCommand,
 ) -> Command:
-    """Give the command back; places: where the value of each keyword stands."""
+    """Give the command back; places: where the value of each keyword is."""
     for start, check in _CHECKS.items():
         if command.name == start or command.name.startswith(f"{start} "):
             return check(builder, command, places, raw)
@@ -133,7 +133,7 @@ def _system(
         )
     for group in command.arguments:
         if not isinstance(group, Group):
-            raise _wrong(builder, command, raw.offset, "brackets behind it")
+            raise _wrong(builder, command, raw.offset, "brackets after it")
         strange = any(isinstance(argument, Text | Group) for argument in group.arguments)
         if len(group.arguments) > COMPONENTS or group.options or strange:
             raise _wrong(builder, command, raw.offset, "three shifts and three angles")
@@ -171,7 +171,10 @@ def _check_values(builder: ExpressionBuilder, shown: str, bracket: nodes.Bracket
             found = builder.source.found(entry.offset)
             if place:
                 raise builder.source.error(
-                    "a comma stands between two values", entry.offset, value=found, allowed="comma"
+                    "two values are separated by a comma",
+                    entry.offset,
+                    value=found,
+                    allowed="comma",
                 )
             if isinstance(entry.value, nodes.Bare):
                 raise builder.source.error(

@@ -1,6 +1,6 @@
 """From a # command, an axis command or a cycle call to a checked statement.
 
-What each takes stands in `commands.csv`; `keywords.py` reads what stands in the brackets.
+What each takes is in `commands.csv`; `keywords.py` reads what is in the brackets.
 """
 
 from collections.abc import Mapping, Sequence
@@ -62,7 +62,7 @@ def axis_command(builder: ExpressionBuilder, item: nodes.Opened) -> AxisCommand:
         _check_leads(builder, axis, (first.keyword or written or "").upper(), first.offset, known)
     if first is None or written is None:
         raise builder.source.error(
-            f"a value or a command to axis {axis} stands in the bracket",
+            f"a value or a command to axis {axis} is needed in the bracket",
             item.bracket.offset,
             value=f"{item.address}[",
             allowed=[f"{axis}[expression]", *(f"{axis}[{name} ..]" for name in known)],
@@ -84,13 +84,13 @@ def axis_command(builder: ExpressionBuilder, item: nodes.Opened) -> AxisCommand:
 def _check_leads(
     builder: ExpressionBuilder, axis: str, word: str, offset: int, known: Mapping[str, str]
 ) -> None:
-    """Refuse a keyword in front of the only command that knows it."""
+    """Refuse a keyword before the only command that has it."""
     if word in known:
         return
     owners = [name for name, row in known.items() if word in commands()[row]]
     if len(owners) == 1:
         raise builder.source.error(
-            f"{owners[0]} stands in front of its keywords",
+            f"{owners[0]} is written before its keywords",
             offset,
             value=word,
             allowed=f"{axis}[{owners[0]} {word} ..]",
@@ -137,7 +137,7 @@ def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> User
 
 
 def _check_rest(form: Form, rest: Sequence[str], raw: nodes.RawCommand) -> None:
-    """Refuse words behind the name that neither are keywords nor values of the command."""
+    """Refuse words after the name that neither are keywords nor values of the command."""
     if not rest or form.own.kind in ("name", "axis", "any"):
         return
     strange = next((word for word in rest if word not in form.table), None)

@@ -1,7 +1,7 @@
-"""Blocks whose constants alone tell that a run ends at them with an alarm.
+"""Blocks whose constants alone show that a run ends at them with an alarm.
 
-The decoder raises the alarm when it gets there; a check tells it before. What depends on a
-variable, or on what stands in other blocks, shows in a run only.
+The decoder raises the alarm when it gets there; a check reports it before. What depends on a
+variable, or on what is in other blocks, shows in a run only.
 """
 
 from collections.abc import Iterator, Sequence
@@ -20,7 +20,7 @@ def ending_words(parts: Sequence[ProgramBlock], first_axis: str) -> Iterator[tup
 
     first_axis: the main axis whose word may hold the time of G4.
     """
-    # A radius stays for the arcs behind it, also one of a subprogram in another file
+    # A radius stays for the arcs after it, also one of a subprogram in another file
     has_radius = any(
         isinstance(part.statement, Words) and part.statement.address("R") is not None
         for part in parts
@@ -30,8 +30,8 @@ def ending_words(parts: Sequence[ProgramBlock], first_axis: str) -> Iterator[tup
             found = [*_of_words(part.statement, first_axis, has_radius)]
             for command in part.statement.axis_commands:
                 found += _of_axis(command)
-            for told in found:
-                yield part.block.line, part.block.column, told
+            for text in found:
+                yield part.block.line, part.block.column, text
 
 
 def _of_words(words: Words, first_axis: str, has_radius: bool) -> Iterator[str]:

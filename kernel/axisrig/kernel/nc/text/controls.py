@@ -159,7 +159,7 @@ class ControlBuilder(ExpressionBuilder):
 
     @v_args(inline=False)
     def element(self, entries: list[nodes.Entry]) -> tuple[nodes.Entry, ...]:
-        """What stands between two commas."""
+        """What is between two commas."""
         return tuple(entries)
 
     def bracket(self, token: Token, *elements: tuple[nodes.Entry, ...]) -> nodes.Bracket:

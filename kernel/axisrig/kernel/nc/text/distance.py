@@ -1,4 +1,4 @@
-"""What DIST_CTRL may say beyond its table: keywords that exclude or need each other.
+"""What DIST_CTRL may say that its table does not limit: keywords that exclude or need each other.
 
 Sources: FCT-M3 6; TF5200 distance control 15548060043 (ON, OFF, FREEZE, CHECK_POS and REF exclude
 each other in one command), programming manual 208654987 (WAIT).
@@ -27,7 +27,7 @@ def check(
     places: Mapping[str, int],
     offset: int,
 ) -> None:
-    """Raise UserError for keywords that cannot stand together.
+    """Raise UserError for keywords that exclude each other.
 
     shown: the command as messages name it. written: its keywords in order; places: where they are.
     """
@@ -42,7 +42,7 @@ def check(
         raise wrong(message, actions[1], "one of them")
     for word, needed in NEEDS.items():
         if word in written and not set(needed) & set(actions):
-            raise wrong(f"{word} of {shown} stands with {' or '.join(needed)}", word, needed)
+            raise wrong(f"{word} of {shown} needs {' or '.join(needed)}", word, needed)
     for pair in SPELLINGS:
         if set(pair) <= set(written):
             raise wrong(f"{pair[0]} and {pair[1]} of {shown} are the same", pair[1], pair[0])

@@ -1,7 +1,7 @@
 """What the printed manuals write and what they mean.
 
-Underscores got lost, letters stand for digits, lines are broken: `errata.csv` says for each place
-what is meant. The kernel reads what is meant; this table helps whoever types off the printed page.
+Underscores got lost, letters replace digits, lines are broken: `errata.csv` says for each place
+what is meant. The kernel reads what is meant; this table helps a reader who copies a printed page.
 """
 
 import re
@@ -15,7 +15,7 @@ from axisrig.kernel.nc.text.words import rows
 class Erratum:
     """One row of `errata.csv`.
 
-    printed: as it stands in the manual. meant: what it should be. kind: program or parameter.
+    printed: as it is in the manual. meant: what it should be. kind: program or parameter.
     treatment: refused (the error names what is meant) or accepted (read as what is meant, with a
     note), or elsewhere for what is no NC text. pattern: finds the damage in a block, empty where
     nothing can be found. place: manual and section. reason: how the damage shows.
@@ -44,7 +44,7 @@ def _patterns() -> tuple[tuple[re.Pattern[str], Erratum], ...]:
 
 
 def meant_in(block: str) -> str | None:
-    """Tell what is meant by a block that has a known damage; None for any other block."""
+    """Return what is meant by a block that has a known damage; None for any other block."""
     for pattern, row in _patterns():
         if pattern.search(block) is not None:
             return f"the manual prints {row.printed!r} and means {row.meant!r}"

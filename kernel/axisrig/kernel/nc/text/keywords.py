@@ -1,6 +1,6 @@
 """The brackets of commands: keywords and values, checked against `commands.csv`.
 
-Between a keyword and its value stands `=` or a blank, or nothing before a number (`POS100`).
+Between a keyword and its value is `=` or a blank, or nothing before a number (`POS100`).
 Source: TF5200 programming manual 207365515 (drive idents), 208612235 (independent axes).
 """
 
@@ -37,7 +37,7 @@ class Form:
         return self.table[""]
 
     def shape(self) -> str:
-        """Tell what may stand in the command."""
+        """Say what is allowed in the command."""
         parts = []
         if self.own.kind != "none":
             parts.append(f"{self.own.kind} ({self.own.allowed or 'any number'})")
@@ -46,21 +46,19 @@ class Form:
                 text = keyword if row.kind == "flag" else f"{keyword}={_shown_kind(row)}"
                 parts.append(text if row.required == "yes" else f"({text})")
         if not parts:
-            return "nothing behind it"
+            return "nothing after it"
         opening = self.shown if "[" in self.shown else f"{self.shown} ["
-        return f"{opening} {' '.join(parts)}], what stands in ( ) may be left out".replace(
-            "[ ", "["
-        )
+        return f"{opening} {' '.join(parts)}], what is in ( ) may be left out".replace("[ ", "[")
 
-    def wrong(self, message: str, offset: int | None = None, **told: object) -> UserError:
-        """Make an error of this command; what is allowed is told unless `told` says it."""
-        told.setdefault("allowed", self.shape())
+    def wrong(self, message: str, offset: int | None = None, **details: object) -> UserError:
+        """Make an error of this command; what is allowed is added unless `details` has it."""
+        details.setdefault("allowed", self.shape())
         place = self.offset if offset is None else offset
-        return self.builder.source.error(message, place, **told)  # type: ignore[arg-type]
+        return self.builder.source.error(message, place, **details)  # type: ignore[arg-type]
 
 
 def read(form: Form, elements: Iterable[tuple[nodes.Entry, ...]]) -> None:
-    """Read what stands in the bracket of a command; raises UserError for what it cannot take."""
+    """Read what is in the bracket of a command; raises UserError for what it cannot take."""
     elements = list(elements)
     gaps = len(elements) > 1
     for element in elements:
@@ -73,7 +71,7 @@ def read(form: Form, elements: Iterable[tuple[nodes.Entry, ...]]) -> None:
             _entry(form, entry, entries)
             if len(form.arguments) > before + 1:
                 raise form.wrong(
-                    "a comma stands between two values",
+                    "two values are separated by a comma",
                     entry.offset,
                     value=form.builder.source.found(entry.offset),
                     allowed="comma",
@@ -127,7 +125,7 @@ def _is_function(bare: nodes.Bare) -> bool:
 
 
 def _row(form: Form, keyword: str) -> Keyword | None:
-    """Find a keyword in the table; `@P*` stands for @P1, @P2 and so on, `M*` for M functions."""
+    """Find a keyword in the table; `@P*` means @P1, @P2 and so on, `M*` for M functions."""
     row = form.table.get(keyword) if keyword else None
     return row or form.table.get(f"{keyword.rstrip('0123456789')}*")
 
@@ -263,7 +261,7 @@ def group(form: Form, bracket: nodes.Bracket) -> Group:
 
 
 def _unknown_keyword(form: Form, word: str, offset: int) -> UserError:
-    """Make the error of a word the command does not know; it may be half of a name with `_`."""
+    """Make the error of a word that is not in the command; it may be half of a name with `_`."""
     known = [keyword for keyword in form.table if keyword]
     if not known and form.own.kind in _KINDS:
         return form.wrong(

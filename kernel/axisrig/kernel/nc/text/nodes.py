@@ -35,7 +35,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Bracket:
-    """A bracket: for each part between commas what stands there, empty for a gap."""
+    """A bracket: for each part between commas what is there, empty for a gap."""
 
     elements: tuple[tuple[Entry, ...], ...]
     offset: int
@@ -52,7 +52,7 @@ class Word:
 
     @property
     def as_written(self) -> str:
-        """The word, or its address if an expression stands behind it."""
+        """The word, or its address if an expression follows it."""
         return f"{self.address}{self.value}" if isinstance(self.value, str) else self.address
 
 
@@ -77,7 +77,7 @@ class Setting:
 
 @dataclass(frozen=True)
 class Lone:
-    """A value without address: the time behind G4."""
+    """A value without address: the time after G4."""
 
     value: Expression
     offset: int
@@ -93,7 +93,7 @@ class Jump:
 
 @dataclass(frozen=True)
 class RawCommand:
-    """A # command: its words in upper case and as written, what stands behind it."""
+    """A # command: its words in upper case and as written, what follows it."""
 
     words: tuple[str, ...]
     brackets: tuple[Bracket, ...]
@@ -113,7 +113,7 @@ class Call:
 
 @dataclass(frozen=True)
 class Head:
-    """What stands in front of a block: level of block skip, block number, label."""
+    """What is before a block: level of block skip, block number, label."""
 
     skip: int = 0
     number: int | None = None

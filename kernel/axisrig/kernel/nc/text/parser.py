@@ -150,10 +150,10 @@ class Reading:
     # ---- parts of a file
 
     def _header(self, begin: int, end: int) -> None:
-        """`%L name` begins a local subprogram, `%name` the main program behind them."""
+        """`%L name` begins a local subprogram, `%name` the main program after them."""
         if not self._may_begin:
             raise self.source.error(
-                "the program name stands in the first block only, or behind local subprograms",
+                "the program name is allowed in the first block only, or after local subprograms",
                 begin,
                 value="%",
             )
@@ -245,7 +245,7 @@ def with_hint(error: UserError, block: str, typo: str | None = None) -> UserErro
     meant = meant_in(block) or typo
     if meant is None or (error.hint is not None and meant in error.hint):
         return error
-    told = UserError(
+    found = UserError(
         error.message,
         file=error.file,
         line=error.line,
@@ -254,8 +254,8 @@ def with_hint(error: UserError, block: str, typo: str | None = None) -> UserErro
         allowed=error.allowed,
         hint=meant if error.hint is None else f"{error.hint}; {meant}",
     )
-    told.excerpt = error.excerpt
-    return told
+    found.excerpt = error.excerpt
+    return found
 
 
 @cache

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from axisrig.kernel.nc.syntax import Number, Statement, Words
 
-# Long numbers are left to the grammar, which knows when one is too large
+# Long numbers are left to the grammar, which decides when one is too large
 _NUMBER = r"[+-]?(?:[0-9]{1,15}(?:\.[0-9]{0,15})?|\.[0-9]{1,15})"
 _PLAIN = re.compile(rf"(?:[Nn][ \t]*([0-9]{{1,9}}))?((?:[ \t]*[A-Za-z][ \t]*{_NUMBER})+)[ \t]*")
 # Every word but G and M; their numbers belong to the shape

@@ -32,7 +32,7 @@ class Source:
 
     text: the text with line feeds only. code: the same length, blanked (see the module).
     faults: a bracket, a string or a comment that is not closed, a stray `]` or `\\`; the line of a
-    fault is blanked, so that the blocks behind it can be read.
+    fault is blanked, so that the blocks after it can be read.
     """
 
     def __init__(self, text: str, file: str | Path | None) -> None:
@@ -85,7 +85,7 @@ class Source:
         return f"{margin}{shown}\n{' ' * (len(margin) - 2)}| {' ' * (place - begin)}{'^' * width}"
 
     def place_of(self, sign: str, begin: int) -> int:
-        """Give where a sign stands in the block that begins at an offset; its begin without one."""
+        """Give where a sign is in the block that begins at an offset; its begin without one."""
         end = self.code.find("\n", begin)
         found = self.code[begin : None if end < 0 else end].upper().find(sign)
         return begin + max(found, 0)
@@ -141,7 +141,7 @@ class Source:
             offset = max(end, begin + 1)
 
     def _give_up(self, out: list[str], opened: list[int]) -> int:
-        """Blank the line of a bracket that nothing closes; what is behind it is read as blocks."""
+        """Blank the line of a bracket that nothing closes; what is after it is read as blocks."""
         line_begin = self.text.rfind("\n", 0, opened[0]) + 1
         line_end = self._line_end(opened[0])
         self.faults.append(self._not_closed(max(place for place in opened if place < line_end)))

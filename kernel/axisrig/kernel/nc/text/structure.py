@@ -13,7 +13,7 @@ from axisrig.kernel.nc import syntax
 from axisrig.kernel.nc.syntax import Goto, Label, Statement, SubprogramCall, Target, Words
 from axisrig.kernel.nc.text.source import Source
 
-# Deeper nesting is a typing error; the manual has a fixed depth as well without telling it.
+# Deeper nesting is a typing error; the manual has a fixed depth as well and does not give it.
 DEPTH_MAX = 100
 # More are of no help to anyone
 ERRORS_MAX = 100
@@ -129,7 +129,7 @@ class Structure:
                         "no such label in this part of the program",
                         offset,
                         value=target.label,
-                        allowed=list(self._labels) or "N10: or [NAME] in front of a block",
+                        allowed=list(self._labels) or "N10: or [NAME] before a block",
                         hint=f"nearest: {', '.join(close)}" if close else None,
                     )
                 )
@@ -154,7 +154,7 @@ class Structure:
             raise self._not_open(word, begins[0], offset)
         opened = self._open[-1]
         if opened.has_else and word != "$CASE":
-            raise self._source.error(f"{word} behind the last branch", offset, value=word)
+            raise self._source.error(f"{word} after the last branch", offset, value=word)
         opened.has_else = opened.has_else or word in ("$ELSE", "$DEFAULT")
 
     def _leave(self, statement: Statement, offset: int) -> None:
@@ -162,7 +162,7 @@ class Structure:
         word, homes = ("$BREAK", (*_LOOPS, "$SWITCH")) if leaves else ("$CONTINUE", _LOOPS)
         if not any(opened.word in homes for opened in self._open):
             raise self._source.error(
-                f"{word} stands in no loop",
+                f"{word} is in no loop",
                 offset,
                 value=word,
                 allowed=f"inside {', '.join(homes)}",
@@ -208,7 +208,7 @@ def call_errors(
                     "no such local subprogram",
                     offset,
                     value=call.name,
-                    allowed=list(subprograms) or f"%L {call.name} in front of the main program",
+                    allowed=list(subprograms) or f"%L {call.name} before the main program",
                     hint=f"nearest: {', '.join(close)}" if close else None,
                 )
             )

@@ -1,4 +1,4 @@
-"""What a reader is told where a block does not fit the grammar."""
+"""The messages where a block does not fit the grammar."""
 
 import re
 from collections.abc import Sequence
@@ -13,7 +13,7 @@ from axisrig.kernel.nc.text.words import words
 
 _OPENING = re.compile(r"(?:/[0-9]*[ \t]*)?(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<word>\$[ \t]*[A-Za-z]*)")
 
-# What the terminals of the grammar are called in messages, in the order in which they are told.
+# What the terminals of the grammar are called in messages, in the order in which they are listed.
 _TERMINAL_NAMES = {
     "BLOCK_NUMBER": "block number",
     "LABEL": "label in [ ]",
@@ -41,7 +41,7 @@ _TERMINAL_NAMES = {
 def syntax_error(
     source: Source, axes: Sequence[str], error: UnexpectedInput, begin: int, end: int
 ) -> UserError:
-    """Tell what stands where and what may stand there."""
+    """Say what is where and what is allowed there."""
     expected: set[str] = set()
     offset = end
     if isinstance(error, UnexpectedCharacters):

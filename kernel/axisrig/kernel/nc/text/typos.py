@@ -7,7 +7,7 @@ from axisrig.kernel.nc.text.words import words
 
 _WORD = re.compile(r"[A-Za-z0-9_.]*")
 _WORD_BEFORE = re.compile(r"[A-Za-z0-9_.]*\Z")
-# Z15O, 1O.5, GO: a letter O among digits, or alone behind an address
+# Z15O, 1O.5, GO: a letter O among digits, or alone after an address
 _LETTER_O = re.compile(r"(?=.*[0-9]|[A-Za-z].\Z)[A-Za-z]?[0-9Oo.]*[Oo][0-9Oo.]*")
 _OPENING = re.compile(r"(?:/[0-9]*[ \t]*)?(?:[Nn][ \t]*[0-9]+[ \t]*)?(?P<word>\$[A-Za-z]+)")
 _CONDITIONS = ("$IF", "$ELSEIF", "$WHILE", "$UNTIL", "$ENDDO")
@@ -21,8 +21,8 @@ _COMPARISONS = {
 def meant_at(source: Source, begin: int, end: int, offset: int) -> str | None:
     """Give a hint for the place of an error in the block from begin to end; None without one."""
     code = source.code
-    before, behind = code[offset - 1 : offset], code[offset + 1 : offset + 2]
-    if code[offset : offset + 1] == "," and before.isdigit() and behind.isdigit():
+    before, after = code[offset - 1 : offset], code[offset + 1 : offset + 2]
+    if code[offset : offset + 1] == "," and before.isdigit() and after.isdigit():
         return "the decimal sign is a point: 1.5"
     if code[offset : offset + 1] == ":" and code[begin : begin + 2].upper() == "V.":
         return "a variable gets its type between #VAR and #ENDVAR"
@@ -31,7 +31,7 @@ def meant_at(source: Source, begin: int, end: int, offset: int) -> str | None:
     if f"${word.upper()}" in words("control"):
         return f"${word.upper()} meant?"
     if _LETTER_O.fullmatch(word):
-        return f"{word[0] + word[1:].upper().replace('O', '0')} meant? A letter O stands there"
+        return f"{word[0] + word[1:].upper().replace('O', '0')} meant? It has a letter O"
     opening = _OPENING.match(code, begin, end)
     return None if opening is None else _of_control(opening["word"].upper(), code, end, offset)
 

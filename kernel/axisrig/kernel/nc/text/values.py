@@ -73,7 +73,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
 
     @v_args(inline=False)
     def index(self, children: list[Part]) -> tuple[tuple[Expression, ...], str]:
-        """Indices in one bracket and the name that goes on behind it."""
+        """Indices in one bracket and the name that goes on after it."""
         indices = tuple(part.expression for part in children if isinstance(part, nodes.Value))
         tail = next((str(part) for part in children if isinstance(part, Token)), "")
         return indices, tail
@@ -114,7 +114,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
 
     @v_args(inline=False)
     def operand(self, children: list[Part]) -> nodes.Value:
-        """An operand with its signs; a sign is worked off behind a power: -2**2 is -4."""
+        """An operand with its signs; a sign is worked off after a power: -2**2 is -4."""
         *signs, value = children
         if not signs:
             return nodes.Value(value.expression, value.offset)
@@ -139,7 +139,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
     # ---- names
 
     def _known(self, name: str, indices: tuple[Expression, ...], token: Token) -> Variable:
-        """Look a variable up in the table; raises UserError for one that nobody knows."""
+        """Look a variable up in the table; raises UserError for one that does not exist."""
         offset = self.at(token)
         row, axis = find_variable(name)
         if row is None:
@@ -159,7 +159,7 @@ class ExpressionBuilder(Transformer[Token, Any]):
         return Variable(name, indices)
 
     def note(self, word: str, what: str, offset: int) -> None:
-        """Remember a word that the manuals know and that does not act yet."""
+        """Remember a word that the manuals contain and that does not act yet."""
         self.not_acting.append(NotActing(word, what, *self.source.place(offset)))
 
     def remark(self, text: str, offset: int) -> None:

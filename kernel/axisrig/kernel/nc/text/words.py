@@ -29,7 +29,7 @@ class Word:
 class VariableName:
     """One row of `variables.csv`.
 
-    name: `<axis>` stands for an axis of the rig, `<name>` for any name, `[]` for an index.
+    name: `<axis>` means an axis of the rig, `<name>` for any name, `[]` for an index.
     waits: what reading it waits for: nothing, `machine` (all before it is executed) or `cycle`
     (and the next cycle). written: whether a program can give it a value.
     """
@@ -43,7 +43,7 @@ class VariableName:
     meaning: str
 
     def match(self, variable: str) -> tuple[bool, str | None]:
-        """Tell whether a name (upper case) is one of this row, and the axis that it names."""
+        """Return whether a name (upper case) is one of this row, and the axis that it names."""
         found = _pattern(self.name).fullmatch(variable)
         if found is None:
             return False, None
@@ -61,11 +61,11 @@ def _pattern(name: str) -> re.Pattern[str]:
 class Keyword:
     """One row of `commands.csv`: a keyword, or the command itself where `keyword` is empty.
 
-    kind: what stands behind the keyword: expression, name (one of `allowed` if there are any),
+    kind: what follows the keyword: expression, name (one of `allowed` if there are any),
     ident (a name spelled as in its list), axis, variable, text, list, or flag for nothing. In the
     row of the command: the same for its values without keyword, none for no values; `group` if
     each bracket is a group of its own. required: yes, no, or a name that several keywords share
-    of which one must stand there. allowed: names; a range `0..1` of a constant; the least and most
+    of which one must be there. allowed: names; a range `0..1` of a constant; the least and most
     number of values `1-6` in the row of the command.
     """
 

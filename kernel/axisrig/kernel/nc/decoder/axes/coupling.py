@@ -92,7 +92,7 @@ def _limits(
         or keyword.value.upper() != GANTRY
         or len(values) not in (0, 2)
     ):
-        raise context.alarm(900198, block, value=slave, what="G and two limits belong behind it")
+        raise context.alarm(900198, block, value=slave, what="G and two limits belong after it")
     numbers = [number(context, block, value) for value in values]
     if not numbers:
         return None
@@ -139,7 +139,7 @@ def switch_on(context: Context, block: Block, command: Command) -> Iterator[cano
 
 
 def lead(context: Context) -> None:
-    """Let the slaves stand where the block has led them."""
+    """Leave the slaves where the block has led them."""
     known, coordinates = states(context), context.coordinates
     slaves = {
         pair.slave: coordinates.acs_mm[pair.master] + known.offsets_mm[pair.slave]

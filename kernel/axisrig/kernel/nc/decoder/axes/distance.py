@@ -1,6 +1,6 @@
 """DIST_CTRL: words for the distance control of an axis; what a control that is on forbids.
 
-The words of a block act in their order, in front of its motion. Sources: FCT-M3 6; TF5200 distance
+The words of a block act in their order, before its motion. Sources: FCT-M3 6; TF5200 distance
 control 290203275, programming manual 208654987, diagnosis 1257123723.
 """
 
@@ -37,7 +37,7 @@ _LIST: Final = "kenngr.dist_ctrl[0]."
 class _Parameter:
     """A keyword that sets a parameter.
 
-    name: in `DistanceControl.program`. path: whose range counts, behind `kenngr.dist_ctrl[0].`;
+    name: in `DistanceControl.program`. path: whose range counts, after `kenngr.dist_ctrl[0].`;
     empty where the control itself looks whether it can be (310001, 310003).
     """
 
@@ -62,7 +62,7 @@ _PARAMETERS: Final[Mapping[str, _Parameter]] = {
 
 
 def control(context: Context, block: Block, command: AxisCommand) -> Iterator[canon.Command]:
-    """`Z[DIST_CTRL ..]`; behind OFF NO_MOVE the program counts from where the axis stands.
+    """`Z[DIST_CTRL ..]`; after OFF NO_MOVE the program counts from where the axis is.
 
     Raises Alarm 22096, 22142, 22349 and 900300; 900196 for a slave that is to be switched on.
     """
@@ -130,7 +130,7 @@ def _parameters(
 
 
 def _value(context: Context, block: Block, axis: str, keyword: str, option: Option) -> float:
-    """Give the number behind a keyword; raises Alarm 22096, 22142 and 900300 for a wrong one."""
+    """Give the number after a keyword; raises Alarm 22096, 22142 and 900300 for a wrong one."""
     known = _PARAMETERS[keyword]
     value = number(context, block, option)
     assert value is not None, "the table of commands has checked it"
@@ -151,7 +151,7 @@ def _value(context: Context, block: Block, axis: str, keyword: str, option: Opti
     )
 
 
-# ---- what else stands in the program while a control is on
+# ---- what else is in the program while a control is on
 
 OFF_STATE: Final = "INACTIVE"
 HOLDING: Final = (OFF_STATE, "FREEZE")

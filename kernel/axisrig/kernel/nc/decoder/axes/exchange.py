@@ -58,7 +58,7 @@ def put(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
 def call(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     """#CALL AX [FAST] [axis, logical number, index] ..; axes in the channel are not called again.
 
-    The channel is initialised where the axes stand, FAST or not. Raises Alarm 20312, 21256 to
+    The channel is initialised where the axes are, FAST or not. Raises Alarm 20312, 21256 to
     21258, 21260, 21261 and 900199; 900100 for options of the exchange.
     """
     known = states(context)

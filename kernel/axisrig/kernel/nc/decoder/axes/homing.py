@@ -20,7 +20,7 @@ HIGH: Final = 65535
 
 
 def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """Home the axes of the block; afterwards the channel stands where they do.
+    """Home the axes of the block; afterwards the channel starts from where they are.
 
     Raises Alarm 20137 while a coupling is on, 20816 for a number that is no place in an order,
     51062 while the distance control of an axis is on.

@@ -36,7 +36,7 @@ LINEAR_SLOPE: Final = "STEP"
 def before_block(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """Refuse axes that cannot be programmed, and wait for those that must be known first."""
     known = states(context)
-    # Words for distance control move nothing of their own: others may stand beside them
+    # Words for distance control move nothing of their own: others may be in the same block
     commanded = [c.axis for c in words.axis_commands if c.name != distance.NAME]
     if commanded:
         named = [*commanded, *(axis for axis, _ in words.axes)]
@@ -91,7 +91,7 @@ def before_turning(context: Context, block: Block) -> Iterator[canon.Command]:
 
 
 def after_block(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """Let the next block wait for the INDP_SYN axes of this one, and know where slaves are."""
+    """Let the next block wait for the INDP_SYN axes of this one, and follow where slaves are."""
     if states(context).active:
         coupling.lead(context)
     axes = tuple(c.axis for c in words.axis_commands if c.name == SYNCHRONOUS)
@@ -100,7 +100,7 @@ def after_block(context: Context, block: Block, words: Words) -> Iterator[canon.
 
 
 def _wait_for(context: Context, block: Block, axes: tuple[str, ...]) -> Iterator[canon.Command]:
-    """Wait for axes; those that measured bring their results."""
+    """Wait for axes; those that measured deliver their results."""
     known = states(context)
     yield canon.WaitIndependent(block, axes)
     for axis in axes:
@@ -180,7 +180,7 @@ def _check(
 
 
 def _announced(context: Context, block: Block, command: AxisCommand) -> Iterator[canon.Command]:
-    """Tell the PLC side the M and H functions in the bracket."""
+    """Send the M and H functions in the bracket to the PLC side."""
     functions = tuple(k for k, _ in command.options if k[0] == "M" and k[1:].isdigit())
     h = [(k, v) for k, v in command.options if k == "H"]
     yield from technology.announce(context, block, Words(m=functions, addresses=tuple(h)))  # type: ignore[arg-type]
@@ -199,7 +199,7 @@ def _only(
 def _motion(
     context: Context, block: Block, command: AxisCommand, options: dict[str, Option]
 ) -> str:
-    """G00, G01 or G100; without one the speed tells that it is G01."""
+    """G00, G01 or G100; without one the speed shows that it is G01."""
     found = [g for g in MOTIONS if g in options]
     default = "G1" if any(word in options for word in SPEEDS) else ""
     return _only(context, block, command.axis, found, "G00 or G01 or G100 or speed", default)
@@ -249,7 +249,7 @@ def _weight_of(motion: str) -> str:
 def _percent(
     context: Context, block: Block, axis: str, options: dict[str, Option], word: str
 ) -> float | None:
-    """The share of 1 that a weight in percent stands for; None without the keyword."""
+    """The share of 1 that a weight in percent means; None without the keyword."""
     if word not in options:
         return None
     value = _number(context, block, options[word])

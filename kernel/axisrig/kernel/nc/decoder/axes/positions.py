@@ -1,7 +1,7 @@
-"""#CHANNEL INIT: the channel takes over where its axes stand.
+"""#CHANNEL INIT: the channel takes over where its axes are.
 
-ACTPOS makes actual positions of standing axes their set positions, so that the axes move by what
-they lagged; for axes that are not named the set positions count, and as these must stand, axes
+ACTPOS makes actual positions of axes at rest their set positions, so that the axes move by what
+they lagged; for axes that are not named the set positions count, and as these must be at rest, axes
 under way are waited for (P-CHAN-00455 = 0). CMDPOS takes the set positions. Sources: TF5200
 programming manual 206703627 and 206709515, channel parameters 1012527499.
 """

@@ -1,4 +1,4 @@
-"""Reading what stands in the brackets of axis commands."""
+"""Reading what is in the brackets of axis commands."""
 
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.decoder.base.context import Context
@@ -21,13 +21,13 @@ def number(context: Context, block: Block, argument: Argument) -> float | None:
 
 
 def whole(context: Context, block: Block, argument: Argument) -> int | None:
-    """Give the value of an expression that stands for a whole number; None if it does not."""
+    """Give the value of an expression that is a whole number; None if it does not."""
     value = number(context, block, argument)
     return None if value is None or value != int(value) else int(value)
 
 
 def shown(context: Context, block: Block, argument: Argument) -> str:
-    """Give what stands in a program for a message."""
+    """Give what is written in a program for a message."""
     if argument is None:
         return "nothing"
     if isinstance(argument, Group):
@@ -40,7 +40,7 @@ def shown(context: Context, block: Block, argument: Argument) -> str:
 
 
 def axis_named(context: Context, argument: Argument) -> str | None:
-    """Give the axis of the channel that a name stands for; None for anything else."""
+    """Give the axis of the channel that a name means; None for anything else."""
     if not isinstance(argument, Name):
         return None
     names = {axis.upper(): axis for axis in context.axes}

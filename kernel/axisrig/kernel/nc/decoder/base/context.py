@@ -27,7 +27,7 @@ class MachineView(Protocol):
     """What the decoder reads from the machine, at the start and after each `Wait`."""
 
     def position_acs_mm(self, axis: str) -> float:
-        """Give the axis position at which the interpolation stands."""
+        """Give the axis position of the interpolation."""
         ...
 
     def measured_acs_mm(self, axis: str) -> float | None:
@@ -35,11 +35,11 @@ class MachineView(Protocol):
         ...
 
     def measurement_ok(self, axis: str) -> bool:
-        """Tell whether the signal of the last run came before the target."""
+        """Return whether the signal of the last run came before the target."""
         ...
 
     def is_measuring(self, axis: str) -> bool:
-        """Tell whether a run of the axis is under way."""
+        """Return whether a run of the axis is under way."""
         ...
 
     def actual_acs_mm(self, axis: str) -> float:
@@ -47,7 +47,7 @@ class MachineView(Protocol):
         ...
 
     def may_measure(self, axis: str) -> bool:
-        """Tell whether an axis is a measuring axis (P-AXIS-00118)."""
+        """Return whether an axis is a measuring axis (P-AXIS-00118)."""
         ...
 
     def axis_numbered(self, number: int) -> str | None:
@@ -59,7 +59,7 @@ class MachineView(Protocol):
         ...
 
     def drive_value(self, axis: str, key: str) -> float:
-        """Give what the last `DriveRead` of this axis and function brought."""
+        """Give what the last `DriveRead` of this axis and function returned."""
         ...
 
 
@@ -124,7 +124,7 @@ class Context:
         self._parts: dict[type, object] = {}
 
     def begin(self) -> None:
-        """Take over where the axes stand, which the machine knows when the program begins."""
+        """Take over where the axes are, which the machine reports when the program begins."""
         self.coordinates = Coordinates(
             self.program.axes,
             {axis: self.machine.position_acs_mm(axis) for axis in self.program.axes},
@@ -178,7 +178,7 @@ class Context:
         return value
 
     def value(self, block: Block, expression: Expression) -> float:
-        """Give the number an expression stands for.
+        """Give the number an expression means.
 
         Raises Alarm 20396 for a division by 0 and 900105 for everything else without a value.
         """
@@ -190,7 +190,7 @@ class Context:
             raise self._no_value(block, fault) from None
 
     def any_value(self, block: Block, expression: Expression) -> Value:
-        """Give the number or the text an expression stands for; raises as `value`."""
+        """Give the number or the text an expression means; raises as `value`."""
         try:
             return value_of(expression, lambda variable: self.read(block, variable))
         except NoValue as fault:
@@ -202,7 +202,7 @@ class Context:
         return self.alarm(900105, block, reason=str(fault))
 
     def holds(self, block: Block, condition: Expression) -> bool:
-        """Tell whether a condition holds."""
+        """Return whether a condition holds."""
         return is_true(self.value(block, condition))
 
     @property
@@ -254,5 +254,5 @@ class Context:
         return Alarm(alarm_id, place=f"{file}{block}", **values)
 
     def not_acting(self, block: Block, word: str, what: str) -> Alarm:
-        """Make the alarm of a word that the manuals know and the kernel does not carry out."""
+        """Make the alarm of a word that the manuals contain and the kernel does not carry out."""
         return self.alarm(900100, block, word=word, what=what)

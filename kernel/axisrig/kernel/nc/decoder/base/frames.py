@@ -1,4 +1,4 @@
-"""Where the decoding stands: the calls that are open and the place in each."""
+"""The place of the decoding: the calls that are open and the place in each."""
 
 from dataclasses import dataclass, field
 
@@ -89,7 +89,7 @@ class Flow:
         return self.frame.routine.file
 
     def advance(self) -> ProgramBlock | None:
-        """Give the next block; None behind the last one of the main program."""
+        """Give the next block; None after the last one of the main program."""
         while True:
             frame = self.frames[-1]
             if frame.following < len(frame.routine.blocks):
@@ -106,7 +106,7 @@ class Flow:
             self.frames.pop()
 
     def give_work(self) -> None:
-        """Know that the machine has something to do: what comes from here on comes first."""
+        """Take note that the machine has something to do: what comes from here on comes first."""
         self.idle_blocks = 0
         for frame in self.frames:
             frame.decoded.clear()
@@ -127,7 +127,7 @@ class Flow:
         self.frames.append(Frame(routine, called_again=self.frame.again))
 
     def leave(self) -> bool:
-        """Go back behind the call; False in the main program, which was not called."""
+        """Go back after the call; False in the main program, which was not called."""
         if len(self.frames) == 1:
             return False
         self.frames.pop()

@@ -124,7 +124,7 @@ class _Builder:
 
     def _close(self, place: int) -> None:
         closed = self.opened.pop()
-        # $DEFAULT is the last choice wherever it stands
+        # $DEFAULT is the last choice wherever it is
         divisions = sorted(
             closed.divisions, key=lambda other: isinstance(self.blocks[other].statement, Default)
         )

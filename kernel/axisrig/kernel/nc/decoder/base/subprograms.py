@@ -13,7 +13,7 @@ from axisrig.kernel.nc.decoder.base.structure import Structure, resolve
 from axisrig.kernel.nc.syntax import Program, ProgramBlock, SubprogramCall
 from axisrig.kernel.nc.text.parser import read_program
 
-# What is tried behind a name without extension, in this order
+# What is tried after a name without extension, in this order
 EXTENSIONS = ("", ".nc")
 
 
@@ -49,7 +49,7 @@ def link(program: Program) -> Unit:
     """Resolve every jump and every call that a program can reach.
 
     Raises UserError for jumps into loops, for files of global subprograms that are not there, and
-    for everything wrong inside them, with the name of the file in which it stands.
+    for everything wrong inside them, with the name of the file that contains it.
     """
     units: dict[Path, Unit] = {}
     main = _unit(program)

@@ -1,4 +1,4 @@
-"""What a topic of the decoder brings: the words, commands and variables that it handles."""
+"""What a topic of the decoder provides: the words, commands and variables that it handles."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -11,9 +11,9 @@ from axisrig.kernel.nc.expressions import Value
 
 # The third argument is the statement: Words for a word, Command for a # command, AxisCommand.
 Handler = Callable[[Context, Block, Any], Iterator[canon.Command]]
-# (context, block, what stands behind the stem, *indices): the axis in upper case, or any name.
+# (context, block, what follows the stem, *indices): the axis in upper case, or any name.
 Reader = Callable[..., Value]
-# (context, block, what stands behind the stem, value, *indices)
+# (context, block, what follows the stem, value, *indices)
 Writer = Callable[..., Iterator[canon.Command]]
 
 
@@ -29,7 +29,7 @@ class Topic:
     before the axis words, once for each block. read_addresses: letters that a G function reads.
     settings: G and M functions that act before everything else: G70 counts for the F of its block.
     takes_axes: G functions that take the axis words of their block. endings: M functions that act
-    after the axis words. readers, writers: variables by the stem in front of `<axis>` or `<name>`
+    after the axis words. readers, writers: variables by the stem before `<axis>` or `<name>`
     in variables.csv, without the point; a name with indices has `[]` for each
     (`V.G.KIN_STEP[].ID[].PARAM[]`).
     """

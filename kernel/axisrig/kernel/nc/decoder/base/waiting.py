@@ -9,7 +9,7 @@ from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.syntax import Assign, Command, Declare, EndFor, For, Statement, Words
 
-# They pass time or tell something, and change no value
+# They pass time or report something, and change no value
 _HARMLESS = ("MSG", "TIME", "FLUSH", "FLUSH WAIT", "FLUSH CONTINUE", "WAIT FOR")
 
 
@@ -47,7 +47,7 @@ class Waiting:
 
 
 def may_change(statement: Statement) -> bool:
-    """Tell whether a block may change a value or move something."""
+    """Return whether a block may change a value or move something."""
     if isinstance(statement, Words):
         is_dwell = statement.g == ("G4",) and not (statement.m or statement.axis_commands)
         return not is_dwell

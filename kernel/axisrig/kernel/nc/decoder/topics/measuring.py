@@ -152,7 +152,7 @@ def take_results(
 
 
 def begin_beside(context: Context, axis: str) -> None:
-    """Know that an axis measures beside the program from here on: what it had is gone.
+    """Take note that an axis measures beside the program from here on: what it had is gone.
 
     A D before the end of the run is not the tool of the run.
     """
@@ -163,7 +163,7 @@ def begin_beside(context: Context, axis: str) -> None:
 
 
 def end_beside(context: Context, axis: str) -> None:
-    """Take what the run of an axis beside the program has brought, once it is over."""
+    """Take what the run of an axis beside the program has delivered, once it is over."""
     ball_mm = context.part(Measurements).beside.pop(axis, None)
     if ball_mm is not None:
         take_results(context, (axis,), (axis,), moved=(axis,), ball_radius_mm=ball_mm)

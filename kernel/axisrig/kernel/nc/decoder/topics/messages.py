@@ -8,7 +8,7 @@ from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.syntax import Command, Expression, Text
 
-# Who can be named behind #MSG; nobody: the diagnosis of the CNC.
+# Who can be named after #MSG; nobody: the diagnosis of the CNC.
 # Source: TF5200 programming manual 507845131
 RECEIVERS = ("", "ISG_DIAG_BED", "DIAG", "HMI", "PLC", "EVENT_LOGGER")
 

@@ -27,7 +27,7 @@ def _zero_offset(group: int) -> Handler:
 
 
 def _numbered_offset(context: Context, block: Block, words: Words) -> None:
-    """G159 = group: every group of the list, also beyond G59. TF5200 zero offsets 103721099."""
+    """G159 = group: every group of the list, also after G59. TF5200 zero offsets 103721099."""
     expression = words.address("G159")
     assert expression is not None, "checked by the parser"
     value = context.value(block, expression)

@@ -15,7 +15,7 @@ from axisrig.kernel.nc.syntax import Command, Expression, Group, Name, Words
 DWELL_MAX_US = 2**32 - 1
 NS_PER_US = 1000
 US_PER_S = 1_000_000
-# The address of a time that stands behind G4 without one
+# The address of a time that follows G4 without one
 DWELL_ADDRESS = "G4"
 CENTRE = "IJK"  # a full circle needs no axis word
 
@@ -24,7 +24,7 @@ CENTRE = "IJK"  # a full circle needs no axis word
 class BlockEnds:
     """How blocks of motion end.
 
-    exact_stop: G360 is on. contouring: G261 is on. rounds: G61 stood in the last block of motion.
+    exact_stop: G360 is on. contouring: G261 is on. rounds: G61 was in the last block of motion.
     """
 
     exact_stop: bool = False
@@ -33,7 +33,7 @@ class BlockEnds:
 
 
 def _dwell(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """G4: seconds behind it, or behind the name of the first main axis.
+    """G4: seconds after it, or after the name of the first main axis.
 
     Source: TF5200 programming manual 206132747, diagnosis 250532491, 252216715.
     """
@@ -71,7 +71,7 @@ def _stop(context: Context, block: Block, words: Words) -> Iterator[canon.Comman
 
 
 def _flush(context: Context, block: Block, command: Command) -> None:
-    """Nothing is held back here: every block ends standing and begins as soon as it can."""
+    """Nothing is held back here: every block ends at standstill and begins as soon as it can."""
 
 
 def _flush_wait(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
@@ -114,11 +114,11 @@ def _contouring_off(context: Context, block: Block, words: Words | Command) -> N
 
 
 def _nothing(context: Context, block: Block, words: Words | Command) -> None:
-    """Every block begins and ends standing, whatever is asked of its ends."""
+    """Every block begins and ends at standstill, whatever is asked of its ends."""
 
 
 def block_end(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
-    """Decode how a block that moves axes ends; called behind its move.
+    """Decode how a block that moves axes ends; called after its move.
 
     Source: TF5200 programming manual 206301707 (G60, G359, G360).
     """

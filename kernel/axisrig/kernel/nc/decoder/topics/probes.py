@@ -65,7 +65,7 @@ def _of_axis(context: Context, block: Block, axis: str, command: Command) -> can
 
 
 def _input(context: Context, block: Block, value: Option) -> tuple[int | None, int | None]:
-    """Give the input, or the number of the probe that stands for one."""
+    """Give the input, or the number of the probe that means one."""
     if value is None:
         return None, None
     if isinstance(value, Name):

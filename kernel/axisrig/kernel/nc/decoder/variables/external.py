@@ -45,7 +45,7 @@ def _known(context: Context, block: Block, name: str, indices: tuple[int, ...]) 
 
 
 def spelled_by_plc(context: Context, asked: str) -> str | None:
-    """Give a name (behind `V.E.`, upper case) as the PLC side spells it; None if it has none."""
+    """Give a name (after `V.E.`, upper case) as the PLC side spells it; None if it has none."""
     return next((other for other in context.external if other.upper() == asked), None)
 
 

@@ -60,7 +60,7 @@ def _read(context: Context, block: Block, name: str, indices: tuple[int, ...]) -
 
 
 def _near(context: Context, name: str, indices: tuple[int, ...]) -> str:
-    """Tell which variables that have a value look like the one that has none."""
+    """Return which variables that have a value look like the one that has none."""
     known = [
         spelled(other, place)
         for store in _stores(context, name)
@@ -173,7 +173,7 @@ def _writer(stem: str) -> Writer:
 
 
 def _bracket(context: Context, block: Block, statement: Command) -> None:
-    """#VAR and #ENDVAR: what stands between them are statements of their own."""
+    """#VAR and #ENDVAR: what is between them are statements of their own."""
 
 
 _STEMS = ("V.P", "V.L", "V.S", PARAMETER)

@@ -1,7 +1,8 @@
 """Asks a drive for the fault that it has had since before anybody listened.
 
-Emergencies are sent once, when the fault comes up. What stands afterwards is told by 603F (error
-code, CiA 402) and by the newest entry of the error history 1003:1 (CiA 301); a drive may lack both.
+Emergencies are sent once, when the fault comes up. What is active afterwards is reported by 603F
+(error code, CiA 402) and by the newest entry of the error history
+1003:1 (CiA 301); a drive may lack both.
 """
 
 from functools import partial
@@ -12,7 +13,7 @@ from axisrig.kernel.drives.sdo import SdoClient, SdoError, object_name
 ERROR_CODE, HISTORY = (0x603F, 0), (0x1003, 1)
 
 
-class StandingFault:
+class ActiveFault:
     """One question to one drive; without a client nobody is asked."""
 
     def __init__(self, sdo: SdoClient | None) -> None:
@@ -42,13 +43,13 @@ class StandingFault:
         return self._open > 0
 
     def __str__(self) -> str:
-        told: dict[int, list[str]] = {}
+        reported: dict[int, list[str]] = {}
         for place, code in self._codes.items():
             if code:
-                told.setdefault(code, []).append(object_name(*place))
+                reported.setdefault(code, []).append(object_name(*place))
         found = [
             f"{' and '.join(places)} {'say' if len(places) > 1 else 'says'} 0x{code:04X},"
             f" {meaning_of(code)}"
-            for code, places in told.items()
+            for code, places in reported.items()
         ]
         return f"none, but {' and '.join(found)}" if found else "none"
