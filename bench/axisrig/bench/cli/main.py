@@ -75,7 +75,7 @@ def _to_stderr(text: str) -> None:
 
 
 def _inputs(assignments: list[str] | None, is_forced: bool, as_canopen: bool) -> list[str]:
-    """Return the inputs of the command line; what `--force` and `--as-canopen` stand for is among
+    """Return the inputs of the command line; what `--force` and `--as-canopen` mean is among
     them, so a replay has it too.
     """
     from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
@@ -165,7 +165,7 @@ def demo(
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
     is_fresh: FreshOption = False,
 ) -> None:
-    """Build the FMUs, run every shipped plan, and say where the report lies."""
+    """Build the FMUs, run every shipped plan, and say where the report is."""
     from axisrig.bench.campaign.campaign import plans_in
 
     build(None)
@@ -340,10 +340,10 @@ def bus(
     from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
     to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
     is_all: Annotated[
-        bool, typer.Option("--all", help="SYNCs and PDOs that bring nothing new as well.")
+        bool, typer.Option("--all", help="Also SYNCs, and PDOs with nothing new.")
     ] = False,
 ) -> None:
-    """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
+    """Show a bus log in words: services, states, aborts, emergencies, values of PDOs."""
     from axisrig.bench.rig.reading.file import read_rig
     from axisrig.bench.rig.settings import read_settings
     from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, tell_log

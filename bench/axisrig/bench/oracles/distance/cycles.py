@@ -95,7 +95,9 @@ def measured(
         raise NotMeasurableError("no set position answered the sensor value")
     sent_ns = targets[sent].time_ns
     if _first_change(targets, 0, 0) != sent:  # else the change is an answer itself
-        raise NotMeasurableError("the set position did not stand before the sensor value: no step")
+        raise NotMeasurableError(
+            "the set position was not constant before the sensor value changed: no step"
+        )
     shown = _first_change(sensor, sent_ns, quiet_increments)
     if shown is None:
         raise NotMeasurableError("no sensor value showed the set position")
@@ -104,7 +106,7 @@ def measured(
         raise NotMeasurableError("the sensor value went on changing: no step")
     step, back = (sensor[at].value - sensor[at - 1].value for at in (seen, shown))
     if sensor[seen].time_ns - sensor[0].time_ns < (QUIET_CYCLES - 0.5) * period_ns:
-        raise NotMeasurableError("the sensor value did not stand before its change: no step")
+        raise NotMeasurableError("the sensor value was not constant before its change: no step")
     if step * back > 0:  # an answer that converges goes the other way
         raise NotMeasurableError("the sensor value went on changing: no step")
     shown_ns, seen_ns = sensor[shown].time_ns, sensor[seen].time_ns
