@@ -11,7 +11,7 @@ Errors (`ErrorAtBit`, collisions, no acknowledgement; docs/can.md has the counte
 - The sender tries again by itself. An error passive one leaves the bus to others for 8 bits more
   than the intermission after each frame of its own.
 - An error that error passive receivers alone see costs them the frame and nobody else.
-- A frame that no other port acknowledges is destroyed behind its acknowledge slot.
+- A frame that no other port acknowledges is destroyed after its acknowledge slot.
 - An error in the last bit of the end of frame comes too late for the receivers: they have the
   frame and count nothing, the sender sends it again, so it comes twice.
 - Same identifier at once from two ports: `axisrig.bench.bus.collision`.
@@ -124,9 +124,9 @@ class Segment:
     def tap(self, listener: can.Listener) -> None:
         """Give `listener` a copy of every frame at its end, dropped and error frames included.
 
-        Loggers of python-can work as they are; whoever opened one stops it. An error frame carries
-        the identifier of the frame it destroyed. For BLF take `axisrig.bench.bus.logs.blf_writer`.
-        """
+        Loggers of python-can work as they are; the one who opened it stops it. An error frame
+        carries the identifier of the frame it destroyed. For BLF take
+        `axisrig.bench.bus.logs.blf_writer`."""
 
         def give(time_ns: TimeNs, name: str, frame: Frame, is_error: bool) -> None:
             listener.on_message_received(message(frame, time_ns, name, is_error=is_error))
@@ -318,7 +318,7 @@ class Segment:
         seen_by: frozenset[str] | None,
         is_unacknowledged: bool = False,
     ) -> None:
-        """Put a frame on the wire that ends with an error frame behind its bit `bit`."""
+        """Put a frame on the wire that ends with an error frame after its bit `bit`."""
         whole = frame_bits(request[4]) - IFS_BITS
         bits = min(bit, whole)
         is_late = bits == whole

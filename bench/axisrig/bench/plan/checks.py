@@ -421,7 +421,7 @@ def judge(
 ) -> CheckResult:
     """Judge `value` +- `uncertainty` (unit of the check) by the condition of `check`.
 
-    is_hidden: nobody here can know the value, so a missing one is inconclusive and no failure.
+    is_hidden: the value is not available here, so a missing one is inconclusive and no failure.
     """
     verdict = check.condition.judge(value, uncertainty)
     if is_hidden and value is None:

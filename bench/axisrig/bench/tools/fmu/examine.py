@@ -55,7 +55,7 @@ def examine(path: Path) -> Examined:
 
 
 def _told(area: str, error: UserError) -> Finding:
-    """A FAIL in the words of an error; its file is known to the reader of the table."""
+    """A FAIL in the words of an error; the reader of the table has its file."""
     parts = [error.message]
     if error.value is not None:
         parts.append(f"found {error.value}")

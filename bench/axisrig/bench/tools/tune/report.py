@@ -101,7 +101,7 @@ def _law(law: Law) -> str:
 
 
 def warnings_of(found: Tuning) -> Iterator[str]:
-    """Give what the user has to know before the control is switched on."""
+    """Give what the user must read before the control is switched on."""
     law, filtered = found.configured.law, filter_in_words(found.configured)
     for mode in found.modes:
         if mode.is_stable or (mode is not found.chosen and mode.name.startswith("CONST_DIST")):

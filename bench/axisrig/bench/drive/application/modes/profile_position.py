@@ -18,7 +18,7 @@ NEW_SET_POINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6  # bits of the control
 
 @dataclass(frozen=True, slots=True)
 class SetPoint:
-    """A target with the profile that stood in the objects when it was given (SI units)."""
+    """A target with the profile that was in the objects when it was given (SI units)."""
 
     end_m: float
     speed_m_s: float
