@@ -40,7 +40,7 @@ class Emergency:
     def report(self, code: int, bit: int, source: object = None, info: int = 0) -> None:
         """Note an error with its bit of the register; a message only when its code is new.
 
-        source: part of the communication that has the error; it distinguishes two errors of one
+        source: part of the communication that has the error; it keeps two errors of one
         code apart, such as those of two PDOs. None = the application. info: first of the five bytes
         that are the device's own, 0 to 255.
         """

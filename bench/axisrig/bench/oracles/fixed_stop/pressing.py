@@ -26,7 +26,7 @@ class Stop:
     damping_s_m: float = 0.0
 
     def penetration_mm(self, force_n: float) -> float:
-        """Return how far a constant force presses in."""
+        """Return how far a static force presses in."""
         linear_m: float = max(force_n, 0.0) / self.stiffness_n_m
         if self.exponent == 1.0:
             return linear_m * 1e3
@@ -51,7 +51,7 @@ class Axis:
     backlash_mm: float = 0.0
 
     def give_mm(self, force_n: float) -> float:
-        """Return how far the motor is ahead of the load under a constant force of the motor."""
+        """Return how far the motor is ahead of the load under a static force of the motor."""
         if self.joint_n_m is None:
             return 0.0
         return self.backlash_mm / 2.0 + force_n / self.joint_n_m * 1e3
@@ -72,7 +72,7 @@ class Pressing:
 
     @property
     def force_n(self) -> tuple[float, float]:
-        """Return least and largest constant force at the stop, max(0, F_lim - F_g -+ F_c)."""
+        """Return least and largest static force at the stop, max(0, F_lim - F_g -+ F_c)."""
         low, high = (self.pushing_n + sign * self.axis.friction_n for sign in (-1.0, 1.0))
         return max(low, 0.0), max(high, 0.0)
 

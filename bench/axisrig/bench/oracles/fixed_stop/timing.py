@@ -1,7 +1,7 @@
 """When the criteria of a run to a fixed stop come true: closed forms, with what blurs them.
 
 Symbols: v feed into the stop, t_c contact, e0 running lag, L lag limit, tau minimum time, W window,
-delta constant penetration, T cycle, d P-AXIS-00191, n1, n2 cycles by which set values act and
+delta static penetration, T cycle, d P-AXIS-00191, n1, n2 cycles by which set values act and
 actual values come late. Derivation: the set value goes on with v while the axis is at rest at
 delta, so e(t) = e0 + v (t - t_c) - delta, and |x(t) - x(t - tau)| = delta + v (t_c + tau - t) for
 t - tau before the contact.

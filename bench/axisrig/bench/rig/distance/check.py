@@ -11,10 +11,10 @@ from fractions import Fraction
 from typing import Literal
 
 from axisrig.bench.oracles.distance.cycles import DeadCycles, predicted
-from axisrig.bench.oracles.distance.held import held_growth, held_limit
 from axisrig.bench.oracles.distance.lists import Control, Listed, as_written
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.model import first_order_drive
+from axisrig.bench.oracles.distance.sample_hold import held_growth, held_limit
 from axisrig.bench.oracles.distance.smoothing import none, of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.check import axis_telegrams

@@ -1,6 +1,6 @@
 """Stopping an axis: ramps, braking with the torque limits, and detecting standstill."""
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.limits import Limits
 from axisrig.bench.drive.application.functions.motion import POSITION, Motion
 from axisrig.bench.drive.application.functions.ramp import Course, to_velocity
@@ -18,7 +18,7 @@ class Standstill:
 
     def __init__(self, image: ProcessImage, units: Units, motion: Motion) -> None:
         self._image, self._units, self._motion = image, units, motion
-        self._slow = Held()
+        self._slow = HoldTime()
 
     def begin(self) -> None:
         """Forget since when it is at standstill."""

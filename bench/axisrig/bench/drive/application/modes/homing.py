@@ -7,7 +7,7 @@ pulse is exact to the increment. Source: CiA 402-2, homing mode.
 
 from enum import Enum, auto
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.homing_methods import METHODS
 from axisrig.bench.drive.application.functions.limits import PER_MILLE
 from axisrig.bench.drive.application.functions.ramp import to_velocity
@@ -54,7 +54,7 @@ class Homing(Mode):
         self._direction = 0
         self._attained = self._error = self._rests = self._reversed = False
         self._bit = self._was_on = False
-        self._blocked = Held()
+        self._blocked = HoldTime()
         self._looked_ns: TimeNs = 0
 
     def begin(self, now_ns: TimeNs) -> None:
