@@ -41,8 +41,8 @@ class Emergency:
         """Note an error with its bit of the register; a message only when its code is new.
 
         source: part of the communication that has the error; it keeps two errors of one
-        code apart, such as those of two PDOs. None = the application. info: first of the five bytes
-        that are the device's own, 0 to 255.
+        code separate, such as those of two PDOs. None = the application. info: first of the five
+        bytes that are the device's own, 0 to 255.
         """
         if (code, source) not in self._bits:
             is_new = not self.is_active(code)

@@ -54,7 +54,7 @@ class Path:
 
     @property
     def mean_cycle(self) -> float:
-        """Centre of the answer: the delay after a ramp, in cycles."""
+        """Centre of the answer: the delay on a ramp, in cycles."""
         return float(np.arange(len(self.impulses)) @ self.impulses / self.gain)
 
     @property
