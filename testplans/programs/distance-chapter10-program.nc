@@ -1,6 +1,6 @@
 %distance_chapter10_program
 ; The same commanded by the program; V.E.PART says how far it goes: 1 set position, 2 surface offset, 3 freeze,
-; 4 on again, 5 off. Where the control is still on at the end 70332 tells so.
+; 4 on again, 5 off. Where the control is still on at the end 70332 reports it.
 N010 G0 G90 Z40
 N020 Z[DIST_CTRL REF]
 N030 #TIME 0.1

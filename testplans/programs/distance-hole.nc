@@ -1,5 +1,5 @@
 %distance_hole
-; The offset is held over a hole from X = 20 to 40 mm: the sensor tells nothing there.
+; The offset is held over a hole from X = 20 to 40 mm: the sensor gives nothing there.
 N010 Z[DIST_CTRL ON CONST_DIST SET_DIST=V.E.DIST]
 N020 G90 G01 X16 F=V.E.FEED
 N030 Z[DIST_CTRL FREEZE]

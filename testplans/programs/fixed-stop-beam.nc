@@ -1,5 +1,5 @@
 %fixed_stop_beam
-; X with its slave X2 to a fixed stop from where both stand, with V.E.FEED and V.E.LIMIT as torque limit of both drives, in
+; X with its slave X2 to a fixed stop from where both are, with V.E.FEED and V.E.LIMIT as torque limit of both drives, in
 ; 0.1 % of the rated torque; their following error windows are off. The message says what was measured.
 N010 #SET AX LINK[1, [X2=X,G,15,20]]
 N020 #ENABLE AX LINK[1]

@@ -1,5 +1,5 @@
 %fixed_stop_restored
-; As fixed-stop.nc, but the torque limit is restored while the axis stands at the stop: after the relaxing
+; As fixed-stop.nc, but the torque limit is restored while the axis is at rest at the stop: after the relaxing
 ; motion nothing may move and no force may rise. Without it the axis would press with the new limit.
 N010 #MEAS MODE[7]
 N030 #DRIVE WR SYN [AX=Z KEY=TORQUE_LIMIT VAL=V.E.LIMIT WAIT]

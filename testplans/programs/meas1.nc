@@ -1,4 +1,4 @@
-%meas1  ; probe signal at Z = 100 mm in axis coordinates; expected values behind each message
+%meas1  ; probe signal at Z = 100 mm in axis coordinates; expected values after each message
 N05 #MEAS MODE[1]
 N10 G01 G90 Z200 F2000
 N20 G100 Z20 F2000

@@ -1,4 +1,4 @@
-%meas2  ; probe signal at Z = 100 mm in axis coordinates; expected values behind each message
+%meas2  ; probe signal at Z = 100 mm in axis coordinates; expected values after each message
 N05 #MEAS MODE[1]
 N10 G92 Z33
 N20 G01 G90 Z200 F2000

@@ -1,4 +1,4 @@
-%meas3  ; probe signal at Z = 100 mm in axis coordinates; expected values behind each message
+%meas3  ; probe signal at Z = 100 mm in axis coordinates; expected values after each message
 N05 #MEAS MODE[1]
 N10 #CS ON[0,0,33,0,0,0]
 N20 G01 G90 Z200 F2000

@@ -1,4 +1,4 @@
-%meas4  ; probe signal at Z = 55.5 mm in axis coordinates; expected values behind each message
+%meas4  ; probe signal at Z = 55.5 mm in axis coordinates; expected values after each message
 N05 #MEAS MODE[1]
 N10 #CS ON[0,0,75,0,15,0]
 N20 G01 G90 X150 Z100 F2000

@@ -1,6 +1,6 @@
 %measuring_beside
 ; X measures three times, the last two beside the program. From the start of a run there is no result
-; of X; what the run brings is there as soon as it has ended, without #WAIT INDP.
+; of X; what the run gives is there as soon as it has ended, without #WAIT INDP.
 N10 X[INDP_SYN G100 G90 POS=100 FEED=3000]
 N20 #MSG SYN["X signalled=%d", V.A.MERF.X]
 N30 G0 X40

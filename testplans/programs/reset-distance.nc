@@ -1,5 +1,5 @@
 %reset_distance
-; Started behind a reset: where the axis stands, distance control on again from the offset that it
+; Started after a reset: where the axis is, distance control on again from the offset that it
 ; has kept, off until that has run out.
 N10 #MSG SYN["V.A.ACT_POS.Z=%f", V.A.ACT_POS.Z]
 N20 G1 G90 Z36 F3000

@@ -238,7 +238,7 @@ def test_the_page_shows_the_rooms_in_this_order() -> None:
     rows = re.findall(r"^\| (\d+) \| `([a-z.]+)` \| \S", page, re.MULTILINE)
     shown = [(int(number), f"axisrig.{room}") for number, room in rows]
     assert shown == [(rank + 1, name) for rank, names in enumerate(ORDER) for name in names]
-    among = re.search(r"where there are several; (.*) do not know each other", page)
+    among = re.search(r"where there are several; (.*) do not import each other", page)
     beside = re.search(r"imports nothing of the others;(.*)may import it", page, re.DOTALL)
     for found, names in ((among, STRANGERS), (beside, MAY_IMPORT_FMUS)):
         assert found is not None

@@ -81,7 +81,7 @@ esac
 
 def test_list_shows_every_model_with_its_step_and_title_and_where_fmus_lie(own_cache):
     *lines, empty, place = library.listing().splitlines()
-    assert (empty, place) == ("", f"built FMUs lie in {own_cache}")
+    assert (empty, place) == ("", f"built FMUs are in {own_cache}")
     assert len(lines) == len(CATALOGUE)
     for line, row in zip(lines, CATALOGUE.values(), strict=True):
         name, rest = line.split(maxsplit=1)

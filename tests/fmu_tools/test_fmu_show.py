@@ -184,4 +184,4 @@ def test_list_names_every_model_with_its_step_and_whether_it_is_built(axisrig: C
     step_us = CATALOGUE["AxisRig.Drives.ServoAxis"].step_s * 1e6
     assert servo.split()[1:4] == [f"{step_us:g}", "us", "built"]
     assert "Servo axis" in servo
-    assert lines[-1].startswith("built FMUs lie in ")
+    assert lines[-1].startswith("built FMUs are in ")

@@ -143,5 +143,5 @@ def test_a_program_that_a_feedhold_holds_says_so(tmp_path: Path) -> None:
     program = tmp_path / "held.nc"
     program.write_text("N10 G1 Z110 F3000\nM30\n", encoding="utf-8")
     changes = ["plc:limit_s=1", "plc:feedhold=at=100ms for=600s"]
-    with pytest.raises(UserError, match="stands in a feedhold of the PLC side"):
+    with pytest.raises(UserError, match="PLC side holds the path"):
         run_program(program, RIG, changes, (), lambda _: None)

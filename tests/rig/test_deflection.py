@@ -81,7 +81,7 @@ def test_each_contact_counts_from_its_place_until_the_axes_are_back() -> None:
     assert bench.alarms == []
     ((found, words),) = [item for item in bench.log.of("tip") if item[1]]
     assert found.beyond_ns == 6 * MS
-    assert words == "tip: deflected by 0.4000 mm, beyond its stroke of 0.3 mm"
+    assert words == "tip: deflected by 0.4000 mm, more than its stroke of 0.3 mm"
 
 
 def test_the_stroke_itself_is_borne() -> None:

@@ -106,7 +106,7 @@ def test_a_rig_without_a_sensor(tmp_path: Path) -> None:
     path = tmp_path / "rig.toml"
     path.write_text('title = "x"\n' + PLAIN.format(rigs=RIGS.as_posix()), encoding="utf-8")
     (warning,) = distance_warnings(read_settings(*read_rig(path), []))
-    assert "no sensor tells it a distance: name a distance sensor as encoder_2" in warning
+    assert "no sensor gives it a distance: name a distance sensor as encoder_2" in warning
     assert "310029" in warning
     assert f"warning: {warning}" in check_file(path)
 
@@ -202,7 +202,7 @@ def test_a_lag_of_the_drive_lowers_the_limit(tmp_path: Path) -> None:
     assert limits(settings, {"Z": 0.025})["CONST_DIST"] < 0.3 < limits(settings)["CONST_DIST"]
     text = check_file(RIGS / "distance-z-servo.toml", ["plant:z.feed_forward=0"])
     assert "lags by 25 ms" in text
-    assert "CONST_DIST: as listed not known" in text
+    assert "CONST_DIST: not known as listed" in text
     assert "SET_POS: stable as listed" in text
 
 

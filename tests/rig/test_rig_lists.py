@@ -96,7 +96,7 @@ def test_values_of_offset_lists_that_cannot_be_meant_are_notes(
         "zero offsets: np_grp[1].achse[9].versch 2 (z0.lst:2): the rig has no axis 9, it has 0 = Z"
     )
     assert radius == "tools: wz[1].radius -20000 (t.lst:1): a radius below 0"
-    assert "wz[3].laenge 7 (t.lst:4): no `wz[3].gueltig 1`" in useless
+    assert "wz[3].laenge 7 (t.lst:4): the list has no `wz[3].gueltig 1`" in useless
     later = settings_of(rig, "set:tools.wz[3].gueltig=1", "set:tools.wz[1].radius=1")
     assert later.notes == [far], "a cell counts, not what it replaces"
 

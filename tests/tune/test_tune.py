@@ -185,9 +185,7 @@ def test_the_answer_of_a_real_axis_is_predicted(servo: Tuning) -> None:
 
 def test_text_says_what_was_found(tuned: Tune) -> None:
     text = text_of(tuned(*DEFAULTS, "optimized_scheduling=1"))
-    assert (
-        "n = 1 cycle: an offset goes out in its own cycle and is seen 2 cycles after that" in text
-    )
+    assert "n = 1 cycle: an offset is sent in its own cycle and is seen 2 cycles after that" in text
     assert "kp < 0.6188; closed form 0.6188" in text
     assert "UNSTABLE" in text
     assert max(len(line) for line in text.splitlines()) <= 110

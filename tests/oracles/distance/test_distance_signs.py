@@ -153,8 +153,8 @@ def test_frames_of_a_ramp_and_of_noise_show_no_step() -> None:
     noise = [Told(k * PERIOD_NS, k % 2) for k in range(12)]
     answering = [Told(k * PERIOD_NS + 7, 0 if k < 3 else (-1) ** k) for k in range(12)]
     turning = [Told(k * PERIOD_NS, 0 if k < 5 else (-1) ** k) for k in range(12)]
-    with pytest.raises(NotMeasurableError, match="did not stand before the sensor value"):
+    with pytest.raises(NotMeasurableError, match="was not constant before the sensor value"):
         measured(answering, turning, PERIOD_NS)
     at_once = [Told(k * PERIOD_NS + 7, 0 if k < 1 else 1) for k in range(12)]
-    with pytest.raises(NotMeasurableError, match="did not stand before its change: no step"):
+    with pytest.raises(NotMeasurableError, match="was not constant before its change: no step"):
         measured(at_once, noise, PERIOD_NS)

@@ -25,7 +25,7 @@ from axisrig.bench.bus.simbus import SimBus
 
 
 class SimCondition:
-    """Stands in for `threading.Condition`: `wait` advances simulated time until a notification."""
+    """Replaces `threading.Condition`: `wait` advances simulated time until a notification."""
 
     def __init__(self, bus: SimBus) -> None:
         self.bus = bus

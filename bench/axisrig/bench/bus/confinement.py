@@ -57,7 +57,7 @@ class ErrorCounters:
     def receive_failed(self, *, is_primary: bool = False) -> None:
         """Count an error seen as receiver.
 
-        is_primary: it saw the error before the others and finds a dominant bit behind its flag.
+        is_primary: it saw the error before the others and finds a dominant bit after its flag.
         """
         self.rec += RECEIVE_STEP + (PRIMARY_STEP if is_primary else 0)
 

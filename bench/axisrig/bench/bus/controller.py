@@ -17,7 +17,7 @@ Request = tuple[int, int, TimeNs, int, Frame]
 QueueKind = Literal["fifo", "mailbox"]
 StateCallback = Callable[[ErrorState], None]
 
-# How a controller keeps its pending frames: (container, push, pop, put back). The head stands at
+# How a controller keeps its pending frames: (container, push, pop, put back). The head is at
 # index 0 in both. A FIFO is what most drivers give; mailboxes send the lowest identifier first.
 QUEUES: dict[str, tuple[type, Any, Any, Any]] = {
     "fifo": (deque, deque.append, deque.popleft, deque.appendleft),

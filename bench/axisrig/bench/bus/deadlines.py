@@ -1,4 +1,4 @@
-"""How well real time was kept: when each SYNC went out, and when it should have.
+"""How well real time was kept: when each SYNC was sent, and when it should have.
 
 Lateness is counted from the instant that the plan of the run gives a SYNC to the instant at which
 the interface had taken it. What an adapter does with the frame afterwards is not in it.
@@ -106,31 +106,31 @@ class Deadlines:
         }
 
 
-def in_words(told: Mapping[str, Any] | None) -> list[str]:
+def in_words(data: Mapping[str, Any] | None) -> list[str]:
     """Say what `Deadlines.as_data` means, for a reader; nothing for simulated time."""
-    if told is None or not told["cycles"]:
+    if data is None or not data["cycles"]:
         return []
-    late, interval = told["lateness_us"], told["interval_us"]
+    late, interval = data["lateness_us"], data["interval_us"]
     lines = [
-        f"real time: {told['cycles']} SYNCs, {told['late_cycles']} of them more than"
-        f" {told['late_us']:g} us late; lateness median {late['median_us']:.0f} us, p99"
+        f"real time: {data['cycles']} SYNCs, {data['late_cycles']} of them more than"
+        f" {data['late_us']:g} us late; lateness median {late['median_us']:.0f} us, p99"
         f" {late['p99_us']:.0f} us, max {late['most_us']:.0f} us"
     ]
     if interval:
         lines.append(
             f"real time: SYNC interval {interval['least_us']:.0f} .. {interval['most_us']:.0f} us,"
-            f" median {interval['median_us']:.0f} us for {told['period_us']:g} us"
+            f" median {interval['median_us']:.0f} us for {data['period_us']:g} us"
         )
-    if told["slips"]:
+    if data["slips"]:
         lines.append(
-            f"real time: the plan moved {told['slips']} times, by {told['slipped_ms']:.3f} ms in"
+            f"real time: the plan moved {data['slips']} times, by {data['slipped_ms']:.3f} ms in"
             " all, because this computer came too late"
         )
-    if told["waits"]:
+    if data["waits"]:
         lines.append(
-            f"real time: {told['waits']} cycles waited for the answers of the drives,"
-            f" {told['waited_ms']:.3f} ms in all"
+            f"real time: {data['waits']} cycles waited for the answers of the drives,"
+            f" {data['waited_ms']:.3f} ms in all"
         )
-    if told["send_errors"]:
-        lines.append(f"real time: the interface did not take {told['send_errors']} frames")
+    if data["send_errors"]:
+        lines.append(f"real time: the interface did not take {data['send_errors']} frames")
     return lines

@@ -113,7 +113,7 @@ def _fields(service: str, data: bytes) -> dict[str, int | bytes]:
 
 
 def _sdo(side: str, data: bytes) -> dict[str, int | bytes]:
-    """Take an SDO frame apart. Block segments cannot be told from others by one frame alone."""
+    """Split an SDO frame into fields. One frame alone does not show if it is a block segment."""
     specifier = data[0] >> 5
     fields: dict[str, int | bytes] = {"specifier": specifier}
     has_object = specifier == ABORT or specifier in _INITIATE[side]

@@ -44,7 +44,7 @@ class ErrorAtBit:
 
 @dataclass(frozen=True)
 class Alter:
-    """The frame goes out with other data and a check sum that fits it.
+    """The frame is sent with other data and a check sum that fits it.
 
     What a defect between application and controller does: no check of the bus can see it.
     """
@@ -76,7 +76,7 @@ FaultHook = Callable[[Frame, Controller, int], FaultAction | None]
 
 
 class Window:
-    """Whether a fault acts now; `begin` and `end` are called by whoever knows the moment."""
+    """Whether a fault acts now; `begin` and `end` are called by the code that has the moment."""
 
     def __init__(self, is_open: bool = True) -> None:
         self.is_open = is_open

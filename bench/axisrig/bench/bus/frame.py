@@ -20,7 +20,7 @@ EXTENDED_ID_MAX = 0x1FFF_FFFF
 DATA_BYTES_MAX = 8
 
 _STATES = [(bit, run) for bit in (0, 1) for run in (1, 2, 3, 4)]
-"""Last bit on the wire and how often it stood there in a row; a fifth is stuffed at once."""
+"""Last bit on the wire and how often it was there in a row; a fifth is stuffed at once."""
 
 _Row: TypeAlias = list[tuple[int, "_Row"]]
 """A row of the stuff table, see `_stuff_rows`."""
@@ -113,7 +113,7 @@ def _stuff_rows() -> list[_Row]:
 
 
 def _crc_tables() -> list[list[int]]:
-    """Give, for each count of data bytes behind it, what a byte adds to the CRC.
+    """Give, for each count of data bytes after it, what a byte adds to the CRC.
 
     The CRC is linear: the contributions of header and bytes are added (exclusive or).
     """
@@ -155,7 +155,7 @@ def _head(
 ) -> tuple[int, _Row, int, list[list[int]]]:
     """Return what does not depend on the data of a frame with `size` bytes of them.
 
-    That is the CRC of the header, the row of the stuff table behind the DLC, the length in bits
+    That is the CRC of the header, the row of the stuff table after the DLC, the length in bits
     without the stuff bits that follow, and the table of the CRC for each data byte.
     """
     wire = _header_bits(can_id, extended, remote, dlc)

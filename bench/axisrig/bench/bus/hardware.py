@@ -1,6 +1,6 @@
 """Opens CAN interfaces by their python-can names, with errors that say what is missing.
 
-`interfaces.csv` holds what is known of some: options they get when none are given, how long a
+`interfaces.csv` has data of some: options they get when none are given, how long a
 cycle waits for answers that come over a slow line, what must be installed.
 """
 
@@ -31,7 +31,7 @@ Option = bool | int | float | str
 
 @dataclass(frozen=True)
 class Interface:
-    """What is known of an interface.
+    """Data of an interface.
 
     options: what it gets when nothing else is said. required: what it does not open without, with
     a value that shows what it looks like. wait_ns: how long a cycle waits for answers.
@@ -66,7 +66,7 @@ def known_interfaces() -> Mapping[str, Interface]:
 
 
 def interface_names() -> list[str]:
-    """Return every name that may stand as `interface`, the simulated one first."""
+    """Return every name that may be given as `interface`, the simulated one first."""
     return [SIMULATED, *sorted({*BACKENDS, *OWN} - {SIMULATED})]
 
 

@@ -106,7 +106,7 @@ class LoadMeter:
     def figures(
         self, until_ns: TimeNs, waiting: Iterable[tuple[Frame, TimeNs]] = ()
     ) -> LoadFigures:
-        """Sum up to `until_ns`, which must not lie before the last end of a frame by a window.
+        """Sum up to `until_ns`, which must not be before the last end of a frame by a window.
 
         waiting: (frame, time of its request) of what has not been sent.
         """

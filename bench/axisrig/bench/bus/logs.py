@@ -4,7 +4,7 @@
 |---|---|---|---|---|
 | blf | .blf | python-can | 1 ns early at most | yes |
 | candump | .log | python-can | 1 us | yes |
-| asc | .asc | python-can | 1 us | no: its head tells the date |
+| asc | .asc | python-can | 1 us | no: its head has the date |
 | pcap | .pcap | here | exact | yes |
 
 BLF and ASC number the segments as channels, candump names them, pcap has a file for each.
@@ -27,7 +27,7 @@ LOG_SUFFIXES = {"blf": ".blf", "candump": ".log", "asc": ".asc", "pcap": ".pcap"
 """Kind of log -> suffix of its file."""
 
 SEGMENT_MARK = "@"
-"""Stands before the name of a segment in the name of a file; no name of a run has it."""
+"""Is before the name of a segment in the name of a file; no name of a run has it."""
 
 # Source: tcpdump.org, pcap file format and LINKTYPE_CAN_SOCKETCAN; Linux can.h and can/error.h
 PCAP_MAGIC_NS, LINKTYPE_CAN_SOCKETCAN, SNAP_BYTES = 0xA1B23C4D, 227, 16

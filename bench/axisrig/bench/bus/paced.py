@@ -111,7 +111,7 @@ class PacedScheduler(Scheduler):
 
     @property
     def real_ns(self) -> TimeNs:
-        """Where real time stands, in the time of the run."""
+        """Present real time, in the time of the run."""
         return self.monotonic_ns() - self._origin()
 
     def _origin(self) -> TimeNs:
@@ -124,7 +124,7 @@ class PacedScheduler(Scheduler):
     def run_until(self, time_ns: TimeNs) -> None:
         """As `Scheduler.run_until`, in real time."""
         if time_ns < self.now_ns:
-            raise ValueError(f"run_until({time_ns} ns) lies before now ({self.now_ns} ns)")
+            raise ValueError(f"run_until({time_ns} ns) is before now ({self.now_ns} ns)")
         with self._advancing:
             while (event := self._next(time_ns)) is not None:
                 self._run(event)

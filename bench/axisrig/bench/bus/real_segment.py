@@ -1,4 +1,4 @@
-"""A CAN bus outside this process, behind any interface of python-can.
+"""A CAN bus outside this process, on any interface of python-can.
 
 `OutsideSegment` is a segment whose wire is real: its ports, observers and logs are those of a
 simulated one, so drive nodes and kernel do not differ. What its ports request at one instant goes

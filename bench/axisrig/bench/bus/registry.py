@@ -6,7 +6,7 @@ _open_segments: dict[str, Wire] = {}
 
 
 def register(segment: Wire) -> None:
-    """Make `segment` known by its name.
+    """Register `segment` by its name.
 
     Raises ValueError while another open segment has that name.
     """
@@ -16,7 +16,7 @@ def register(segment: Wire) -> None:
 
 
 def unregister(segment: Wire) -> None:
-    """Forget `segment`; without effect when it is not known."""
+    """Remove `segment`; without effect when it is not registered."""
     if _open_segments.get(segment.name) is segment:
         del _open_segments[segment.name]
 

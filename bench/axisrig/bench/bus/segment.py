@@ -11,7 +11,7 @@ Errors (`ErrorAtBit`, collisions, no acknowledgement; docs/can.md has the counte
 - The sender tries again by itself. An error passive one leaves the bus to others for 8 bits more
   than the intermission after each frame of its own.
 - An error that error passive receivers alone see costs them the frame and nobody else.
-- A frame that no other port acknowledges is destroyed behind its acknowledge slot.
+- A frame that no other port acknowledges is destroyed after its acknowledge slot.
 - An error in the last bit of the end of frame comes too late for the receivers: they have the
   frame and count nothing, the sender sends it again, so it comes twice.
 - Same identifier at once from two ports: `axisrig.bench.bus.collision`.
@@ -30,6 +30,16 @@ from axisrig.bench.bus import registry
 from axisrig.bench.bus.collision import collide
 from axisrig.bench.bus.confinement import ErrorState
 from axisrig.bench.bus.controller import Controller, QueueKind, Request
+from axisrig.bench.bus.delayed import DelayedRequests
+from axisrig.bench.bus.disturbance import (
+    AFTER_ACK_BITS,
+    DELIMITER_BITS,
+    FLAG_BITS,
+    SUPERPOSED_FLAG_BITS,
+    SUSPEND_BITS,
+    Disturbance,
+)
+from axisrig.bench.bus.error_counts import ErrorCounts, passive
 from axisrig.bench.bus.faults import (
     Alter,
     Delay,
@@ -49,18 +59,8 @@ from axisrig.bench.bus.frame import (
     worst_case_bits,
 )
 from axisrig.bench.bus.frame_hash import FrameObserver
-from axisrig.bench.bus.held import Held
 from axisrig.bench.bus.load import LoadFigures, LoadMeter
-from axisrig.bench.bus.oddity import (
-    AFTER_ACK_BITS,
-    DELIMITER_BITS,
-    FLAG_BITS,
-    SUPERPOSED_FLAG_BITS,
-    SUSPEND_BITS,
-    Oddity,
-)
 from axisrig.bench.bus.simbus import SimBus, message
-from axisrig.bench.bus.standing import Standing, passive
 from axisrig.kernel.time.clock import Phase, S, TimeNs
 from axisrig.kernel.time.scheduler import Event, Scheduler
 
@@ -92,8 +92,8 @@ class Segment:
         self._is_lone = True
         self._suspended: tuple[Controller, ...] = ()
         self._suspended_until_ns: TimeNs = 0
-        self._standing = Standing(bitrate, scheduler, automatic_recovery=automatic_recovery)
-        self._recovery = self._standing.recovery
+        self._counts = ErrorCounts(bitrate, scheduler, automatic_recovery=automatic_recovery)
+        self._recovery = self._counts.recovery
         self._faults: tuple[FaultHook, ...] = ()
         self._observers: tuple[FrameObserver, ...] = ()
         self._meter = LoadMeter(bitrate)
@@ -101,9 +101,9 @@ class Segment:
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
         # What is on the wire: sender, request, start of frame, length up to and without the
         # intermission, what is unusual about it.
-        self._wire: tuple[Controller, Request, TimeNs, int, Oddity | None] | None = None
+        self._wire: tuple[Controller, Request, TimeNs, int, Disturbance | None] | None = None
         self._end: Event = []
-        self._held = Held(scheduler, self.wake)
+        self._delayed = DelayedRequests(scheduler, self.wake)
         registry.register(self)
 
     # --- building --------------------------------------------------------------------------------
@@ -124,9 +124,9 @@ class Segment:
     def tap(self, listener: can.Listener) -> None:
         """Give `listener` a copy of every frame at its end, dropped and error frames included.
 
-        Loggers of python-can work as they are; whoever opened one stops it. An error frame carries
-        the identifier of the frame it destroyed. For BLF take `axisrig.bench.bus.logs.blf_writer`.
-        """
+        Loggers of python-can work as they are; the one who opened it stops it. An error frame
+        carries the identifier of the frame it destroyed. For BLF take
+        `axisrig.bench.bus.logs.blf_writer`."""
 
         def give(time_ns: TimeNs, name: str, frame: Frame, is_error: bool) -> None:
             listener.on_message_received(message(frame, time_ns, name, is_error=is_error))
@@ -160,7 +160,7 @@ class Segment:
     @property
     def state_changes(self) -> Sequence[tuple[TimeNs, str, ErrorState]]:
         """Every change of an error state: (time, port name, new state)."""
-        return self._standing.changes
+        return self._counts.changes
 
     def load(self) -> LoadFigures:
         """Return the load from 0 to now; the frame on the wire is not in it yet."""
@@ -187,7 +187,7 @@ class Segment:
         """Take note that a port has become silent or speaks again."""
         self._live = tuple(port for port in self.ports if port.takes_part)
         self._is_lone = len(self._live) < 2
-        self._held.forget_silent()
+        self._delayed.forget_silent()
 
     def wake(self) -> None:
         """Take note of a new request; a bus at rest arbitrates at the end of this instant."""
@@ -204,7 +204,7 @@ class Segment:
 
     def note_state(self, port: Controller, state: ErrorState) -> None:
         """Take note of a new error state of `port`; it calls this."""
-        self._standing.note(port, state)
+        self._counts.note(port, state)
 
     def cut(self, port: Controller) -> None:
         """End what `port` is sending, for it has no power any more; it calls this.
@@ -223,7 +223,7 @@ class Segment:
         if sent <= bits - TAIL_BITS:
             self.scheduler.cancel(self._end)
             sent += FLAG_BITS + FLAG_BITS + DELIMITER_BITS
-            self._wire = (port, request, start_ns, sent, Oddity(is_error=True, is_cut=True))
+            self._wire = (port, request, start_ns, sent, Disturbance(is_error=True, is_cut=True))
             end_ns = start_ns + self._duration_ns[sent]
             self._end = self.scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_error)
 
@@ -262,14 +262,14 @@ class Segment:
             self.scheduler.call_at(self._suspended_until_ns, Phase.ARBITRATION, self.wake)
 
     def _begin_oddly(self, winner: Controller, rivals: tuple[Controller, ...]) -> bool:
-        """Begin a frame that may meet with an oddity; return whether one began."""
+        """Begin a frame that may be disturbed; return whether one began."""
         missed: Container[str] = ()
         if rivals:
             collision = collide((winner, *rivals))
             missed = [port.port_name for port in collision.silenced]
             for port in collision.silenced:
-                self._standing.fail(port, port.take())
-                self._standing.tell((port,))
+                self._counts.fail(port, port.take())
+                self._counts.report_changes((port,))
             winner, *others = collision.senders
             if collision.bit is not None:
                 partners = tuple((port, port.take()) for port in others)
@@ -283,7 +283,7 @@ class Segment:
             if action is not None:
                 break
         if isinstance(action, Delay | Swap):
-            self._held.set_aside(winner, request, action)
+            self._delayed.set_aside(winner, request, action)
             return False
         partners = tuple((port, port.take()) for port in rivals)
         if isinstance(action, Alter):
@@ -299,7 +299,7 @@ class Segment:
             bit = frame_bits(request[4]) - IFS_BITS - AFTER_ACK_BITS
             self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)
             return True
-        odd = Oddity(action, partners, missed) if action or partners or missed else None
+        odd = Disturbance(action, partners, missed) if action or partners or missed else None
         self._start(winner, request, frame_bits(request[4]) - IFS_BITS, odd)
         return True
 
@@ -318,7 +318,7 @@ class Segment:
         seen_by: frozenset[str] | None,
         is_unacknowledged: bool = False,
     ) -> None:
-        """Put a frame on the wire that ends with an error frame behind its bit `bit`."""
+        """Put a frame on the wire that ends with an error frame after its bit `bit`."""
         whole = frame_bits(request[4]) - IFS_BITS
         bits = min(bit, whole)
         is_late = bits == whole
@@ -330,7 +330,7 @@ class Segment:
         if seen_by is not None and all(port.port_name in seen_by for port in self._live):
             seen_by = None
         bits += FLAG_BITS if seen_by is None or is_late else SUPERPOSED_FLAG_BITS
-        odd = Oddity(
+        odd = Disturbance(
             is_error=True,
             is_late=is_late,
             partners=partners,
@@ -342,7 +342,7 @@ class Segment:
     # --- the wire --------------------------------------------------------------------------------
 
     def _start(
-        self, sender: Controller, request: Request, bits: int, odd: Oddity | None = None
+        self, sender: Controller, request: Request, bits: int, odd: Disturbance | None = None
     ) -> None:
         """Put a frame on the wire; bits: of all it will occupy, without the intermission."""
         scheduler, start_ns = self.scheduler, self.scheduler.now_ns
@@ -361,7 +361,7 @@ class Segment:
         self._meter.count_frame(frame[0], frame[2], self._wire[2] - request[2])
         self._record(frame, now_ns, is_error=False)
         receivers = [port for port in self._live if port not in senders]
-        self._standing.frame_passed(receivers, (), (), ())
+        self._counts.frame_passed(receivers, (), (), ())
         for port in receivers:
             port.deliver(frame, now_ns, False)
 
@@ -372,25 +372,25 @@ class Segment:
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
         for observer in self._observers:  # before anyone reacts to it
             observer(now_ns, self.name, frame, False)
-        if odd is not None or self._standing.is_disturbed:
-            self._deliver_oddly(sender, request, odd or Oddity())
+        if odd is not None or self._counts.is_disturbed:
+            self._deliver_disturbed(sender, request, odd or Disturbance())
         else:
             for port in self._live:
                 if port is not sender:
                     port.deliver(frame, now_ns, False)
                 elif port.receive_own_messages:
                     port.deliver(frame, now_ns, True)
-        if self._held.for_next:
-            self._held.release(sender)
+        if self._delayed.for_next:
+            self._delayed.release(sender)
         self._go_on()
 
-    def _deliver_oddly(self, sender: Controller, request: Request, odd: Oddity) -> None:
+    def _deliver_disturbed(self, sender: Controller, request: Request, odd: Disturbance) -> None:
         """Deliver a frame that not all get, or while error counts differ from 0."""
         senders = (sender, *(port for port, _ in odd.partners))
         receivers, frame, now_ns = self._live, request[4], self.scheduler.now_ns
-        if self._standing.is_disturbed:
+        if self._counts.is_disturbed:
             failed = (odd.action.seen_by or ()) if isinstance(odd.action, ErrorAtBit) else ()
-            self._standing.frame_passed(receivers, senders, odd.missed, failed)
+            self._counts.frame_passed(receivers, senders, odd.missed, failed)
             self._suspend(senders)
         for port in receivers:
             if port in senders:
@@ -399,7 +399,7 @@ class Segment:
             elif port.port_name not in odd.missed:
                 port.deliver(frame, now_ns, False)
         if isinstance(odd.action, Duplicate):
-            self._held.send_later(sender, request, odd.action.after_ns)
+            self._delayed.send_later(sender, request, odd.action.after_ns)
 
     def _go_on(self) -> None:
         """Arbitrate when the bus is free, if anyone wants to send by now."""
@@ -409,7 +409,7 @@ class Segment:
                 return
         self._idle = True
 
-    def _leave_wire(self) -> tuple[Controller, Request, TimeNs, int, Oddity | None]:
+    def _leave_wire(self) -> tuple[Controller, Request, TimeNs, int, Disturbance | None]:
         """Take what was on the wire and book the time that it took."""
         assert self._wire is not None  # an end is planned only together with a start
         wire, self._wire = self._wire, None
@@ -435,7 +435,7 @@ class Segment:
         self._record(destroyed, self.scheduler.now_ns, is_error=True)
         senders = () if odd.is_cut else ((sender, request), *odd.partners)
         ports = [port for port, _ in senders]
-        self._standing.frame_failed(
+        self._counts.frame_failed(
             ports if odd.is_late else self._live,
             senders,
             odd.seen_by,

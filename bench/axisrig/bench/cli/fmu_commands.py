@@ -13,7 +13,7 @@ fmu_app = typer.Typer(no_args_is_help=True, help="Plant FMUs: list, build, show,
 @fmu_app.command("list")
 @rejecting
 def list_models() -> None:
-    """List the models of the library and where their FMUs lie."""
+    """List the models of the library and where their FMUs are."""
     from axisrig.bench.tools.fmu.library import listing
 
     print(listing())

@@ -34,7 +34,7 @@ def faults(
         str | None, typer.Argument(help="A kind: what bus, drive and kernel do, not the list.")
     ] = None,
 ) -> None:
-    """List what a fault column may bring about, or the reactions to one kind."""
+    """List what a fault column may cause, or the reactions to one kind."""
     from axisrig.bench.rig.reading.faults import faults_table
 
     print(faults_table(kind))
@@ -62,7 +62,7 @@ def errors(
         typer.Option("--format", help="Form of the list; markdown is docs/errors.md."),
     ] = "text",
 ) -> None:
-    """List the alarms, or tell all about one: class, values, remedy, twin, source."""
+    """List the alarms, or show all about one: class, values, remedy, twin, source."""
     from axisrig.bench.tools.listings.alarms import alarm_listing, page
 
     if form == "markdown":
@@ -73,7 +73,7 @@ def errors(
 
 @rejecting
 def explain(alarm_id: Annotated[str, typer.Argument(metavar="ID", help="ID of an alarm.")]) -> None:
-    """Tell all about one alarm: class, values, remedy, twin, source."""
+    """Show all about one alarm: class, values, remedy, twin, source."""
     from axisrig.bench.tools.listings.alarms import alarm_listing
 
     print(alarm_listing(alarm_id))

@@ -76,7 +76,7 @@ def _to_stderr(text: str) -> None:
 
 
 def _inputs(assignments: list[str] | None, is_forced: bool, as_canopen: bool) -> list[str]:
-    """Return the inputs of the command line; what `--force` and `--as-canopen` stand for is among
+    """Return the inputs of the command line; what `--force` and `--as-canopen` mean is among
     them, so a replay has it too.
     """
     from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
@@ -166,7 +166,7 @@ def demo(
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
     is_fresh: FreshOption = False,
 ) -> None:
-    """Build the FMUs, run every shipped plan, and say where the report lies."""
+    """Build the FMUs, run every shipped plan, and say where the report is."""
     from axisrig.bench.campaign.campaign import plans_in
 
     build(None)

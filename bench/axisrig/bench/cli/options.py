@@ -80,7 +80,7 @@ YesOption = Annotated[
 ]
 
 
-# So many errors of one file are told beside the first
+# So many errors of one file are reported beside the first
 _ERRORS_TOLD = 24
 
 

@@ -27,10 +27,10 @@ def bus(
     from_ms: Annotated[float, typer.Option("--from", help="Begin, ms.")] = 0.0,
     to_ms: Annotated[float, typer.Option("--to", help="End, ms.")] = float("inf"),
     is_all: Annotated[
-        bool, typer.Option("--all", help="SYNCs and PDOs that bring nothing new as well.")
+        bool, typer.Option("--all", help="Also SYNCs, and PDOs with nothing new.")
     ] = False,
 ) -> None:
-    """Tell a bus log in words: services, states, aborts, emergencies, values of PDOs."""
+    """Show a bus log in words: services, states, aborts, emergencies, values of PDOs."""
     from axisrig.bench.rig.reading.file import read_rig
     from axisrig.bench.rig.settings import read_settings
     from axisrig.bench.tools.bus_log.bus_log import Selection, find_log, tell_log

@@ -38,7 +38,7 @@ def distance(
     assignments: SetOption = None,
     as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
 ) -> None:
-    """Measure dead time and loop of distance control; tell stable and suggested kp, Tn, Tv.
+    """Measure dead time and loop of distance control; report stable and suggested kp, Tn, Tv.
 
     It runs the rig with small steps and writes a picture. Warnings go to standard error.
     """

@@ -1,4 +1,4 @@
-"""The simulated DS402 drive: a CANopen slave in front of one axis of the plant.
+"""The simulated DS402 drive: a CANopen slave that moves one axis of the plant.
 
 `objects_communication.csv` and `objects_profile.csv` are its object dictionary, `eds.py` makes the
 EDS from them, `node.py` is the slave. `communication` is what it does on the bus, `application`

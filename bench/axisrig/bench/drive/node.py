@@ -1,4 +1,4 @@
-"""A DS402 drive on a CAN bus: a CANopen slave in front of a servo.
+"""A DS402 drive on a CAN bus: a CANopen slave and a servo.
 
 What the node does on its bus is `communication/slave.py`, what it does with its object values
 `application/servo.py`; here they are put together.
@@ -30,7 +30,7 @@ STORE_EDS = 0x1021
 
 
 class DriveNode:
-    """One drive: a CANopen slave in front of an axis and up to two probe signals.
+    """One drive: a CANopen slave that moves an axis and up to two probe signals.
 
     node_id: 1 to 127, or 255 for a node that gets its number by LSS. network: a connected network
     of its own (one port of the segment). probes: the signals wired to probe input 1 and 2, None
@@ -165,7 +165,7 @@ class _ProfileObjects(Owner):
         self._servo.begin(self._clock.now_ns)
 
     def written(self, index: int, sub: int, value: int) -> None:
-        """Act now, and tell by the event-driven PDOs what has changed."""
+        """Act now, and send what has changed by the event-driven PDOs."""
         self._servo.update()
         self._servo.react(self._clock.now_ns)
         self._slave.exchange.send_events()

@@ -1,1 +1,1 @@
-"""A rig brought to life: everything that exists only while a run lasts."""
+"""A rig in operation: everything that exists only during a run."""

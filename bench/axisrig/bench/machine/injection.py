@@ -1,4 +1,4 @@
-"""Faults brought into a machine: hooks of its segments, nodes that do not belong, drives that fail.
+"""Faults injected into a machine: hooks of segments, nodes that do not belong, drives that fail.
 
 Every fault draws from a random sequence of its own, made of the seed of the run, its kind, target
 and place among its like; so a further fault changes nothing about the others.
@@ -93,7 +93,7 @@ class Injected:
     last_hit_ns: TimeNs = 0
 
     def marks(self) -> list[tuple[TimeNs, str]]:
-        """Tell it as instants with words; nothing when its moment has not come."""
+        """Return it as instants with words; nothing when its moment has not come."""
         if self.begin_ns is None:
             return []
         marks = [(self.begin_ns, f"{self.label} begins")]
@@ -113,7 +113,7 @@ class Injected:
 
 
 def inject(world: World, seed: int) -> list[Injected]:
-    """Bring the faults of the settings into a machine of which everything else is built.
+    """Inject the faults of the settings into a machine of which everything else is built.
 
     Returns the record of each, written while the machine runs.
     """

@@ -1,6 +1,6 @@
-"""A rig brought to life: scheduler, segments, drive nodes, plants, and the channel that runs it.
+"""A rig in operation: scheduler, segments, drive nodes, plants, and the channel that runs it.
 
-`Machine` is built from checked settings and runs one program once. Everything a run leaves behind
+`Machine` is built from checked settings and runs one program once. Everything a run leaves
 (messages, alarms, records, trace, frame hash) is read from it afterwards.
 """
 
@@ -181,7 +181,7 @@ class Machine:
             plc.inputs.append(sensors.take)
 
     def _expect_answers(self) -> None:
-        """Tell real segments which telegrams their drives answer a SYNC with."""
+        """Give real segments the telegrams their drives answer a SYNC with."""
         for name, segment in self.segments.items():
             if isinstance(segment, OutsideSegment):
                 segment.expect(
@@ -223,7 +223,7 @@ class Machine:
         self.drive_states.append((self.scheduler.now_ns, axis, state))
 
     def _observe(self, trace: Path | None) -> None:
-        """Build what looks at every cycle and keeps what the run leaves behind."""
+        """Build what looks at every cycle and keeps what the run leaves."""
         self.recorder = self._build_recorder(trace)
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
@@ -297,9 +297,9 @@ class Machine:
 
     @property
     def end_ns(self) -> TimeNs:
-        """End of the period in which the program ended: its last block, or set positions stand.
+        """End of the period in which the program ended: its last block, or set positions at rest.
 
-        After an alarm the run goes on until the axes stand (`PlantMechanics`).
+        After an alarm the run goes on until the axes are at rest (`PlantMechanics`).
         """
         end_ns, period_ns = self.channel.end_ns, self.timing.period_ns
         if end_ns is None:

@@ -1,11 +1,11 @@
-"""The plants at the end of a cycle: brought to its SYNC, and at rest after an alarm."""
+"""The plants at the end of a cycle: stepped to its SYNC, and at rest after an alarm."""
 
 from axisrig.kernel.cosim.plant.axis import MOTOR_VELOCITY
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
 REST_M_S = 0.1e-3
-"""Below it an axis counts as standing; the load of a stiff axis creeps slower behind friction."""
+"""Below it an axis counts as at rest; the load of a stiff axis creeps slower through friction."""
 REST_NS = 20 * MS
 """How long every axis must be that slow."""
 REST_NS_MAX = 500 * MS
@@ -13,10 +13,10 @@ REST_NS_MAX = 500 * MS
 
 
 class PlantMechanics:
-    """The plants of a run as its channel knows them (`kernel.channel.mechanics`).
+    """The plants of a run as its channel sees them (`kernel.channel.mechanics`).
 
-    waits: whether the run goes on after an alarm until the axes stand. They do when every motor has
-    been slower than REST_M_S for REST_NS, or REST_NS_MAX after the first question.
+    waits: whether the run goes on after an alarm until the axes are at rest. They do when every
+    motor has been slower than REST_M_S for REST_NS, or REST_NS_MAX after the first question.
     """
 
     def __init__(self, clock: Clock, plant: Plant, *, waits: bool) -> None:
@@ -25,7 +25,7 @@ class PlantMechanics:
         self._slow_since_ns: TimeNs | None = None
 
     def advance_to(self, sync_ns: TimeNs) -> None:
-        """Bring the plants to the SYNC, unless a drive has done so.
+        """Step the plants to the SYNC, unless a drive has done so.
 
         Where no drive has received the SYNC, the instant of its request takes its place: the plants
         go on all the same.

@@ -26,7 +26,7 @@ _OFF = (State.SWITCH_ON_DISABLED, State.READY_TO_SWITCH_ON, State.FAULT)
 class Hardware:
     """What a run outside needs of the command line.
 
-    stop: tells whether the operator wants the run to end (Ctrl-C).
+    stop: returns whether the operator wants the run to end (Ctrl-C).
     """
 
     real_time: RealTime
@@ -70,7 +70,7 @@ def power_down(
     offset_ns: TimeNs,
     next_sync_data: Callable[[], bytes] = bytes,
 ) -> None:
-    """Lead the drives out of operation where they stand, then to NMT pre-operational.
+    """Lead the drives out of operation where they are, then to NMT pre-operational.
 
     The exchange goes on until each has left operation, or says nothing any more.
     """

@@ -1,4 +1,4 @@
-"""The parts that a rig is built from, whoever then drives them: segments and drive nodes."""
+"""The parts that a rig is built from, with or without a kernel: segments and drive nodes."""
 
 from collections.abc import Sequence
 from contextlib import ExitStack

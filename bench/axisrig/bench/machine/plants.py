@@ -143,7 +143,7 @@ def _add_beside(settings: Settings, plant: Plant, instance: str, first: str, rol
 
 
 def _is_needless(settings: Settings, instance: str, note: str) -> bool:
-    """Tell whether a note is about what a limit or home switch has nothing to do with."""
+    """Return whether a note is about what a limit or home switch has nothing to do with."""
     keys = [
         key
         for axis in settings.rig.axis.values()
@@ -165,7 +165,7 @@ def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
 
 
 def _problems(slave: FmuSlave) -> list[str]:
-    """Tell that the description of an FMU breaks the standard."""
+    """Say that the description of an FMU breaks the standard."""
     if not slave.problems:
         return []
     more = f" (and {len(slave.problems) - 1} more)" if len(slave.problems) > 1 else ""
@@ -217,10 +217,10 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
         raise rig_error(
             settings.files,
             (*place, "fmu"),
-            f"{Path(table.fmu).name}: its variables and the map tell neither an axis nor a sensor",
+            f"{Path(table.fmu).name}: its variables and the map fit neither an axis nor a sensor",
             value=instance,
-            hint="say kind and map in the rig: with kind it is told which roles are missing or "
-            "misspelt; docs/rigs.md names the roles of each",
+            hint="give kind and map in the rig: with kind, the message names the roles that "
+            "are missing or misspelt; docs/rigs.md names the roles of each",
         )
 
     def located(error: UserError, role: str) -> UserError:
@@ -348,7 +348,7 @@ def check_plants(settings: Settings, plant: Plant) -> None:
 
 
 def _compare_leads(settings: Settings, plant: Plant, name: str) -> None:
-    """Note when a model of the library has another screw than the drive in front of it.
+    """Note when a model of the library has another screw than its drive.
 
     Torque becomes force with the lead of the drive, F = 2 pi M/h; the model takes its own for the
     mass of the rotating parts.
@@ -380,7 +380,7 @@ def check_plant(settings: Settings) -> None:
 
 
 def start_plant(settings: Settings, plant: Plant) -> None:
-    """Initialise every plant at time 0 and check where its axes stand.
+    """Initialise every plant at time 0 and check the positions of its axes.
 
     Raises UserError with file, line and key of the rig, see `check_places`.
     """
@@ -399,7 +399,7 @@ def start_plant(settings: Settings, plant: Plant) -> None:
 
 
 def describe_plants(settings: Settings, plant: Plant) -> list[str]:
-    """Tell what the bench makes of each FMU of the user, and what others lack."""
+    """Say what the bench makes of each FMU of the user, and what others lack."""
     lines: list[str] = []
     for instance, table in simulated_plants(settings).items():
         notes = [*plant.notes[instance], *plant.remarks[instance]]
@@ -428,7 +428,7 @@ def lacking_notes(plant: Plant) -> list[str]:
 
 
 def plant_warnings(plant: Plant) -> list[str]:
-    """Tell, after a run, how well edges are known and what FMUs warned of."""
+    """Say, after a run, how well edges are known and what FMUs warned of."""
     lines = []
     for instance, probe in plant.probes.items():
         if probe.edge_uncertainty_ns > 1.0:

@@ -1,4 +1,4 @@
-"""Where the axes stand at the start: in reach of their encoders, and in front of their stops."""
+"""Positions of the axes at the start: in reach of their encoders, and before their stops."""
 
 from axisrig.bench.rig.reading.file import rig_error
 from axisrig.bench.rig.real_axes import outside_axes
@@ -13,7 +13,7 @@ STOP = (*START, "stop_position", "stop_direction", "stop_speed", "stop_begin", "
 
 
 def check_places(settings: Settings, plant: Plant) -> None:
-    """Refuse axes that cannot be meant to start where they stand; the plant is at time 0.
+    """Refuse axes that cannot be meant to start where they are; the plant is at time 0.
 
     An FMU whose stop is not that of the library may mean to start pressed: it gets a note.
     Raises UserError with file, line and key of the rig, or the place of the last start value of
@@ -76,7 +76,7 @@ def blamed_start(
     """
     owner = settings.rig.plant[instance].shares or instance
     for item, located in reversed(settings.start.get(owner, [])):
-        if item.name.startswith(names):  # an FMU of two axes puts a number behind
+        if item.name.startswith(names):  # an FMU of two axes puts a number after it
             return located(refusal, item)
     keys = ("plant", owner, "start") if settings.rig.plant[owner].start else ("plant", owner)
     return rig_error(

@@ -8,10 +8,10 @@ from axisrig.kernel.time.clock import S
 _NOT_RUNNING = {
     ChannelState.STARTING: "the drives have not started",
     ChannelState.POWERING: "the drives are not enabled",
-    ChannelState.STOPPING: "the axes do not come to rest behind an alarm",
-    ChannelState.RESETTING: "the axes do not come to rest behind a reset",
+    ChannelState.STOPPING: "the axes do not come to rest after an alarm",
+    ChannelState.RESETTING: "the axes do not come to rest after a reset",
     ChannelState.READY: "the PLC side still has something to do",
-    ChannelState.ERROR: "the PLC side still has something to do behind an alarm",
+    ChannelState.ERROR: "the PLC side still has something to do after an alarm",
 }
 _WAITS = {
     canon.ExactStop: "the axes in their exact-stop windows",
@@ -33,9 +33,9 @@ def in_words(channel: Channel, interpreter: Interpreter) -> str:
         begin, turns = loop
         parts.append(f"the loop of {begin.place} ({begin.text}) has made {turns} turns")
     if channel.path.is_held:
-        parts.append("the path stands in a feedhold of the PLC side")
+        parts.append("the PLC side holds the path (feedhold)")
     stand = ", ".join(f"{link.name} {link.actual_mm:.3f}" for link in channel.links)
-    return "; ".join([*parts, f"the axes stand at {stand} mm"])
+    return "; ".join([*parts, f"the axes are at {stand} mm"])
 
 
 def _at(channel: Channel) -> str:

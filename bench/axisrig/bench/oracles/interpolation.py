@@ -1,4 +1,4 @@
-"""A signal between two instants at which its value and its rate are known."""
+"""A signal between two instants at which its value and its rate are given."""
 
 
 def cubic(since_s: float, step_s: float, ends: tuple[float, float, float, float]) -> float:

@@ -41,7 +41,7 @@ class ColumnForm:
 
     @property
     def kind(self) -> str:
-        """What stands before the colon, else the column itself."""
+        """The text before the colon, else the column itself."""
         return self.column.partition(":")[0]
 
     @property
@@ -161,7 +161,7 @@ def parse_column(column: str, value: str) -> Assignment:
 
 
 def _with_kind(column: str) -> Guess:
-    """Give a column that lacks only what stands before the colon."""
+    """Give a column that lacks only the text before the colon."""
     if ":" in column:
         return Guess()
     kind = "plc" if column.upper().startswith("V.E.") else "set"

@@ -39,7 +39,7 @@ class Metric:
         travel, at a fixed stop the detecting one, for `*_max` the largest of all axes),
         "block" (`name:N30` or `name:N30.2`). type: "number", "text", "alarms" or "any".
     plot: the plot of the report in which limits of the metric are drawn, or empty. needs: "plant"
-        or "bus" when only a simulated one can tell it; empty when the kernel can.
+        or "bus" when only a simulated one has it; empty when the kernel can.
     judged: of several measurement runs the "last" (of the axis, where one is named) or the worst
         of "every" one; empty: the whole program. words: all that a text can be; empty: any.
     linear: of a metric of `rotary_metrics.csv`, its counterpart for linear axes.
@@ -165,7 +165,7 @@ class Condition:
 
 
 def _causes(ids: Iterable[str]) -> list[str]:
-    """Either ID of a family stands for the same cause."""
+    """Either ID of a family names the same cause."""
     return [str(same_cause(int(word))) if word.isdecimal() else word for word in ids]
 
 
@@ -242,7 +242,7 @@ def _finite(text: str, limit: float) -> float:
 def _between(text: str, lower: Decimal, upper: Decimal) -> Condition:
     if lower > upper:
         raise UserError(
-            "the lower limit of the condition lies above the upper one",
+            "the lower limit of the condition is above the upper one",
             value=text,
             hint="write the smaller number first; a tolerance is positive",
         )
@@ -422,7 +422,7 @@ def judge(
 ) -> CheckResult:
     """Judge `value` +- `uncertainty` (unit of the check) by the condition of `check`.
 
-    is_hidden: nobody here can know the value, so a missing one is inconclusive and no failure.
+    is_hidden: the value is not available here, so a missing one is inconclusive and no failure.
     """
     verdict = check.condition.judge(value, uncertainty)
     if is_hidden and value is None:

@@ -38,7 +38,7 @@ class Case:
     index: place of the run in its plan, from 0. program, rig: existing files.
     inputs: input column -> cell, set cells only, in the order of the columns.
     repeat: 0 when the row asks for one run, else counted from 1.
-    file, line: where the row stands. columns: column -> its number in the file, from 1.
+    file, line: place of the row. columns: column -> its number in the file, from 1.
     overridden: input columns whose values come from the command line.
     """
 
@@ -166,7 +166,7 @@ def _check_columns(table: Table) -> dict[str, ColumnForm]:
                 allowed=close or [form.column for form in column_forms()],
             )
         if column in forms:
-            raise table.header_error("the column stands there twice", column)
+            raise table.header_error("the column is given twice", column)
         forms[column] = form
     for form in column_forms():
         if form.required and form.column not in forms:

@@ -12,7 +12,7 @@ _TOKEN = re.compile(r"\(|\)|[^\s()]+")
 
 
 def matches(expression: str, case: Case) -> bool:
-    """Tell whether a case fits: a word fits when it is part of the run id, a tag or the title.
+    """Return whether a case fits: a word fits when it is part of the run id, a tag or the title.
 
     Raises UserError for an expression that cannot be read.
     """

@@ -161,7 +161,7 @@ def _read_csv(path: Path) -> list[list[str]]:
                 f"the row has {cells[2]} cells and the header {cells[1]}",
                 file=path,
                 line=int(place[1]) if place else None,
-                hint="a cell that holds the separator stands in quotes",
+                hint="write a cell that contains the separator in quotes",
             ) from None
         raise UserError(
             "the table cannot be taken apart into cells",

@@ -30,7 +30,7 @@ class Verdict(IntEnum):
 
     @property
     def glyph(self) -> str:
-        """The sign that stands before the word, so that colour is never the only carrier."""
+        """The sign before the word, so that colour is never the only carrier."""
         return _GLYPHS[self]
 
     @property
@@ -81,6 +81,6 @@ def worst(verdicts: Iterable[Verdict]) -> Verdict:
 def exit_code(verdict: Verdict) -> int:
     """Return the exit code of the command line for the worst verdict of a campaign.
 
-    2 is never returned: it stands for input that was refused before anything ran.
+    2 is never returned: it means input that was refused before anything ran.
     """
     return _EXIT_CODES[verdict]

@@ -56,7 +56,7 @@ def look_through(path: Path) -> None:
             f" {cell_name(largest.rows, largest.columns)}",
             file=path,
             allowed=f"{CELLS_MAX} cells from A1 on",
-            hint="delete what lies far outside the table",
+            hint="delete what is far outside the table",
         )
     for row, column, what in sheets[0].unset[:1] if sheets else ():
         raise UserError(

@@ -12,7 +12,7 @@ from axisrig.kernel.time.clock import MS, US, S
 
 
 def stamp_clock(settings: Settings, name: str) -> StampClock | None:
-    """Return the clock of the drive of an axis; None on a real bus, where nobody knows it."""
+    """Return the clock of the drive of an axis; None on a real bus, where it is not known."""
     axis = settings.rig.axis[name]
     if is_real(settings, axis.segment):
         return None
@@ -26,7 +26,7 @@ def stamp_clock(settings: Settings, name: str) -> StampClock | None:
 
 
 def describe_arrival(settings: Settings) -> list[str]:
-    """Tell of each axis that may measure how late the status of an edge at standstill may be."""
+    """Say for each axis that may measure how late the status of an edge at standstill may be."""
     cycle = settings.rig.cycle
     lines = []
     for name, axis in settings.rig.axis.items():

@@ -9,7 +9,7 @@ from axisrig.kernel.errors import UserError
 
 
 def blamed(error: UserError, settings: Settings, check: Callable[[Settings], None]) -> UserError:
-    """Return the error of `check` with the place of the assignment that brought it about.
+    """Return the error of `check` with the place of the assignment that caused it.
 
     That is the first one from which on the rig is refused for the same reason. The error stays as
     it is where the rig is refused without any, and where it was changed by more than assignments.

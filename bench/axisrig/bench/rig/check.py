@@ -1,4 +1,4 @@
-"""Checks of a rig beyond its form: who is wired to whom, and whether the cycle fits on the bus."""
+"""Checks of a rig after its form: how parts are wired, and whether the cycle fits on the bus."""
 
 import re
 from collections import Counter
@@ -57,7 +57,7 @@ def _knows_counter(settings: Settings, name: str) -> bool:
 
 
 def has_latch_counter(settings: Settings, name: str) -> bool:
-    """Whether the counter of the latch stands in the telegram with the latch.
+    """Whether the counter of the latch is in the same telegram as the latch.
 
     It does where the drives have it and the cycle still fits on the bus with the counters of all
     drives of the segment.
@@ -215,7 +215,7 @@ def axis_steps(settings: Settings, name: str) -> tuple[Step, ...]:
 
 
 def _check_start_up(settings: Settings) -> None:
-    """Check what the kernel tells the drives against what they have."""
+    """Check what the kernel sends to the drives against what they have."""
     for name, axis in settings.rig.axis.items():
         try:
             axis_steps(settings, name)
@@ -289,7 +289,7 @@ def _check_rig(settings: Settings) -> None:
         raise rig_error(
             settings.files,
             ("cycle", "cycle_offset_us"),
-            "the NC cycle must lie inside the period",
+            "the NC cycle must start within the period",
             value=cycle.cycle_offset_us,
             allowed=f"0 .. {cycle.period_us - 1} us",
         )

@@ -12,8 +12,8 @@ def objects_table() -> str:
     """Describe every CNC object of distance control: unit, type, access, address, meaning."""
     lines = [
         "A column plc:<axis>.object.<name> of a plan writes an object, in its unit; it acts at the",
-        f"next INACTIVE or FREEZE to ACTIVE. Address: index group {GROUP}, offset with the number",
-        "of the axis in front (AID); none where no source tells it.",
+        f"next change from INACTIVE or FREEZE to ACTIVE. Address: index group {GROUP}; the offset",
+        "begins with the number of the axis (AID); empty where no source gives an address.",
         "",
     ]
     for item in objects().values():

@@ -49,7 +49,7 @@ def parts_of(settings: Settings, axis: str | None) -> dict[str, ParameterSet]:
 
 
 def contents_text(path: Path) -> str:
-    """Tell what a list sets, in both units, what of it is corrected and what does not act yet."""
+    """Say what a list sets, in both units, what of it is corrected and what does not act yet."""
     text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
     offsets = guess_list(text)
     if offsets is not None:
@@ -71,7 +71,7 @@ def contents_text(path: Path) -> str:
 
 
 def _offsets_text(path: Path, name: str) -> str:
-    """Tell what a list of zero offsets or tools sets; its axes are known with a rig only."""
+    """Say what a list of zero offsets or tools sets; its axes are known with a rig only."""
     lists = Lists()
     lists.read(name, path)
     unit = {form.path: form.unit for form in forms(name).values()}
@@ -87,7 +87,7 @@ def _offsets_text(path: Path, name: str) -> str:
 
 
 def blocks_text(parts: Mapping[str, ParameterSet], words: Sequence[str] | None) -> list[str]:
-    """Tell values with their places; words None: only what is set."""
+    """List values with their places; words None: only what is set."""
     blocks = []
     for name, parameters in parts.items():
         rows = [

@@ -1,6 +1,6 @@
 """How far the probes of a rig give way: the stroke of a probe is a limit of the plant.
 
-The kernel knows a stroke of its own (P-AXIS-00086) and keeps its speed to it; what the plant's
+The kernel has a stroke of its own (P-AXIS-00086) and keeps its speed to it; what the plant's
 probe bears is `stroke_mm` of its `[plant.P]`. Looked at in every NC cycle, with the plant's truth.
 """
 
@@ -25,7 +25,7 @@ class Deflection:
     """How one contact deflected a probe: how far the axes went on, in the direction they came from.
 
     mm: largest way since the contact. doubt_mm: how much farther it may have been between two NC
-    cycles. beyond_ns: the cycle that saw it beyond the stroke, None when it stayed within.
+    cycles. beyond_ns: the first cycle with more than the stroke, None when it stayed within.
     """
 
     probe: str
@@ -97,7 +97,7 @@ def _unit(rates: Sequence[float]) -> list[float] | None:
 
 
 class DeflectionLog:
-    """Observer of a channel: follows every probe that tells its contacts, in every NC cycle.
+    """Observer of a channel: follows every probe that reports its contacts, in every NC cycle.
 
     A probe that breaks (`breaks` of its plant) stops the program with 900072, once.
     """
@@ -129,7 +129,7 @@ class DeflectionLog:
 def _in_words(found: Deflection, table: PlantTable) -> str:
     broken = "; it is broken" if table.breaks else ""
     return (
-        f"{found.probe}: deflected by {found.mm:.4f} mm, beyond its stroke of"
+        f"{found.probe}: deflected by {found.mm:.4f} mm, more than its stroke of"
         f" {table.stroke_mm:g} mm{broken}"
     )
 
@@ -146,7 +146,7 @@ def check_strokes(settings: Settings, probes: Mapping[str, PlantProbe]) -> None:
         if name not in probes:
             why = "only a probe has a stroke"
         elif not probes[name].roles.has_group("contact"):
-            why = "its FMU tells no contact to count the stroke from (contact_count)"
+            why = "its FMU has no output contact_count: without a contact the stroke has no start"
         elif table.stroke_mm is None:
             why = "a probe that breaks has a stroke: give stroke_mm"
         if why:

@@ -4,7 +4,7 @@ from axisrig.bench.rig.settings import Settings
 
 
 def describe_axes(settings: Settings) -> list[str]:
-    """Tell of each axis node, segment, drive, plant and wiring; warn of unread sensors."""
+    """Give of each axis node, segment, drive, plant and wiring; warn of unread sensors."""
     rig = settings.rig
     lines = []
     for name, axis in rig.axis.items():

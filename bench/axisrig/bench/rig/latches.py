@@ -10,7 +10,9 @@ from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.time.clock import S
 
 MEASURES = "kenngr.messachse"
-WHAT_PASSES = "a latch that is altered alike in every telegram passes if it lies where the axis was"
+WHAT_PASSES = (
+    "a latch that is altered alike in every telegram passes if it is at a place where the axis was"
+)
 
 MISSING_BY_SDO = 2
 """So many cycles in a row may request and answer keep telegrams away."""
@@ -48,7 +50,7 @@ def sdo_room(settings: Settings, name: str) -> SdoRoom:
 
 
 def _measuring_axes(settings: Settings) -> list[str]:
-    """Axes that may measure and whose drive tells its latches."""
+    """Axes that may measure and whose drive reports its latches."""
     return [
         name
         for name, parameters in settings.axis.items()

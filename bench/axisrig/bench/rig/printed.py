@@ -15,7 +15,7 @@ from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import printable
 
 BYTES_MAX = 1 << 20
-"""So much of a file is kept; whoever watches cuts off the rest."""
+"""So much of a file is kept; the watching process cuts off the rest."""
 _LINES_MAX, _LENGTH_MAX = 20, 200
 _FILES: list[Path] = []
 

@@ -20,7 +20,7 @@ def started_files(settings: Settings) -> tuple[str, ...]:
 def programs_of(settings: Settings, program: Program) -> Mapping[str | None, Program]:
     """Read the programs of a run, by what `file=` names; None is that of the run.
 
-    Files lie beside the program of the run. Raises UserError for one that cannot be read.
+    Files are beside the program of the run. Raises UserError for one that cannot be read.
     """
     folder = Path(program.file or ".").parent
     programs: dict[str | None, Program] = {None: program}

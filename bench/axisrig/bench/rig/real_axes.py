@@ -1,6 +1,6 @@
-"""What of a rig is simulated here, and what stands outside behind a real CAN interface.
+"""What of a rig is simulated here, and what is real, on a real CAN interface.
 
-A drive stands outside when its segment has an interface other than the simulated one, unless its
+A drive is real when its segment has an interface other than the simulated one, unless its
 axis says `outside = false`. Neither its plant nor a sensor that reads this plant is simulated then.
 """
 
@@ -43,7 +43,7 @@ def simulated_plants(settings: Settings) -> dict[str, PlantTable]:
 
 
 def check_outside(settings: Settings) -> None:
-    """Refuse what needs a simulation and stands outside.
+    """Refuse what needs a simulation and is real.
 
     Raises UserError with the place: `outside` on a simulated segment, start values of plants that
     are not simulated, faults on a real bus, a sensor that a simulated drive lacks.
@@ -60,7 +60,7 @@ def check_outside(settings: Settings) -> None:
             raise rig_error(
                 settings.files,
                 ("axis", name, "outside"),
-                f"axis {name} cannot stand outside: segment {axis.segment} is simulated",
+                f"axis {name} cannot have a real drive: segment {axis.segment} is simulated",
                 hint=f"give segment {axis.segment} an interface and a channel",
             )
         for key, sensor in {**axis.signals, "encoder_2": axis.encoder_2}.items():

@@ -20,7 +20,7 @@ def is_rotary(settings: Settings, axis: str) -> bool:
 
 
 def arm_m(settings: Settings, axis: str, role: str = "position") -> float | None:
-    """Return the travel per radian of a rotation that stands for a role of an axis, r = lead/2 pi.
+    """Return the travel per radian of a rotation that fills a role of an axis, r = lead/2 pi.
 
     None where the role is no rotation.
     """
@@ -31,7 +31,7 @@ def arm_m(settings: Settings, axis: str, role: str = "position") -> float | None
 def torque_arm_m(settings: Settings, axis: str) -> float | None:
     """Return what makes torques (N.m) of the forces (N) at a rotary axis.
 
-    None where its plant is linear, or tells no force, and for linear axes.
+    None where its plant is linear, or gives no force, and for linear axes.
     """
     if not is_rotary(settings, axis):
         return None

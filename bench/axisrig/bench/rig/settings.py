@@ -1,7 +1,7 @@
 """What a row of a plan (or `--set`) changes on a rig before it is built.
 
-`Settings` applies assignments to the tables of a rig; it knows where each one came from, so that
-a wrong value is told with the place where it was written.
+`Settings` applies assignments to the tables of a rig; it keeps where each one came from, so that
+a wrong value is reported with the place where it was written.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -35,13 +35,13 @@ PER_MILLE = 1000
 SIMULATED_LIMIT_NS = 600 * S
 
 EVERY_ONE = "all"
-"""Stands for all segments in a `bus:` column, for all drives in a `drive:` column."""
+"""Means all segments in a `bus:` column, for all drives in a `drive:` column."""
 
 FORCED = f"bus:{EVERY_ONE}.overload=run"
-"""The assignment that `--force` stands for."""
+"""The assignment that `--force` means."""
 
 AS_CANOPEN = f"drive:{EVERY_ONE}.as_canopen=true"
-"""The assignment that `--as-canopen` stands for."""
+"""The assignment that `--as-canopen` means."""
 
 Located = Callable[[UserError, Assignment], UserError]
 """Turns an error of an assignment into one that names the place it was written at."""
@@ -77,7 +77,7 @@ class Settings:
     """A rig with the assignments of one run applied.
 
     axis, channel: parameter sets. start: plant instance -> assignments of its start values.
-    external: V.E variables by the name behind the prefix. operator: how stops go on. plc: what
+    external: V.E variables by the name after the prefix. operator: how stops go on. plc: what
     else the PLC side does.
     faults: what goes wrong.
     has_kernel: false where only the drives of the rig run, for the master of somebody else.

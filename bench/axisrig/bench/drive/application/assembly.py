@@ -37,7 +37,7 @@ def make_parts(
     motion = Motion(axis)
 
     def set_home(home_m: float) -> None:
-        # The zero lies 607C from home (CiA 402-2); in drives of the other habit home gets 607C
+        # The zero is 607C from home (CiA 402-2); in drives of the other habit home gets 607C
         offset = image.home_offset
         units.set_home(home_m, -offset if profile.home_offset == "zero" else offset)
         limits.update()

@@ -2,7 +2,7 @@
 
 import math
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.limits import Limits
 from axisrig.bench.drive.application.functions.ports import AxisPort
 from axisrig.bench.drive.application.functions.units import U32_MAX
@@ -20,7 +20,7 @@ class Monitor:
     def __init__(self, image: ProcessImage, limits: Limits, axis: AxisPort) -> None:
         self._image, self._limits, self._axis = image, limits, axis
         self._mode: Mode | None = None
-        self._beyond = Held()
+        self._beyond = HoldTime()
         self.is_active = False
 
     def begin(self, mode: Mode) -> None:

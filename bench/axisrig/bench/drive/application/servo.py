@@ -1,6 +1,6 @@
-"""The drive behind its bus: states, modes, stop reactions, monitoring, touch probe.
+"""The drive without its bus: states, modes, stop reactions, monitoring, touch probe.
 
-Knows object values (`ProcessImage`), the axis and the probe inputs, and nothing of CAN. Every
+Has object values (`ProcessImage`), the axis and the probe inputs, and nothing of CAN. Every
 method gets the present simulated time.
 """
 
@@ -139,7 +139,7 @@ class Servo:
         self.refresh(now_ns)
 
     def begin(self, now_ns: TimeNs) -> None:
-        """Bring the plant to now and latch the edges that came until now."""
+        """Step the plant to now and latch the edges that came until now."""
         self.axis.advance_to(now_ns)
         self.touch_probe.take_edges(now_ns)
         if self.switches.wired:
@@ -198,8 +198,8 @@ class Servo:
     def fault(self, code: int, register_bit: int, now_ns: TimeNs) -> None:
         """Take a fault: emergency message, then the fault reaction (transition 13).
 
-        code: emergency code. register_bit: its bit of the error register 1001. A fault that stands
-        already is not taken again.
+        code: emergency code. register_bit: its bit of the error register 1001. A fault that is
+        active already is not taken again.
         """
         if self.state in (State.FAULT_REACTION_ACTIVE, State.FAULT):
             return

@@ -28,7 +28,7 @@ WAITING_MAX = 32  # messages held by inhibit time or NMT state; the oldest goes 
 
 
 class Emergency:
-    """The errors that stand at a node, shown in its error register.
+    """The errors that are active at a node, shown in its error register.
 
     send(code, register, info) sends one message.
     """
@@ -40,27 +40,27 @@ class Emergency:
     def report(self, code: int, bit: int, source: object = None, info: int = 0) -> None:
         """Note an error with its bit of the register; a message only when its code is new.
 
-        source: part of the communication that has the error; it tells two errors of one code
-        apart, such as those of two PDOs. None = the application. info: first of the five bytes
-        that are the device's own, 0 to 255.
+        source: part of the communication that has the error; it keeps two errors of one
+        code separate, such as those of two PDOs. None = the application. info: first of the five
+        bytes that are the device's own, 0 to 255.
         """
         if (code, source) not in self._bits:
-            is_new = not self.stands(code)
+            is_new = not self.is_active(code)
             self._bits[code, source] = bit
             if is_new:
                 self._tell(code, info)
 
     def clear(self, code: int, source: object = None) -> None:
         """Take an error back; a message only when none of its code is left."""
-        if self._bits.pop((code, source), None) is not None and not self.stands(code):
+        if self._bits.pop((code, source), None) is not None and not self.is_active(code):
             self._tell(NO_ERROR)
 
     def mention(self, code: int, bit: int) -> None:
-        """Tell of something that is over already."""
+        """Report something that is over already."""
         self._send(code, self._image.error_register | GENERIC_ERROR | bit, 0)
 
-    def stands(self, code: int) -> bool:
-        """Whether an error with this code stands, from whatever source."""
+    def is_active(self, code: int) -> bool:
+        """Whether an error with this code is active, from any source."""
         return any(known == code for known, _ in self._bits)
 
     def forget(self) -> None:

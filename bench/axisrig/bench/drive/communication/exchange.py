@@ -1,4 +1,4 @@
-"""PDO traffic of a drive node while it is operational: what comes in, what goes out and when."""
+"""PDO traffic of a drive node while it is operational: what is received, what is sent and when."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ class PdoExchange(Owner):
     # At the SYNC
 
     def apply_received(self) -> None:
-        """Store what the RPDOs brought since the last SYNC, in the order of their numbers."""
+        """Store what the RPDOs contained since the last SYNC, in the order of their numbers."""
         for rpdo in self._active_rpdos:
             if rpdo.data is not None:
                 data, rpdo.data = rpdo.data, None

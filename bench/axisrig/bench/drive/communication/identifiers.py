@@ -21,7 +21,7 @@ RESTRICTED: Final = (
     range(0x701, 0x780),  # NMT error control
     range(0x780, 0x800),
 )
-_NOT_OF_11_BITS: Final = 0x3FFF_F800  # bit 29 and the identifier bits beyond the first 11
+_NOT_OF_11_BITS: Final = 0x3FFF_F800  # bit 29 and the identifier bits after the first 11
 
 
 def check_identifier(value: int) -> None:

@@ -41,7 +41,7 @@ class Layout:
     codec: struct.Struct
 
     def store(self, image: ProcessImage, data: bytes) -> None:
-        """Write the values of a message into the image; data beyond the mapping is ignored."""
+        """Write the values of a message into the image; data after the mapping is ignored."""
         for name, value in zip(self.fields, self.codec.unpack_from(data), strict=True):
             setattr(image, name, value)
 

@@ -52,7 +52,7 @@ class Objects(Protocol):
 class SdoServer:
     """Answers one client.
 
-    outlet: how answers of 8 bytes go out. delay_ns: how long a request waits to be looked at.
+    outlet: how answers of 8 bytes are sent. delay_ns: how long a request waits to be looked at.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class SdoServer:
         self._end()
 
     def on_request(self, data: bytes) -> None:
-        """Answer a frame of the client; nothing that can stand in it raises."""
+        """Answer a frame of the client; nothing that it can contain raises."""
         if len(data) != 8:
             return
         if self._delay_ns:

@@ -1,6 +1,6 @@
 """The transfers of an SDO server that need more than one request: segments and blocks.
 
-Source: CiA 301, SDO segment protocols and SDO block protocols. A transfer knows neither objects
+Source: CiA 301, SDO segment protocols and SDO block protocols. A transfer has neither objects
 nor bus: it takes the frames of its client and gives the answers.
 """
 
@@ -136,8 +136,8 @@ class BlockDownload(Transfer):
 
 @dataclass(frozen=True)
 class SegmentOutlet:
-    """How the segments of a block go out by themselves: the least time between two of them, and
-    only when nothing else waits to be sent, so that no PDO queues up behind them.
+    """How the segments of a block are sent one by one: the least time between two of them, and
+    only when nothing else waits to be sent, so that no PDO has to wait for them.
     """
 
     clock: Clock

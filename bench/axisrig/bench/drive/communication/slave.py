@@ -58,7 +58,7 @@ _GUARDING, _BUS = "node guarding", "bus"
 
 
 class Application(Protocol):
-    """The device behind the slave; every method gets the present simulated time."""
+    """The device of the slave; every method gets the present simulated time."""
 
     image: ProcessImage
     emergency: Emergency
@@ -68,7 +68,7 @@ class Application(Protocol):
         ...
 
     def begin(self, now_ns: TimeNs) -> None:
-        """Bring the world to now, under the values that have been."""
+        """Step the plant to now, under the values that have been."""
         ...
 
     def cycle(self, now_ns: TimeNs) -> None:
@@ -365,7 +365,7 @@ class CanopenSlave:
             return
         if before is ErrorState.BUS_OFF:
             self.emergencies.allow(self.state is not NmtState.STOPPED)
-            if not emergency.stands(RECOVERED):  # the fault of the drive has told it
+            if not emergency.is_active(RECOVERED):  # the fault of the drive has reported it
                 emergency.mention(RECOVERED, COMMUNICATION_ERROR)
         if now is ErrorState.PASSIVE:
             emergency.report(ERROR_PASSIVE, COMMUNICATION_ERROR, _BUS)

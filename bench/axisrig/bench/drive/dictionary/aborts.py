@@ -30,7 +30,7 @@ class AbortCode(IntEnum):
     NO_OBJECT = 0x06020000
     """The object does not exist."""
     NOT_MAPPABLE = 0x06040041
-    """The object cannot stand in this PDO, or not with this length."""
+    """The object cannot be mapped to this PDO, or not with this length."""
     PDO_TOO_LONG = 0x06040042
     """The mapped objects are longer than a PDO."""
     INCOMPATIBLE = 0x06040043

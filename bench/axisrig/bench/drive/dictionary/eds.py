@@ -1,6 +1,6 @@
 """The EDS of the drive, made from the object tables, and the dictionary that canopen reads from it.
 
-Source: CiA 306-1 (electronic data sheet). Signed defaults stand in decimal and the vendor fields
+Source: CiA 306-1 (electronic data sheet). Signed defaults are decimal and the vendor fields
 are numbers, because other readers refuse anything else.
 """
 

@@ -12,7 +12,7 @@ from axisrig.bench.drive.dictionary.profile import DriveProfile
 
 @dataclass(slots=True)
 class ProcessImage:
-    """Object values as they stand on the bus (integers in the units of the object tables)."""
+    """Object values as they are on the bus (integers in the units of the object tables)."""
 
     error_register: int = 0
     sync_cob_id: int = 0

@@ -30,7 +30,7 @@ DATA_TYPES: Final[Mapping[str, DataType]] = {
     "DOMAIN": DataType(0x0F, 0, ""),
 }
 HEADS: Final[Mapping[str, int]] = {"array": 0x8, "record": 0x9}
-"""Types of rows that stand for a whole object with sub-indices, with their object code."""
+"""Types of rows that describe a whole object with sub-indices, with their object code."""
 VARIABLE: Final = 0x7
 DUMMIES: Final = {kind.code: kind.bits for kind in DATA_TYPES.values() if 2 <= kind.code <= 7}
 """Objects that fill a place in an RPDO: data of their type that nobody reads, and its bits.
@@ -78,10 +78,10 @@ class ObjectRow:
     """A row of the two tables.
 
     sub: None for a plain variable and for the head of an object with sub-indices (`HEADS`).
-    access: const, ro or rw. pdo: "rx" = may stand in an RPDO, "tx" = in a TPDO, "" = neither.
+    access: const, ro or rw. pdo: "rx" = may be in an RPDO, "tx" = in a TPDO, "" = neither.
     low, high: limits of a write, None = those of the type. allowed: what is allowed within them.
     default: as the EDS says it; names in braces are values of the drive profile.
-    value: field of the process image that holds it, "" for a value that stands in the dictionary
+    value: field of the process image that holds it, "" for a value that is in the dictionary
     only. effect: when a write acts.
     """
 
@@ -107,7 +107,7 @@ class ObjectRow:
 
     @property
     def is_head(self) -> bool:
-        """Whether the row stands for a whole object and holds no value."""
+        """Whether the row describes a whole object and holds no value."""
         return self.type in HEADS
 
     @property

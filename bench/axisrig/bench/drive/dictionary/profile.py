@@ -27,7 +27,7 @@ class DriveProfile:
     encoder_increments: increments per motor revolution (20 bit).
     lead_um: travel of the load per motor revolution.
     position_factor: position units of the bus per increment; 1 = the bus speaks increments.
-    input_delay_ns: time from an edge at the terminal to the latch behind the input circuit.
+    input_delay_ns: time from an edge at the terminal to the latch after the input circuit.
     input_jitter_ns: largest further delay, drawn for each edge.
     input_filter_ns: how long a level must stay to count; the latch waits for it, and a shorter
         pulse gives neither latch nor level.
@@ -36,7 +36,7 @@ class DriveProfile:
         the encoder samples before and after it, `grid_ns` apart; "sampled" = the sample before.
     option_codes: values that option codes take, `605A:2,6`, the first one at power on.
     lacks: objects that the drive does not have, `60D1` or `60D0.2`.
-    The other fields stand in `profiles.csv` with their meaning.
+    The other fields are in `profiles.csv` with their meaning.
     Raises UserError for a value that cannot be.
     """
 
@@ -160,7 +160,7 @@ class DriveProfile:
 
     @property
     def latch_window_ns(self) -> tuple[TimeNs, TimeNs]:
-        """How long before and after an edge the positions may lie that its latch is made of."""
+        """How long before and after an edge the positions may be that its latch is made of."""
         delay_ns = self.input_delay_ns + self.input_filter_ns
         grid_ns = 0 if self.latch_mode == "interpolated" else self.grid_ns
         ahead_ns = self.grid_ns if self.latch_mode == "linear" else 0

@@ -1,6 +1,6 @@
 """The object values of one drive as SDO sees them: access rights, sizes, limits, owners.
 
-What changes while the drive runs stands in the process image, the rest here. Source: CiA 301,
+What changes while the drive runs is in the process image, the rest here. Source: CiA 301,
 object dictionary and abort codes.
 """
 
@@ -62,7 +62,7 @@ class ObjectStore:
     def restore(self, node_id: int, first: int, last: int) -> None:
         """Give the objects `first` to `last` their defaults for node number `node_id`.
 
-        What the application keeps in the process image it resets itself, and it alone knows what
+        What the application keeps in the process image it resets itself, and it alone decides what
         is read only there.
         """
         for key, row in self._rows.items():
@@ -80,7 +80,7 @@ class ObjectStore:
         return value
 
     def set_value(self, index: int, sub: int, value: int) -> None:
-        """Change a value without telling its owner."""
+        """Change a value without a call of its owner."""
         self._set((index, sub), self._rows[index, sub], value)
 
     def _set(self, key: Key, row: ObjectRow, value: int | bytes) -> None:

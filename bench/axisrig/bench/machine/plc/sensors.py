@@ -1,6 +1,6 @@
-"""V.E. variables in which the PLC side of a rig shows what distance sensors tell.
+"""V.E. variables in which the PLC side of a rig shows the values of distance sensors.
 
-The table `[plc]` of a rig names them. The PLC reads its inputs in front of its turn of an NC cycle,
+The table `[plc]` of a rig names them. The PLC reads its inputs before its turn of an NC cycle,
 so that the program and distance control (`SENSOR_SOURCE=VARIABLE`) have them in that cycle.
 """
 
@@ -14,10 +14,10 @@ from axisrig.kernel.time.clock import MS, TimeNs
 
 
 class PlcSensors:
-    """Brings the readings into the variables.
+    """Writes the readings into the variables.
 
-    tables: of the rig, by name with `V.E.`. values: variables by the name behind it; refreshed:
-    takes those that come with a period. sync_ns: tells the instant of the last SYNC, at which a
+    tables: of the rig, by name with `V.E.`. values: variables by the name after it; refreshed:
+    takes those that come with a period. sync_ns: returns the instant of the last SYNC, at which a
     drive samples its encoders too. cycle_ns: of the NC.
     """
 

@@ -1,7 +1,7 @@
 """The PLC side while a program runs: notices the moments of its rules and acts on them.
 
 It has a turn in every NC cycle. A time comes in the first cycle at or after it; what the program
-did in a cycle is noticed in the next one, and a time behind it counts from that cycle. Values for
+did in a cycle is noticed in the next one, and a time after it counts from that cycle. Values for
 drives go over SDO beside the cycle, in turn with those of #DRIVE.
 """
 
@@ -41,9 +41,9 @@ class _Happening(NamedTuple):
 class PlcSide:
     """Carries out the rules of a run on one channel; accesses: the ways to its drives.
 
-    A function that a rule waits for is acknowledged when everything that it brings about is done,
+    A function that a rule waits for is acknowledged when everything that it causes is done,
     a value for a drive when the drive has taken it; no function waits for a reset or a start.
-    With one of these, or a moment behind one, among the rules, the run goes on until nothing is
+    With one of these, or a moment after one, among the rules, the run goes on until nothing is
     left to do. program: gives the commands of the program of the run, or of a file beside it.
     Raises UserError for an object that an RPDO carries: the next telegram would overwrite it.
     """
@@ -73,7 +73,7 @@ class PlcSide:
         self._units = PlcUnits(channel, self._courses)
         self._ends_seen = self._resets_seen = 0
         self._open_writes = 0
-        self._unacknowledged = 0  # actions that the function told last waits for
+        self._unacknowledged = 0  # actions that the last function waits for
         for rule in rules:
             self._refuse_cyclic(rule)
             self._refuse_object(rule)

@@ -8,7 +8,7 @@ from axisrig.bench.rig.settings import Settings
 def acting_warnings(settings: Settings, log: DistanceLog) -> list[str]:
     """Say which control that acted cannot be stable; each once, in the order in which they acted.
 
-    A dry run moves nothing: it has no loop. Nothing is known of the loop of a sensor that the rig
+    A dry run moves nothing: it has no loop. There is no data on the loop of a sensor that the rig
     does not have, such as a variable that the program writes.
     """
     found = []

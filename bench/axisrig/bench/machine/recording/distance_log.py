@@ -1,4 +1,4 @@
-"""What the distance controls were told: states, who commanded them, and with which parameters."""
+"""History of the distance controls: states, who commanded them, and with which parameters."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""What the trace keeps of the distance control of axes, as it stands at the end of an NC cycle."""
+"""What the trace keeps of the distance control of axes, as it is at the end of an NC cycle."""
 
 import math
 

@@ -25,7 +25,7 @@ from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import PlantProbe
 from axisrig.kernel.time.clock import TimeNs
 
-# What a drive outside tells; the others are the plant's
+# What a real drive sends; the others are the plant's
 KERNEL_COLUMNS = ("set_mm", "actual_mm", "cnc_lag_mm")
 AXIS_COLUMNS = (
     "set_mm",
@@ -44,7 +44,7 @@ STOP_ROLES = {
     "stop_mm": "stop_face",
 }
 NO_STOP_M = 100.0
-"""A stop as far away as this stands for none: no machine has such an axis."""
+"""A stop as far away as this means none: no machine has such an axis."""
 # Column -> role that the FMU of a distance sensor must fill for it
 DISTANCE_COLUMNS = {
     "distance_mm": "distance",

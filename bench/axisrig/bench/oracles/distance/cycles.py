@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 from axisrig.kernel.time.clock import TimeNs
 
-# Sent in a cycle, acting at the next SYNC, reached at the one behind it
+# Sent in a cycle, acting at the next SYNC, reached at the one after it
 WAY_CYCLES = 2
-# A step is known as one when the value has stood for so many cycles before it
+# A step counts as one when the value was constant for so many cycles before it
 QUIET_CYCLES = 3
 
 
@@ -84,8 +84,8 @@ def measured(
     """Find the dead cycles around the first answer to a step of the sensor value.
 
     targets: 607A of each cycle, sensor: 60E4, both in order. quiet_increments: changes of the
-    sensor value up to this are none (noise). The set position must stand before the step and the
-    sensor value between the step and the answer. Raises NotMeasurableError.
+    sensor value up to this are none (noise). The set position must be constant before the step and
+    the sensor value between the step and the answer. Raises NotMeasurableError.
     """
     seen = _first_change(sensor, 0, quiet_increments)
     if seen is None:
@@ -95,7 +95,9 @@ def measured(
         raise NotMeasurableError("no set position answered the sensor value")
     sent_ns = targets[sent].time_ns
     if _first_change(targets, 0, 0) != sent:  # else the change is an answer itself
-        raise NotMeasurableError("the set position did not stand before the sensor value: no step")
+        raise NotMeasurableError(
+            "the set position was not constant before the sensor value changed: no step"
+        )
     shown = _first_change(sensor, sent_ns, quiet_increments)
     if shown is None:
         raise NotMeasurableError("no sensor value showed the set position")
@@ -104,7 +106,7 @@ def measured(
         raise NotMeasurableError("the sensor value went on changing: no step")
     step, back = (sensor[at].value - sensor[at - 1].value for at in (seen, shown))
     if sensor[seen].time_ns - sensor[0].time_ns < (QUIET_CYCLES - 0.5) * period_ns:
-        raise NotMeasurableError("the sensor value did not stand before its change: no step")
+        raise NotMeasurableError("the sensor value was not constant before its change: no step")
     if step * back > 0:  # an answer that converges goes the other way
         raise NotMeasurableError("the sensor value went on changing: no step")
     shown_ns, seen_ns = sensor[shown].time_ns, sensor[seen].time_ns
@@ -114,7 +116,7 @@ def measured(
 
 
 def _first_change(told: Sequence[Told], from_ns: TimeNs, quiet: int) -> int | None:
-    """Return the first value at or behind an instant that differs from the one before it."""
+    """Return the first value at or after an instant that differs from the one before it."""
     for index in range(1, len(told)):
         if (
             told[index].time_ns >= from_ns

@@ -1,6 +1,6 @@
 """Delay and noise gain of the filters of the sensor value, in closed form.
 
-delay: how many cycles the output lags behind a ramp (group delay at frequency 0). noise gain:
+delay: how many cycles the output lags a ramp (group delay at frequency 0). noise gain:
 standard deviation of the output over that of a white input, the root of the energy of the impulse
 response. N = n_cycles, a = smoothing factor, q = 1 - a, n = order, g = tan(pi f0 T).
 """
@@ -14,7 +14,7 @@ PROCESS_SIGMA_MM = 0.1
 
 @dataclass(frozen=True)
 class Character:
-    """delay_cycles behind a ramp, noise_gain for white noise."""
+    """delay_cycles on a ramp, noise_gain for white noise."""
 
     delay_cycles: float
     noise_gain: float
@@ -94,7 +94,7 @@ def _double_exponential_energy(n_cycles: int, smoothing_factor: float) -> float:
     """Energy of E + c (E - EE), c = 1 + 1/L, from the impulse responses in closed form.
 
     e_j = s q^j for j < N with s = a/(1 - q^N); ee_j = s^2 q^j times the number of ways to reach j
-    with two terms below N: j + 1 for j < N, 2N - 1 - j beyond.
+    with two terms below N: j + 1 for j < N, 2N - 1 - j above.
     """
     n, a = n_cycles, smoothing_factor
     q = 1 - a

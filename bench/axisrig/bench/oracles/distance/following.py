@@ -1,7 +1,7 @@
 """Errors of distance control on ramps and sines, and how a step comes to its end.
 
 v speed of the surface along the axis, T cycle, n dead cycles, N values of a mean. Sampling instant:
-the SYNC of a cycle, that is before the cycle adds its step; behind it the error is v T smaller.
+the SYNC of a cycle, that is before the cycle adds its step; after it the error is v T smaller.
 """
 
 import math
@@ -25,7 +25,7 @@ def ramp_error_mm(speed_mm_s: float, kp: float, period_ns: TimeNs) -> float:
 
 
 def ramp_lag_mm(loop: Loop, speed_mm_s: float, kp: float, period_ns: TimeNs) -> float:
-    """Return by how much the tool is behind the surface at the SYNC, P control.
+    """Return by how much the tool lags the surface at the SYNC, P control.
 
     CONST_DIST: v T/kp. SET_POS: v (T/kp + n T + delay of the filter + of the drive), since its
     loop sees the surface only, not where the tool is. With both encoders the loop keeps Z_com:

@@ -19,7 +19,7 @@ def fastest_step_s(height_mm: float, v_mm_s: float, a_mm_s2: float) -> float:
 
 
 def overshoot_mm(kp: float, period_ns: TimeNs, v_mm_s: float, a_mm_s2: float) -> float:
-    """Return v^2/2a - v/K + a/2K^2: a P law behind plain clamps, continuous, no dead time.
+    """Return v^2/2a - v/K + a/2K^2: a P law with plain clamps, continuous, no dead time.
 
     At the distance v/K from the end the law asks for less than v, at a/K^2 for a stronger braking
     than a from v = a/K on: 0 for v <= a T/kp.
@@ -55,7 +55,7 @@ def downwards(limit: float, weight_per_mille: float) -> float:
 
 
 def lowest_step_mm(before_mm: float, change_mm: float, weight_per_mille: float) -> float:
-    """Return the smallest step of a cycle behind a step of before_mm; change_mm: a T^2.
+    """Return the smallest step of a cycle after a step of before_mm; change_mm: a T^2.
 
     What brakes an upward motion is not weighted; what is left of the cycle builds up the way down
     with the weighted acceleration (P-AXIS-00534; docs/ambiguities.md).

@@ -1,9 +1,9 @@
 """The characteristic polynomial of distance control, for each mode.
 
 Time counts in cycles k, q = z^-1 delays by one. o(k) is the offset that cycle k computes, a(k) the
-position at the SYNC of cycle k. What is computed in cycle k stands at the SYNC n + 1 cycles later:
-a(k) = D o(k - 1 - n), D the drive, n the dead cycles: the error is n cycles late beside what an
-ideal loop has (n = 0: e(k) sees o(k - 1)).
+position at the SYNC of cycle k. What is computed in cycle k is reached at the SYNC n + 1 cycles
+later: a(k) = D o(k - 1 - n), D the drive, n the dead cycles: the error is n cycles late beside
+what an ideal loop has (n = 0: e(k) sees o(k - 1)).
 
     mode                  loop error e                       what comes back of the offset, B
     CONST_DIST            SET_DIST - F d                     F D q^(1+n+s)

@@ -145,11 +145,11 @@ class Course:
 
 @dataclass(frozen=True)
 class Rig:
-    """What stands around the control.
+    """What is around the control.
 
-    reaction_cycles: 0 with optimized scheduling, else 1. way_cycles: from sending to standing at a
-    SYNC. skew_cycles: by how many cycles the sensor is older. lag_s: of the drive, first order.
-    increment_mm: of the sensor, 0 = none. sign: -1 = the sensor counts the wrong way round.
+    reaction_cycles: 0 with optimized scheduling, else 1. way_cycles: from sending to being reached
+    at a SYNC. skew_cycles: by how many cycles the sensor is older. lag_s: of the drive, first
+    order. increment_mm: of the sensor, 0 = none. sign: -1 = the sensor counts the wrong way round.
     """
 
     reaction_cycles: int = 0
@@ -168,9 +168,9 @@ def simulate(
     set_mm: float | Signal,
     noise_mm: Signal | None = None,
 ) -> Course:
-    """Walk a loop over a surface that is known at each SYNC, shape (n,).
+    """Walk a loop over a surface that is given at each SYNC, shape (n,).
 
-    program_mm: interpolated positions; the axis stands there at the start. noise_mm: added to the
+    program_mm: interpolated positions; the axis is there at the start. noise_mm: added to the
     sensor.
     """
     count = len(surface_mm)
@@ -182,7 +182,7 @@ def simulate(
     gaps: deque[float] = deque(maxlen=rig.skew_cycles + 1)
     rows = np.zeros((count, 7))
     for k in range(count):
-        # At the SYNC of cycle k stands what was sent way_cycles before
+        # Reached at the SYNC of cycle k: what was sent way_cycles before
         actual = follow.reach(sent[rig.way_cycles - 1])
         gap = actual - float(surface_mm[k])
         noisy = gap + (float(noise_mm[k]) if noise_mm is not None else 0.0)

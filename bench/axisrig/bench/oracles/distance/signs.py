@@ -1,7 +1,7 @@
 """Which signs converge: mode x P-AXIS-00230 x direction in which the sensor counts.
 
 The control needs a sensor value that gets smaller when the tool lifts (FCT-M3 5). A sensor that
-tells the gap counts with the motor and needs P-AXIS-00230 = 1; one that counts against it needs 0.
+gives the gap counts with the motor and needs P-AXIS-00230 = 1; one that counts against it needs 0.
 Every other combination feeds the offset back with the wrong sign: the error grows by 1 + kp in a
 loop without dead time until the sensor or the offset is at its limit.
 """
@@ -48,7 +48,7 @@ def predicted(
 ) -> Due | None:
     """Return alarm and cycle (0 = first of the control) over a level surface, by the model.
 
-    law: fresh, in the mode of the combination. gap_mm: where the tool stands above the surface,
+    law: fresh, in the mode of the combination. gap_mm: height of the tool above the surface,
     that is at height 0. None: it converges.
     """
     course = simulate(law, replace(rig, sign=signs.sign), np.zeros(cycles), gap_mm, set_mm)

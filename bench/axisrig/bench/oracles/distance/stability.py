@@ -40,7 +40,7 @@ def aperiodic_limit(dead_cycles: int) -> float:
 def mean_limit(count: int, dead_cycles: int) -> float:
     """Return 2 N sin^2(w/2)/sin(N w/2), w = pi/(N + 2n): a mean of N values in the loop.
 
-    One value is no filter; its crossing lies at w = pi/(2n + 1).
+    One value is no filter; its crossing is at w = pi/(2n + 1).
     """
     omega = math.pi / (count + 2 * dead_cycles)
     return 2.0 * count * math.sin(omega / 2) ** 2 / math.sin(count * omega / 2)
@@ -64,7 +64,7 @@ def pi_limit(integral: float) -> float:
 def surface_limit(dead_cycles: int, skew_cycles: int) -> float | None:
     """Return the limit of SET_POS with P control: 2 without skew, whatever the filter.
 
-    With a skew of one and one dead cycle 2/3 (pole at -1); None: only the poles tell.
+    With a skew of one and one dead cycle 2/3 (pole at -1); None: only the poles show it.
     """
     if skew_cycles == 0:
         return 2.0

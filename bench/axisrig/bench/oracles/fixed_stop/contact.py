@@ -15,7 +15,7 @@ Times = npt.NDArray[np.int64]
 # anywhere inside: J h^3 / 192, reached for a change in the middle
 JERK_SHARE = 1.0 / 192.0
 HALVINGS = 60
-# Rows before the contact whose steps tell the acceleration of the free motion
+# Rows before the contact whose steps give the acceleration of the free motion
 ROWS_BEFORE = 2
 LEAST_MM_S = 1e-9
 
@@ -25,7 +25,7 @@ class StopContact:
     """The gap closes at `time_ns`; row: of the trace before it.
 
     position_mm: of the stop then. speed_mm_s: into the stop, positive, at that row; against the
-    stop where that moves. uncertainty_ns: how well the instant is known.
+    stop where that moves. uncertainty_ns: how exact the instant is.
     """
 
     time_ns: float
@@ -64,10 +64,10 @@ def first_contact(
 ) -> StopContact | None:
     """Return the first contact in a part of the trace; None when the gap never closes in it.
 
-    stiffness_per_mass: k/m of stop and axis, 1/s2, None where the plant does not tell them. peak_n:
-    largest force at the stop since the row before, None where it is not told: by it a contact shows
-    that lets go again before the next row. Of two ways to locate it the surer one counts: the free
-    motion goes on as before (`_by_free_motion`), or the gap is a polynomial (`_by_bend`).
+    stiffness_per_mass: k/m of stop and axis, 1/s2, None where the plant does not give them. peak_n:
+    largest force at the stop since the row before, None where it is not given: by it a contact
+    shows that lets go again before the next row. Of two ways to locate it the surer one counts:
+    the free motion goes on as before (`_by_free_motion`), or the gap is a polynomial (`_by_bend`).
     """
     gap_mm = -penetrations(stop, position_mm)
     rate_mm_s = -stop.direction * (velocity_mm_s - stop.velocity_mm_s)

@@ -1,8 +1,8 @@
 """The criteria of a run walked along the plant's own motion, SYNC by SYNC.
 
 Where the closed forms do not hold (the stop moves, the axis still rings, friction holds it back)
-this tells what the criteria must give: from the demand that the plant follows and where its encoder
-is, without any word of the kernel.
+this computes what the criteria must give: from the demand that the plant follows and where its
+encoder is, without any word of the kernel.
 """
 
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class Course:
         return shifted(self.demand_mm, ahead) - self.encoder_mm
 
     def change_mm(self, rows: int) -> Signal:
-        """Return |x(k) - x(k - rows)|; before the trace the axis stood where it begins."""
+        """Return |x(k) - x(k - rows)|; before the trace the axis was where it begins."""
         return np.abs(self.encoder_mm - shifted(self.encoder_mm, -rows, fill=self.encoder_mm[0]))
 
 
@@ -41,7 +41,7 @@ class Course:
 class Followed:
     """Rows in which the criteria of an axis came true, None = never.
 
-    beyond: first of the last unbroken rows with the lag beyond its limit. window: first of the last
+    beyond: first of the last unbroken rows with the lag above its limit. window: first of the last
     unbroken rows in which the window holds. found: all active criteria hold.
     """
 
@@ -51,7 +51,7 @@ class Followed:
 
 
 def shifted(values: Signal, ahead: int, fill: float = np.nan) -> Signal:
-    """Return values[k + ahead]; what lies outside is `fill`."""
+    """Return values[k + ahead]; what is outside is `fill`."""
     out = np.full(len(values), fill)
     if ahead >= len(values) or -ahead >= len(values):
         return out

@@ -16,7 +16,7 @@ class Motion:
     """How an axis moves freely in the run.
 
     speed_mm_s: its feed. acceleration_mm_s2: of the ramp up. running_lag_mm: e0, None where the
-    plant does not tell the gain. arming_mm: None = it depends on the length of the block.
+    plant does not give the gain. arming_mm: None = it depends on the length of the block.
     breakaway_n: force that sets the axis in motion.
     """
 

@@ -27,7 +27,7 @@ class Stop:
     damping_s_m: float = 0.0
 
     def penetration_mm(self, force_n: float) -> float:
-        """Return how far a standing force presses in."""
+        """Return how far a static force presses in."""
         linear_m: float = max(force_n, 0.0) / self.stiffness_n_m
         if self.exponent == 1.0:
             return linear_m * 1e3
@@ -62,7 +62,7 @@ class Axis:
     backlash_mm: float = 0.0
 
     def give_mm(self, force_n: float) -> float:
-        """Return how far the motor is ahead of the load under a standing force of the motor."""
+        """Return how far the motor is ahead of the load under a static force of the motor."""
         if self.joint_n_m is None:
             return 0.0
         return self.backlash_mm / 2.0 + force_n / self.joint_n_m * 1e3
@@ -83,7 +83,7 @@ class Pressing:
 
     @property
     def force_n(self) -> tuple[float, float]:
-        """Return least and largest standing force at the stop, max(0, F_lim - F_g -+ F_c)."""
+        """Return least and largest static force at the stop, max(0, F_lim - F_g -+ F_c)."""
         low, high = (self.pushing_n + sign * self.axis.friction_n for sign in (-1.0, 1.0))
         return max(low, 0.0), max(high, 0.0)
 
@@ -93,7 +93,7 @@ class Pressing:
         return self.stop.penetration_mm(self.pushing_n)
 
     def latched_mm(self, stop_mm: float) -> tuple[float, float]:
-        """Return the band of the position at the motor encoder when the axis stands.
+        """Return the band of the position at the motor encoder when the axis is at standstill.
 
         x_stop + delta of both ends of the friction band, further by what the joint gives under the
         force of the motor: backlash/2 + F_lim/k_joint.

@@ -1,10 +1,10 @@
 """When the criteria of a run to a fixed stop come true: closed forms, with what blurs them.
 
 Symbols: v feed into the stop, t_c contact, e0 running lag, L lag limit, tau minimum time, W window,
-delta standing penetration, T cycle, d P-AXIS-00191, n1, n2 cycles by which set values act and
-actual values come late. Derivation: the set value goes on with v while the axis stands at delta, so
-e(t) = e0 + v (t - t_c) - delta, and |x(t) - x(t - tau)| = delta + v (t_c + tau - t) for t - tau
-before the contact.
+delta static penetration, T cycle, d P-AXIS-00191, n1, n2 cycles by which set values act and
+actual values come late. Derivation: the set value goes on with v while the axis is at rest at
+delta, so e(t) = e0 + v (t - t_c) - delta, and |x(t) - x(t - tau)| = delta + v (t_c + tau - t) for
+t - tau before the contact.
 """
 
 import math
@@ -46,7 +46,7 @@ class Cycles:
 
 @dataclass(frozen=True)
 class Instant:
-    """An instant of the closed form and the band in which an NC cycle must tell it (ns).
+    """An instant of the closed form and the band in which an NC cycle must report it (ns).
 
     doubt_ns: share of the band that is no sampling. note: the formula, and what the band is made
     of; where there is no instant, why.
@@ -59,7 +59,7 @@ class Instant:
     doubt_ns: float = 0.0
 
     def holds(self, measured_ns: TimeNs) -> bool:
-        """Whether a measured instant lies in the band."""
+        """Whether a measured instant is in the band."""
         assert self.low_ns is not None
         assert self.high_ns is not None
         return self.low_ns <= measured_ns <= self.high_ns

@@ -11,10 +11,10 @@ from fractions import Fraction
 from typing import Literal
 
 from axisrig.bench.oracles.distance.cycles import DeadCycles, predicted
-from axisrig.bench.oracles.distance.held import held_growth, held_limit
 from axisrig.bench.oracles.distance.lists import Control, Listed, as_written
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.model import first_order_drive
+from axisrig.bench.oracles.distance.sample_hold import held_growth, held_limit
 from axisrig.bench.oracles.distance.smoothing import none, of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.check import axis_telegrams
@@ -29,14 +29,14 @@ from axisrig.kernel.time.clock import MS, US, S, TimeNs
 RELEASED = "lr_param.distance_control_on"
 INVERTS = "lr_hw[1].vz_istw"
 SCALES = ("AxisRig.Sensors.SecondEncoder",)
-"""Models of the library that are wired like a distance sensor and tell a position."""
+"""Models of the library that are wired like a distance sensor and give a position."""
 WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
 MODES = (SET_POS, CONST_DIST, BOTH)
 AT_LIMIT = 1e-6
-"""Share of a limit of kp in which a loop counts as beyond it: there it rings for ever."""
+"""Share of a limit of kp in which a loop counts as above it: there it rings for ever."""
 UNITS_PER_MM = 10_000  # of P-AXIS-00423, 0.1 um
 SIGNS = (
-    ("P-AXIS-00230", "the sensor tells", "SET_POS, CONST_DIST and with both encoders"),
+    ("P-AXIS-00230", "sensor value", "SET_POS, CONST_DIST and with both encoders"),
     ("0", "less when the tool lifts", "converge"),
     ("1", "the gap: more when the tool lifts", "converge"),
     ("0", "the gap: more when the tool lifts", "run away until 70330 or 70331"),
@@ -48,7 +48,7 @@ SIGNS = (
 class Sensor:
     """A way from a distance sensor to an axis.
 
-    source: as the control tells it (`axis.source_word`). words: what carries it. age: cycles by
+    source: as the control names it (`axis.source_word`). words: what carries it. age: cycles by
     which it is older than 6064. every: it comes with every so many SYNCs. sign: 1 when the value
     gets smaller as the tool lifts, -1 when it grows; 0: not known. promised_ns: the longest time
     from one value to the next, None where nothing promises one.
@@ -68,7 +68,7 @@ def released_axes(settings: Settings) -> list[str]:
 
 
 def sensors_of(settings: Settings, name: str) -> list[Sensor]:
-    """Return what can tell an axis its distance: second encoder first, then V.E. variables."""
+    """Return what can give an axis its distance: second encoder first, then V.E. variables."""
     rig = settings.rig
     axis, found, cycle_ns = rig.axis[name], [], rig.cycle.period_us * US
     telegram = second_telegram(settings, name)
@@ -186,7 +186,7 @@ def listed_of(axis: ParameterSet) -> Listed:
 
 
 def distance_warnings(settings: Settings) -> list[str]:
-    """Tell what keeps the distance control of an axis from working as the rig and its lists are."""
+    """Say what keeps the distance control of an axis from working as the rig and its lists are."""
     return [
         f"axis {name}: {text}"
         for name in released_axes(settings)
@@ -195,9 +195,9 @@ def distance_warnings(settings: Settings) -> list[str]:
 
 
 def age_warnings(settings: Settings) -> list[str]:
-    """Tell which sensors could fall silent without anybody noticing; a run tells it by 900315."""
+    """Say which sensors could fall silent without an alarm; a run reports this by 900315."""
     return [
-        f"axis {name}: {sensor.words} promises no time for its next value: nobody notices when it"
+        f"axis {name}: {sensor.words} promises no time for its next value: no alarm comes when it"
         " falls silent; give the TPDO an event timer (event_ms of its mapping table), the entry of"
         " [plc] a period_ms"
         for name in released_axes(settings)
@@ -207,18 +207,20 @@ def age_warnings(settings: Settings) -> list[str]:
 
 
 def _missing(settings: Settings, name: str) -> list[str]:
-    """Say why the second encoder tells nothing, where nothing else does."""
+    """Say why the second encoder gives no distance, where nothing else does."""
     axis, drive = settings.rig.axis[name], settings.rig.axis[name].drive
     if sensors_of(settings, name):
         return []
-    start = "distance control is released (P-AXIS-00328) and no sensor tells it a distance:"
+    start = "distance control is released (P-AXIS-00328) and no sensor gives it a distance:"
     if axis.encoder_2 is None:
         return [
             f"{start} name a distance sensor as encoder_2 of [axis.{name}], or let the PLC read one"
             " ([plc]); without, ON ends in 310029"
         ]
     if axis.encoder_2 == LOAD or _is_scale(settings, name):
-        return [f"{start} encoder_2 = {axis.encoder_2} is a scale that tells where the axis is"]
+        return [
+            f"{start} encoder_2 = {axis.encoder_2} is a scale: it gives the position of the axis"
+        ]
     return [
         f"{start} the mapping table of drive {drive} does not map 60E4:1, field second; ON ends in"
         " 310029"
@@ -255,7 +257,7 @@ def _resolution(settings: Settings, name: str) -> list[str]:
         return []
     return [
         f"P-AXIS-00422 and 00423 say {float(listed):g} increments of the sensor per mm, its drive"
-        f" tells {float(told):g}: every distance is {float(told / listed):.6g} times what it is"
+        f" sends {float(told):g}: every distance is {float(told / listed):.6g} times what it is"
     ]
 
 
@@ -309,7 +311,7 @@ def describe_distance(settings: Settings, lags_s: Mapping[str, float]) -> list[s
 
 
 def drive_lags_s(settings: Settings, plant: Plant) -> dict[str, float]:
-    """Return (1 - f)/Kv of each axis whose FMU tells both: gain and feed-forward of its drive."""
+    """Return (1 - f)/Kv of each axis whose FMU has both: gain and feed-forward of its drive."""
     found = {}
     for name, axis in settings.rig.axis.items():
         slave = plant.axes[axis.plant].slave if axis.plant in plant.axes else None
@@ -324,8 +326,8 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
     control, dead = listed.control, dead_cycles(listed, sensor)
     goes = "the same" if listed.is_optimized else "the next"
     lines = [
-        f"  dead cycles  {_dead(dead, sensor)}: the offset goes out in {goes} cycle"
-        f" (P-AXIS-00509 = {int(listed.is_optimized)}) and stands at the 2nd SYNC behind it;"
+        f"  dead cycles  {_dead(dead, sensor)}: the offset is sent in {goes} cycle"
+        f" (P-AXIS-00509 = {int(listed.is_optimized)}) and is reached at the 2nd SYNC after it;"
         f" the sensor value is {sensor.age} cycles old",
         f"  silence      {_silence(settings, name, sensor)}",
     ]
@@ -347,7 +349,7 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
         bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
         verdict = "UNSTABLE as listed" if _is_beyond(control.kp, limit) else "stable as listed"
         if plant.fmu != WITHOUT_LAG and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
-            verdict, bound = "as listed not known", f"at best below kp {limit:.4g}"
+            verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
         lines.append(f"  {bound:<24} {mode}: {verdict}")
     return lines
 

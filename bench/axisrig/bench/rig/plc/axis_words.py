@@ -23,7 +23,7 @@ HIGHEST_PCT = 100
 
 @dataclass(frozen=True)
 class AxisColumn:
-    """One row of `axis_columns.csv`. keys: what may stand behind a value, as `at=M50`."""
+    """One row of `axis_columns.csv`. keys: what may be after a value, as `at=M50`."""
 
     name: str
     cell: str
@@ -84,7 +84,7 @@ def axis_columns() -> Mapping[str, AxisColumn]:
 
 
 def find_column(name: str) -> AxisColumn | None:
-    """Return the row of a column, by what stands behind the axis and its dot."""
+    """Return the row of a column, by the text after the axis and its dot."""
     return axis_columns().get("object.<name>" if name.startswith(OBJECT) else name)
 
 

@@ -13,12 +13,12 @@ from axisrig.kernel.time.clock import TimeNs
 
 HIGHEST_PCT = 200
 ACT_ONCE = ("reset", "program_start")
-"""Columns whose action comes once without `nth`: what it brings about could bring it again."""
+"""Columns whose action comes once without `nth`: what it causes could cause it again."""
 
 
 @dataclass(frozen=True)
 class ChannelColumn:
-    """One row of `channel_columns.csv`. keys: what may stand in an action, as `at=M50`."""
+    """One row of `channel_columns.csv`. keys: what an action may contain, as `at=M50`."""
 
     name: str
     cell: str

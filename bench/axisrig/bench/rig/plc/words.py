@@ -2,7 +2,7 @@
 
 A cell holds actions separated by semicolons, each a value and keys:
 
-    plc:Z.torque_limit = 100 at=M50; 50000 at=M51     when the program tells M50, and M51
+    plc:Z.torque_limit = 100 at=M50; 50000 at=M51     when the program has M50, and M51
     plc:Z.6065 = 0xFFFFFFFF at=run; 1048575 at=run_end+20ms
     plc:feedhold = at=400ms for=300ms                 0.4 s after the start of the program
     plc:override = 50 at=motion+20ms over=100ms       feed of the path, in percent
@@ -11,7 +11,7 @@ A cell holds actions separated by semicolons, each a value and keys:
     plc:Z.dist_ctrl = ON set_pos=30 at=M50; OFF at=M51
     plc:V.E.READY = 0; 1 at=M50+20ms nth=2            20 ms after the second M50
 
-Objects, moments, what acts on the channel and on one axis stand in `objects.csv`, `moments.csv`,
+Objects, moments, what acts on the channel and on one axis are in `objects.csv`, `moments.csv`,
 `channel_columns.csv` and `axis_columns.csv`; times have their unit.
 """
 
@@ -68,7 +68,7 @@ class Moment:
     offset_ns: TimeNs = 0
 
     def fits(self, word: str, value: float | None) -> bool:
-        """Tell whether this is the moment; value: what a variable got."""
+        """Return whether this is the moment; value: what a variable got."""
         return word == self.word and (self.value is None or self.value == value)
 
 
@@ -83,7 +83,7 @@ class ObjectWrite:
 
 @dataclass(frozen=True)
 class VariableWrite:
-    """A V.E. variable gets a value; name: behind `V.E.`."""
+    """A V.E. variable gets a value; name: after `V.E.`."""
 
     name: str
     value: float
@@ -172,7 +172,7 @@ def _rule(item: Assignment, text: str, axes: Collection[str], *, needs_at: bool 
         if key not in _keys(item):
             raise UserError(f"plc:{item.name} has no such key", value=key, allowed=_keys(item))
     if len(keys) + len(values) < len(text.split()):
-        raise UserError("a key stands there twice", value=text)
+        raise UserError("a key is given twice", value=text)
     if needs_at and "at" not in keys:
         raise UserError("a further value needs its moment", value=text, allowed="1 at=M50+20ms")
     moment = _moment(keys.get("at", "start"))
@@ -290,11 +290,11 @@ def _moment(text: str, key: str = "at") -> Moment:
 
 
 def _told(letter: str, code: int, text: str) -> str:
-    """Return a function as the program tells it; refuse those that no PLC side is ever told."""
+    """Return a function as the program has it; refuse those that no PLC side receives."""
     word = f"{letter}{code}"
     if word in (*INTERNAL, *SPINDLE) or (letter != "T" and code > NUMBER_MAX):
         raise UserError(
-            "at: the PLC side is never told this function",
+            "at: the PLC side never receives this function",
             value=text,
             allowed=f"M and H from 0 to {NUMBER_MAX} without {' '.join((*INTERNAL, *SPINDLE))}",
         )

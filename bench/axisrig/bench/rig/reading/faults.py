@@ -1,4 +1,4 @@
-"""The language of faults: what may stand in a column `fault:<kind>`, read from its tables.
+"""The language of faults: what a column may contain: `fault:<kind>`, read from its tables.
 
 A cell holds faults separated by semicolons. Each is one or more targets and keys:
 
@@ -26,7 +26,7 @@ _UNITS_NS = {"ns": 1, "us": US, "ms": MS, "s": S}
 _TIME = re.compile(r"(\d+(?:\.\d*)?|\.\d+)(ns|us|ms|s)")
 _PDOS = [f"{direction}PDO{number}" for direction in "TR" for number in (1, 2, 3, 4)]
 AXIS_TELEGRAMS = (*_PDOS, "SDO", "EMCY", "HEARTBEAT")
-"""What a drive and the kernel tell each other; SDO is the answer of the drive."""
+"""What a drive and the kernel exchange; SDO is the answer of the drive."""
 BUS_TELEGRAMS = ("SYNC", "NMT")
 
 
@@ -187,7 +187,7 @@ def _read_values(kind: FaultKind, words: list[str]) -> dict[str, Any]:
                 f"a fault of kind {kind.name} has no such key", value=key, allowed=kind.keys
             )
         if key in written:
-            raise UserError(f"the key {key} stands there twice", value=word)
+            raise UserError(f"the key {key} is given twice", value=word)
         written[key] = value
     values = {}
     for name in kind.keys:
@@ -242,7 +242,7 @@ def _plain(text: str) -> str:
 
 
 def _is_allowed(key: FaultKey, value: Any) -> bool:
-    """Whether a value lies in the column `allowed`: `low to high`, or words."""
+    """Whether a value is within the column `allowed`: `low to high`, or words."""
     low, is_range, high = key.allowed.partition(" to ")
     if key.type == "word":
         return str(value) in key.allowed.split()

@@ -1,4 +1,4 @@
-"""Rig files: what stands on the bench, as TOML, checked before anything is built.
+"""Rig files: what is on the bench, as TOML, checked before anything is built.
 
 A rig names segments, drives, axes with their parameter lists, plant FMUs and their wiring. A short
 file may name another as its `base` and change single keys. Every mistake is a `UserError` that
@@ -107,11 +107,11 @@ _HabitTable: Any = create_model("_HabitTable", __base__=StartUpKeys, **_FIELDS)
 
 
 class DriveTable(_HabitTable):  # type: ignore[misc]
-    """`[drive.NAME]`: what kind of drive stands in front of an axis.
+    """`[drive.NAME]`: what kind of drive moves an axis.
 
     profile: name of a set of habits; every key of `drive/profiles.csv` that the rig does not
     give has the profile's value. position_unit_um: length of a position unit on the bus, for drives
-    whose unit is a length; not said = an encoder increment. as_canopen: it stands for the drive of
+    whose unit is a length; not said = an encoder increment. as_canopen: it replaces the drive of
     another type that a list names (P-AXIS-00020). How it is started: `StartUpKeys`.
     """
 
@@ -152,10 +152,10 @@ LOAD = "load"  # encoder_2: an ideal scale at the load
 
 
 class AxisTable(Table):
-    """`[axis.NAME]`: one axis of the channel; the tables stand in the order of the axes.
+    """`[axis.NAME]`: one axis of the channel; the tables are in the order of the axes.
 
     probe_1 to home_switch: sensors wired to the inputs of the drive. encoder_2: "load", or the
-    distance sensor that its second encoder is. outside: whether its drive stands outside this
+    distance sensor that its second encoder is. outside: whether its drive is real, outside this
     process; not said = where its segment is real. sensor_age_limit_ms: how old the value of the
     sensor of distance control may be; not said = three of its periods.
     """
@@ -184,7 +184,7 @@ class AxisTable(Table):
 class MapTable(Table):
     """`[plant.NAME.map]`: `role = { variable = "x", unit = "mm" }`.
 
-    unit: where the FMU tells none. sign: -1 turns direction or level round. threshold: a number
+    unit: where the FMU gives none. sign: -1 turns direction or level round. threshold: a number
     above it is the level true. lead_mm: travel per revolution, for a rotation.
     """
 
@@ -199,7 +199,7 @@ _TEXT, _TABLE, _NOTHING = "(text)", "(table)", "(false)"
 
 
 def _form(entry: object) -> str:
-    """Tell which form an entry of a map has; what is none of them is held to be a text."""
+    """Return which form an entry of a map has; what is none of them is held to be a text."""
     if entry is False:
         return _NOTHING
     return _TABLE if isinstance(entry, dict | MapTable) else _TEXT
@@ -220,7 +220,7 @@ class PlantTable(Table):
     where its variables leave that open. map: role -> variable; false leaves a role out.
     shares: the axis plant whose instance of this FMU this one is a further axis of; suffix: ends
     the names of the variables of one axis of several (`_1`). stroke_mm: how far a probe may be
-    deflected; breaks: beyond it the probe breaks, which ends the program.
+    deflected; breaks: past it the probe breaks, which ends the program.
     """
 
     fmu: str
@@ -428,6 +428,6 @@ def _in_words(kind: str, message: str) -> str:
 
 
 def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details: Any) -> UserError:
-    """Make a UserError that points at a key of the rig (for checks beyond the form)."""
+    """Make a UserError that points at a key of the rig (for checks after that of the form)."""
     file, line = _locate(files, keys)
     return UserError(message, file=file, line=line, **details)

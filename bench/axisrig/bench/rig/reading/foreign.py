@@ -24,7 +24,7 @@ def foreign_plants(plants: Mapping[str, PlantTable]) -> list[str]:
 def foreign_rigs(rigs: Iterable[Path]) -> set[Path]:
     """Return those of these rig files that have a foreign plant.
 
-    A file that is no rig is left out: whoever loads it says what is wrong with it.
+    A file that is no rig is left out: loading it reports what is wrong with it.
     """
     found = set()
     for path in set(rigs):

@@ -13,7 +13,7 @@ from axisrig.kernel.parameters import ParameterSet, read_list, start_up, written
 from axisrig.kernel.parameters.lists import NEXT_AXIS
 from axisrig.kernel.parameters.start_up import CANOPEN, DRIVE_TYPE, drive_type
 
-# Keys of `[channel]` and targets of `set:` columns -> the lists they stand for
+# Keys of `[channel]` and targets of `set:` columns -> the lists they name
 OFFSET_LISTS = {"zero_offsets": ZERO_OFFSETS, "tools": TOOLS}
 
 DRIVE_INPUTS = (1, 2)
@@ -95,12 +95,12 @@ def substituted(axes: Mapping[str, ParameterSet]) -> dict[str, str]:
 
 
 def substituted_in_words(axes: Mapping[str, ParameterSet]) -> str:
-    """Tell which axes run on a CANopen drive though their lists name another; empty for none."""
+    """Say which axes run on a CANopen drive though their lists name another; empty for none."""
     return ", ".join(f"{name}: {word}" for name, word in substituted(axes).items())
 
 
 def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
-    """Refuse a drive type that is not simulated, unless the rig lets a CANopen drive stand for it.
+    """Refuse a drive type that is not simulated, unless the rig replaces it by a CANopen drive.
 
     Raises UserError with file and line of the setting.
     """
@@ -120,7 +120,7 @@ def check_drive_types(rig: RigFile, axes: Mapping[str, ParameterSet]) -> None:
 
 
 def inert_notes(rig: RigFile, channel: ParameterSet, axes: dict[str, ParameterSet]) -> list[str]:
-    """Tell for each list which of its settings do not act yet."""
+    """Say for each list which of its settings do not act yet."""
     notes = []
     for of, path, parameters in (
         ("channel", rig.channel.list, channel),
@@ -146,9 +146,9 @@ def _numbered(parameters: ParameterSet, path: str) -> str:
 
 
 def stop_notes(axes: dict[str, ParameterSet]) -> list[str]:
-    """Tell which axes with the source FIXED_STOP (P-AXIS-00516) can find no stop as listed.
+    """Say which axes with the source FIXED_STOP (P-AXIS-00516) can find no stop as listed.
 
-    Not an error: `#MEAS [AX= SIGNAL=]` may choose another source, and the axis may stand.
+    Not an error: `#MEAS [AX= SIGNAL=]` may choose another source, and the axis may be at rest.
     """
     notes = []
     for name, parameters in axes.items():
@@ -166,7 +166,7 @@ def stop_notes(axes: dict[str, ParameterSet]) -> list[str]:
 
 
 def offset_notes(lists: Lists, axes: Sequence[str] | None = None) -> list[str]:
-    """Tell what in the lists of zero offsets and tools cannot be meant, value by value.
+    """Say what in the lists of zero offsets and tools cannot be meant, value by value.
 
     axes: those of the rig, in its order, which the indices count from 0; None without a rig.
     """
@@ -180,7 +180,7 @@ def offset_notes(lists: Lists, axes: Sequence[str] | None = None) -> list[str]:
             if why is None and name == TOOLS and entry.indices[:1] not in valid | told:
                 told.add(entry.indices[:1])
                 number = entry.indices[0]
-                why = f"no `wz[{number}].gueltig 1` stands in the list, so D{number} is refused"
+                why = f"the list has no `wz[{number}].gueltig 1`, so D{number} is refused"
             if why is not None:
                 notes.append(f"{name}: {entry.written} ({entry.origin.short}): {why}")
     return notes

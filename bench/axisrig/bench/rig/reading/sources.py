@@ -1,4 +1,4 @@
-"""The files that a rig is made from, for whoever keeps their hashes."""
+"""The files that a rig is made from, to keep their hashes."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""`axisrig bus`: finds a bus log, reads it and chooses the frames that are told."""
+"""`axisrig bus`: finds a bus log, reads it and chooses the frames that are shown."""
 
 import heapq
 import logging
@@ -28,7 +28,7 @@ DRIVES_LOG = "bus.blf"
 """What `axisrig drive -o DIR` writes."""
 
 EPOCH_S = 1e8
-"""A later first time is a date: times are then told from the first frame on."""
+"""A later first time is a date: times are then counted from the first frame on."""
 
 GROUPS = ("SDO", "LSS", "PDO", "TPDO", "RPDO", "boot-up", "abort", "error")
 """Words for services beside those of `services.csv`."""
@@ -41,7 +41,7 @@ class Selection:
     """Which frames are shown.
 
     only: services, axes, telegrams, objects, of which one must fit; every frame if empty.
-    from_ms, to_ms: since the start of the log. is_all: also SYNCs, and PDOs that bring nothing new.
+    from_ms, to_ms: since the start of the log. is_all: also SYNCs, and PDOs with nothing new.
     """
 
     only: tuple[str, ...] = ()
@@ -61,7 +61,7 @@ class _Line:
 def find_log(place: Path, run: str | None) -> tuple[list[Path], Settings | None]:
     """Return the files of the log that is meant, one but for pcap logs of several segments.
 
-    With them come the settings of the run where they lie in a results folder.
+    With them come the settings of the run where they are in a results folder.
     Raises UserError when there is none.
     """
     if not place.is_dir():
@@ -105,7 +105,7 @@ def tell_log(
     yield from _folded(row, count, last_ms)
     if is_empty:
         words = f" for {', '.join(selection.only)}" if selection.only else ""
-        yield f"no frame{words} among those of {paths[0]} that are told"
+        yield f"no frame{words} among those of {paths[0]} that are shown (see --all)"
 
 
 def _folded(row: _Line | None, count: int, last_ms: float) -> Iterator[str]:

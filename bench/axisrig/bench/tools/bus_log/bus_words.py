@@ -1,7 +1,7 @@
 """Frames of a bus in words, in the terms of CANopen and of the drive profile.
 
 With the rig the frames have the names of its axes and the values of their PDOs; without it only
-what the identifiers of the pre-defined connection set tell.
+what the identifiers of the pre-defined connection set say.
 """
 
 from collections.abc import Iterable, Mapping

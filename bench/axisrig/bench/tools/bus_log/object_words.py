@@ -33,7 +33,7 @@ def _bits() -> dict[int, list[tuple[int, int, str]]]:
 
 
 def bits_words(index: int, value: int) -> str:
-    """Say what the value of an object means beside its number, "" where nothing is known.
+    """Say what the value of an object means beside its number, "" where the tables have nothing.
 
     A controlword is taken alone: whether bit 7 has risen shows in the frame before.
     """
@@ -62,7 +62,7 @@ def value_words(
 ) -> str:
     """Say a value: number, and in brackets what it means. per_mm: position units, if known.
 
-    hexadecimal: also where nothing is known, as SDO values are told.
+    hexadecimal: also where the tables have nothing, as SDO values are shown.
     """
     plain = value & ((1 << bits) - 1)
     digits = f"0x{plain:0{bits // 4}X}"

@@ -57,7 +57,7 @@ class Binary:
 
 
 def folder_platform(folder: str) -> tuple[str, str]:
-    """Return system and processor that a folder below `binaries/` stands for."""
+    """Return system and processor that a folder below `binaries/` is for."""
     if folder in FMI2_FOLDERS:
         return FMI2_FOLDERS[folder]
     processor, _, system = folder.partition("-")

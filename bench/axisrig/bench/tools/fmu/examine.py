@@ -55,7 +55,7 @@ def examine(path: Path) -> Examined:
 
 
 def _told(area: str, error: UserError) -> Finding:
-    """A FAIL in the words of an error; its file is known to the reader of the table."""
+    """A FAIL in the words of an error; the reader of the table has its file."""
     parts = [error.message]
     if error.value is not None:
         parts.append(f"found {error.value}")
@@ -77,11 +77,11 @@ def load_description_findings(
 
 
 def _description(path: Path, folder: Path) -> Iterator[Finding]:
-    """Hold the description to its version, the schema and what fmpy checks beyond it."""
+    """Hold the description to its version, the schema and what fmpy checks besides."""
     area = "description"
     version = _version(folder)
     if not version.startswith(("2.", "3.")):
-        text = f"FMI version {version or 'not told'}"
+        text = f"FMI version {version or 'missing'}"
         yield fail(area, text, "export it as FMI 2.0 or 3.0 for co-simulation")
         return
     try:
@@ -91,7 +91,7 @@ def _description(path: Path, folder: Path) -> Iterator[Finding]:
         yield fail(area, f"it cannot be read: {error or type(error).__name__}", "export it again")
         return
     for problem in refused[:_SHOWN_MAX]:
-        yield fail(area, problem, "tell the maker of the tool that exported it")
+        yield fail(area, problem, "report it to the maker of the tool that exported it")
     if len(refused) > _SHOWN_MAX:
         yield fail(area, f"and {len(refused) - _SHOWN_MAX} more of this kind")
     for problem in doubtful[:_SHOWN_MAX]:
@@ -216,9 +216,9 @@ def _units(description: ModelDescription, variables: Sequence[ModelVariable]) ->
     names = {name for v in shown if (name := unit_name(v)) is not None}
     unknown = sorted(name for name in names if find_unit(description, name) is None)
     if unknown:
-        yield warn(area, f"nothing tells what these are: {_some(unknown)}", "say them in the map")
+        yield warn(area, f"units not known: {_some(unknown)}", "give them in the map of the rig")
     if bare:
-        yield warn(area, f"without a unit: {_some(bare)}", "say the unit in the map of the rig")
+        yield warn(area, f"without a unit: {_some(bare)}", "give the unit in the map of the rig")
     if not unknown and not bare:
         yield ok(area, f"known: {_some(sorted(names))}" if names else "nothing has one")
 

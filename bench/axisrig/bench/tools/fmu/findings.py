@@ -48,7 +48,7 @@ def fail(area: str, text: str, remedy: str = "") -> Finding:
 
 
 def has_failed(findings: Sequence[Finding]) -> bool:
-    """Tell whether one of the findings is a FAIL."""
+    """Return whether one of the findings is a FAIL."""
     return any(finding.level == Level.FAIL.value for finding in findings)
 
 

@@ -18,7 +18,7 @@ from axisrig.fmus import (
 )
 from axisrig.kernel.errors import UserError, nearest
 
-_FEW = 6  # so many words are all told, of more the nearest
+_FEW = 6  # so many words are all shown, of more the nearest
 
 
 def named(text: str) -> list[str]:
@@ -87,7 +87,7 @@ def listing() -> str:
     for row in CATALOGUE.values():
         try:
             place = place_in_cache(row.name)
-            places.add(f"built FMUs lie in {place.parent}")
+            places.add(f"built FMUs are in {place.parent}")
             built = "built" if is_ours(place) else "-"
         except BuildError as error:
             places.add(f"nothing can be built: {error}")

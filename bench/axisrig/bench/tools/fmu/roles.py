@@ -23,7 +23,7 @@ _MARKS = ("", " (lead_mm)", " (threshold)", " (unit)")
 
 
 def role_findings(slave: FmuSlave) -> Iterator[Finding]:
-    """Tell for every kind of plant whether the FMU could be one, and what it would do without."""
+    """Say for every kind of plant whether the FMU could be one, and what it would do without."""
     fitting, possible = [], []
     for kind in KINDS:
         coordinates = coordinates_of(slave, kind)

@@ -43,7 +43,7 @@ def read_fmu(path: Path) -> Shown:
     try:
         description = fmpy.read_model_description(str(folder), validate=False)
         can = Capabilities.of(description) if description.coSimulation is not None else None
-    except Exception as error:  # fmpy tells what it cannot read by any Exception
+    except Exception as error:  # fmpy reports what it cannot read by any Exception
         text = str(error).partition("\n")[0] or type(error).__name__
         raise UserError(
             f"the model description is rejected: {text}",
@@ -121,7 +121,7 @@ def _platform(binary: Binary) -> str:
         text += (
             "; runs on Intel and Apple processors"
             if binary.is_universal
-            else ("; not universal: FMI 2.0 knows one folder for both processors of macOS")
+            else ("; not universal: FMI 2.0 has one folder for both processors of macOS")
         )
     return text
 
@@ -190,7 +190,7 @@ def _structure(description: ModelDescription) -> Iterator[str]:
 def _depends(unknown: Unknown) -> str:
     name = unknown.variable.name if unknown.variable is not None else "?"
     if unknown.dependencies is None:
-        return f"{name}: depends on what is not told"
+        return f"{name}: dependencies are not given"
     kinds = unknown.dependenciesKind or ["dependent"] * len(unknown.dependencies)
     told = [
         variable.name if kind == "dependent" else f"{variable.name} ({kind})"

@@ -57,7 +57,7 @@ def _step_ns(trial: Trial) -> TimeNs:
 
 
 def load(path: Path) -> Outcome:
-    """Load the library: has it all functions, and the version that the description tells?"""
+    """Load the library: has it all functions, and the version that the description gives?"""
     with _trial(path) as trial:
         slave = trial.slave
         dll, word = slave.fmpy.dll, slave.STATE_WORD
@@ -94,7 +94,7 @@ def _surroundings() -> dict[str, object]:
 
 
 def _has_plain_arithmetic() -> bool:
-    """Tell whether denormal numbers exist and sums round to nearest (IEEE 754)."""
+    """Return whether denormal numbers exist and sums round to nearest (IEEE 754)."""
     smallest, one = sys.float_info.min, float(len(sys.argv[:1]) or 1)
     return smallest / 4.0 * one > 0.0 and one + 2.0**-53 == one and one + 2.0**-52 > one
 
@@ -197,7 +197,7 @@ def reset(path: Path) -> Outcome:
             trial.reset()
             trial.start()
             again = [trial.read(), *trial.run([step_ns] * STEPS)]
-        except Exception as error:  # fmpy tells a refused reset by a plain Exception
+        except Exception as error:  # fmpy reports a refused reset by a plain Exception
             text = f"refuses: {error}"
             return Outcome([warn("reset", text, "the bench makes new instances instead")])
         difference = first_difference(first, again, trial.outputs)
@@ -303,5 +303,5 @@ def run_stage(area: str, path: Path) -> Outcome:
     except PlantError as error:
         text = f"at t = {error.time_ns / 1e6:g} ms: {error.reason}"
         return Outcome([fail(area, text, "see what the FMU says; set its start values")])
-    except Exception as error:  # fmpy tells a bad status by a plain Exception
+    except Exception as error:  # fmpy reports a bad status by a plain Exception
         return Outcome([fail(area, str(error) or type(error).__name__)])

@@ -105,7 +105,7 @@ class Trial:
             setter([variable.valueReference], [value])
 
     def reset(self) -> None:
-        """Bring the instance back to where it was instantiated."""
+        """Reset the instance to where it was instantiated."""
         self.slave.fmpy.reset()
 
     def close(self) -> None:

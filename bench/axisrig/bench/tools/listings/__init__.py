@@ -1,1 +1,1 @@
-"""What plans, rigs and this installation know, as text."""
+"""What plans, rigs and this installation contain, as text."""

@@ -1,4 +1,4 @@
-"""Alarms told to a reader: the list, one of them, and the page docs/errors.md."""
+"""Alarms as text for a reader: the list, one of them, and the page docs/errors.md."""
 
 import re
 from collections.abc import Iterable, Iterator
@@ -58,7 +58,7 @@ def alarm_listing(
         )
     lines = [f"{e.id:>6}  {e.reaction_class}  {_mark(e)}{_plain(e.text)}" for e in found]
     legend = f"ID, class, text; {len(found)} of {len(catalogue())}. (-) nothing raises it yet."
-    return "\n".join([*lines, "", legend, "axisrig errors ID tells all about one."])
+    return "\n".join([*lines, "", legend, "axisrig errors ID shows all about one."])
 
 
 def _alike(word: str, words: Iterable[str]) -> Guess:
@@ -140,7 +140,7 @@ def _with_unit(name: str) -> str:
 
 
 def _near(alarm_id: int) -> Guess:
-    """IDs that look alike or lie next to it, with what they say."""
+    """IDs that look alike or are next to it, with what they say."""
     known = catalogue()
     alike = [int(word) for word in nearest(str(alarm_id), map(str, known))]
     beside = sorted(known, key=lambda other: abs(other - alarm_id))[:2]
@@ -176,10 +176,10 @@ _PAGE_HEAD = """# Alarms
 All alarm IDs, by area, made from `kernel/axisrig/kernel/errors.csv` by
 `axisrig errors --format markdown`.
 IDs below 900000 are those of the manuals, the others are ours where no ID is documented.
-`axisrig errors 70331` tells all about one, `axisrig errors probe` finds those that have to do with
+`axisrig errors 70331` shows all about one, `axisrig errors probe` finds those that have to do with
 a probe. How to add one: [architecture.md](architecture.md), "Errors and alarms".
 
-*(later)*: nothing raises it yet, its function does not act. *(?)* behind class or text: no source
+*(later)*: nothing raises it yet, its function does not act. *(?)* after class or text: no source
 at hand says so, it is inferred. Where an ID has an older or newer twin the older one is reported,
 and a check of a plan takes either. The block that the manuals list among the values is the place
 of the alarm.

@@ -27,13 +27,13 @@ def examine() -> tuple[str, bool]:
         try:
             lines.append(f"ok    {name} {metadata.version(name)}")
         except metadata.PackageNotFoundError:
-            lines.append(f"LACKS {name}: pip install -e . brings it")
+            lines.append(f"LACKS {name}: pip install -e . installs it")
             well = False
     found, has_compiler = _compilers()
     lines += found
     well = well and has_compiler
     cache = Path(platformdirs.user_cache_dir("axisrig"))
-    lines.append(f"info  built FMUs lie in {cache / 'fmus'}")
+    lines.append(f"info  built FMUs are in {cache / 'fmus'}")
     for model in MODELS:
         try:
             lines.append(f"ok    {model}: {ensure_built(model).name}")

@@ -1,4 +1,4 @@
-"""The NC language told to a reader: words of the tables, and the page docs/nc-language.md."""
+"""The NC language as text for a reader: words of the tables, and the page docs/nc-language.md."""
 
 from collections.abc import Iterable, Sequence
 from importlib import resources
@@ -8,7 +8,7 @@ from axisrig.kernel.nc.text.errata import errata
 from axisrig.kernel.nc.text.values import RANKS
 from axisrig.kernel.nc.text.words import Keyword, commands, examples, forms, variables, words
 
-# Up to so many commands are told with their keywords
+# Up to so many commands are shown with their keywords
 _FEW = 8
 _KINDS = {
     "G": "G functions",
@@ -36,7 +36,7 @@ _EXPRESSIONS = """
 Numbers (`10`, `1.5`, `.5`, `0x1F`), texts in `"`, `TRUE` (1) and `FALSE` (0), parameters
 (`P10`, `P[expression]`), variables (`V.P.NAME[1]`), functions with their operands in `[ ]`,
 groups in `[ ]`. A constant expression is computed when the program is read. Operators, from the
-tightest to the loosest; those of one rank from left to right; a sign is worked off behind a
+tightest to the loosest; those of one rank from left to right; a sign is applied after a
 power (`-2**2` is -4):
 
 | rank | operators |
@@ -101,7 +101,7 @@ def _keyword_lines(shown: str) -> list[str]:
 
 
 def _example_lines(shown: str) -> list[str]:
-    """Tell how a word is used and which page explains it."""
+    """Say how a word is used and which page explains it."""
     if shown not in examples():
         return []
     text, page = examples()[shown]
@@ -122,7 +122,7 @@ def page() -> str:
     parts = [_HEAD, _table(("form", "meaning"), forms()), _EXPRESSIONS]
     ranks = enumerate(reversed(RANKS), start=1)
     parts.append("".join(f"| {rank} | {_code(signs)} |\n" for rank, signs in ranks))
-    parts.append("\n`OR` and `AND` stand for `||` and `&&`.\n")
+    parts.append("\n`OR` and `AND` mean `||` and `&&`.\n")
     parts += ["\n## Examples\n\n", _table(("word", "example", "explained in"), _example_rows())]
     for kind, title in _KINDS.items():
         parts += [

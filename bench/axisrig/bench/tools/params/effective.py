@@ -14,7 +14,7 @@ from axisrig.kernel.parameters.table import INDEX
 def effective_text(
     rig: Path, axis: str | None, words: Sequence[str], assignments: Sequence[str]
 ) -> str:
-    """Tell the effective values of a rig, or of one axis (`channel` for the channel).
+    """Show the effective values of a rig, or of one axis (`channel` for the channel).
 
     words: only parameters that fit them all; without any, what is set or acts.
     """
@@ -31,7 +31,7 @@ def effective_text(
 
 
 def difference_text(left: Path, right: Path) -> tuple[str, bool]:
-    """Tell what two lists or two rigs differ in, in effective values; and whether they do.
+    """Say what two lists or two rigs differ in, in effective values; and whether they do.
 
     Two lists with one axis each are compared whatever the names of the axes.
     """

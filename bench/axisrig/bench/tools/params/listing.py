@@ -35,12 +35,12 @@ has and where each value comes from, `axisrig params diff A B` what two lists or
 `axisrig params write RIG` prints its axis lists as one.
 
 A list has one name and one value in a line; `#`, `;` and ` (` begin a comment, texts with blanks
-stand in quotes, whole numbers may be hexadecimal (`0x40`), a BOOL is 0 or 1. Several axes may stand
+are in quotes, whole numbers may be hexadecimal (`0x40`), a BOOL is 0 or 1. Several axes may be
 in one list: each begins with its `kopf.achs_nr`, and `[axis.A]` of a rig takes the part whose
 `kopf.log_achs_name` is `A`. Older names set the same parameter as the present one.
 
-**Acts.** A list may hold everything below. What does not act yet is told by `axisrig check` and in
-the log of a run; in a cell `set:` of a plan it is refused
+**Acts.** A list may hold everything below. `axisrig check` and the log of a run report what does
+not act yet; in a cell `set:` of a plan it is refused
 ([decision 3](decisions/0003-inert-parameters.md)).
 
 **While unset.** Who decides while the value says that it is not set, link by link.
@@ -77,7 +77,7 @@ def _list(rows: Sequence[Parameter]) -> str:
 
 
 def explained(row: Parameter) -> str:
-    """Tell all about one parameter."""
+    """Say all about one parameter."""
     unit = UNITS.get(row.unit)
     rotary = ""
     if unit is not None and unit.rotary != unit.name:

@@ -1,6 +1,6 @@
 """How fast is the bus: frames through one segment into canopen callbacks, and PDOs through codecs.
 
-Beside ours stand python-can's `virtual` interface with canopen's notifier thread, and canopen's own
+Beside ours are python-can's `virtual` interface with canopen's notifier thread, and canopen's own
 codec, timed in turns with ours: their ratio outlives the machine it was measured on.
 """
 

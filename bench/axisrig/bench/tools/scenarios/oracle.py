@@ -21,12 +21,12 @@ INCREMENTS_MAX = 1.0
 CALM_NS = 300 * MS
 """How long after the end of the program an axis may still move."""
 REST_MM = 0.01
-"""How far it may move in the 50 ms behind that: friction lets it creep by a micrometre, while the
+"""How far it may move in the 50 ms after that: friction lets it creep by a micrometre, while the
 lowest feed goes 0.25 mm."""
 MOTOR = AXIS_OUTPUTS.index("motor_position")
 """The rate of the motor position is the next output."""
 BRAKING_NS = 30 * MS
-"""From the alarm until the set position stands: 60 mm/s at 4000 mm/s2 take 15 ms."""
+"""From the alarm until the set position is constant: 60 mm/s at 4000 mm/s2 take 15 ms."""
 
 
 class Result(StrEnum):
@@ -35,7 +35,7 @@ class Result(StrEnum):
     GOOD = "every value right, no alarm above a warning"
     ALARM = "alarm"
     WRONG = "WRONG VALUE reported as good"
-    MOVES = "axis does not stand after the alarm"
+    MOVES = "axis does not stop after the alarm"
     SLOW = "set position does not stop after the alarm"
     HANG = "program does not end"
     EXCEPTION = "exception"
@@ -87,7 +87,7 @@ class Truth:
 
 
 def judge(machine: Machine, truth: Truth) -> Judgement:
-    """Judge a run that has come to its end; the plant is stepped on to see whether it stands."""
+    """Judge a run that has come to its end; the plant is stepped on to see if it is at rest."""
     truth()
     alarms = [alarm.id for alarm in machine.channel.alarms]
     values = _values(machine)

@@ -103,7 +103,7 @@ def _why_kp(loop: Loop, law: Law, limits: tuple[float, float]) -> str:
 
 
 def _why_tn(slope_law: Law | None) -> str:
-    text = "i_tn 0: the offset adds up what kp finds, so a standing error goes away without it"
+    text = "i_tn 0: the offset adds up what kp finds, so a steady-state error goes away without it"
     if slope_law is None:
         return text
     return (

@@ -230,7 +230,7 @@ def _first_jump(values: Floats) -> int:
 
 
 def _first_shown_ns(sensor: Sequence[Sent], from_ns: TimeNs) -> TimeNs:
-    """Instant of the first sensor value that has left its place of rest, beyond its noise."""
+    """Instant of the first sensor value that has left its place of rest by more than its noise."""
     before = [sent.value for sent in sensor if sent.time_ns <= from_ns][-REST_CYCLES:]
     middle, noise = float(np.mean(before)), float(np.std(before))
     return next(

@@ -54,7 +54,7 @@ class Path:
 
     @property
     def mean_cycle(self) -> float:
-        """Centre of the answer: the delay behind a ramp, in cycles."""
+        """Centre of the answer: the delay on a ramp, in cycles."""
         return float(np.arange(len(self.impulses)) @ self.impulses / self.gain)
 
     @property
@@ -75,7 +75,7 @@ def identify(
 
     offset_mm, signal_mm: by cycles; both rest before `begin`, the first cycle in which the offset
     has moved. cycles: length of the answer. fresh: cycles whose signal counts, None for all. The
-    signal at rest tells its noise.
+    signal at rest shows its noise.
 
     The offset may depend on the signal (closed loop): its noise is then found in later offsets
     only, and what comes out is right as long as the offset cannot act in its own cycle.
@@ -98,7 +98,7 @@ def identify(
 
 
 def renewal_cycles(offset_mm: Floats, signal_mm: Floats, begin: int) -> int:
-    """Tell every how many cycles a signal is renewed, from where the offset moves it much."""
+    """Return every how many cycles a signal is renewed, from where the offset moves it much."""
     moves = np.abs(np.diff(offset_mm[begin:]))
     rows = np.flatnonzero(moves > moves.max() / 20) + begin + 1
     # What an offset moves is seen some cycles later: the changes of a block of cycles count
@@ -131,7 +131,7 @@ def _posterior(regressors: Floats, y: Floats, variance: float) -> Floats:
     """Mean of h given y, for the c and r of the greatest likelihood.
 
     An orthogonal transformation leaves noise and likelihood as they are, so the triangle of a QR
-    decomposition stands for all rows.
+    decomposition represents all rows.
     """
     length = regressors.shape[1]
     triangle = qr(np.column_stack([regressors, y]), mode="r")[0][: length + 1]

@@ -5,8 +5,8 @@ Unit of time is the NC cycle; q^-1 is a delay by one cycle. The offset o follows
     (1 - q^-1) o = kp C (w - P o),   C = 1 + (T/Tn)/(1 - q^-1) + (Tv/T)(1 - q^-1)
 
 with the set value w and the loop's feedback P as an impulse response p (FIR): what the controller
-gets to see of an offset, behind path and filter. So the loop is stable when all zeros of
-(1 - q^-1) + kp C P lie within the unit circle, and it is at its limit where L = kp C P/(1 - q^-1)
+gets to see of an offset, after path and filter. So the loop is stable when all zeros of
+(1 - q^-1) + kp C P are within the unit circle, and it is at its limit where L = kp C P/(1 - q^-1)
 passes -1 (Nyquist).
 """
 
@@ -93,7 +93,7 @@ class Loop:
         return float(self.open_loop(law, np.array([angle])).imag[0])
 
     def is_stable(self, law: Law) -> bool:
-        """Whether no zero of the characteristic polynomial lies on or outside the unit circle.
+        """Whether no zero of the characteristic polynomial is on or outside the unit circle.
 
         In q^-1 these are the zeros within it: the polynomial turns once around 0 for each while
         q^-1 runs around the circle (argument principle).

@@ -1,8 +1,8 @@
 """Runs of a rig that show how its distance control answers: at rest, and to steps.
 
 The offset is moved by SET_POS, whose loop holds only the skew of the two encoders and no drive,
-with a small kp, no filter and limits out of reach: so it is calm before anything is known of the
-drive. What the offset brings about is then a plain open path: from the offset that a cycle computes
+with a small kp, no filter and limits out of reach: so it is calm before there is data on the
+drive. What the offset causes is then a plain open path: from the offset that a cycle computes
 to the sensor value that a later cycle reads.
 """
 
@@ -54,7 +54,7 @@ _LIFT_MM_MIN = 60
 class Bench:
     """What is tuned: an axis of a rig.
 
-    variable: V.E. variable that tells the distance, None for the second encoder. changes: of
+    variable: V.E. variable that has the distance, None for the second encoder. changes: of
     `--set`.
     """
 
@@ -125,7 +125,7 @@ def choose(rig: Path, axis: str | None, variable: str | None, changes: Sequence[
 
 
 def at_rest(bench: Bench, step_mm: float, period_s: float) -> Signals:
-    """Let the axis stand with the control off, lift it by step_mm, and let it stand again."""
+    """Keep the axis at rest with the control off, lift it by step_mm, and keep it at rest again."""
     wait = f"G4 {REST_CYCLES * period_s:.6g}"
     lift = f"G1 {bench.axis}{step_mm:.6f} F{_LIFT_MM_MIN}"
     return _run(bench, {}, [wait, f"G91 {lift}", "G90", wait]).signals

@@ -22,7 +22,7 @@ _WORDS = {
 
 
 def text_of(found: Tuning) -> str:
-    """Tell everything, in lines of a terminal."""
+    """Say everything, in lines of a terminal."""
     bench = found.bench
     sensor = f"variable {bench.variable}" if bench.variable else "second encoder (60E4)"
     lines = [
@@ -57,7 +57,7 @@ def _dead_time(dead: DeadTime, distance: Path, period_s: float) -> Iterator[str]
     ms = period_s * 1e3
     when = f"{cycles_in_words(dead.reaction)} later" if dead.reaction else "in its own cycle"
     yield (
-        f"dead time     n = {cycles_in_words(dead.dead)}: an offset goes out {when} and is seen"
+        f"dead time     n = {cycles_in_words(dead.dead)}: an offset is sent {when} and is seen"
         f" {cycles_in_words(dead.way)} after that{' at the latest' if dead.renewal > 1 else ''}"
     )
     if dead.way_ns is not None:
@@ -101,7 +101,7 @@ def _law(law: Law) -> str:
 
 
 def warnings_of(found: Tuning) -> Iterator[str]:
-    """Give what the user has to know before the control is switched on."""
+    """Give what the user must read before the control is switched on."""
     law, filtered = found.configured.law, filter_in_words(found.configured)
     for mode in found.modes:
         if mode.is_stable or (mode is not found.chosen and mode.name.startswith("CONST_DIST")):
@@ -129,7 +129,7 @@ def warnings_of(found: Tuning) -> Iterator[str]:
     if misfit_mm > max(_MISFIT * found.step_mm, 2 * sigma_mm):
         yield (
             f"the answer of the axis is not linear by {misfit_mm * 1e3:.2g} um (friction, backlash,"
-            " limits of the drive): figures are rough; another --step tells how much"
+            " limits of the drive): figures are rough; another --step shows how much"
         )
     if sigma_mm and found.step_mm < 50 * sigma_mm:
         yield (

@@ -1,7 +1,7 @@
 """The drives of a rig for the master of somebody else: what `axisrig drive` does.
 
 Nodes, plants and faults of nature are those of every run; the clock is real time, or, by choice,
-the master's SYNC. The drives run until they are told to stop, whatever happens to the bus.
+the master's SYNC. The drives run until they are stopped, whatever happens to the bus.
 """
 
 import gc
@@ -43,7 +43,7 @@ from axisrig.kernel.time.clock import MS, US, Phase, S, TimeNs
 
 SLICE_NS = 2 * MS
 BEHIND_NS = 100 * MS
-"""So far may the drives be behind real time; then what is missing is given up."""
+"""So far may the drives lag real time; then what is missing is given up."""
 REOPEN_NS = S
 
 
@@ -210,8 +210,8 @@ class DriveServer:
         behind = self.scheduler.deadlines
         if behind.slips:
             self._put_out(
-                f"this computer was more than {BEHIND_NS // MS} ms behind {behind.slips} times,"
-                f" {behind.slipped_ns / MS:.0f} ms in all; the drives lived that much slower"
+                f"this computer was more than {BEHIND_NS // MS} ms late {behind.slips} times,"
+                f" {behind.slipped_ns / MS:.0f} ms in all; the drives ran slower by that"
             )
 
     def close(self) -> None:
@@ -233,7 +233,7 @@ class DriveServer:
             self.scheduler.call_at(now_ns, Phase.ARBITRATION, partial(self._trace.add, now_ns))
 
     def _mend(self, real_ns: TimeNs) -> None:
-        """Tell of interfaces that are lost, and try once per second to open them again."""
+        """Report interfaces that are lost, and try once per second to open them again."""
         for name, segment in self.segments.items():
             assert isinstance(segment, OutsideSegment)
             if segment.lost is None:

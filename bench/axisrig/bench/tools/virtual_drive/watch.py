@@ -1,4 +1,4 @@
-"""Tells what a master outside does to the drives of a rig, one line for each thing that happens.
+"""Reports what a master outside does to the drives of a rig, one line for each thing that happens.
 
 It looks at every frame and at the nodes after it; it changes nothing. Lines go to `put_out`, and
 to `events.csv` and `latches.csv` where a folder is given.
@@ -117,7 +117,7 @@ class Watcher:
             self.tell(time_ns, name, "SDO", f"abort of {what} with {text}")
 
     def look(self, time_ns: TimeNs) -> None:
-        """Tell what has changed in the nodes since the last look."""
+        """Report what has changed in the nodes since the last look."""
         for name, node in self._nodes.items():
             seen, now = self._seen[name], self._look_at(node)
             if now == seen:

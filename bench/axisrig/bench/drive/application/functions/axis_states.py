@@ -46,7 +46,7 @@ class AxisEvent(Enum):
     ENABLE = auto()
     """Transition 4 or 16, or a stop is called off."""
     READY = auto()
-    """The mode may have the axis: it stands, or the mode takes it over as it moves."""
+    """The mode may have the axis: it is at standstill, or the mode takes it over as it moves."""
 
 
 def _read() -> dict[tuple[AxisState, AxisEvent], AxisState]:

@@ -11,7 +11,7 @@ class Method(NamedTuple):
 
     switch: "negative", "positive", "home", "stop" or "none". search: direction in which the switch
     or stop is looked for (speed 6099:1). approach: direction in which its edge is passed, then the
-    zero pulse (speed 6099:2); 0 = no way to go. level: of the switch behind that edge.
+    zero pulse (speed 6099:2); 0 = no way to go. level: of the switch after that edge.
     zero_pulse: home is the first one after the edge, else the edge. reverses: the search turns
     round once at a limit switch. home: where home is, in words.
     """

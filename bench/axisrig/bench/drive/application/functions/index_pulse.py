@@ -1,6 +1,6 @@
 """The zero pulse of a motor encoder: one mark in every revolution.
 
-The pulse is one increment wide and stands at `angle` + k revolutions. Its instants are found on
+The pulse is one increment wide and is at `angle` + k revolutions. Its instants are found on
 the motion that the plant recorded, not on the samples of a SYNC.
 """
 
@@ -16,7 +16,7 @@ LOOK_NS = 62_500
 
 
 class IndexEdge(NamedTuple):
-    """An edge of the pulse: first instant behind it, new level, place of the mark's side (m)."""
+    """An edge of the pulse: first instant after it, new level, place of the mark's side (m)."""
 
     time_ns: TimeNs
     level: bool
@@ -61,7 +61,7 @@ class IndexPulse:
     ) -> list[IndexEdge]:
         """Find the sides passed on a way of one direction.
 
-        A place belongs to what lies above it: going up it is passed when it is reached, going down
+        A place belongs to what is above it: going up it is passed when it is reached, going down
         when it is left.
         """
         upwards = end_m > begin_m
@@ -81,7 +81,7 @@ class IndexPulse:
     def _instant_ns(
         self, place_m: float, upwards: bool, begin_ns: TimeNs, end_ns: TimeNs
     ) -> TimeNs:
-        """Return the first nanosecond at which the motion is behind a place (bisection)."""
+        """Return the first nanosecond at which the motion is past a place (bisection)."""
         while end_ns - begin_ns > 1:
             middle_ns = (begin_ns + end_ns) // 2
             position_m = self._position_m_at(middle_ns)

@@ -10,7 +10,7 @@ from axisrig.kernel.time.clock import TimeNs
 
 
 class InputEdge(NamedTuple):
-    """An edge that came through: at the terminal, behind the circuit, and the new level."""
+    """An edge that came through: at the terminal, after the circuit, and the new level."""
 
     edge_ns: TimeNs
     latch_ns: TimeNs
@@ -18,7 +18,7 @@ class InputEdge(NamedTuple):
 
 
 class InputCircuit:
-    """A digital input behind delay, jitter, filter and least pulse width of the drive profile.
+    """A digital input after delay, jitter, filter and least pulse width of the drive profile.
 
     `level` is what the drive sees. An edge is latched `delay + jitter + filter` after it came. A
     pulse shorter than the filter or the least pulse width changes nothing. seed: of the jitter.
@@ -29,7 +29,7 @@ class InputCircuit:
         self._shortest_ns = max(profile.input_filter_ns, profile.min_pulse_ns)
         self._delay_ns = profile.input_delay_ns + profile.input_filter_ns
         self._wait_ns = max(self._delay_ns, profile.min_pulse_ns)
-        # A drive that interpolates knows the position when the sample after it has come
+        # A drive that interpolates has the position when the sample after it has come
         self._grid_ns = profile.grid_ns if profile.latch_mode == "linear" else 0
         self._jitter_ns = profile.input_jitter_ns
         self._random = random.Random(seed)
@@ -68,7 +68,7 @@ class InputCircuit:
         return out
 
     def _known_ns(self, edge_ns: TimeNs, latch_ns: TimeNs) -> TimeNs:
-        """Return when the drive knows that an edge counts and where it was."""
+        """Return when the drive decides that an edge counts and where it was."""
         known_ns = max(latch_ns, edge_ns + self._wait_ns)
         if self._grid_ns:
             known_ns = max(known_ns, -(-latch_ns // self._grid_ns) * self._grid_ns)

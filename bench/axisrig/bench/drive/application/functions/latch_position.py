@@ -25,7 +25,7 @@ class LatchPosition:
         self._units_at = units_at
 
     def instant_ns(self, latch_ns: TimeNs) -> TimeNs:
-        """Return the instant that the stored position stands for."""
+        """Return the instant that the stored position belongs to."""
         wanted_ns = max(0, latch_ns - self._compensation_ns)
         return wanted_ns - wanted_ns % self._grid_ns if self._mode == "sampled" else wanted_ns
 

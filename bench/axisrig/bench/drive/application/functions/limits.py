@@ -14,9 +14,9 @@ REACHED = 0.99  # share of a torque limit from which on it counts as reached
 
 
 class Limits:
-    """The limits as they stand in the objects, in SI units; `update` reads them again.
+    """The limits as they are in the objects, in SI units; `update` reads them again.
 
-    low_m, high_m: where a position demand may lie. speed_m_s: 6080. profile_m_s: the least of 6080
+    low_m, high_m: where a position demand may be. speed_m_s: 6080. profile_m_s: the least of 6080
     and 607F. negative, positive: torque in per mille of 6076, the least of 6072 and 60E1 or 60E0;
     homing_torque: a further limit while homing presses against a stop, None = none. blocked:
     directions whose limit switch is on, bit 0 negative, bit 1 positive.
@@ -60,7 +60,7 @@ class Limits:
         self.blocked = 0
 
     def block(self, word: int, position_m: float) -> None:
-        """Allow no motion beyond a place in the directions whose limit switch is on.
+        """Allow no motion past a place in the directions whose limit switch is on.
 
         A direction that is blocked already keeps its place.
         """
@@ -75,7 +75,7 @@ class Limits:
         self.update()
 
     def rates_m_s2(self) -> tuple[float, float]:
-        """Return acceleration and deceleration of a profile; 0, that only a PDO brings, is 1."""
+        """Return acceleration and deceleration of a profile; 0, that only a PDO can write, is 1."""
         image = self._image
         return (
             self._units.metres(max(1, min(image.profile_acceleration, image.max_acceleration))),
@@ -126,7 +126,7 @@ class Limits:
             self._axis.limit_force(negative * scale, positive * scale)
 
     def torque_per_mille(self) -> int:
-        """Return the actual torque in per mille of the rated one; 0 where it is not told."""
+        """Return the actual torque in per mille of the rated one; 0 where the plant gives none."""
         force_n = self._axis.force_n()
         if force_n is None:
             return 0

@@ -1,4 +1,4 @@
-"""What the axis is told: one loop at a time, or no power at all."""
+"""What the axis follows: one loop at a time, or no power at all."""
 
 from axisrig.bench.drive.application.functions.ports import AxisPort, ControlKind
 from axisrig.kernel.time.clock import S, TimeNs
@@ -19,11 +19,11 @@ class Motion:
 
     @property
     def controls_velocity(self) -> bool:
-        """Whether the plant can be told a velocity."""
+        """Whether the plant takes a velocity."""
         return VELOCITY in self.axis.kinds
 
     def off(self, now_ns: TimeNs) -> None:
-        """Take the power away; the demand lies where the axis is."""
+        """Take the power away; the demand is where the axis is."""
         self.kind = None
         self.axis.command(now_ns, self.axis.motor_position_m(), 0.0, now_ns, False)
 
@@ -62,7 +62,7 @@ class Motion:
     def velocity_m_s(self, now_ns: TimeNs) -> float:
         """Return the velocity of the demand now; the actual one where none is followed.
 
-        A position demand whose end lies less than one period back counts as moving: its next
+        A position demand whose end is less than one period ago counts as moving: its next
         piece is about to come.
         """
         if self.kind is POSITION:

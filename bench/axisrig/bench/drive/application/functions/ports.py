@@ -1,4 +1,4 @@
-"""What a drive node needs of the world behind it: one axis and its switching signals."""
+"""What a drive node needs of its plant: one axis and its switching signals."""
 
 from collections.abc import Sequence
 from typing import Protocol
@@ -27,7 +27,7 @@ class AxisPort(Protocol):
         ...
 
     def advance_to(self, time_ns: TimeNs) -> None:
-        """Bring the plant to `time_ns`; nothing happens when it is there already."""
+        """Step the plant to `time_ns`; nothing happens when it is there already."""
         ...
 
     def command(
@@ -69,7 +69,7 @@ class AxisPort(Protocol):
         ...
 
     def force_n(self) -> float | None:
-        """Return the motor force now; None: the plant does not tell it."""
+        """Return the motor force now; None: the plant does not give it."""
         ...
 
     def second_encoder_m(self) -> float | None:

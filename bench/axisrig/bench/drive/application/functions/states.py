@@ -1,6 +1,6 @@
 """Finite state automaton of the drive: which transition a controlword asks for, what follows it.
 
-Source: CiA 402-2, finite state automaton; the option codes stand in `option_codes.csv`.
+Source: CiA 402-2, finite state automaton; the option codes are in `option_codes.csv`.
 """
 
 import csv
@@ -24,7 +24,7 @@ class Reaction(Enum):
 
 
 class Option(NamedTuple):
-    """A row of `option_codes.csv`. then: the state once the axis stands."""
+    """A row of `option_codes.csv`. then: the state once the axis is at standstill."""
 
     reaction: Reaction
     then: State
@@ -55,10 +55,10 @@ _BRAKED = {DISABLE_OPERATION, SHUTDOWN}
 
 
 class StateMachine:
-    """The state and the transitions that wait until the axis stands.
+    """The state and the transitions that wait for standstill.
 
     waiting: transition 5 or 8 whose ramp runs, None = none; the state is still OPERATION_ENABLED.
-    option: of the quick stop or fault reaction that runs. on_change: told each new state.
+    option: of the quick stop or fault reaction that runs. on_change: called with each new state.
     """
 
     def __init__(self, image: ProcessImage) -> None:
@@ -86,7 +86,7 @@ class StateMachine:
 
         Of two that follow each other (3 and 4 by one word) the last one is returned.
         A transition that brakes first stays `waiting` and is carried out by `arrive`; a
-        controlword that asks for operation again calls it off, which is told as transition 4.
+        controlword that asks for operation again calls it off, which is reported as transition 4.
         """
         word = self._image.controlword
         target, number = transition(self.state, word, self._controlword)
@@ -111,7 +111,7 @@ class StateMachine:
         return self._enable_at_once(word) or number
 
     def _enable_at_once(self, word: int) -> int | None:
-        """Take transition 4 behind 3 where one word asks for both."""
+        """Take transition 4 after 3 where one word asks for both."""
         if self.state is not State.SWITCHED_ON:
             return None
         target, number = transition(self.state, word, word)

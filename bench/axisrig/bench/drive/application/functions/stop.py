@@ -1,6 +1,6 @@
-"""Bringing an axis to rest: ramps, braking with the torque limits, and knowing that it stands."""
+"""Stopping an axis: ramps, braking with the torque limits, and detecting standstill."""
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.limits import Limits
 from axisrig.bench.drive.application.functions.motion import POSITION, Motion
 from axisrig.bench.drive.application.functions.ramp import Course, to_velocity
@@ -14,14 +14,14 @@ LONGEST_NS = 1 * S
 
 
 class Standstill:
-    """Whether the axis stands: |606C| below 606F for the time 6070."""
+    """Whether the axis is at standstill: |606C| below 606F for the time 6070."""
 
     def __init__(self, image: ProcessImage, units: Units, motion: Motion) -> None:
         self._image, self._units, self._motion = image, units, motion
-        self._slow = Held()
+        self._slow = HoldTime()
 
     def begin(self) -> None:
-        """Forget since when it stands."""
+        """Forget since when it is at standstill."""
         self._slow.since_ns = None
 
     def holds(self, now_ns: TimeNs) -> bool:
@@ -32,10 +32,10 @@ class Standstill:
 
 
 class Stop:
-    """A reaction that brings the axis to rest and holds it there.
+    """A reaction that stops the axis and holds it there.
 
-    A plant that can be told a velocity brakes from the actual velocity; one that takes positions
-    only, from the demand. is_done: the ramp has ended and the axis stands.
+    A plant that takes a velocity brakes from the actual velocity; one that takes positions
+    only, from the demand. is_done: the ramp has ended and the axis is at standstill.
     """
 
     def __init__(

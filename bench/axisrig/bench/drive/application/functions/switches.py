@@ -1,4 +1,4 @@
-"""Limit and home switches of a drive, behind the circuits of its digital inputs."""
+"""Limit and home switches of a drive, after the circuits of its digital inputs."""
 
 from collections.abc import Mapping
 from typing import Final
@@ -42,7 +42,7 @@ class Switches:
                 self.word &= ~(1 << bit)
 
     def is_on(self, name: str) -> bool:
-        """Tell whether a switch is on."""
+        """Return whether a switch is on."""
         return bool(self.word >> SWITCHES.index(name) & 1)
 
     @property
@@ -51,7 +51,7 @@ class Switches:
         return self.word & 0b11
 
     def limit(self, direction: float) -> bool:
-        """Tell whether the limit switch of a direction is on; False for no direction."""
+        """Return whether the limit switch of a direction is on; False for no direction."""
         if direction > 0:
             return bool(self.word & 0b10)
         return direction < 0 and bool(self.word & 0b01)

@@ -1,7 +1,7 @@
 """Touch probe unit of a drive: the function word 60B8, the status word 60B9, two probes.
 
 An edge of the source of a probe latches the position of an encoder. Sources are the two inputs
-(behind their circuits) and the zero pulse of the motor encoder. Source: CiA 402-2, objects 60B8 to
+(after their circuits) and the zero pulse of the motor encoder. Source: CiA 402-2, objects 60B8 to
 60BD and 60D0 to 60D8; the vendors' habits are those of docs/touch-probe.md.
 """
 
@@ -61,7 +61,7 @@ class Probe:
 
     source: what triggers it, as 60D0 numbers the sources; None while it is off.
     latch_instants_ns: whose positions were stored, oldest first; for the observer of a run, no
-    object of the bus tells them.
+    object of the bus gives them.
     """
 
     def __init__(self, number: int, profile: DriveProfile, encoders: Encoders) -> None:
@@ -180,7 +180,7 @@ class Probe:
 
 
 class TouchProbe:
-    """Both probes of a drive behind the function word 60B8 and the status word 60B9.
+    """Both probes of a drive, by the function word 60B8 and the status word 60B9.
 
     signals: wired to input 1 and 2. image: where sources are read and latches are written.
     index: the zero pulses by their number in 60D0. seed: of the jitter of the inputs.
@@ -307,7 +307,7 @@ class TouchProbe:
         )
 
     def homing(self, is_active: bool, now_ns: TimeNs) -> None:
-        """Tell that homing begins or ends; what it does to the probes is a habit of the drive.
+        """Report that homing begins or ends; what it does to the probes is a habit of the drive.
 
         A probe that homing switched off is armed again by a new function word only.
         """
@@ -335,7 +335,7 @@ class TouchProbe:
 
     @property
     def inputs(self) -> int:
-        """The levels behind the input circuits: bit 0 input 1, bit 1 input 2."""
+        """The levels after the input circuits: bit 0 input 1, bit 1 input 2."""
         return self.circuits[0].level | self.circuits[1].level << 1
 
     def _latched(self) -> tuple[int, ...]:

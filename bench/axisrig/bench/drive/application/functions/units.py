@@ -11,7 +11,7 @@ U32_MAX = 0xFFFF_FFFF
 class Units:
     """Metres to position units of the bus and back.
 
-    The encoder quantises first (increments), then comes the position factor. A position beyond 32
+    The encoder quantises first (increments), then comes the position factor. A position outside 32
     bits wraps as the object does. origin_units: added to every position, what homing sets;
     home_units: the position at the machine home position (0 before homing). is_homed: homing has
     found it, under the present scaling.
@@ -67,14 +67,14 @@ class Units:
         self._units_per_m = units_per_m
 
     def position_units(self, position_m: float) -> int:
-        """Return a position as the encoder and the bus tell it."""
+        """Return a position as the encoder and the bus give it."""
         units = round(position_m * self.increments_per_m)
         if self._factor is not None:
             units = round(units * self._factor)
         return (units + self.origin_units + 0x8000_0000 & 0xFFFF_FFFF) - 0x8000_0000
 
     def second_units(self, position_m: float) -> int:
-        """Return what the second encoder tells: with 60E6 and 60EB in the place of 608F."""
+        """Return the value of the second encoder: with 60E6 and 60EB in the place of 608F."""
         units = round(self.increments(position_m) * self._second_factor)
         return (units + 0x8000_0000 & U32_MAX) - 0x8000_0000
 
@@ -83,7 +83,7 @@ class Units:
         return (round(position_m * self.increments_per_m) + 0x8000_0000 & U32_MAX) - 0x8000_0000
 
     def position_m(self, units: float) -> float:
-        """Return the position that position units of the bus stand for."""
+        """Return the position that position units of the bus mean."""
         return (units - self.origin_units) / self._units_per_m
 
     def velocity_units_s(self, velocity_m_s: float) -> int:

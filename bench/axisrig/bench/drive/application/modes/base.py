@@ -21,7 +21,7 @@ class Parts:
     """The parts of a drive that a mode works with.
 
     set_home: makes a place (m) the machine home position. homing_torque: in per mille, with
-    which homing presses against a stop; homing_stop_ms: for how long it must stand there.
+    which homing presses against a stop; homing_stop_ms: for how long it must be at rest there.
     """
 
     image: ProcessImage
@@ -47,7 +47,7 @@ class Parts:
 
 
 class Mode:
-    """A mode of operation; `begin` and `end` lie around its time, ticks and SYNCs in it.
+    """A mode of operation; `begin` and `end` are around its time, ticks and SYNCs in it.
 
     number: its value of 6060; it has bit number - 1 of 6502. needs: the control that the plant
     must offer. follows_position: whether there is a following error to monitor. limits_speed:

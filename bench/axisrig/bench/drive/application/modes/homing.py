@@ -1,13 +1,13 @@
 """Mode 6, homing: a switch, a stop, the zero pulse or the place itself becomes the reference.
 
 One engine carries out every row of `homing_methods.csv`. Switches are looked at in each tick of
-the drive, so that an edge is known to speed times tick (plus the delay of the input); the zero
-pulse is known to the increment. Source: CiA 402-2, homing mode.
+the drive, so that an edge is exact to speed times tick (plus the delay of the input); the zero
+pulse is exact to the increment. Source: CiA 402-2, homing mode.
 """
 
 from enum import Enum, auto
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.homing_methods import METHODS
 from axisrig.bench.drive.application.functions.limits import PER_MILLE
 from axisrig.bench.drive.application.functions.ramp import to_velocity
@@ -54,7 +54,7 @@ class Homing(Mode):
         self._direction = 0
         self._attained = self._error = self._rests = self._reversed = False
         self._bit = self._was_on = False
-        self._blocked = Held()
+        self._blocked = HoldTime()
         self._looked_ns: TimeNs = 0
 
     def begin(self, now_ns: TimeNs) -> None:
@@ -190,7 +190,7 @@ class Homing(Mode):
         return switch not in ("none", "stop") and self.parts.switches.is_on(switch)
 
     def _meets_limit(self, now_ns: TimeNs) -> bool:
-        """Turn round or give up at a limit switch that is in the way; tell whether."""
+        """Turn round or give up at a limit switch that is in the way; return whether."""
         switches, method = self.parts.switches, self._method
         is_own = self._step is Step.SEARCH and method.switch in (NEGATIVE, POSITIVE)
         if switches.is_on(NEGATIVE) and switches.is_on(POSITIVE):
@@ -206,7 +206,7 @@ class Homing(Mode):
         return True
 
     def _is_blocked(self, now_ns: TimeNs) -> bool:
-        """Take a standing axis that should move for the stop, or for an error; tell whether."""
+        """Take an axis at rest that should move for the stop, or for an error; return whether."""
         parts = self.parts
         wanted = abs(self._generator.on_course(now_ns)[1])
         is_slow = abs(parts.motion.axis.motor_velocity_m_s()) <= STALLED * wanted

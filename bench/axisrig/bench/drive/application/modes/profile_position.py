@@ -5,7 +5,7 @@ Source: CiA 402-2, pp; handshake of bit 4 of the controlword with bit 12 of the 
 
 from dataclasses import dataclass
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.ramp import Course, to_point, to_velocity
 from axisrig.bench.drive.application.functions.units import U32_MAX
 from axisrig.bench.drive.application.modes.base import Mode, Parts
@@ -18,7 +18,7 @@ NEW_SET_POINT, AT_ONCE, RELATIVE = 1 << 4, 1 << 5, 1 << 6  # bits of the control
 
 @dataclass(frozen=True, slots=True)
 class SetPoint:
-    """A target with the profile that stood in the objects when it was given (SI units)."""
+    """A target with the profile that was in the objects when it was given (SI units)."""
 
     end_m: float
     speed_m_s: float
@@ -40,7 +40,7 @@ class ProfilePosition(Mode):
     def __init__(self, parts: Parts) -> None:
         super().__init__(parts)
         self._generator = Generator(parts)
-        self._in_window = Held()
+        self._in_window = HoldTime()
         self._next: SetPoint | None = None
         self._active = SetPoint(0.0, 0.0, (1.0, 1.0), 0, False)
         self._bit = self._acknowledged = self._reached = False
@@ -100,7 +100,7 @@ class ProfilePosition(Mode):
     def _run(self, now_ns: TimeNs, course: Course) -> None:
         self._generator.start(now_ns, course)
         self._generator.go_on(now_ns)
-        self._in_window = Held()
+        self._in_window = HoldTime()
         self.is_limited = self._active.is_limited
         self._look(now_ns)
 

@@ -5,7 +5,7 @@ Source: CiA 402-2, pv; the drive leads its position demand, so that a steady lag
 
 import math
 
-from axisrig.bench.drive.application.functions.held import Held
+from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.ramp import Course, to_point, to_velocity
 from axisrig.bench.drive.application.modes.base import Mode, Parts
 from axisrig.bench.drive.application.modes.generator import Generator
@@ -23,14 +23,14 @@ class ProfileVelocity(Mode):
         self.needs_ticks = True
         self._generator = Generator(parts)
         self._planned: tuple[object, ...] = ()
-        self._in_window = Held()
+        self._in_window = HoldTime()
         self._reached = self._stands = False
 
     def begin(self, now_ns: TimeNs) -> None:
         """Go on with the present velocity, towards the target."""
         self._plan(now_ns, self._generator.present(now_ns))
         self._generator.go_on(now_ns)
-        self._in_window = Held()
+        self._in_window = HoldTime()
         self.parts.standstill.begin()
         self._look(now_ns)
 

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from functools import partial
 
 from axisrig.bench.bus.controller import Controller, Request
+from axisrig.bench.bus.error_counts import further_attempt
 from axisrig.bench.bus.faults import Delay, Swap
-from axisrig.bench.bus.standing import further_attempt
 from axisrig.kernel.time.clock import Phase, TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 
-class Held:
+class DelayedRequests:
     """The requests of one segment that wait for their time, or for the next frame of their port.
 
     wake: called when one competes again. for_next: what waits for the next frame of its port.

@@ -1,4 +1,4 @@
-"""What may be unusual about a frame on the wire, and how long that takes."""
+"""What may disturb a frame on the wire, and how long that takes."""
 
 from collections.abc import Container
 from typing import NamedTuple
@@ -14,8 +14,8 @@ AFTER_ACK_BITS = 8
 """Acknowledge delimiter and end of frame."""
 
 
-class Oddity(NamedTuple):
-    """What is unusual about a frame on the wire.
+class Disturbance(NamedTuple):
+    """What disturbs a frame on the wire.
 
     is_error: an error frame cuts it short. is_late: in its last bit, when the receivers have it.
     partners: further ports that send the same bits.

@@ -5,9 +5,9 @@ from itertools import product
 import numpy as np
 import pytest
 
-from axisrig.bench.oracles.distance.held import held_growth, held_limit
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.model import first_order_drive
+from axisrig.bench.oracles.distance.sample_hold import held_growth, held_limit
 from axisrig.bench.oracles.distance.smoothing import cascade, exponential, moving_average, none
 
 MS = 1_000_000

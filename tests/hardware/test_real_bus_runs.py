@@ -145,7 +145,7 @@ def test_a_drive_outside_needs_a_real_bus(place: Path, axisrig: Call) -> None:
     rig.write_text(text, encoding="utf-8")
     code, _, err = axisrig("check", "rigs/probe-z.toml")
     assert code == 2
-    assert "axis Z cannot stand outside: segment can1 is simulated" in err
+    assert "axis Z cannot have a real drive: segment can1 is simulated" in err
 
 
 def test_drives_need_a_real_bus_too(place: Path, axisrig: Call) -> None:

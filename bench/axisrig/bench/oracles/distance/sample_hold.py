@@ -1,8 +1,8 @@
-"""Stability of a loop whose sensor value comes with every N-th SYNC only and stands in between.
+"""Stability of a loop whose sensor value comes with every N-th SYNC only and is held in between.
 
 Such a loop changes its law from cycle to cycle, so that it has no characteristic polynomial; its
 cycles over one period of N are multiplied (Floquet): what is left of the state after N cycles is
-M x, and the loop is stable when no eigenvalue of M lies on or outside the unit circle. The law of
+M x, and the loop is stable when no eigenvalue of M is on or outside the unit circle. The law of
 each cycle is that of `loop`.
 """
 

@@ -1,4 +1,4 @@
-"""How the controllers of one segment stand: error counts, error states, the way from bus-off."""
+"""Error counts and error states of the controllers of one segment, and recovery from bus-off."""
 
 from collections.abc import Container, Sequence
 
@@ -9,12 +9,12 @@ from axisrig.kernel.time.clock import TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
 
-class Standing:
+class ErrorCounts:
     """Counts errors and successes of the controllers that take part, and acts on changes of state.
 
     automatic_recovery: a controller that is bus-off begins its recovery by itself.
-    is_disturbed: whether any error count may differ from 0; while it is False nothing need be told
-    of frames that get through. changes: (time, port name, new state).
+    is_disturbed: whether any error count may differ from 0; while it is False frames that get
+    through need no call. changes: (time, port name, new state).
     """
 
     def __init__(self, bitrate: int, scheduler: Scheduler, *, automatic_recovery: bool) -> None:
@@ -43,7 +43,7 @@ class Standing:
             elif port.port_name not in missed:
                 port.errors.received()
         self.is_disturbed = any(port.tec or port.rec for port in live)
-        self.tell(live)
+        self.report_changes(live)
 
     def frame_failed(
         self,
@@ -62,7 +62,7 @@ class Standing:
                 is_first = seen_by is not None and port.port_name in seen_by
                 port.errors.receive_failed(is_primary=is_first)
         self.is_disturbed = True
-        self.tell(live)
+        self.report_changes(live)
 
     def fail(self, port: Controller, request: Request, *, is_unacknowledged: bool = False) -> None:
         """Count a failed attempt of `port` and let the request compete again."""
@@ -70,7 +70,7 @@ class Standing:
         port.put_back(further_attempt(request))
         self.is_disturbed = True
 
-    def tell(self, ports: Sequence[Controller]) -> None:
+    def report_changes(self, ports: Sequence[Controller]) -> None:
         """Act on changes of error states."""
         for port in ports:
             port.update_state()
@@ -84,7 +84,7 @@ class Standing:
 
     def _recovered(self, port: Controller) -> None:
         port.errors.reset()
-        self.tell((port,))
+        self.report_changes((port,))
 
 
 def further_attempt(request: Request) -> Request:

@@ -3,7 +3,7 @@
 from axisrig.kernel.time.clock import MS, TimeNs
 
 
-class Held:
+class HoldTime:
     """A condition and since when it holds. since_ns: None = it does not."""
 
     __slots__ = ("since_ns",)
