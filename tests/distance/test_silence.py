@@ -1,4 +1,4 @@
-"""A sensor that has been silent for too long: the offset stands from that cycle on."""
+"""A sensor that has been silent for too long: the offset is held from that cycle on."""
 
 from collections.abc import Callable
 from typing import Any

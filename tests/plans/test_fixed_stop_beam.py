@@ -90,7 +90,7 @@ def _place_mm(row: dict[str, str], axis: str) -> float:
 
 
 def _beyond_s(row: dict[str, str]) -> float:
-    """From the contact to the lag beyond its limit."""
+    """From the contact to the lag above its limit."""
     v = _speed_mm_s(row)
     return (LAG_MM - v / START["kv"] + _ahead_mm(row)) / v
 

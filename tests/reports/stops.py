@@ -206,7 +206,7 @@ def _marks(sample: Sample) -> list[dict[str, Any]]:
         stands = at + 10 * MS
         rows += [
             _mark("detected", "stop detected", cycle(at), axis=decided, form=form),
-            _mark("stands", "set values stand", cycle(stands), form=stands if oracle else None),
+            _mark("stands", "set values at rest", cycle(stands), form=stands if oracle else None),
             _mark("relax_begin", "relaxing motion begins", cycle(stands) + MS),
             _mark("relax_end", "relaxing motion ends", cycle(stands) + RELAX),
         ]

@@ -41,7 +41,7 @@ def happened(name: str) -> dict[str, str]:
     [
         ("surface-with-freeze", "follows the surface"),
         ("profile", "keeps the distance"),
-        ("oscillates", "beyond the limit of stability"),
+        ("oscillates", "above the limit of stability"),
         ("dry-run", "dry run"),
         ("alarm", "ended by ID 70331"),
     ],
@@ -54,7 +54,7 @@ def test_a_loop_beyond_its_limit_is_told_in_words() -> None:
     """A mean of 4 with one dead cycle: 2N sin^2(w/2)/sin(Nw/2), w = pi/(N + 2n), is 0.619."""
     (row,) = shown("oscillates")["laws"]
     assert row["words"].startswith(
-        "kp 1 is beyond the limit 0.619 for 1 dead cycle and mean of 4: the loop oscillates"
+        "kp 1 is above the limit 0.619 for 1 dead cycle and mean of 4: the loop oscillates"
     )
     assert (row["limit"], row["margin"], row["unstable"]) == ("0.619", "0.62", True)
     assert "the error swings by ±" in happened("oscillates")["100.0 ms"]
@@ -79,7 +79,7 @@ def test_each_part_says_who_and_what() -> None:
     told = happened("surface-with-freeze")
     assert told["100.0 ms"].startswith("ON by the PLC, SET_POS 40 mm: offset 0 mm to 0 mm, between")
     assert told["1000.0 ms"] == (
-        "FREEZE by the PLC: the offset stands at 0 mm, bit for bit;"
+        "FREEZE by the PLC: the offset is held at 0 mm, bit for bit;"
         " the sensor goes from -2 mm to -1.5 mm"
     )
     assert "to 0.5 mm" in told["1300.0 ms"]
@@ -212,7 +212,7 @@ def test_states_are_a_lane_and_have_buttons() -> None:
 def test_without_signals_the_section_still_stands() -> None:
     sample = SAMPLES["surface-with-freeze"]
     (found,) = sections(info(sample), None, "x", {})
-    assert dict(found["happened"])["1000.0 ms"] == "FREEZE by the PLC: the offset stands"
+    assert dict(found["happened"])["1000.0 ms"] == "FREEZE by the PLC: the offset is held"
     assert found["path"] == ""
 
 
@@ -258,7 +258,7 @@ def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
     assert all(a.get("aria-label") for a in page.find("svg"))
     assert len(page.find("caption")) == len(page.find("table"))
     text = " ".join(" ".join(page.text).split())
-    assert "kp 1 is beyond the limit 0.619 for 1 dead cycle and mean of 4" in text
+    assert "kp 1 is above the limit 0.619 for 1 dead cycle and mean of 4" in text
     article = first.decode().split('id="distance-oscillates"')[1].split('<div class="body">')[0]
     assert len(article) < 9_000
 

@@ -55,7 +55,7 @@ def test_the_parts_of_chapter_10_are_told(chapter_10: tuple[dict[str, Any], str,
     assert states == ["INACTIVE", "ACTIVE", "FREEZE", "ACTIVE", "TURNING_OFF", "INACTIVE"]
     assert {part["set_mm"] for part in control["stretches"]} == {None, 40.0}
     assert "ON by the program, SET_POS 40 mm: offset 0 mm to 1.5 mm" in text
-    assert "the offset stands at 1.5 mm, bit for bit; the sensor goes from 0 mm to -2 mm" in text
+    assert "the offset is held at 1.5 mm, bit for bit; the sensor goes from 0 mm to -2 mm" in text
     assert "The sensor value is 0 at a gap of 2 mm (REF)." in text
     assert "OFF by the program: -0.5 mm run out" in text
 
@@ -119,7 +119,7 @@ def test_a_loop_beyond_its_limit_says_so(tmp_path: Path) -> None:
     control, text = run(plan, tmp_path / "out")
     (law,) = control["laws"]
     assert law["kp_limit"] == pytest.approx(0.619, abs=5e-4)
-    assert "kp 1 is beyond the limit 0.619 for 1 dead cycle and mean of 4: the loop oscillates" in (
+    assert "kp 1 is above the limit 0.619 for 1 dead cycle and mean of 4: the loop oscillates" in (
         text
     )
     assert "the error swings by ±" in text or "ended by ID" in text

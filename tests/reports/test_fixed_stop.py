@@ -91,7 +91,7 @@ def test_a_real_stop_is_told_from_a_false_trigger_by_the_plant_alone() -> None:
     assert answers("false-trigger")["real stop"] == "no: nothing was touched"
     later = answers("contact-after-a-false-trigger")["real stop"]
     assert later == "no: contact came 9.4 ms after the detection"
-    assert answers("on-a-real-bus")["real stop"] == "not known: no plant tells a contact"
+    assert answers("on-a-real-bus")["real stop"] == "not known: no plant gives a contact"
 
 
 @pytest.mark.parametrize(
@@ -163,14 +163,14 @@ def test_the_longest_time_beyond_the_limit_is_told_not_the_last_or_the_sum() -> 
     signals = signals.set_column(place, "Z.cnc_lag_mm", pa.array(lag))
     (found,) = sections(info(sample), signals, sample.name, ALARMS)
     missing = dict(found["answers"])["what was missing"]
-    assert "largest lag 1.2 mm of 1 mm, beyond it for 40 of 200 ms" in missing
+    assert "largest lag 1.2 mm of 1 mm, above it for 40 of 200 ms" in missing
 
 
 def test_how_hard_it_pressed_and_what_was_left() -> None:
     assert answers("found-by-lag")["pressed with"] == "at most 505 N, 498.2 N at the end"
     assert answers("found-by-lag")["left after relaxing"] == "lag 0 µm, 500 N"
     assert answers("not-found")["pressed with"] == "nothing: no force at the stop"
-    assert answers("on-a-real-bus")["pressed with"] == "not known: no plant tells the force"
+    assert answers("on-a-real-bus")["pressed with"] == "not known: no plant gives the force"
     assert re.match(r"at most [\d.]+ N", answers("drive-fault")["pressed with"])
 
 

@@ -45,7 +45,7 @@
     return signals;
   }
 
-  /* ---- what stands on a plot besides the signals ---- */
+  /* ---- what is on a plot besides the signals ---- */
 
   function eventLines(events, labelled) {
     return (u) => {
@@ -234,7 +234,7 @@
           label: entry.label,
           stroke: () => css(entry.style) || css("other"),
           width: WIDTHS[entry.style] || 1.25,
-          /* A stop may stand far away: the motion gives the scale. */
+          /* A stop may be far away: the motion gives the scale. */
           auto: entry.style !== "stop",
           dash: entry.style === "set" ? [5, 3] : undefined,
           points: { show: false },

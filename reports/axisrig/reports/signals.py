@@ -46,7 +46,7 @@ class Signal:
 
 @cache
 def signals() -> Mapping[str, Signal]:
-    """Read `signals.csv`, keyed by the part of the column name behind the first point."""
+    """Read `signals.csv`, keyed by the part of the column name after the first point."""
     return {
         row["suffix"]: Signal(**{**row, "digits": int(row["digits"])})
         for row in table("signals.csv")
@@ -147,7 +147,7 @@ def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
 
 
 def _height(title: str) -> int:
-    """Of a plot whose title stands upright beside it, in px."""
+    """Of a plot whose title is upright beside it, in px."""
     return max(_PLOT_HEIGHT, _LETTER * len(title))
 
 

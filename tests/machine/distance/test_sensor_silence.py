@@ -28,7 +28,7 @@ PATIENT = "drive:servo.missing_cycles=100"
 
 
 def frozen(watched: Any, alarm_id: int = 900314) -> tuple[int, int]:
-    """Instant of the alarm and cycle of it; the offset stands from that cycle on, bit for bit."""
+    """Instant of the alarm and cycle of it; the offset is held from that cycle on, bit for bit."""
     channel = watched.channel
     assert [alarm.id for alarm in channel.alarms] == [alarm_id]
     cycle = watched.alarm_cycle()

@@ -46,8 +46,8 @@ def test_an_axis_that_does_not_turn_is_not_asked_in_degrees() -> None:
     case = next(case for case in plan.cases if case.case == "type-1")
     checks = [parse_check(metric, ">= 0", "here") for metric in ("latch_deg", "stop_torque_nm:Z")]
     deg, torque = run_case(replace(case, checks=tuple(checks)), RunFiles()).checks
-    assert (deg.value, deg.note) == (None, "axis Z is told in mm: ask latch_mm")
-    assert (torque.value, torque.note) == (None, "axis Z is told in N: ask stop_force_n")
+    assert (deg.value, deg.note) == (None, "axis Z is given in mm: ask latch_mm")
+    assert (torque.value, torque.note) == (None, "axis Z is given in N: ask stop_force_n")
 
 
 def test_trace_and_report_are_in_degrees_and_newton_metres(
@@ -67,7 +67,7 @@ def test_trace_and_report_are_in_degrees_and_newton_metres(
     with ResultsWriter(tmp_path / "out", [replace(PLAN, cases=(result.case,))], {}) as writer:
         writer.add(result)
     page = build_report(tmp_path / "out").read_text(encoding="utf-8")
-    assert "lag beyond 1.5° for 100 ms" in page
+    assert "lag above 1.5° for 100 ms" in page
     assert "47.78 N.m at the end" in page
     assert "47.78 N " not in page
     assert '"angle"' in page

@@ -103,7 +103,7 @@ def test_a_run_shows_what_the_closed_forms_say(run: Run) -> None:
     assert told["prediction"] == "contact of Z with its stop, found by lag and window"
     labels = [event.label for event in events(observed(result))]
     assert "Z: contact at the stop" in labels
-    assert "Z: lag beyond its limit" in labels
+    assert "Z: lag above its limit" in labels
     assert "SYNC that sampled the latch status" not in labels
 
 

@@ -76,7 +76,7 @@ def test_ramp(mode: str, smoothing: Smoothing, reaction: int, lag_s: float) -> N
 
 
 def test_ramp_of_the_domain_notes() -> None:
-    """10 mm/s, kp 0.2, a mean of 4, the offset stands two cycles after its cycle: 75 um."""
+    """10 mm/s, kp 0.2, a mean of 4, the offset is held two cycles after its cycle: 75 um."""
     loop = Loop(SET_POS, 1, moving_average(4))
     assert ramp_lag_mm(loop, 10.0, 0.2, PERIOD_NS) == pytest.approx(0.075)
 

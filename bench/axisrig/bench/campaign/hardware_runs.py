@@ -1,4 +1,4 @@
-"""Runs whose drives stand outside: which interface, what may not be, and who allows the motion."""
+"""Runs whose drives are real: which interface, what may not be, and who allows the motion."""
 
 import signal
 from collections.abc import Callable, Iterator, Sequence
@@ -39,7 +39,7 @@ class Outside:
 
     @property
     def says_anything(self) -> bool:
-        """Whether anything of an interface stands on the command line."""
+        """Whether the command line says anything of an interface."""
         return any((self.interface, self.channel, self.bitrate, self.options))
 
     def changes(self, segments: Sequence[str], file: Path) -> list[Assignment]:
@@ -90,7 +90,7 @@ class Outside:
 def real_cases(cases: Sequence[Case]) -> list[Settings]:
     """Return the different settings, as far as buses and drives go, of cases with a real bus.
 
-    What is wrong with a case is told by its preparation, with its place; here it is left out.
+    What is wrong with a case comes from its preparation, with its place; here it is left out.
     """
     found = []
     for rig, buses, everything in sorted({(case.rig, *_inputs(case)) for case in cases}):
@@ -156,8 +156,8 @@ def allow(rigs: Sequence[Settings], outside: Outside) -> None:
     )
     if not allowed:
         raise UserError(
-            "axes outside move only when they are told to",
-            hint="look that nobody stands in the machine, then add --yes (or hardware = true in"
+            "real axes move only when the operator allows it",
+            hint="see that nobody is in the machine, then add --yes (or hardware = true in"
             " the rig)",
         )
     outside.put_out("Ctrl-C brakes them and powers the drives down")

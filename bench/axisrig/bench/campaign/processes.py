@@ -91,7 +91,7 @@ def say(text: str) -> None:
 
 def _work(pipe: Connection, folder: Path) -> None:
     """Do what is ordered until nobody is there any more."""
-    # How it dies is told from outside, with the name of the FMU; a stack of Python tells nothing
+    # How it dies is reported from outside, with the name of the FMU; a stack of Python says nothing
     faulthandler.disable()
     # Ctrl-C reaches every process of a terminal; the one that watches ends this one
     signal.signal(signal.SIGINT, signal.SIG_IGN)

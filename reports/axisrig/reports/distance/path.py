@@ -24,7 +24,7 @@ _LINES = (
 def drawing(trace: pa.Table | None, control: Control) -> str:
     """Draw surface, tool tip and programmed path over the axis that moves most while it follows.
 
-    Empty where no other axis moves by more than 1 mm, or the plant does not tell the surface. The
+    Empty where no other axis moves by more than 1 mm, or the plant does not give the surface. The
     trace is that of the run, with the columns as recorded.
     """
     if trace is None:

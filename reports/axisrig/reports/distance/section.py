@@ -1,6 +1,6 @@
 """Distance control of a case: from its block of the findings to the page.
 
-Nothing is judged here: what the control did stands beside what closed forms say of its loop.
+Nothing is judged here: what the control did is beside what closed forms say of its loop.
 """
 
 from collections.abc import Mapping, Sequence

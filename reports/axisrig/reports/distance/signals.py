@@ -63,7 +63,7 @@ def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
 
     `filtered_mm` is a deviation from SET_POS in surface mode and a distance in the other one; true
     surface and gap come from the plant; what holds an offset has its marks. What no mode of an
-    axis needs is left out, and a sensor stands with its axis.
+    axis needs is left out, and a sensor is with its axis.
     """
     for control in controls:
         added = _added(trace, control)

@@ -31,7 +31,7 @@ def state(control: Control, alarms: Sequence[Mapping[str, Any]]) -> tuple[str, s
         return "ended", "■", f"ended by {alarms[0]['label']}"
     following = [s for s in control["stretches"] if s["state"] in FOLLOWING]
     if any(is_unstable(control["laws"][s["law"]]) and not s["is_dry_run"] for s in following):
-        return "unstable", "▲", "beyond the limit of stability"
+        return "unstable", "▲", "above the limit of stability"
     if all(s["is_dry_run"] for s in following):
         return "dry", "○", "dry run" if following else "not on"
     word = "keeps the distance" if following[-1]["state"] == DISTANCE else "follows the surface"
@@ -39,7 +39,7 @@ def state(control: Control, alarms: Sequence[Mapping[str, Any]]) -> tuple[str, s
 
 
 def is_unstable(law: Mapping[str, Any]) -> bool:
-    """Whether kp lies beyond the limit of the loop."""
+    """Whether kp is above the limit of the loop."""
     limit = law["kp_limit"]
     return limit is not None and law["kp"] >= limit
 
@@ -48,7 +48,7 @@ def is_unstable(law: Mapping[str, Any]) -> bool:
 
 
 def law_words(law: Mapping[str, Any]) -> str:
-    """Say what theory says of a loop: "kp 1 is beyond the limit 0.62 for 1 dead cycle ..."."""
+    """Say what theory says of a loop: "kp 1 is above the limit 0.62 for 1 dead cycle ..."."""
     limit = law["kp_limit"]
     if law.get("kp_limit_unknown"):
         reason = law["kp_limit_unknown"]
@@ -60,7 +60,7 @@ def law_words(law: Mapping[str, Any]) -> str:
         return f"no kp keeps this loop stable ({where}): look at the sign of the sensor"
     if is_unstable(law):
         return (
-            f"kp {law['kp']:g} is beyond the limit {limit:.3g} for {where}: the loop oscillates,"
+            f"kp {law['kp']:g} is above the limit {limit:.3g} for {where}: the loop oscillates,"
             f" growing by {100.0 * (law['growth'] - 1.0):.2g} % per cycle"
         )
     words = f"kp {law['kp']:g} is below the limit {limit:.3g} for {where}: stable"
@@ -115,7 +115,7 @@ def _part(
     if name in FOLLOWING:
         return _on(control, stretch, before, trace, offset)
     if name == "ERROR":
-        return "ERROR: the offset stands" + (f" at {_mm(offset[-1])}" if len(offset) else "")
+        return "ERROR: the offset is held" + (f" at {_mm(offset[-1])}" if len(offset) else "")
     by = _BY[stretch["by"]]
     if name == "INACTIVE":
         return _inactive(before, by)
@@ -168,9 +168,9 @@ def _inactive(before: Control | None, by: str) -> str:
 
 def _frozen(control: Control, stretch: Control, trace: pa.Table | None, offset: Signal) -> str:
     if not len(offset):
-        return "the offset stands"
+        return "the offset is held"
     moved = float(np.ptp(offset))
-    words = f"the offset stands at {_mm(offset[0])}" + (
+    words = f"the offset is held at {_mm(offset[0])}" + (
         ", bit for bit" if moved == 0.0 else f" and moves by {_mm(moved)}"
     )
     sensor = _inside(trace, f"{control['axis']}.sensor_mm", stretch)

@@ -1,1 +1,1 @@
-"""Section of the report that tells of runs to a fixed stop: timeline, signals, answers in words."""
+"""Section of the report on runs to a fixed stop: timeline, signals, answers in words."""

@@ -1,6 +1,6 @@
 """The timeline of a run to a fixed stop: from its block of the findings to the page.
 
-Nothing is judged here: measured instants stand beside those of the closed form, with its band.
+Nothing is judged here: measured instants are beside those of the closed form, with its band.
 """
 
 from collections.abc import Mapping, Sequence
@@ -191,7 +191,7 @@ def _ms(time_ns: int | None, origin: int) -> float | None:
 def _value(row: Mapping[str, Any]) -> dict[str, Any]:
     """One measured value beside the bounds of the closed form, as far as the digits shown go."""
     measured, low, high = (_rounded(row[side]) for side in ("measured", "low", "high"))
-    if low == high:  # no bounds but a value, which stands in a column of its own
+    if low == high:  # no bounds but a value, which is in a column of its own
         low = high = None
     label = row["label"] + (f" · {row['axis']}" if row["axis"] else "")
     drawn = ""

@@ -306,7 +306,7 @@ def ranges(stops: Sequence[Stop]) -> dict[str, dict[str, list[float]]]:
 
 
 def bands(stops: Sequence[Stop]) -> list[dict[str, Any]]:
-    """The closed form's bands to draw behind the signals."""
+    """The closed form's bands to draw under the signals."""
     return [
         {"axis": row["axis"], "start_ns": row["low_ns"], "end_ns": row["high_ns"]}
         for stop in stops
@@ -344,7 +344,7 @@ def windows(stops: Sequence[Stop]) -> list[dict[str, Any]]:
 
 
 def _detection(stop: Stop, detected: int) -> tuple[int, int]:
-    """From before the criteria of the deciding axis began to hold until the set value stands."""
+    """From before the criteria of the deciding axis began to hold until the set value rests."""
     decided = (stop["decided_by"] or {}).get("axis")
     tau_ns = round(_NS_PER_MS * stop["limits"].get(decided, {}).get("min_time_ms", 0.0))
     end = max(mark(stop, "stands") or detected, detected)

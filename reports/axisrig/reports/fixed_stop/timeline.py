@@ -103,7 +103,7 @@ def lane(span: Span, row: Row, name: str) -> str:
 
 
 def _mark(span: Span, at: float, kind: str) -> str:
-    """A bar at the instant; an arrow at the end of the drawing when it lies beyond."""
+    """A bar at the instant; an arrow at the end of the drawing when it is outside."""
     if span.holds(at):
         x = f"{span.x(at):.2f}%"
         return f'<line class="tl-mark k-{kind}" x1="{x}" x2="{x}" y1="4" y2="18"/>'

@@ -43,13 +43,13 @@ def _touches(stop: Stop) -> bool:
 
 
 def _broken(stop: Stop, touched: Stop) -> Mapping[str, Any]:
-    """What is told of a contact that was lost before the detection, empty when it was not."""
+    """What is said of a contact that was lost before the detection, empty when it was not."""
     told: Mapping[str, Any] = stop["broken_contacts"].get(touched["axis"], {})
     return told
 
 
 def tells_contact(stop: Stop) -> bool:
-    """Whether a plant tells a contact when there is one."""
+    """Whether a plant gives a contact when there is one."""
     told = any(row["key"] == "contact" and row["measured_ns"] for row in stop["marks"])
     return told or any("stop_force_n" in names for names in stop["signals"].values())
 
@@ -84,7 +84,7 @@ def _why(stop: Stop) -> str:
     lag, window, way = limits["lag_limit_mm"], limits["window_mm"], _way_of(stop, axis)
     told = []
     if lag is not None:
-        told.append(f"lag beyond {way(lag)} for {tau}")
+        told.append(f"lag above {way(lag)} for {tau}")
     if window is not None:
         told.append(f"moved no more than {way(window)} in {tau}")
     text = f"{axis}: " + " and ".join(told)
@@ -112,7 +112,7 @@ def _missing(stop: Stop, trace: pa.Table | None) -> list[tuple[str, str]]:
 
 
 def _short_of(limits: Mapping[str, Any], seen: Shortfall, way: Callable[[float], str]) -> str:
-    """How far one axis came; both criteria off is told as such. way: writes one of the axis."""
+    """How far one axis came; both criteria off is said as such. way: writes one of the axis."""
     lag, window, tau = limits["lag_limit_mm"], limits["window_mm"], limits["min_time_ms"]
     told = []
     if lag is not None:
@@ -120,7 +120,7 @@ def _short_of(limits: Mapping[str, Any], seen: Shortfall, way: Callable[[float],
         if seen.largest_lag_mm is not None:
             text = f"largest lag {way(seen.largest_lag_mm)} of {way(lag)}"
         if seen.beyond_ms:
-            text += f", beyond it for {seen.beyond_ms:g} of {tau:g} ms"
+            text += f", above it for {seen.beyond_ms:g} of {tau:g} ms"
         told.append(text)
     if window is not None:
         text = f"window {way(window)}"
@@ -141,7 +141,7 @@ def _real(stop: Stop) -> str:
             return f"yes: {who}was in contact"
         return _lasted(detected, touched, who, _broken(stop, touched))
     if not tells_contact(stop):
-        return "not known: no plant tells a contact"
+        return "not known: no plant gives a contact"
     later = mark(stop, "contact")
     if later is None or detected is None:
         return "no: nothing was touched"
@@ -179,7 +179,7 @@ def _pressed(stop: Stop, trace: pa.Table | None) -> str:
             texts.append((f"{axis}: " if len(stop["watched"]) > 1 else "") + ", ".join(parts))
     if texts and all(text.endswith("nothing") for text in texts):
         return "nothing: no force at the stop"
-    return "; ".join(texts) or "not known: no plant tells the force"
+    return "; ".join(texts) or "not known: no plant gives the force"
 
 
 def _left(stop: Stop, trace: pa.Table | None) -> str:

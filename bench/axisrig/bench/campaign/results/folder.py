@@ -4,7 +4,7 @@ A row in `cases.csv` says that everything else of the run is there and belongs t
 new in the folder writes its files where they belong, and its row last. A run that has results
 already writes beside them, in `.new`; when it has ended, `.new/<run>.commit` holds its rows, and
 only then the old row goes, the files change, the new rows come. A process that is killed meanwhile
-leaves the commit, and whoever opens the folder next carries it out.
+leaves the commit, and the next one who opens the folder carries it out.
 """
 
 import csv
@@ -73,10 +73,10 @@ def recover(folder: Path) -> None:
 
 
 class ResultsFolder:
-    """The rows and the files of a results folder; whoever writes holds its lock.
+    """The rows and the files of a results folder; the writer holds its lock.
 
     cases: row of `cases.csv` of each run. checks: its rows of `results.csv`. columns: those of
-    `cases.csv` beyond `CASE_COLUMNS`.
+    `cases.csv` besides `CASE_COLUMNS`.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -89,7 +89,7 @@ class ResultsFolder:
     def open(self) -> None:
         """Read the rows and bring the folder into order after a process that was killed.
 
-        What is made of the rows goes: whoever reads it would take it for that of the present call.
+        What is made of the rows goes: a reader would take it for that of the present call.
         Raises UserError when the rows are damaged.
         """
         new = self.folder / _NEW

@@ -82,7 +82,7 @@ class History:
             self._earlier[-1]["runs"] = [run for run in cases if run not in known]
 
     def replaced(self, run: str) -> bool:
-        """Take away the row of an earlier call; tell whether there was one."""
+        """Take away the row of an earlier call; say whether there was one."""
         for entry in self._earlier:
             if run in entry["runs"]:
                 entry["runs"].remove(run)

@@ -1,7 +1,7 @@
 """One campaign, one folder: a lock of the operating system on `DIR/.lock`.
 
 The lock ends with its process, however that ends. The file holds host and process id as text, for
-whoever comes second. Processes that the campaign starts do not hold it.
+the second one. Processes that the campaign starts do not hold it.
 """
 
 import os

@@ -28,7 +28,7 @@ CASE_COLUMNS = (
     *("alarms", "frame_log_sha256"),
 )
 LATER_COLUMNS = ("drive_substituted", "unproved_latches")
-"""Columns of `cases.csv` behind these that older results do not have."""
+"""Columns of `cases.csv` after these that older results do not have."""
 IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""
 

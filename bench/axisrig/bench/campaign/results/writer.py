@@ -1,4 +1,4 @@
-"""The results folder: what a run leaves behind, written so that an interruption loses nothing.
+"""The results folder: what a run leaves, written so that an interruption loses nothing.
 
     results.csv            one row per check
     cases.csv              one row per run, with every input column of the plan

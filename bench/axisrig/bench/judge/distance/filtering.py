@@ -28,7 +28,7 @@ def delay_cycles(truth: DistanceTruth) -> float:
     """Return by how many cycles the filter is late: sum of (in - out) over a step / its height.
 
     For every linear filter of gain 1 that is its group delay at frequency 0. The step: the largest
-    change of the surface between two times in which it stands. Raises NoClosedFormError.
+    change of the surface between two times in which it is at rest. Raises NoClosedFormError.
     """
     best = (0.0, 0.0)
     for stretch in active(truth):
@@ -47,9 +47,9 @@ def delay_cycles(truth: DistanceTruth) -> float:
 
 
 def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
-    """Return standard deviation behind over that before the filter, and from how many cycles.
+    """Return standard deviation after over that before the filter, and from how many cycles.
 
-    settling_cycles: left out at the begin of each time in which the surface stands. Raises
+    settling_cycles: left out at the begin of each time in which the surface is at rest. Raises
     NoClosedFormError without noise.
     """
     given_parts, out_parts = [], []
@@ -71,9 +71,9 @@ def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
 
 
 def _flats(truth: DistanceTruth, stretch: Stretch) -> list[tuple[int, int]]:
-    """Rows of a stretch in which the true distance stands, counted from its begin."""
+    """Rows of a stretch in which the true distance is constant, counted from its begin."""
     if truth.gap_true_mm is None:
-        raise NoClosedFormError("no plant tells the distance")
+        raise NoClosedFormError("no plant gives the distance")
     gap = truth.gap_true_mm[stretch.rows]
     stands = np.abs(np.diff(gap, prepend=gap[:1])) <= _EVEN_MM
     return [(begin, end) for begin, end in runs_of(stands) if end - begin >= _LENGTH_MIN]

@@ -181,7 +181,7 @@ def distance_behind_expected_um(truth: DistanceTruth) -> Observation:
 
 def _behind(truth: DistanceTruth) -> Signal:
     if truth.behind_mm is None:
-        raise NoClosedFormError("no plant tells the distance")
+        raise NoClosedFormError("no plant gives the distance")
     return truth.behind_mm
 
 
@@ -223,7 +223,7 @@ def _sines(truth: DistanceTruth) -> tuple[float, complex, complex]:
     length = stretch.end - stretch.begin
     settled = slice(stretch.begin + length // 2, stretch.end - length // 10)
     if truth.surface_mm is None:
-        raise NoClosedFormError("no plant tells the distance")
+        raise NoClosedFormError("no plant gives the distance")
     frequency, _, surface = stretches.sine_parts(truth.surface_mm[settled], truth.period_s)
     _, behind = stretches.fitted(_behind(truth)[settled], frequency, truth.period_s)
     return frequency, surface, behind
@@ -253,7 +253,7 @@ def _settling(truth: DistanceTruth, behind: Signal) -> Observation:
 
 @_of_axis
 def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
-    """How far the offset went beyond the surface it had to follow, after the largest error."""
+    """How far the offset went past the surface it had to follow, after the largest error."""
     stretch = stretches.last_active(truth)
     behind = _behind(truth)[stretch.rows]
     begin = int(np.argmax(np.abs(behind)))
@@ -263,7 +263,7 @@ def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
 
 @_of_axis
 def distance_overshoot_expected_mm(truth: DistanceTruth) -> Observation:
-    """Closed form behind plain clamps, without dead time: v^2/2a - v/K + a/2K^2."""
+    """Closed form after plain clamps, without dead time: v^2/2a - v/K + a/2K^2."""
     if np.any(truth.override[stretches.last_active(truth).rows] != 1.0):
         raise NoClosedFormError("an override of the axis scaled v_max")
     limit, control = truth.listed.limits, truth.listed.control
@@ -375,7 +375,7 @@ def distance_filter_delay_expected_cycles(truth: DistanceTruth) -> Observation:
 
 @_of_axis
 def distance_filter_noise_gain(truth: DistanceTruth) -> Observation:
-    """Standard deviation behind over that before the filter, while the surface stands."""
+    """Standard deviation after over that before the filter, while the surface is at rest."""
     settling = len(truth.smoothing.numerator) + round(6 * truth.smoothing.delay_cycles)
     gain, cycles = filtering.noise_gain(truth, settling)
     return Observation(gain, note=f"{truth.smoothing.name}; {cycles} cycles")

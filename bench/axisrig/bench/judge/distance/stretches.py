@@ -66,12 +66,12 @@ def runs_of(flags: Flags) -> list[tuple[int, int]]:
 def steady(truth: DistanceTruth) -> tuple[Stretch, float]:
     """Return where the surface rises with constant speed under the control, and that speed (mm/s).
 
-    The longest such stretch; where the surface never moves so, the longest in which it stands.
+    The longest such stretch; where the surface never moves so, the longest in which it is at rest.
     Raises NoClosedFormError.
     """
     surface = truth.surface_mm
     if surface is None:
-        raise NoClosedFormError("no plant tells the distance")
+        raise NoClosedFormError("no plant gives the distance")
     rise = np.diff(surface, prepend=surface[:1])
     best: tuple[Stretch, float] | None = None
     for stretch in active(truth):

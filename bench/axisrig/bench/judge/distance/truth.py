@@ -1,7 +1,7 @@
-"""Signals of one axis with distance control: what the plant, the bus and the kernel tell of it.
+"""Signals of one axis with distance control: what plant, bus and kernel say of it.
 
 Row k of every signal belongs to the SYNC of cycle k: the state of the plant at that SYNC and what
-the kernel made of it in the cycle behind it.
+the kernel made of it in the cycle after it.
 """
 
 from dataclasses import dataclass
@@ -31,7 +31,7 @@ Flags = npt.NDArray[np.bool_]
 
 INACTIVE, ACTIVE, FREEZE, TURNING_OFF, ACTIVE_CONST_DIST, ERROR = range(6)
 STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST", "ERROR")
-# At SYNC k the drive stands at what was sent in cycle k - 2: docs/architecture.md
+# At SYNC k the drive is at what was sent in cycle k - 2: docs/architecture.md
 DEMAND_CYCLES = 2
 
 
@@ -133,8 +133,8 @@ class DistanceTruth:
 
     @cached_property
     def zero_mm(self) -> float:
-        """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or behind REF
-        what the sensor told beside the sensor value.
+        """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or after REF
+        what the sensor gave beside the sensor value.
         """
         is_referenced = self.control.is_referenced and self.is_active.any()
         if is_referenced and self.gap_told_mm is not None:
@@ -158,7 +158,7 @@ class DistanceTruth:
 
     @cached_property
     def values(self) -> PlantValues | None:
-        """What the FMU of the axis tells beside its roles; None for a drive outside."""
+        """What the FMU of the axis gives beside its roles; None for a real drive."""
         plant = self.observed.plant_of(self.axis)
         return None if plant is None else PlantValues(plant)
 
@@ -248,7 +248,7 @@ class DistanceTruth:
     def counts_right(self) -> bool:
         """Whether the sensor value falls when the tool lifts.
 
-        60E4 tells the gap, so P-AXIS-00230 has to invert it; on a variable that does not act.
+        60E4 gives the gap, so P-AXIS-00230 has to invert it; on a variable that does not act.
         """
         return self.listed.sign == -1 if self.variable is None else self.variable.sign == -1
 

@@ -20,7 +20,7 @@ PLANT, KERNEL = "plant", "kernel"
 class Mark:
     """One row of the timeline: an instant that was measured beside that of the closed form.
 
-    key: of `_LABELS`. source: who tells the measured instant, PLANT or KERNEL. oracle_ns, low_ns,
+    key: of `_LABELS`. source: who gives the measured instant, PLANT or KERNEL. oracle_ns, low_ns,
     high_ns: of the closed form with its band, None without one. is_inside: measured in the band.
     """
 
@@ -46,10 +46,10 @@ _LABELS = {
     "begin": "path begins",
     "armed": "stop is looked for",
     "contact": "contact at the stop",
-    "beyond": "lag beyond its limit",
+    "beyond": "lag above its limit",
     "window": "position stays in its window",
     "detected": "stop detected",
-    "stands": "set values stand",
+    "stands": "set values at rest",
     "relax_begin": "relaxing motion begins",
     "relax_end": "relaxing motion ends",
     "monitoring_on": "lag monitoring on",

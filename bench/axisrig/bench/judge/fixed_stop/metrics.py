@@ -21,10 +21,10 @@ from axisrig.kernel.time.clock import MS
 STOP_METRICS: dict[str, MetricFunction] = {}
 
 NOT_FOLLOWED = (
-    "along the motion of the plant the criteria never hold; what counts as rest behind the end of"
-    " the block this oracle does not know"
+    "along the motion of the plant the criteria never hold; what counts as rest after the end of"
+    " the block is unknown to this oracle"
 )
-NO_FORCE = "the FMU of the axis tells no force at the stop (stop_force in docs/rigs.md)"
+NO_FORCE = "the FMU of the axis gives no force at the stop (stop_force in docs/rigs.md)"
 
 
 def _last_run(observed: Observed, axis: str | None) -> StopRun | str:
@@ -191,7 +191,7 @@ def latch_force_error_um(run: StopRun, truth: AxisTruth) -> Observation:
     if truth.stop_force_n is None:
         return Observation(None, note=NO_FORCE)
     if truth.stop is None or truth.stop_path is None:
-        return Observation(None, note=f"the plant tells no stop of axis {truth.name}")
+        return Observation(None, note=f"the plant gives no stop of axis {truth.name}")
     row = run.row_at(run.stop.detected_ns)
     force_n = float(truth.stop_force_n[row])
     if force_n <= 0.0:
@@ -231,7 +231,7 @@ def stop_force_end_n(run: StopRun, truth: AxisTruth) -> Observation:
 
 @_of_axis
 def command_overtravel_mm(run: StopRun, truth: AxisTruth) -> Observation:
-    """Largest distance of the demand beyond the latched position."""
+    """Largest distance of the demand past the latched position."""
     excess_mm = run.command_excess_mm(truth)
     if excess_mm is None:
         return Observation(None, note=f"no measured value of axis {truth.name}")
@@ -252,7 +252,7 @@ def relax_lag_mm(run: StopRun, truth: AxisTruth) -> Observation:
 
 @_of_axis
 def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
-    """Largest true motion while the set value stands behind the run."""
+    """Largest true motion while the set value is at rest after the run."""
     rows = _standing_rows(run, truth)
     position_mm = truth.position_mm[rows]
     away_mm = np.abs(position_mm - position_mm[0])
@@ -262,7 +262,7 @@ def after_run_motion_um(run: StopRun, truth: AxisTruth) -> Observation:
 
 @_of_every_run
 def after_run_force_n_max(run: StopRun, axis: str | None) -> Observation:
-    """Largest force at the stop while the set value stands behind a run."""
+    """Largest force at the stop while the set value is at rest after a run."""
     return _force(run, axis, lambda truth: truth.stop_force_max_n(_standing_rows(run, truth)))
 
 

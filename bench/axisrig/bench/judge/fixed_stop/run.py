@@ -53,7 +53,7 @@ class StopRun(StopRows):
             raise NoClosedFormError("the stop moves")
         pressing = self.pressing(axis)
         if truth.kv_per_s is None or pressing is None:
-            raise NoClosedFormError("the plant does not tell gain, mass and stiffness")
+            raise NoClosedFormError("the plant does not give gain, mass and stiffness")
         if not pressing.is_held:
             raise NoClosedFormError("the force limit does not overcome weight and friction")
         speed_mm_s = self._feed_mm_s(truth, contact)
@@ -80,7 +80,7 @@ class StopRun(StopRows):
         )
 
     def running_lag_mm(self, axis: str, speed_mm_s: float) -> float | None:
-        """Return e0 at a feed, None where the plant tells no gain."""
+        """Return e0 at a feed, None where the plant gives no gain."""
         truth = self.truths[axis]
         if truth.kv_per_s is None:
             return None
@@ -238,7 +238,7 @@ class StopRun(StopRows):
         known = {axis: at for axis, at in found.items() if at.time_ns is not None}
         if not known:
             notes = dict.fromkeys(at.note for at in found.values())
-            return None, timing.none("; ".join(notes) or "no plant tells the truth")
+            return None, timing.none("; ".join(notes) or "no plant gives the truth")
         first = min(known, key=lambda axis: known[axis].time_ns or 0.0)
         return first, known[first]
 
@@ -257,8 +257,8 @@ class StopRun(StopRows):
     def _armed_rows(self) -> tuple[Flags, Flags]:
         """Return the rows whose cycle judges, and those in which the interpolation does not slow.
 
-        The arming path was gone one cycle before. While the set value brakes or stands the window
-        does not count.
+        The arming path was gone one cycle before. While the set value brakes or is at rest the
+        window does not count.
         """
         count = len(self.path_mm)
         armed = np.zeros(count, dtype=bool)
@@ -275,7 +275,7 @@ class StopRun(StopRows):
 
     @property
     def followed_ns(self) -> float | None:
-        """When the first axis has its criteria along its own motion, as its cycle tells it."""
+        """When the first axis has its criteria along its own motion, as its cycle has it."""
         rows = [item.found for item in self.followed.values() if item.found is not None]
         return self.cycle_ns(min(rows)) if rows else None
 
@@ -304,7 +304,7 @@ class StopRun(StopRows):
         return "lag" if beyond_ns + lasting_ns >= window_ns else "window"
 
     def command_excess_mm(self, truth: AxisTruth) -> float | None:
-        """Return how far the demand went beyond the latched position; None without one."""
+        """Return how far the demand went past the latched position; None without one."""
         latched_mm = self.record.latched_mm.get(truth.name)
         if latched_mm is None or self.stop.detected_ns is None:
             return None

@@ -1,4 +1,4 @@
-"""What the plant tells of an axis and its stop, for the closed forms of a run to a fixed stop."""
+"""What the plant gives of an axis and its stop, for the closed forms of a run to a fixed stop."""
 
 import math
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from axisrig.bench.record.series import Signal, Times
 from axisrig.kernel.time.clock import TimeNs
 
 FAR_AWAY_MM = 100_000.0
-"""A stop as far away as this stands for none."""
+"""A stop as far away as this counts as none."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class AxisTruth:
     """One axis of a finished run. Signals have one value per row of the trace, mm, mm/s, N.
 
     zero_mm: place of the plant that the positions of the machine count from. peak_n: largest force
-    at the stop since the row before. force_n: of the motor. None where the plant does not tell it.
+    at the stop since the row before. force_n: of the motor. None where the plant does not give it.
     """
 
     name: str
@@ -50,7 +50,7 @@ class AxisTruth:
 
     @cached_property
     def values(self) -> PlantValues:
-        """What its FMU tells beside the roles."""
+        """What its FMU gives beside the roles."""
         return PlantValues(self.plant, self.record.arm_m)
 
     @cached_property
@@ -75,7 +75,7 @@ class AxisTruth:
 
     @cached_property
     def stop(self) -> Stop | None:
-        """The stop with its stiffness, None where the plant tells none."""
+        """The stop with its stiffness, None where the plant gives none."""
         stiffness, path = self.values.get("stop_stiffness"), self.stop_path
         if stiffness is None or path is None:
             return None
@@ -90,7 +90,7 @@ class AxisTruth:
 
     @cached_property
     def axis(self) -> Axis | None:
-        """What presses, None where the plant tells no mass."""
+        """What presses, None where the plant gives no mass."""
         get = self.values.number
         mass = self.values.get("effective_mass", "effective_inertia")
         if mass is None:
@@ -131,7 +131,7 @@ class AxisTruth:
         return float(path.position_mm[row]) + stop.direction * deep_mm
 
     def stop_force_max_n(self, rows: slice) -> float | None:
-        """Return the largest force at the stop in some rows, between them too where it is told."""
+        """Return the largest force at the stop in some rows, between them too where it is given."""
         told = self.stop_force_n if self.peak_n is None else self.peak_n
         return None if told is None or not len(told[rows]) else float(np.max(told[rows]))
 

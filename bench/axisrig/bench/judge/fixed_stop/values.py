@@ -29,7 +29,7 @@ _AT_MOST = "at most force limit less weight and friction, and v sqrt(k m) of wha
 class Value:
     """One value with what was expected of it.
 
-    expected, low, high: in `unit`, of the closed form; None where it tells none or no such bound.
+    expected, low, high: in `unit`, of the closed form; None where there is none or no such bound.
     note: the formula with its numbers, or why there is none.
     """
 
@@ -147,7 +147,7 @@ def _forces(run: StopRun, truth: AxisTruth) -> list[Value]:
 
 
 def _excess(run: StopRun, truth: AxisTruth) -> Value:
-    label = "way of the set value beyond the latched position"
+    label = "way of the set value past the latched position"
     measured = run.command_excess_mm(truth)
     axis, detection = run.detection
     if measured is None or detection.low_ns is None or detection.high_ns is None:

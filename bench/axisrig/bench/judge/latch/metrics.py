@@ -22,7 +22,7 @@ INSTANT_NS = 1.0
 HERMITE, ACCELERATION_JUMP_MM_S2 = 0.0162, 1000.0
 REST = "lag and v/Kv that are left at the end of the run"
 BETWEEN = "speed at the farthest cycle times half a cycle"
-NO_CONTACTS = "the FMU of the probe tells no contact (contact_count in docs/rigs.md)"
+NO_CONTACTS = "the FMU of the probe gives no contact (contact_count in docs/rigs.md)"
 
 LATCH_METRICS: dict[str, MetricFunction] = {}
 
@@ -113,7 +113,7 @@ def standstill_mm(observed: Observed, seen: Touch, axis: str) -> Observation:
 def _stand(observed: Observed, seen: Touch, axis: str) -> tuple[float, float]:
     """Return true position at the end of the run, and how far it may still go (mm).
 
-    That is the drive's lag, and v/Kv where the FMU tells the gain of its position loop.
+    That is the drive's lag, and v/Kv where the FMU gives the gain of its position loop.
     """
     index = observed.index_at(seen.end_ns)
     rest_mm = abs(float(observed.column(axis, "drive_lag_mm")[index]))
@@ -196,7 +196,7 @@ def contact_to_latch_ms(
 def contact_to_standstill_ms(
     observed: Observed, seen: Touch, contact: Contact, _axis: str
 ) -> Observation:
-    """From contact to the cycle in which the axes stand in their exact-stop windows."""
+    """From contact to the cycle in which the axes are in their exact-stop windows."""
     if seen.run.end_ns is None:
         return Observation(None, note="the measurement run did not end")
     period_ms = observed.facts.timing.period_ns / 1e6

@@ -9,7 +9,7 @@ from axisrig.bench.plan.checks import Value
 class Observation:
     """A metric's value; uncertainty in its unit; note: why there is none, or what it is made of.
 
-    is_hidden: the value stands outside, where the bench does not see it.
+    is_hidden: the value is outside of what the bench sees.
     """
 
     value: Value

@@ -170,7 +170,7 @@ class Observed:
             return "a bus is real: what happens on its wire is not seen here"
         away = [name for name in self.about(metric, axis) if self.axes[name].is_outside]
         if needs == "plant" and away:
-            return f"the drive of axis {' '.join(away)} stands outside: no plant tells the truth"
+            return f"the drive of axis {' '.join(away)} is real: no plant gives the truth"
         return ""
 
 

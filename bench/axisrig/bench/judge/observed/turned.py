@@ -34,7 +34,7 @@ def turned(observed: Observed, check: Check) -> str:
         return f"of axes {' '.join(about)} only {' '.join(rotary)} turn: name one axis"
     axes = f"axis {' '.join(about)}"
     if wants_rotary:
-        return f"{axes} is told in {known_metrics()[metric.linear].unit}: ask {metric.linear}"
+        return f"{axes} is given in {known_metrics()[metric.linear].unit}: ask {metric.linear}"
     twin = rotary_twin(metric.name)
     return f"{axes} turns" + (f": ask {twin}" if twin else f" and has no value in {metric.unit}")
 
