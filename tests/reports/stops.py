@@ -195,7 +195,7 @@ def _marks(sample: Sample) -> list[dict[str, Any]]:
     if found and "lag" in sample.criterion:
         at = sample.beyond_ns if real else sample.detected_ns - round(sample.tau_ms * MS)
         form = at if oracle else None
-        rows.append(_mark("beyond", "lag beyond the limit", cycle(at), axis=decided, form=form))
+        rows.append(_mark("beyond", "lag above the limit", cycle(at), axis=decided, form=form))
     if found and "window" in sample.criterion:
         at = sample.window_ns if real else sample.detected_ns
         form = at if oracle else None

@@ -71,7 +71,7 @@ def test_how_a_run_ended_is_the_first_thing_told(name: str, word: str) -> None:
 
 
 def test_why_here_names_axis_criteria_and_the_later_one() -> None:
-    assert answers("found-by-lag")["why here"] == "Z: lag beyond 1 mm for 100 ms"
+    assert answers("found-by-lag")["why here"] == "Z: lag above 1 mm for 100 ms"
     assert answers("found-by-window")["why here"] == "Z: moved no more than 1 µm in 100 ms"
     both = answers("found-by-both")["why here"]
     assert both.endswith("and moved no more than 1 µm in 100 ms; the lag came last")
@@ -144,7 +144,7 @@ def test_what_was_missing_shows_lag_and_way_beside_their_limits() -> None:
     assert "largest lag 0.25 mm of 1 mm" in missing
     assert "window 1 µm" in missing
     short = answers("stop-too-far-for-the-time")["what was missing"]
-    assert re.search(r"beyond it for 7\d of 200 ms", short)
+    assert re.search(r"above it for 7\d of 200 ms", short)
     assert "armed after 5 mm" in answers("never-armed")["what was missing"]
     assert answers("drive-fault")["ended by"] == (
         "Z: fault reaction active; ID 900034: Drive of axis Z is in fault"

@@ -228,8 +228,11 @@ class ResultsWriter:
 
     def _write_run(self, result: CaseResult) -> None:
         run = result.case.run
-        if result.series is not None:
-            result.series.save(self._rows.path_of("traces", run, ".parquet"))
+        trace = self._rows.path_of("traces", run, ".parquet")
+        if result.series is None:
+            trace.unlink(missing_ok=True)  # a process that died has left a part of it
+        else:
+            result.series.save(trace)
         path = self._rows.path_of("runs", run, ".json")
         with naming(path):
             text = run_text(result.facts, result.error, result.log)
