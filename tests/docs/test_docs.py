@@ -37,7 +37,9 @@ def test_tests_that_a_document_names_exist(path: Path) -> None:
 def test_files_that_a_document_names_exist(path: Path) -> None:
     lines = path.read_text("utf-8").splitlines()
     # The first column of the changelog's tables has names that are gone
-    text = "\n".join(l.partition(" | ")[2] if path.name == "CHANGELOG.md" else l for l in lines)
+    text = "\n".join(
+        line.partition(" | ")[2] if path.name == "CHANGELOG.md" else line for line in lines
+    )
     named = set(re.findall(r"`((?:kernel|bench|fmus|reports|testplans)/[\w./-]+\.\w+)`", text))
     assert {name for name in named if not (ROOT / name).exists()} == set()
 
