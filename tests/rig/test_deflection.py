@@ -7,8 +7,8 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.deflection import DeflectionLog
 from axisrig.bench.machine.plants import check_plant
-from axisrig.bench.rig.deflection import DeflectionLog
 from axisrig.bench.rig.reading.file import PlantTable
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.plant.probe import Contact

@@ -16,6 +16,7 @@ from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
+from axisrig.bench.machine.deflection import DeflectionLog
 from axisrig.bench.machine.injection import inject
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.moments import World
@@ -32,7 +33,6 @@ from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
-from axisrig.bench.rig.deflection import DeflectionLog
 from axisrig.bench.rig.programs import programs_of
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m

@@ -7,10 +7,10 @@ from math import isclose
 from pathlib import Path
 from typing import Literal
 
+from axisrig.bench.machine.deflection import check_strokes
 from axisrig.bench.machine.start_places import blamed_start, check_places
 from axisrig.bench.machine.start_values import set_start_values
 from axisrig.bench.rig.check import check_rig
-from axisrig.bench.rig.deflection import check_strokes
 from axisrig.bench.rig.reading.file import LOAD, MapTable, PlantTable, rig_error
 from axisrig.bench.rig.real_axes import outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings
