@@ -161,3 +161,11 @@ def test_a_recording_without_its_series_is_an_error(place: Path, axisrig: Call) 
 
 def test_a_folder_that_has_no_results_is_named(place: Path, rejected: Callable[..., str]) -> None:
     assert "no results folder" in rejected("judge", "lists", "--plan", "plan.csv")
+
+
+def test_a_judged_folder_has_no_recordings_of_its_own(
+    place: Path, axisrig: Call, rejected: Callable[..., str]
+) -> None:
+    axisrig("judge", "out", "--plan", "plan.csv")
+    said = rejected("judge", "out/judged/1-plan", "--plan", "plan.csv")
+    assert "its recordings are in another one; judge out" in said

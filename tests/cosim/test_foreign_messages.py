@@ -3,7 +3,6 @@
 The table and the switch are those of test_foreign_rigs.py.
 """
 
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -13,6 +12,11 @@ import pandas as pd
 import pytest
 
 from axisrig.bench.cli.main import main
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.program.findings import log_lines
+from axisrig.bench.judge.topics import events
+from axisrig.bench.record.facts import read_run
+from axisrig.bench.record.series import Series
 
 FEED_MM_S = 500 / 60
 INPUT_DELAY_S = 4e-6
@@ -72,13 +76,16 @@ def test_uncertain_edge_makes_a_verdict_at_the_limit_inconclusive(
     assert latch["verdict"] == "inconclusive"
     assert latch["uncertainty"] == pytest.approx(FEED_MM_S * 50e-6, rel=0.01)
     assert 0.0 <= limit_mm - latch["value"] <= latch["uncertainty"] + INCREMENT_MM
-    told = json.loads((folder / "out" / "runs" / "plan-a.json").read_text(encoding="utf-8"))
-    assert "plant switch: edges are known to 50000 ns" in told["log"]
-    assert "plant table: no velocity: numeric derivative of position" in told["log"]
-    assert [e["label"] for e in told["events"] if e["kind"] == "edge"] == [
+    facts = read_run(folder / "out" / "runs" / "plan-a.json").facts
+    assert facts is not None
+    log = log_lines(facts)
+    assert "plant switch: edges are known to 50000 ns" in log
+    assert "plant table: no velocity: numeric derivative of position" in log
+    observed = Observed(facts, Series(folder / "out" / "traces" / "plan-a.parquet"))
+    assert [e.label for e in events(observed) if e.kind == "edge"] == [
         "switch: rising edge, known to 50 us"
     ]
-    assert "does not report contacts" in told["notes"]["latch_error_um:Z"]
+    assert "gives no contact" in rows.loc["latch_error_um:Z"]["note"]
 
 
 @pytest.mark.parametrize(("behaviour", "value"), [(1, "nan"), (2, "inf")])

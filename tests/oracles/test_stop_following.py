@@ -4,6 +4,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axisrig.bench.oracles.fixed_stop.false_triggers import Motion, false_triggers
 from axisrig.bench.oracles.fixed_stop.following import (
     Course,
     begin_of_last,
@@ -12,7 +13,6 @@ from axisrig.bench.oracles.fixed_stop.following import (
     shifted,
 )
 from axisrig.bench.oracles.fixed_stop.lists import Limits
-from axisrig.bench.oracles.fixed_stop.prediction import Motion, false_triggers
 from axisrig.bench.oracles.fixed_stop.pressing import Axis, Pressing, Stop
 from axisrig.bench.oracles.fixed_stop.timing import Cycles
 

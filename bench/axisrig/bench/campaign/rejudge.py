@@ -66,6 +66,12 @@ def rejudge(
     Raises UserError when folder or plan cannot be read, or the plan has no row.
     """
     stored = read_results(folder)
+    if RECORDINGS in stored.manifest:
+        raise UserError(
+            "the folder holds verdicts, its recordings are in another one",
+            file=folder,
+            hint=f"judge {stored.manifest.get(RECORDED_IN, folder / stored.manifest[RECORDINGS])}",
+        )
     plan = read_plan(path).with_inputs([parse_assignment(text) for text in assignments])
     if not plan.cases:
         raise UserError("the plan has no row", file=path)

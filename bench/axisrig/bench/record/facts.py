@@ -1,14 +1,14 @@
 """What a run leaves beside its time series: typed, frozen, as JSON and back.
 
 Times are integers in ns of the simulated clock, lengths mm, forces N; an axis that turns is a slide
-with 1 mm for 1 degree. Nothing here is derived: what follows from it is worked out where it is
-asked for (`bench.judge`). Time series are in `bench.record.series`.
+with 1 mm for 1 degree. Nothing that is stored follows from another entry: it is worked out where
+it is asked for (`bench.judge`). Time series are in `bench.record.series`.
 """
 
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cache, cached_property
+from functools import cache
 from pathlib import Path
 from typing import Final, Literal
 
@@ -142,11 +142,6 @@ class Facts(Frozen):
     buses: tuple[BusFigures, ...] = ()
     real_time: RealTime | None = None
     notes: tuple[Note, ...] = ()
-
-    @cached_property
-    def outside(self) -> frozenset[str]:
-        """Axes whose drive is not simulated."""
-        return frozenset(name for name, axis in self.axes.items() if axis.is_outside)
 
 
 @dataclass(frozen=True)

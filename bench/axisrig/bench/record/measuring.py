@@ -23,7 +23,7 @@ class FixedStop(Frozen):
     armed_ns: from then on the stop was looked for. beyond_ns, window_ns: begin of the last time
     without a break in which the criterion held. detected_by: the first axis. set_mm, actual_mm: of
     all axes in that cycle. brake_end_ns: the set positions are at rest. watch_off_ns, watch_on_ns:
-    lag monitoring of the position controller.
+    lag monitoring of the position controller. axes: all that take part, with slaves.
     """
 
     criteria: Mapping[str, Criteria]

@@ -65,7 +65,7 @@ class Telegrams(NamedTuple):
 class Series:
     """The time series of a run.
 
-    file: where they are, or the table itself for a run that is not kept.
+    source: the file where they are, or the table itself for a run that is not kept.
     """
 
     source: Path | pa.Table

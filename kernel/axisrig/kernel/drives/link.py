@@ -22,8 +22,8 @@ from axisrig.kernel.drives.ds402 import (
     stored_bit,
 )
 from axisrig.kernel.drives.emergency import Emergency
-from axisrig.kernel.drives.latch import LatchWatch
 from axisrig.kernel.drives.latch_check import LatchCheck, StandstillRoom
+from axisrig.kernel.drives.latch_watch import LatchWatch
 from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.mapping import Telegram, telegrams
 from axisrig.kernel.drives.process_data import ProcessData

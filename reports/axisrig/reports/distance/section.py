@@ -159,5 +159,5 @@ def _limit(row: Mapping[str, Any]) -> dict[str, Any]:
         "fail" if beyond else "pass",
         f"{row['key']}: {used:.6g} of {value:.6g} {row['unit']}",
     )
-    word = "beyond" if beyond else ("reached" if reached else "")
+    word = "outside" if beyond else ("reached" if reached else "")
     return {**told, "word": word, "off": beyond, "bar": Markup(drawn)}

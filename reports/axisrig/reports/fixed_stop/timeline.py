@@ -44,7 +44,7 @@ class Span:
 class Row:
     """What one row shows, in ms.
 
-    at: the measured instant. begin: of the stretch that ends or begins there (see `stretch`).
+    at: the measured instant. stretch: the end of a time that begins or ends there.
     band: the closed form's instant between its bounds. kind: colour, as the kinds of events.
     label: what a screen reader says.
     """

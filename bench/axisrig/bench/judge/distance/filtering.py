@@ -62,7 +62,7 @@ def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
                 out_parts.append(out[rows] - np.mean(out[rows]))
     if not given_parts:
         raise NoClosedFormError(
-            f"the surface never stood for {settling_cycles + _LENGTH_MIN} cycles"
+            f"the surface was never at rest for {settling_cycles + _LENGTH_MIN} cycles"
         )
     given, out = np.concatenate(given_parts), np.concatenate(out_parts)
     if not np.std(given) > 0:

@@ -16,7 +16,6 @@ JUDGED_SHARE = 0.2
 SETTLED_SHARE = 1e-3
 """What may be left of the transient when the judged share begins."""
 _EVEN_MM = 2e-7
-CLAMPED_SHARE = 0.98
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,9 @@ def steady(truth: DistanceTruth) -> tuple[Stretch, float]:
             if best is None or _rank(part, speed) > _rank(*best):
                 best = part, speed
     if best is None or best[0].end - best[0].begin < 10:
-        raise NoClosedFormError("the surface never stood or rose evenly under the control")
+        raise NoClosedFormError(
+            "the surface was never at rest and never rose evenly under the control"
+        )
     return best
 
 

@@ -55,7 +55,7 @@ _LABELS = {
     "monitoring_on": "lag monitoring on",
     "end": "run over",
 }
-# What Observed marks itself, for runs of every type
+# What the topic `latch` marks, for runs of every type
 _MARKED_ELSEWHERE = frozenset({"end"})
 _AS_SLIDE = "; as a slide with 1 mm for 1 degree"
 _KINDS = {"contact": "contact", "detected": "brake"}
