@@ -116,7 +116,7 @@ def test_limits_say_what_was_used_of_them() -> None:
     told = info(sample)
     told["distance"][0]["limits"][-1]["used"] = -8.5  # min_pos
     (found,) = sections(told, None, "x", {})
-    assert (found["limits"][-1]["word"], found["limits"][-1]["off"]) == ("beyond", True)
+    assert (found["limits"][-1]["word"], found["limits"][-1]["off"]) == ("outside", True)
 
 
 def test_dead_cycles_of_the_frames_that_differ_are_marked() -> None:
