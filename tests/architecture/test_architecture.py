@@ -1,11 +1,7 @@
 """What holds for every module: who imports whom, what nobody may import, size, docstrings."""
 
 import ast
-import csv
-import functools
 import re
-import sys
-import tempfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -116,7 +112,7 @@ def _imported_names(tree: ast.AST) -> Iterator[tuple[int, str]]:
             yield from ((node.lineno, f"{node.module}.{alias.name}") for alias in node.names)
 
 
-def _package(module: str) -> str:
+def package_of(module: str) -> str:
     """The package that a module belongs to, as in `axisrig.kernel`."""
     return ".".join(module.split(".")[:2])
 
@@ -132,11 +128,11 @@ def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[s
     place = _place(module)
     errors = []
     for line, name in imports:
-        top = _package(name)
+        top = package_of(name)
         if top not in PACKAGES:
             continue
         if top == "axisrig.fmus":
-            fits = _package(module) == "axisrig.fmus" or place in MAY_IMPORT_FMUS
+            fits = package_of(module) == "axisrig.fmus" or place in MAY_IMPORT_FMUS
         elif name in EMPTY:
             fits = place is not None
         else:
@@ -154,7 +150,7 @@ def _outside(module: str, allowed: Iterable[str]) -> list[str]:
     names = {name for _, name in [*_imports(module), *_imported_names(TREES[module])]}
     # `from a import b` counts as a.b; a alone says less
     names -= {name for name in names if any(other.startswith(f"{name}.") for other in names)}
-    return sorted(n for n in names if _package(n) in PACKAGES and not f"{n}.".startswith(inside))
+    return sorted(n for n in names if package_of(n) in PACKAGES and not f"{n}.".startswith(inside))
 
 
 def test_oracles_take_nothing_from_what_they_judge() -> None:
@@ -212,7 +208,7 @@ def test_imports_point_to_the_left() -> None:
 
 
 def test_every_module_has_a_place_in_the_order() -> None:
-    inside = [name for name in MODULES if name not in EMPTY and _package(name) != "axisrig.fmus"]
+    inside = [name for name in MODULES if name not in EMPTY and package_of(name) != "axisrig.fmus"]
     assert [name for name in inside if _place(name) is None] == []
 
 
@@ -276,11 +272,11 @@ def _children(package: str) -> dict[tuple[str, str], set[str]]:
     """
     edges: dict[tuple[str, str], set[str]] = {}
     for module in MODULES:
-        if _package(module) != package:
+        if package_of(module) != package:
             continue
         own = _folder(module)
         for _, name in _imports(module):
-            other = _folder(name) if name in MODULES and _package(name) == package else own
+            other = _folder(name) if name in MODULES and package_of(name) == package else own
             common = 0
             while own[common : common + 1] == other[common : common + 1] and common < len(own):
                 common += 1
@@ -458,94 +454,3 @@ def _undocumented(tree: ast.Module) -> Iterator[str]:
 def test_everything_public_is_described() -> None:
     found = [f"{module}: {name}" for module, tree in TREES.items() for name in _undocumented(tree)]
     assert found == []
-
-
-# Files
-
-
-def _files(*suffixes: str) -> list[Path]:
-    """Files of the project: those of its folders and those directly in the root."""
-    folders = [*FOLDERS, "testplans", "tests", "docs", ".ci"]
-    found = [path for path in ROOT.iterdir() if path.is_file() and path.name != ".git"]
-    for folder in folders:
-        found += (path for path in (ROOT / folder).rglob("*") if path.is_file())
-    return [
-        path
-        for path in sorted(found)
-        if "__pycache__" not in path.parts and (not suffixes or path.suffix in suffixes)
-    ]
-
-
-def _machine_paths() -> list[str]:
-    """Folders of whatever machine this runs on; only those deep enough to be no common word."""
-    candidates = {ROOT, Path.home(), Path(sys.prefix), Path(sys.base_prefix)}
-    candidates.add(Path(tempfile.gettempdir()) / "w")
-    return sorted(str(path) for path in candidates if len(path.parts) > 2)
-
-
-# A home folder with a user's name in it, on any system
-HOME = re.compile(r"(?<![\w.])(?:/(?:home|Users)/[a-z]\w*|[A-Za-z]:\\\\?Users\\)")
-
-
-def test_no_file_names_a_folder_of_one_machine() -> None:
-    known = _machine_paths()
-    found = []
-    for path in _files():
-        text = path.read_bytes().decode("utf-8", errors="replace")
-        for number, line in enumerate(text.splitlines(), 1):
-            if any(name in line for name in known) or HOME.search(line):
-                found.append(f"{path.relative_to(ROOT)}:{number}")
-    assert found == []
-
-
-@pytest.mark.parametrize(
-    ("line", "hit"),
-    [
-        ("see " + "/".join(["", "home", "anna", "rigs"]), True),
-        ("C:" + "\\" + "Users" + "\\anna", True),
-        ("docs/home/index.md", False),
-        ("https://example.org/users/anna", False),
-    ],
-)
-def test_home_folders_are_recognised(line: str, hit: bool) -> None:
-    assert (HOME.search(line) is not None) is hit
-
-
-@functools.cache
-def _texts(package: str) -> set[str]:
-    """The string constants in the code of a package, docstrings excepted."""
-    found: set[str] = set()
-    for module, tree in TREES.items():
-        if _package(module) != package:
-            continue
-        described = {
-            id(node.body[0].value)
-            for node in ast.walk(tree)
-            if isinstance(node, Function | ast.ClassDef | ast.Module)
-            and node.body
-            and isinstance(node.body[0], ast.Expr)
-        }
-        found |= {
-            node.value.rpartition("/")[2]
-            for node in ast.walk(tree)
-            if isinstance(node, ast.Constant)
-            and isinstance(node.value, str)
-            and id(node) not in described
-        }
-    return found
-
-
-TABLES = [path for path in _files(".csv") if path.relative_to(ROOT).parts[0] in FOLDERS]
-
-
-@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
-def test_every_table_that_ships_is_read_by_its_package(table: Path) -> None:
-    assert table.name in _texts("axisrig." + table.relative_to(ROOT).parts[0])
-
-
-@pytest.mark.parametrize("table", TABLES, ids=lambda path: path.name)
-def test_every_table_has_a_rectangular_form(table: Path) -> None:
-    rows = list(csv.reader(table.read_text(encoding="utf-8").splitlines()))
-    assert len(rows) > 1
-    assert len(set(rows[0])) == len(rows[0])
-    assert {len(row) for row in rows} == {len(rows[0])}

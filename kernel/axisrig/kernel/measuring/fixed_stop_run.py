@@ -117,7 +117,7 @@ class FixedStopRun:
         self._set = _SetPath(plan.moved)
         self._rests: Callable[[], bool] | None = None
         self._rest_ns: TimeNs | None = None
-        self._rearmed_mm = 0.0
+        self._window_from_mm = 0.0
         self.targets_mm: dict[str, float] = {}
         self.stop = FixedStopRecord(
             {w.port.name: detector.criteria for w, detector in self._axes},
@@ -183,7 +183,7 @@ class FixedStopRun:
         self._take(now_ns)
         self._set.look()
         if self._set.has_moved and (self._set.rests or self._set.slows):
-            self._rearmed_mm = self._motion.travelled_mm + self.stop.start_distance_mm
+            self._window_from_mm = self._motion.travelled_mm + self.stop.start_distance_mm
         is_at_rest = self._is_at_rest(now_ns)
         for axis, detector in self._axes:
             if detector.is_fulfilled(window_decides=self._window_decides(axis, is_at_rest)):
@@ -216,7 +216,7 @@ class FixedStopRun:
         """
         if self._set.rests:
             return is_at_rest and _is_held_off(axis)
-        return not self._set.slows and self._reaches(self._rearmed_mm)
+        return not self._set.slows and self._reaches(self._window_from_mm)
 
     def _may_still_come(self, now_ns: TimeNs) -> bool:
         """Whether an axis at rest only waits for the end of its time."""

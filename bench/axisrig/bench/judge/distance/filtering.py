@@ -8,7 +8,8 @@ import itertools
 import numpy as np
 
 from axisrig.bench.judge.distance.stretches import Stretch, active, runs_of
-from axisrig.bench.judge.distance.truth import ACTIVE_CONST_DIST, DistanceTruth, NoClosedFormError
+from axisrig.bench.judge.distance.truth import ACTIVE_CONST_DIST, DistanceTruth
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 
 _EVEN_MM = 2e-7

@@ -19,7 +19,6 @@ from axisrig.bench.judge.distance.truth import (
     TURNING_OFF,
     DistanceTruth,
     Flags,
-    NoClosedFormError,
     distance_truths,
 )
 from axisrig.bench.judge.observed.event import Event
@@ -30,6 +29,7 @@ from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.smoothing import of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.distance import DistanceChange
 
 _FORMULAS = {

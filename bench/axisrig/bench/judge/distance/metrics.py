@@ -15,7 +15,6 @@ from axisrig.bench.judge.distance.truth import (
     STATE_WORDS,
     TURNING_OFF,
     DistanceTruth,
-    NoClosedFormError,
     distance_truth,
 )
 from axisrig.bench.judge.observed.observation import Observation
@@ -25,6 +24,7 @@ from axisrig.bench.oracles.distance import following, limits
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.loop import Loop, growth
 from axisrig.bench.oracles.distance.stability import KP_MAX, kp_limit
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 from axisrig.kernel.errors import same_cause
 

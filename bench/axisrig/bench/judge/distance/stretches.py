@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axisrig.bench.judge.distance.truth import DistanceTruth, Flags, NoClosedFormError
+from axisrig.bench.judge.distance.truth import DistanceTruth, Flags
 from axisrig.bench.oracles.distance.following import settling_cycles
 from axisrig.bench.oracles.distance.loop import Loop, growth
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 
 JUDGED_SHARE = 0.2

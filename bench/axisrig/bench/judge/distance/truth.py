@@ -22,11 +22,6 @@ from axisrig.bench.record.distance import DistanceRecord, PlcSensor
 from axisrig.bench.record.series import SECOND, TARGET, Signal, Times
 from axisrig.kernel.time.clock import S
 
-
-class NoClosedFormError(Exception):
-    """What must hold for a closed form does not; the text says what."""
-
-
 Flags = npt.NDArray[np.bool_]
 
 INACTIVE, ACTIVE, FREEZE, TURNING_OFF, ACTIVE_CONST_DIST, ERROR = range(6)

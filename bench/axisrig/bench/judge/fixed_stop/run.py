@@ -12,16 +12,11 @@ import numpy as np
 from axisrig.bench.judge.fixed_stop.rows import StopRows
 from axisrig.bench.judge.fixed_stop.truth import AxisTruth, axis_truth
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.oracles.fixed_stop import timing
 from axisrig.bench.oracles.fixed_stop.contact import StopContact, penetrations
 from axisrig.bench.oracles.fixed_stop.following import Flags, Followed, Signal, follow, shifted
-from axisrig.bench.oracles.fixed_stop.timing import (
-    Approach,
-    Cycles,
-    FreeMotionError,
-    Instant,
-    NoClosedFormError,
-)
+from axisrig.bench.oracles.fixed_stop.timing import Approach, Cycles, FreeMotionError, Instant
 from axisrig.bench.record.facts import Timing
 from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.bench.record.series import Times

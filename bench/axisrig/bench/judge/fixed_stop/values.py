@@ -7,11 +7,12 @@ import numpy as np
 
 from axisrig.bench.judge.fixed_stop.run import StopRun
 from axisrig.bench.judge.fixed_stop.truth import AxisTruth
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.oracles.fixed_stop.false_triggers import Motion, false_triggers
 from axisrig.bench.oracles.fixed_stop.lists import Limits
 from axisrig.bench.oracles.fixed_stop.pressing import Pressing
 from axisrig.bench.oracles.fixed_stop.slopes import slopes_as_written
-from axisrig.bench.oracles.fixed_stop.timing import NoClosedFormError, bus_lag_mm
+from axisrig.bench.oracles.fixed_stop.timing import bus_lag_mm
 from axisrig.kernel.time.clock import S
 
 REST_MM_S = 0.1

@@ -10,6 +10,7 @@ t - tau before the contact.
 import math
 from dataclasses import dataclass, replace
 
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.kernel.time.clock import S, TimeNs
 
 # An RPDO acts at the next SYNC; the telegram of a SYNC is read in the cycle of that SYNC
@@ -63,10 +64,6 @@ class Instant:
         assert self.low_ns is not None
         assert self.high_ns is not None
         return self.low_ns <= measured_ns <= self.high_ns
-
-
-class NoClosedFormError(Exception):
-    """What must hold for the closed form does not; the text says what."""
 
 
 class FreeMotionError(NoClosedFormError):

@@ -15,7 +15,8 @@ class StopDetector:
         lag     |e(t)| > L in every cycle from beyond_ns on, and t - beyond_ns >= min_time
         window  |x(t) - x(t - min_time)| <= W, sliding with every cycle
 
-    The window also contains positions from before the arming; before the first one the axis is
+    Whether a window that holds counts (not while the set value brakes, rests or is held) is said by
+    the run (`fixed_stop_run`, `window_decides`). The window also contains positions from before the arming; before the first one the axis is
     taken to be at rest.
     Sources: P-AXIS-00774, 00775, 00778; docs/ambiguities.md, "Run to a fixed stop".
     """
