@@ -16,9 +16,9 @@ class StopDetector:
         window  |x(t) - x(t - min_time)| <= W, sliding with every cycle
 
     Whether a window that holds counts (not while the set value brakes, rests or is held) is said by
-    the run (`fixed_stop_run`, `window_decides`). The window also contains positions from before the arming; before the first one the axis is
-    taken to be at rest.
-    Sources: P-AXIS-00774, 00775, 00778; docs/ambiguities.md, "Run to a fixed stop".
+    the run (`fixed_stop_run`, `window_decides`). The window also contains positions from before the
+    arming; before the first one the axis is taken to be at rest. Sources: P-AXIS-00774, 00775,
+    00778; docs/ambiguities.md, "Run to a fixed stop".
     """
 
     def __init__(self, criteria: Criteria) -> None:
