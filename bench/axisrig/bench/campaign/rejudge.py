@@ -63,7 +63,7 @@ def rejudge(
     """Judge the recordings of a results folder by a plan.
 
     path: of the plan. assignments: texts of `--set` that the recorded runs were made with.
-    Raises UserError when folder or plan cannot be read, or the plan has no row.
+    Raises UserError when folder, plan or a recording cannot be read, or the plan has no row.
     """
     stored = read_results(folder)
     if RECORDINGS in stored.manifest:
@@ -75,6 +75,8 @@ def rejudge(
     plan = read_plan(path).with_inputs([parse_assignment(text) for text in assignments])
     if not plan.cases:
         raise UserError("the plan has no row", file=path)
+    for run in stored.runs:
+        _ = run.recording  # a damaged one is refused before anything is written
     into = _new_folder(folder, plan)
     manifest = build_manifest([plan], command=command, started=started, output=str(into))
     manifest |= {RECORDINGS: "../..", RECORDED_IN: str(folder)}
