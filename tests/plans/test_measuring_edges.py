@@ -121,10 +121,18 @@ def test_the_axis_that_allows_least_ends_the_path(case: str) -> None:
     assert row["check:msg:N30"] == "== 0"
 
 
-def test_a_surface_behind_the_target_of_a_path() -> None:
-    row = ROWS["path-in-offset"]
-    assert limit("path-in-offset", "msg:N70")[0] == float(row["plant:probe.surface_mm"]) - 110
+@pytest.mark.parametrize(("case", "period_us"), [("path-in-offset", 1000), ("path-2ms", 2000)])
+def test_a_surface_behind_the_target_of_a_path(case: str, period_us: int) -> None:
+    row = ROWS[case]
+    assert limit(case, "msg:N70") == (float(row["plant:probe.surface_mm"]) - 110, 1e-5)
     assert row["check:msg:N30"] == "== 1"
+    rig = tomllib.loads((PLANS / row["rig"]).read_text(encoding="utf-8"))
+    assert rig["cycle"]["period_us"] == period_us
+
+
+def test_the_rig_of_2_ms_has_three_axes_on_two_buses() -> None:
+    rig = tomllib.loads((PLANS / "rigs/probe-xyz-2ms.toml").read_text(encoding="utf-8"))
+    assert [axis["segment"] for axis in rig["axis"].values()] == ["can1", "can1", "can2"]
 
 
 def test_a_measurement_offset_across_cs_off() -> None:

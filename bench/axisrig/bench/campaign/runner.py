@@ -153,7 +153,10 @@ def _run_case(
     try:
         with _without_collector():
             try:
-                facts = facts_of(machine, machine.run())
+                loop_began_s = stopwatch()
+                sim_ns = machine.run()
+                loop_s = stopwatch() - loop_began_s
+                facts = facts_of(machine, sim_ns)
             except (PlantError, SimulatedTimeoutError, UserError) as error:
                 row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
                 row.log += printed_log(settings)
@@ -164,7 +167,7 @@ def _run_case(
     wall_s = stopwatch() - started
     verdict, checks = judged(Observed(facts, series), case.checks)
     stopped = STOPPED if facts.is_stopped else None
-    return CaseResult(case, verdict, checks, wall_s, facts, series, stopped)
+    return CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
 
 
 def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float) -> None:

@@ -24,6 +24,7 @@ from types import TracebackType
 from typing import Self
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES
+from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
@@ -57,6 +58,7 @@ class CaseResult:
     checks: one per check of the case. facts: what the run has left, None for one that ended before
     it could be judged; error: why, with what was printed until then in `log`. series: its columns.
     recording: of a run that was judged again, the run that was recorded; empty without one.
+    loop_s: what the stopwatch gave the simulation itself, without its start and its end.
     """
 
     case: Case
@@ -68,6 +70,7 @@ class CaseResult:
     error: str | None = None
     log: list[str] = field(default_factory=list)
     recording: str = ""
+    loop_s: float = 0.0
 
     @property
     def lines(self) -> list[str]:
@@ -307,7 +310,7 @@ def build_manifest(
     output: str,
     extra: Mapping[str, object] | None = None,
 ) -> dict[str, object]:
-    """Collect what a campaign was made with: versions, platform, hashes of its files.
+    """Collect what a campaign was made with: versions, build, platform, hashes of its files.
 
     command: the command line. started: wall time as text, from the command line, since nothing
     below it reads a clock. output: the results folder as the user named it.
@@ -316,6 +319,8 @@ def build_manifest(
 
     return {
         "axisrig": _version("axisrig"),
+        "compiled": is_compiled(),
+        "sources_sha256": sources_sha256(),
         "started": started,
         "command": list(command),
         "output": output,

@@ -11,6 +11,7 @@ import platformdirs
 
 from axisrig.bench.bus.hardware import SIMULATED, interface_names, known_interfaces, usable
 from axisrig.bench.campaign.leftovers import leftovers
+from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
 from axisrig.fmus import MODELS, BuildError, ensure_built
 
 PACKAGES = ("rumoca", "fmpy", "python-can", "canopen", "numpy", "scipy", "pandas", "pyarrow")
@@ -22,6 +23,7 @@ def examine() -> tuple[str, bool]:
     Leftovers of an older axisrig are named; they are no lack.
     """
     lines = [f"Python {platform.python_version()} on {platform.platform()}"]
+    lines.append(f"info  axisrig runs {build_word()}, sources {sources_sha256()}")
     well = sys.version_info >= (3, 11)
     for name in PACKAGES:
         try:

@@ -6,19 +6,17 @@ arguments, but no instance, which the function refuses at once), and of our slav
 
 import ctypes
 import json
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from axisrig.bench.tools.perf.loop import compiled_loops
 from axisrig.fmus import BuildError, ensure_built
-from axisrig.fmus.compiler import compile_library, find_compiler, this_platform
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_fmu
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS
 
 MODEL = "AxisRig.Drives.ServoAxis"
-LOOP = Path(__file__).with_name("step_loop.c")
 # A measurement is shorter than the slice of time that a busy machine gives, and the least counts.
 STEPS = 100  # of 1 ms in one measurement
 ROUNDS = 20
@@ -82,13 +80,8 @@ def _moving(path: Path) -> FmuSlave:
 
 
 def _loop() -> Any:
-    """The loop in C, compiled for this machine."""
-    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
-        source = Path(folder) / LOOP.name
-        source.write_bytes(LOOP.read_bytes())
-        library = Path(folder) / f"loop{this_platform().ending}"
-        compile_library(find_compiler(), source, library, this_platform())
-        function = ctypes.CDLL(str(library)).step_loop
+    """The loop in C over doStep."""
+    function = compiled_loops().step_loop
     pointer, real = ctypes.c_void_p, ctypes.c_double
     function.argtypes = (pointer, pointer, real, real, ctypes.c_int)
     function.restype = ctypes.c_int
@@ -97,7 +90,7 @@ def _loop() -> Any:
 
 def _in_c(loop: Any) -> Callable[[FmuSlave], None]:
     def run(axis: FmuSlave) -> None:
-        address = ctypes.cast(axis._fmu.dll.fmi3DoStep, ctypes.c_void_p)
+        address = ctypes.cast(axis.fmpy.dll.fmi3DoStep, ctypes.c_void_p)
         done = loop(address, axis.pointer, axis.time_ns * 1e-9, 1e-3, STEPS)
         axis.time_ns += STEPS * MS
         if done != STEPS:

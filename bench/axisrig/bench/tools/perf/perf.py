@@ -6,20 +6,27 @@ the calls that separate them, so the counters do not spoil the whole.
 
 import json
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from statistics import median
-from typing import Any
+from typing import Any, NamedTuple
 
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
-from axisrig.bench.campaign.results.writer import ResultsWriter, RunFiles, build_manifest
-from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
+from axisrig.bench.campaign.results.writer import (
+    CaseResult,
+    ResultsWriter,
+    RunFiles,
+    build_manifest,
+)
+from axisrig.bench.campaign.runner import prepare, run_case
 from axisrig.bench.drive.communication.slave import CanopenSlave
 from axisrig.bench.machine.recording.recorder import Recorder
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.record.series import TIME
+from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.link import AxisLink
@@ -72,62 +79,107 @@ def _counters(clock_ns: Callable[[], int]) -> Iterator[_Stack]:
             setattr(owner, name, call)
 
 
-def _pick(path: Path, name: str | None) -> Case:
-    cases = read_plan(path).cases
-    found = [case for case in cases if name in (None, case.case)]
-    if not found:
-        raise UserError("no such case", value=name, allowed=[case.case for case in cases])
-    return found[0]
+class Timed(NamedTuple):
+    """A run with all its files: its CPU and wall time, and the CPU time of its check before."""
+
+    result: CaseResult
+    cpu_s: float
+    prepared_cpu_s: float
+    wall_s: float
+
+    @property
+    def factor(self) -> float:
+        """Simulated time by CPU time, start and files included."""
+        return self.result.sim_s / self.cpu_s
+
+    @property
+    def beyond_simulation_ms(self) -> float:
+        """CPU time that is not the simulation: check, start, files, verdict, ms."""
+        return (self.prepared_cpu_s + self.cpu_s - self.result.loop_s) * 1e3
+
+
+class Row:
+    """A row of a plan that is run again and again in this process, into a folder of its own.
+
+    Raises UserError for a row that the plan does not have, see `read_plan`.
+    """
+
+    def __init__(self, path: Path, name: str | None, folder: Path, clocks: Clocks) -> None:
+        self.plan = read_plan(path)
+        found = [case for case in self.plan.cases if name in (None, case.case)]
+        if not found:
+            allowed = [case.case for case in self.plan.cases]
+            raise UserError("no such case", value=name, allowed=allowed)
+        self.case, self.folder, self._clocks = found[0], folder, clocks
+        self._manifest = build_manifest(
+            [self.plan], command=["axisrig", "perf"], started="", output=""
+        )
+
+    def run(self) -> Timed:
+        """Check and run it once. Raises UserError when the run ends with an error."""
+        clocks = self._clocks
+        checked_s = clocks.cpu_s()
+        prepare(self.case)
+        began_s, began_ns = clocks.cpu_s(), clocks.wall_ns()
+        with ResultsWriter(self.folder, [self.plan], self._manifest, is_fresh=True) as writer:
+            result = run_case(self.case, writer.files_of(self.case.run), clocks.cpu_s)
+            writer.add(result)
+        wall_s, cpu_s = (clocks.wall_ns() - began_ns) / 1e9, clocks.cpu_s() - began_s
+        if result.error:
+            raise UserError(f"the case cannot be timed: {result.error}")
+        return Timed(result, cpu_s, began_s - checked_s, wall_s)
 
 
 def measure(
     path: Path,
     name: str | None,
     repeats: int,
-    clock_ns: Callable[[], int],
+    clocks: Clocks,
     build_report: Callable[[Path], Path],
 ) -> dict[str, Any]:
     """Time a case and return one flat object; see docs/performance.md for its keys."""
-    case = _pick(path, name)
-    plan = read_plan(path)
-    walls_s, sims_s, report_s = [], [], []
-    digest = ""
+    runs, report_s = [], []
     with tempfile.TemporaryDirectory() as folder:
-        manifest = build_manifest([plan], command=["axisrig", "perf"], started="", output="")
+        row = Row(path, name, Path(folder) / "out", clocks)
         for _ in range(repeats):
-            begin = clock_ns()
-            out = Path(folder) / "out"
-            with ResultsWriter(out, [plan], manifest, is_fresh=True) as writer:
-                result = run_case(case, writer.files_of(case.run))
-                writer.add(result)
-            walls_s.append((clock_ns() - begin) / 1e9)
-            if result.error:
-                raise UserError(f"the case cannot be timed: {result.error}")
-            sims_s.append(result.sim_s)
-            begin = clock_ns()
-            build_report(Path(folder) / "out")
-            report_s.append((clock_ns() - begin) / 1e9)
-            digest = result.frame_log_sha256
-        with _counters(clock_ns) as stack:
-            begin = clock_ns()
-            result = run_case(case, RunFiles([Path(folder) / "split.blf"]))
-            split_s = (clock_ns() - begin) / 1e9
+            runs.append(row.run())
+            begin = clocks.wall_ns()
+            build_report(row.folder)
+            report_s.append((clocks.wall_ns() - begin) / 1e9)
+        with nullcontext() if is_compiled() else _counters(clocks.wall_ns) as stack:
+            begin = clocks.wall_ns()
+            result = run_case(row.case, RunFiles([Path(folder) / "split.blf"]))
+            split_s = (clocks.wall_ns() - begin) / 1e9
     cycles = 0 if result.series is None else len(result.series.column(TIME))
-    split = {part: ns / 1e3 / max(cycles, 1) for part, ns in stack.self_ns.items()}
+    own_ns = {} if stack is None else stack.self_ns
+    split = {part: ns / 1e3 / max(cycles, 1) for part, ns in own_ns.items()}
     split["rest"] = split_s * 1e6 / max(cycles, 1) - sum(split.values())
+    walls_s = [run.wall_s for run in runs]
+    cpu_s = median(run.cpu_s for run in runs)
+    # The first run of a process also fills what later ones find
+    warm = runs[1:] or runs
     return {
-        "case": case.run,
-        "simulated_s": sims_s[0],
+        "case": row.case.run,
+        "simulated_s": runs[0].result.sim_s,
         "wall_s": median(walls_s),
         "wall_s_min": min(walls_s),
         "wall_s_max": max(walls_s),
-        "real_time_factor": sims_s[0] / median(walls_s),
+        "real_time_factor": runs[0].result.sim_s / median(walls_s),
+        "cpu_s": cpu_s,
+        "cpu_factor": runs[0].result.sim_s / cpu_s,
+        "beyond_simulation_ms": median(run.beyond_simulation_ms for run in warm),
         "cycles": cycles,
         "cycle_us": split,
         "report_s": median(report_s),
         "repeats": repeats,
-        "frame_log_sha256": digest,
+        "frame_log_sha256": runs[-1].result.frame_log_sha256,
+        **build(),
     }
+
+
+def build() -> dict[str, Any]:
+    """Return which axisrig was measured: `compiled`, `sources_sha256`."""
+    return {"compiled": is_compiled(), "sources_sha256": sources_sha256()}
 
 
 def show(result: dict[str, Any], as_json: bool) -> str:
@@ -139,13 +191,25 @@ def show(result: dict[str, Any], as_json: bool) -> str:
         f" (min {result['wall_s_min']:.3f}, max {result['wall_s_max']:.3f},"
         f" {result['repeats']} runs, every file written)",
         f"real time factor {result['real_time_factor']:.1f}",
+        f"CPU time {result['cpu_s']:.3f} s: {result['cpu_factor']:.1f} times real time;"
+        f" a next run takes {result['beyond_simulation_ms']:.1f} ms beyond its simulation",
         f"report.html {result['report_s']:.3f} s",
         "",
-        f"a cycle with counters around its parts, us ({result['cycles']} cycles; the counters"
-        " themselves cost, so read the shares)",
     ]
+    if result["compiled"]:
+        lines.append(f"a cycle, us ({result['cycles']} cycles; counters around its parts act only"
+                     " on interpreted modules)")  # fmt: skip
+    else:
+        lines.append(f"a cycle with counters around its parts, us ({result['cycles']} cycles; the"
+                     " counters themselves cost, so read the shares)")  # fmt: skip
     total = sum(result["cycle_us"].values())
     for part, spent in result["cycle_us"].items():
         lines.append(f"  {part:<10}{spent:>8.1f}{100 * spent / total:>6.0f} %")
-    lines += ["", f"frame_log_sha256 {result['frame_log_sha256']}"]
+    lines += ["", f"frame_log_sha256 {result['frame_log_sha256']}", build_line(result)]
     return "\n".join(lines)
+
+
+def build_line(result: Mapping[str, Any]) -> str:
+    """Say which axisrig was measured."""
+    word = "compiled" if result["compiled"] else "interpreted"
+    return f"axisrig {word}, sources {result['sources_sha256']}"
