@@ -62,7 +62,11 @@ RANKS = {name: rank for rank, names in enumerate(ORDER) for name in names}
 
 WALL_CLOCK = {"time", "datetime"}
 # The command line hands it down; the watch over processes holds them to their limits
-MAY_READ_WALL_CLOCK = ("axisrig.bench.cli.main", "axisrig.bench.campaign.processes")
+MAY_READ_WALL_CLOCK = (
+    "axisrig.bench.cli.main",
+    "axisrig.bench.cli.perf_command",
+    "axisrig.bench.campaign.processes",
+)
 CONCURRENCY = {"threading", "asyncio", "concurrent", "sched", "_thread"}
 STARTS_NOTHING = {"threading.get_ident"}  # the identity of the caller
 

@@ -1,4 +1,4 @@
-"""The command line: `axisrig <command>`. The only place that reads a wall clock.
+"""The command line: `axisrig <command>`. Here and in `perf_command` clocks are read, nowhere else.
 
 Heavy modules are imported inside the commands, so that `axisrig --help` answers at once
 (PLC0415 is switched off for this file).
@@ -39,6 +39,7 @@ from axisrig.bench.cli.options import (
     YesOption,
     rejecting,
 )
+from axisrig.bench.cli.perf_command import perf
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
@@ -54,7 +55,7 @@ app = typer.Typer(
 )
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
-for command in (*LISTINGS, *TOOLS):
+for command in (*LISTINGS, *TOOLS, perf):
     app.command()(command)
 
 
@@ -365,47 +366,6 @@ def report(
 
     recover(folder)
     print(build_report(folder))
-
-
-@app.command()
-@rejecting
-def perf(
-    plan: Annotated[Path, typer.Option("--plan", help="Plan to take the row from.")] = Path(
-        "testplans/latch_accuracy.csv"
-    ),
-    case: Annotated[str | None, typer.Option("--case", help="Row; the first by default.")] = None,
-    repeats: Annotated[int, typer.Option("--repeats", min=1, help="Runs to time.")] = 5,
-    as_json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
-    fmu: Annotated[
-        bool, typer.Option("--fmu", help="Time a step of the axis FMU instead.")
-    ] = False,
-    bus: Annotated[
-        bool, typer.Option("--bus", help="Time the bus and the codecs instead.")
-    ] = False,
-    parse: Annotated[bool, typer.Option("--parse", help="Time the NC text instead.")] = False,
-) -> None:
-    """Time one row with all its files written, and split a cycle into its parts."""
-    if parse:
-        from axisrig.bench.tools.perf.parse_perf import time_parse
-
-        return print(time_parse(repeats, time.perf_counter_ns, as_json))
-    if bus:
-        from axisrig.bench.tools.perf.bus_perf import measure_bus, show_bus
-
-        return print(show_bus(measure_bus(repeats, time.perf_counter_ns), as_json))
-    if fmu:
-        from axisrig.bench.tools.perf.fmu_perf import measure_fmu, show_fmu
-
-        print(show_fmu(measure_fmu(repeats, time.perf_counter_ns), as_json))
-        return
-    from axisrig.bench.campaign.campaign import rigs_of
-    from axisrig.bench.campaign.processes import do_apart
-    from axisrig.bench.tools.perf.perf import measure, show
-    from axisrig.reports.build import build_report
-
-    what = (plan, case, repeats, time.perf_counter_ns, build_report)
-    result = do_apart(measure, *what, rigs=rigs_of(plan), file=plan)
-    print(show(result, as_json))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -1,0 +1,70 @@
+"""How much memory a simulated minute takes: two runs of one row, a short and a long one.
+
+Each is run in a process of its own that shares nothing with this one; its peak is what counts.
+"""
+
+import sys
+from contextlib import suppress
+from pathlib import Path
+
+from axisrig.bench.campaign.processes import Died, run_apart
+from axisrig.bench.campaign.results.writer import RunFiles
+from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.plan import Case, Plan
+from axisrig.kernel.errors import UserError
+
+FEEDS = ("plc:V.E.FEED=75", "plc:V.E.FEED=16")
+"""Feeds of the measurement run, mm/min: `latch_accuracy.csv` f600 then takes 10 s and 40 s."""
+
+
+def memory_mb_min(plan: Plan, name: str, folder: Path) -> dict[str, float]:
+    """Return `value`, MB for each simulated minute, and `short_`, `long_` `simulated_s`, `peak_mb`.
+
+    folder: for what the runs write. Raises UserError for a row that the plan does not have, or when
+    a run gives no result.
+    """
+    tasks = []
+    for number, feed in enumerate(FEEDS):
+        cases = plan.with_inputs([parse_assignment(feed)]).cases
+        found = [case for case in cases if case.case == name]
+        if not found:
+            raise UserError("no such case", value=name, allowed=[case.case for case in cases])
+        tasks.append((found[0], folder / str(number)))
+    peaks: list[tuple[float, float]] = []
+    for result in run_apart(peak_of_run, tasks, is_unrelated=True):
+        if isinstance(result, Died):
+            raise UserError(f"the memory of a run cannot be measured: {result.reason}")
+        peaks.append(result)
+    (short_s, short_mb), (long_s, long_mb) = peaks
+    return {
+        "value": 60.0 * (long_mb - short_mb) / (long_s - short_s),
+        "short_simulated_s": short_s,
+        "short_peak_mb": short_mb,
+        "long_simulated_s": long_s,
+        "long_peak_mb": long_mb,
+    }
+
+
+def peak_of_run(case: Case, folder: Path) -> tuple[float, float]:
+    """Run a case with its files; return its simulated time, s, and the peak of this process, MB."""
+    folder.mkdir(parents=True, exist_ok=True)
+    files = RunFiles([folder / f"{case.run}.blf"], folder / f"{case.run}.parquet")
+    result = run_case(case, files)
+    if result.error:
+        raise UserError(f"the case cannot be measured: {result.error}")
+    return result.sim_s, peak_mb()
+
+
+def peak_mb() -> float:
+    """Return the most memory that this process has had, MB. Raises UserError where none says it."""
+    with suppress(OSError):  # Linux; what getrusage says there begins with the parent's
+        for line in Path("/proc/self/status").read_text(encoding="utf-8").splitlines():
+            if line.startswith("VmHWM:"):
+                return int(line.split()[1]) / 1024
+    try:
+        import resource  # noqa: PLC0415
+    except ImportError:
+        raise UserError("this system does not say how much memory a process has had") from None
+    most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return most / (1024 * 1024 if sys.platform == "darwin" else 1024)

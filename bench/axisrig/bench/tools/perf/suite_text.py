@@ -1,0 +1,155 @@
+"""What the suite says: as a table, as the table of a page, and beside an earlier measurement."""
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from axisrig.bench.tools.perf.perf import build_line
+from axisrig.kernel.errors import UserError
+
+Result = Mapping[str, Any]
+
+HEADER = ("measure", "row", "reach", "measured", "reached")
+# What a single row has beside its case: key -> whether more is better
+_OF_A_ROW = {
+    "real_time_factor": True,
+    "cpu_factor": True,
+    "cpu_s": False,
+    "beyond_simulation_ms": False,
+}
+
+
+def show_suite(result: Result) -> str:
+    """Return the suite as a table of text."""
+    rows = [HEADER, *_rows(result)]
+    widths = [max(len(row[place]) for row in rows) for place in range(len(HEADER))]
+    lines = [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+    return "\n".join([*lines, "", *_remarks(result)])
+
+
+def markdown(result: Result) -> str:
+    """Return the suite as the table of docs/performance.md."""
+    lines = ["| " + " | ".join(row) + " |" for row in (HEADER, *_rows(result))]
+    lines.insert(1, "|" + "---|" * len(HEADER))
+    return "\n".join([*lines, "", *(f"{remark}  " for remark in _remarks(result))]).rstrip()
+
+
+def row_of(entry: Result) -> str:
+    """Return how a table names what is measured: row of a plan, or file."""
+    return f"`{entry['plan']}` {entry['row']}".strip() if entry["plan"] else ""
+
+
+def reach_of(entry: Result) -> str:
+    """Return what is to be reached, compiled / interpreted where there are two numbers."""
+    sign = "" if entry["better"] == "more" else "<= "
+    both = (entry["reach"], entry["reach_interpreted"])
+    numbers = " / ".join(f"{number:g}" for number in both if number is not None)
+    return f"{sign}{numbers} {entry['unit']}"
+
+
+def _rows(result: Result) -> list[tuple[str, ...]]:
+    return [
+        (e["measure"], row_of(e), reach_of(e), _measured(e), _reached(e)) for e in result["suite"]
+    ]
+
+
+def _measured(entry: Result) -> str:
+    if entry["value"] is None:
+        return f"not here: {entry['note']}"
+    text = _number(entry["value"])
+    return f"{text} ({_number(entry['least'])} to {_number(entry['most'])})"
+
+
+def _number(value: float) -> str:
+    return f"{value:.1f}" if abs(value) >= 3 else f"{value:.2f}"
+
+
+def _reached(entry: Result) -> str:
+    if entry["value"] is None:
+        return ""
+    words = {True: "yes", False: "no", None: "holds for the compiled build"}
+    return words[entry["is_reached"]]
+
+
+def _remarks(result: Result) -> list[str]:
+    """Say what ran and where, and what a measurement needs that this machine lacks."""
+    said = "unknown" if result["load_1min"] is None else f"{result['load_1min']:.1f}"
+    lines = [
+        f"{build_line(result)}; Python {result['python']}, {result['machine']},"
+        f" {result['cores']} cores, load at the begin {said}; median of {result['repeats']} turns"
+        " at most, least and most beside it",
+    ]
+    if not result["has_two_idle_cores"]:
+        lines.append("this machine has not two idle cores: two workers gain less, CPU times grow")
+    return lines
+
+
+def read_result(path: Path) -> dict[str, Any]:
+    """Read what `--json` printed. Raises UserError when a file is none of that."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise UserError(f"no result of axisrig perf: {error}", file=path) from error
+    if not isinstance(found, dict) or not {"suite", "real_time_factor"} & set(found):
+        raise UserError("no result of axisrig perf --json", file=path)
+    return found
+
+
+def gains(now: Result, before: Result) -> dict[str, float | None]:
+    """Return how much better each measure is than before: 2 is twice as good, below 1 is worse.
+
+    None: not measured in both, or no ratio. Raises UserError for a suite beside a single row.
+    """
+    if ("suite" in now) is not ("suite" in before):
+        raise UserError("a suite and a single row cannot be set against each other")
+    if "suite" not in now:
+        if now["case"] != before["case"]:
+            raise UserError("not the same row", value=before["case"], allowed=[now["case"]])
+        return {
+            name: _gain(now.get(name), before.get(name), is_more)
+            for name, is_more in _OF_A_ROW.items()
+        }
+    old = {entry["measure"]: entry.get("value") for entry in before["suite"]}
+    return {
+        entry["measure"]: _gain(
+            entry["value"], old.get(entry["measure"]), entry["better"] == "more"
+        )
+        for entry in now["suite"]
+    }
+
+
+def _gain(now: float | None, before: float | None, is_more: bool) -> float | None:
+    if now is None or before is None or now <= 0 or before <= 0:
+        return None
+    return now / before if is_more else before / now
+
+
+def show_gains(now: Result, before: Result) -> str:
+    """Return the gains as a table, with what was measured then."""
+    found = gains(now, before)
+    width = max(map(len, found))
+    lines = ["against the file (above 1: better than it)"]
+    for name, gain in found.items():
+        lines.append(f"  {name.ljust(width)}  {'-' if gain is None else f'{gain:.2f}'}")
+    lines.append(f"the file: {build_line(before)}" if "compiled" in before else "")
+    lines += [f"frames differ: {name}" for name in _other_frames(now, before)]
+    return "\n".join(lines).rstrip()
+
+
+def _other_frames(now: Result, before: Result) -> list[str]:
+    """Return the measures whose runs had other frames then."""
+
+    def hashes(result: Result) -> dict[str, str]:
+        entries: Sequence[Result] = result.get("suite", [result])
+        return {
+            e.get("measure", e.get("case", "")): e["frame_log_sha256"]
+            for e in entries
+            if "frame_log_sha256" in e
+        }
+
+    old = hashes(before)
+    return [name for name, sha in hashes(now).items() if old.get(name, sha) != sha]

@@ -1,0 +1,184 @@
+"""The kinds of measures of the suite: each gives one sample when its turn comes."""
+
+import csv
+import subprocess
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple, Protocol
+
+from axisrig.bench.campaign.processes import CALL_LIMIT_S
+from axisrig.bench.campaign.results.writer import ResultsWriter, build_manifest
+from axisrig.bench.campaign.runner import no_stopwatch, prepare_all, run_cases
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.tools.perf.clocks import Clocks
+from axisrig.bench.tools.perf.memory import memory_mb_min
+from axisrig.bench.tools.perf.pair_perf import measure_pair
+from axisrig.bench.tools.perf.perf import Row
+from axisrig.kernel.errors import UserError
+
+Sample = Mapping[str, float | str]
+"""`value` and what explains it; texts are equal in every sample."""
+
+
+class Place(NamedTuple):
+    """Where a measure finds its plan and puts its files, and its clocks."""
+
+    plans: Path
+    folder: Path
+    clocks: Clocks
+
+
+class Yardstick(Protocol):
+    """Something that is measured again and again."""
+
+    def sample(self) -> Sample:
+        """Measure once."""
+
+
+class RunFactor:
+    """Simulated time by CPU time of a run on a warm bench, with its start and all its files."""
+
+    def __init__(self, plan: str, row: str, place: Place) -> None:
+        self._row = Row(place.plans / plan, row, place.folder / "out", place.clocks)
+        self._row.run()
+
+    def sample(self) -> Sample:
+        """Run it once more."""
+        run = self._row.run()
+        return {
+            "value": run.factor,
+            "cpu_s": run.cpu_s,
+            "simulated_s": run.result.sim_s,
+            "beyond_simulation_ms": run.beyond_simulation_ms,
+            "frame_log_sha256": run.result.frame_log_sha256,
+        }
+
+
+class NextRun(RunFactor):
+    """CPU time of a run on a warm bench that is not its simulation, ms."""
+
+    def sample(self) -> Sample:
+        """Run it once more."""
+        told = super().sample()
+        return {**told, "value": told["beyond_simulation_ms"]}
+
+
+class Pair:
+    """Time beyond a loop in C of two coupled FMUs, ours by that of fmpy's methods."""
+
+    def __init__(self, _plan: str, _row: str, place: Place) -> None:
+        self._clock_ns = place.clocks.cpu_ns
+
+    def sample(self) -> Sample:
+        """Take the least of some measurements of each way, in turns."""
+        told = measure_pair(1, self._clock_ns)
+        names = ("c_loop_us", "ours_us", "fmpy_us", "beyond_c_us", "fmpy_beyond_c_us")
+        return {"value": told["ratio"], **{name: told[name] for name in names}}
+
+
+class Workers:
+    """Wall time of some rows with one process by that with two."""
+
+    def __init__(self, plan: str, row: str, place: Place) -> None:
+        self._plan = read_plan(place.plans / plan)
+        self._cases = [case for case in self._plan.cases if case.case in row.split()]
+        if len(self._cases) < len(row.split()):
+            raise UserError("rows are missing", file=self._plan.path, value=row)
+        self._place = place
+        self._manifest = build_manifest([self._plan], command=[], started="", output="")
+
+    def _wall_s(self, jobs: int) -> tuple[float, float]:
+        clocks, cases = self._place.clocks, self._cases
+        began_ns, began_s = clocks.wall_ns(), clocks.cpu_s()
+        prepare_all(cases, apart=(), call_limit_s=CALL_LIMIT_S)
+        out = self._place.folder / "out"
+        with ResultsWriter(out, [self._plan], self._manifest, is_fresh=True) as writer:
+            for result in run_cases(
+                cases, writer.files_of, jobs=jobs, timeout_s=None, stopwatch=no_stopwatch
+            ):
+                writer.add(result)
+        wall_s = (clocks.wall_ns() - began_ns) / 1e9
+        return wall_s, (clocks.cpu_s() - began_s) / wall_s
+
+    def sample(self) -> Sample:
+        """Run the rows with one process and with two."""
+        (one_s, one_core), (two_s, two_cores) = self._wall_s(1), self._wall_s(2)
+        return {
+            "value": one_s / two_s,
+            "one_wall_s": one_s,
+            "two_wall_s": two_s,
+            "one_cores": one_core,
+            "two_cores": two_cores,
+        }
+
+
+class Command:
+    """CPU time of a command of the command line in a process of its own, s."""
+
+    def __init__(self, words: Sequence[str | Path], place: Place) -> None:
+        self._words = [sys.executable, "-m", "axisrig.bench.cli", *map(str, words)]
+        self._clock_ns = place.clocks.cpu_ns
+
+    def sample(self) -> Sample:
+        """Run it once. Raises UserError when it fails."""
+        begin = self._clock_ns()
+        ended = subprocess.run(self._words, capture_output=True, text=True, check=False)
+        spent = self._clock_ns() - begin
+        if ended.returncode:
+            raise UserError(f"a command fails: {ended.stderr.strip()}", value=self._words[3])
+        return {"value": spent / 1e9}
+
+
+class Memory:
+    """Memory that a simulated minute takes, MB."""
+
+    def __init__(self, plan: str, row: str, place: Place) -> None:
+        self._plan, self._row, self._folder = read_plan(place.plans / plan), row, place.folder
+
+    def sample(self) -> Sample:
+        """Run a short and a long program."""
+        return memory_mb_min(self._plan, self._row, self._folder)
+
+
+def check_of_rows(plan: str, row: str, place: Place) -> Command:
+    """Return `axisrig check` of a plan that has these rows only."""
+    source = place.plans / plan
+    with source.open(encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(file)
+        rows = [line for line in reader if line["case"] in row.split()]
+        names = list(reader.fieldnames or ())
+    for line in rows:
+        for name in ("program", "rig"):
+            line[name] = str((place.plans / line[name]).resolve())
+    place.folder.mkdir(parents=True, exist_ok=True)
+    part = place.folder / source.name
+    with part.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.DictWriter(file, names)
+        writer.writeheader()
+        writer.writerows(rows)
+    return Command(["check", part], place)
+
+
+def help_text(_plan: str, _row: str, place: Place) -> Command:
+    """Return `axisrig --help`."""
+    return Command(["--help"], place)
+
+
+def nc_check(program: str, _row: str, place: Place) -> Command:
+    """Return `axisrig nc --check` of a program in the folder of the plans."""
+    return Command(["nc", "--check", place.plans / program], place)
+
+
+KINDS: Mapping[str, Callable[[str, str, Place], Yardstick] | None] = {
+    "run": RunFactor,
+    "pair": Pair,
+    "next_run": NextRun,
+    "workers": Workers,
+    "check": check_of_rows,
+    "help": help_text,
+    "nc_check": nc_check,
+    "memory": Memory,
+    "named": None,
+}
+"""Kind of the table -> what measures it; `named` is not measured here."""
