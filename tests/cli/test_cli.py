@@ -11,6 +11,7 @@ import pytest
 from cli_plan import write_plan
 
 from axisrig.bench.campaign import runner
+from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
 from axisrig.bench.plan.plan import Case
 from axisrig.fmus import MODELS
 
@@ -233,6 +234,7 @@ def test_small_commands(axisrig: Call) -> None:
     assert (code, err) == (0, "")
     assert "LACKS" not in out
     assert "rumoca 0.10.2" in out
+    assert f"info  axisrig runs {build_word()}, sources {sources_sha256()}\n" in out
 
 
 def test_replay_tells_whether_every_frame_came_again(place: Path, axisrig: Call) -> None:

@@ -1,0 +1,79 @@
+"""`axisrig perf`: a row, the suite, and both beside an earlier measurement."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from cli_plan import write_plan
+
+from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
+from axisrig.bench.cli.perf_command import cpu_ns
+
+Call = Callable[..., tuple[int, str, str]]
+ROW = "a,part.nc,rig.toml,3000,== 1,"
+
+
+def test_a_row_says_what_ran_and_what_it_cost(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, ROW)
+    code, out, err = axisrig("perf", "--json", "--plan", plan, "--repeats", "2")
+    assert (code, err) == (0, "")
+    told = json.loads(out)
+    assert told["compiled"] is is_compiled()
+    assert told["sources_sha256"] == sources_sha256()
+    assert told["cpu_factor"] == pytest.approx(told["simulated_s"] / told["cpu_s"])
+    assert 0 < told["beyond_simulation_ms"] < 1e3 * told["cpu_s"] + 1e3
+
+
+def test_a_row_beside_an_earlier_one(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, ROW)
+    words = ("perf", "--plan", plan, "--repeats", "1")
+    first = json.loads(axisrig(*words, "--json")[1])
+    Path("before.json").write_text(json.dumps(first), encoding="utf-8")
+    code, out, _ = axisrig(*words, "--against", "before.json")
+    assert code == 0
+    assert "against the file (above 1: better than it)\n  real_time_factor" in out
+    assert "frames differ" not in out
+    told = json.loads(axisrig(*words, "--json", "--against", "before.json")[1])
+    gain = told["real_time_factor"] / first["real_time_factor"]
+    assert told["gains"]["real_time_factor"] == pytest.approx(gain)
+    assert "frames differ: plan-a" in against_other_frames(axisrig, words, first)
+
+
+def against_other_frames(axisrig: Call, words: tuple[object, ...], first: dict[str, object]) -> str:
+    Path("other.json").write_text(json.dumps(first | {"frame_log_sha256": "0"}), encoding="utf-8")
+    return axisrig(*words, "--against", "other.json")[1]
+
+
+def test_the_suite_prints_a_table_an_object_or_a_page(place: Path, axisrig: Call) -> None:
+    words = ("perf", "--suite", "-k", "help", "--repeats", "1", "--plans", place)
+    code, out, _ = axisrig(*words, "--json")
+    assert code == 0
+    told = json.loads(out)
+    assert [entry["kind"] for entry in told["suite"]] == ["help"]
+    assert told["compiled"] is is_compiled()
+    Path("before.json").write_text(out, encoding="utf-8")
+    _, out, _ = axisrig(*words, "--against", "before.json")
+    assert out.startswith("measure ")
+    assert "axisrig --help" in out.split("against the file")[1]
+    assert axisrig(*words, "--markdown")[1].startswith("| measure | row | reach |")
+
+
+def test_what_does_not_go_together_is_refused(place: Path, rejected: Callable[..., str]) -> None:
+    assert "no such measure" in rejected("perf", "--suite", "-k", "moon")
+    assert "only the suite" in rejected("perf", "--markdown")
+    assert "no result of axisrig perf" in rejected("perf", "--suite", "--against", place / "none")
+
+
+def test_the_profile_of_a_row(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, ROW)
+    code, out, err = axisrig("perf", "--plan", plan, "--profile")
+    assert (code, err) == (0, "")
+    assert out.startswith("plan-a: ")
+    assert "own us   share   calls  function" in out
+
+
+def test_cpu_time_goes_on() -> None:
+    before_ns = cpu_ns()
+    assert sum(range(100_000)) > 0
+    assert cpu_ns() > before_ns

@@ -1,0 +1,352 @@
+"""The suite of measures: its table, its turns, and what it says of them; with clocks that count."""
+
+import csv
+import json
+import re
+from collections.abc import Callable
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.tools.perf import suite, yardsticks
+from axisrig.bench.tools.perf.clocks import Clocks
+from axisrig.bench.tools.perf.suite import Measure, read_suite, run_suite, selected
+from axisrig.bench.tools.perf.suite_text import (
+    HEADER,
+    gains,
+    markdown,
+    reach_of,
+    read_result,
+    row_of,
+    show_gains,
+    show_suite,
+)
+from axisrig.kernel.errors import UserError
+
+ROOT = Path(__file__).parents[2]
+PLANS = ROOT / "testplans"
+MS = 1_000_000
+
+
+def counting(step_ns: int) -> Callable[[], int]:
+    """A clock that goes on by a step whenever it is read."""
+    ticks = count(0, step_ns)
+    return lambda: next(ticks)
+
+
+CLOCKS = Clocks(counting(7 * MS), counting(MS))
+
+
+def a_measure(name: str, kind: str = "fake", **cells: Any) -> Measure:
+    given = {
+        "plan": "", "row": "", "better": "more", "reach": 10.0, "reach_interpreted": None,
+        "unit": "times", "turns": None, "note": "why",
+    }  # fmt: skip
+    return Measure(name, kind, **given | cells)
+
+
+class Fake:
+    """Gives 1, 2, 3 ... and notes who was asked."""
+
+    asked: list[str] = []  # noqa: RUF012
+
+    def __init__(self, plan: str, _row: str, _place: yardsticks.Place) -> None:
+        self.name, self.numbers = plan, count(1)
+
+    def sample(self) -> yardsticks.Sample:
+        self.asked.append(self.name)
+        return {"value": float(next(self.numbers)), "text": "same", "more": 4.0}
+
+
+@pytest.fixture
+def fake(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Let the kind `fake` count; gives the plans in the order in which they were asked."""
+    monkeypatch.setattr(Fake, "asked", [])
+    kinds = {**yardsticks.KINDS, "fake": Fake}
+    monkeypatch.setattr(suite, "KINDS", kinds)
+    return Fake.asked
+
+
+def run(*measures: Measure, repeats: int = 3) -> dict[str, Any]:
+    return run_suite(measures, PLANS, repeats, CLOCKS, lambda *_: None)
+
+
+# ---- the table
+
+
+def test_the_table_names_rows_that_there_are() -> None:
+    for measure in read_suite():
+        if measure.plan.endswith(".csv"):
+            cases = {case.case for case in read_plan(PLANS / measure.plan).cases}
+            assert set(measure.row.split()) <= cases, measure
+        else:
+            assert not measure.plan or (PLANS / measure.plan).is_file(), measure
+
+
+def test_the_table_has_what_is_to_be_reached() -> None:
+    """Numbers as they were set, in the order of their aims."""
+    told = [(m.kind, m.better, m.reach, m.reach_interpreted) for m in read_suite()]
+    assert told == [
+        ("run", "more", 20.0, 12.0),
+        ("run", "more", 15.0, None),
+        ("run", "more", 10.0, None),
+        ("run", "more", 10.0, None),
+        ("run", "more", 6.0, None),
+        ("pair", "less", 0.5, None),
+        ("next_run", "less", 5.0, None),
+        ("workers", "more", 1.9, None),
+        ("check", "less", 0.8, None),
+        ("help", "less", 0.15, None),
+        ("nc_check", "less", 0.6, None),
+        ("memory", "less", 1.0, None),
+        ("named", "less", 60.0, None),
+        ("named", "less", 300.0, None),
+        ("named", "less", 25.0, None),
+    ]
+
+
+def test_names_of_measures_differ() -> None:
+    names = [measure.name for measure in read_suite()]
+    assert len(set(names)) == len(names)
+
+
+def test_the_row_of_three_axes_has_them_on_two_buses_at_2_ms() -> None:
+    (measure,) = selected(read_suite(), "three axes")
+    (case,) = [c for c in read_plan(PLANS / measure.plan).cases if c.case == measure.row]
+    assert case.rig.name == "probe-xyz-2ms.toml"
+
+
+def test_measures_are_chosen_by_their_name_or_kind() -> None:
+    measures = read_suite()
+    assert selected(measures, None) == measures
+    assert [m.kind for m in selected(measures, "help")] == ["help"]
+    assert len(selected(measures, "distance control")) == 2
+    with pytest.raises(UserError, match="no such measure"):
+        selected(measures, "moon")
+
+
+def test_a_wrong_kind_in_the_table_is_a_defect(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    text = suite.TABLE.read_text(encoding="utf-8").replace(",help,", ",moon,")
+    (tmp_path / "suite.csv").write_text(text, encoding="utf-8")
+    monkeypatch.setattr(suite, "TABLE", tmp_path / "suite.csv")
+    with pytest.raises(ValueError, match="moon"):
+        read_suite()
+
+
+# ---- turns
+
+
+def test_measures_take_turns_and_the_median_counts(fake: list[str]) -> None:
+    measures = a_measure("one", plan="a"), a_measure("two", plan="b", turns=2)
+    result = run(*measures, repeats=3)
+    assert fake == ["a", "b", "a", "b", "a"]
+    one, two = result["suite"]
+    assert (one["value"], one["least"], one["most"], one["samples"]) == (2.0, 1.0, 3.0, 3)
+    assert (two["value"], two["samples"]) == (1.5, 2)
+    assert (one["text"], one["more"]) == ("same", 4.0)
+    assert result["repeats"] == 3
+
+
+def test_progress_says_what_comes_next(fake: list[str]) -> None:
+    said: list[tuple[int, int, str]] = []
+    measures = (a_measure("one"), a_measure("two"))
+    run_suite(measures, PLANS, 1, CLOCKS, lambda *what: said.append(what))
+    assert said == [(0, 2, "one"), (1, 2, "two"), (2, 2, "")]
+    assert len(fake) == 2
+
+
+def test_what_is_only_named_is_not_measured(fake: list[str]) -> None:
+    (told,) = run(a_measure("make test", "named", note="time make test"))["suite"]
+    assert (told["value"], told["samples"], told["is_reached"]) == (None, 0, None)
+    assert fake == []
+
+
+def test_frames_that_differ_between_two_samples_are_an_error(
+    fake: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    texts = iter("aab")
+    monkeypatch.setattr(Fake, "sample", lambda _self: {"value": 1.0, "hash": next(texts)})
+    with pytest.raises(UserError, match="hash is not the same in every run"):
+        run(a_measure("one"))
+    assert fake == []
+
+
+@pytest.mark.parametrize(
+    ("value", "cells", "is_compiled", "reached"),
+    [
+        (20.0, {"reach": 20.0}, True, True),
+        (19.9, {"reach": 20.0}, True, False),
+        (15.0, {"reach": 20.0, "reach_interpreted": 12.0}, False, True),
+        (15.0, {"reach": 20.0, "reach_interpreted": 12.0}, True, False),
+        (99.0, {"reach": 20.0}, False, None),
+        (0.8, {"reach": 0.8, "better": "less"}, True, True),
+        (0.9, {"reach": 0.8, "better": "less"}, True, False),
+    ],
+)
+def test_a_number_holds_for_the_compiled_build_unless_there_are_two(
+    value: float, cells: dict[str, Any], is_compiled: bool, reached: bool | None
+) -> None:
+    assert a_measure("one", **cells).is_reached(value, is_compiled) is reached
+
+
+# ---- the kinds
+
+
+def measured(kind: str, plan: str = "", row: str = "") -> dict[str, Any]:
+    told: dict[str, Any] = run(a_measure("it", kind, plan=plan, row=row), repeats=1)["suite"][0]
+    return told
+
+
+def test_a_run_is_timed_with_its_files_and_its_frames() -> None:
+    told = measured("run", "latch_accuracy.csv", "actuated")
+    assert told["value"] == pytest.approx(told["simulated_s"] / told["cpu_s"])
+    # The clock goes on by 1 ms whenever it is read: run, its wall time twice, its loop twice, end
+    assert told["cpu_s"] == pytest.approx(0.005)
+    assert re.fullmatch("[0-9a-f]{64}", told["frame_log_sha256"])
+
+
+def test_beyond_the_simulation_is_everything_but_its_loop() -> None:
+    told = measured("next_run", "latch_accuracy.csv", "actuated")
+    assert told["value"] == told["beyond_simulation_ms"]
+    # One tick for the check, five for the run without the one of the loop
+    assert told["value"] == pytest.approx(5.0)
+
+
+def test_rows_of_a_plan_are_checked_as_a_plan_of_their_own(tmp_path: Path) -> None:
+    place = yardsticks.Place(PLANS, tmp_path, CLOCKS)
+    yardsticks.check_of_rows("latch_accuracy.csv", "f60 f150", place)
+    plan = read_plan(tmp_path / "latch_accuracy.csv")
+    assert [case.case for case in plan.cases] == ["f60", "f150"]
+    assert {case.rig for case in plan.cases} == {(PLANS / "rigs/probe-z.toml").resolve()}
+
+
+def test_a_command_is_timed_in_a_process_and_must_succeed(tmp_path: Path) -> None:
+    place = yardsticks.Place(PLANS, tmp_path, CLOCKS)
+    assert measured("help")["value"] == pytest.approx(0.001)
+    with pytest.raises(UserError, match="a command fails"):
+        yardsticks.Command(["moon"], place).sample()
+
+
+@pytest.mark.long
+def test_two_workers_are_set_against_one() -> None:
+    told = measured("workers", "latch_accuracy.csv", "actuated not-released")
+    assert told["value"] == pytest.approx(told["one_wall_s"] / told["two_wall_s"])
+    with pytest.raises(UserError, match="rows are missing"):
+        measured("workers", "latch_accuracy.csv", "actuated moon")
+
+
+@pytest.mark.long
+def test_memory_is_that_of_a_longer_run_over_a_short_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("axisrig.bench.tools.perf.memory.FEEDS", ("plc:V.E.FEED=3000",
+                        "plc:V.E.FEED=600"))  # fmt: skip
+    told = measured("memory", "latch_accuracy.csv", "f600")
+    seconds = told["long_simulated_s"] - told["short_simulated_s"]
+    grown_mb = told["long_peak_mb"] - told["short_peak_mb"]
+    assert seconds > 0.5
+    assert min(told["short_peak_mb"], told["long_peak_mb"]) > 20.0
+    assert told["value"] == pytest.approx(60 * grown_mb / seconds)
+    with pytest.raises(UserError, match="no such case"):
+        measured("memory", "latch_accuracy.csv", "moon")
+
+
+# ---- what it says
+
+
+def a_result(value: float | None = 5.0, **more: Any) -> dict[str, Any]:
+    entry = {
+        **a_measure("one", "run", plan="p.csv", row="a", reach_interpreted=6.0)._asdict(),
+        "measure": "one", "value": value, "least": 4.0, "most": 6.0, "is_reached": False,
+        "frame_log_sha256": "f0",
+    }  # fmt: skip
+    whole = {
+        "compiled": False, "sources_sha256": "5e", "python": "3.11.2", "machine": "x86_64",
+        "cores": 2, "load_1min": 1.8, "has_two_idle_cores": False, "repeats": 9, "suite": [entry],
+    }  # fmt: skip
+    return whole | more
+
+
+def test_the_table_shows_number_and_reach() -> None:
+    text = show_suite(a_result())
+    assert "one      `p.csv` a  10 / 6 times  5.0 (4.0 to 6.0)  no" in text
+    assert "axisrig interpreted, sources 5e; Python 3.11.2" in text
+    assert "not two idle cores" in text
+    assert "not two idle cores" not in show_suite(a_result(has_two_idle_cores=True))
+    assert "not here: why" in show_suite(a_result(None))
+
+
+def test_the_page_gets_the_same_table() -> None:
+    lines = markdown(a_result()).splitlines()
+    assert lines[:3] == [
+        "| measure | row | reach | measured | reached |",
+        "|---|---|---|---|---|",
+        "| one | `p.csv` a | 10 / 6 times | 5.0 (4.0 to 6.0) | no |",
+    ]
+
+
+def test_the_page_has_the_rows_of_the_table() -> None:
+    """Every table of the page between the marks; numbers that were measured may be old."""
+    page = (ROOT / "docs/performance.md").read_text(encoding="utf-8")
+    tables = re.findall(r"<!-- suite: begin -->\n(.*?)<!-- suite: end -->", page, re.DOTALL)
+    assert tables
+    cells = ("measure", *Measure._fields[1:])
+    entries = [dict(zip(cells, measure, strict=True)) for measure in read_suite()]
+    wanted = [(e["measure"], row_of(e), reach_of(e)) for e in entries]
+    for table in tables:
+        rows = [
+            tuple(cell.strip() for cell in line.strip("|").split("|"))
+            for line in table.splitlines()
+            if line.startswith("|")
+        ]
+        assert rows[0] == HEADER
+        assert [row[:3] for row in rows[2:]] == wanted
+
+
+def test_gains_are_above_1_when_it_is_better() -> None:
+    before, now = a_result(5.0), a_result(10.0)
+    assert gains(now, before) == {"one": 2.0}
+    now["suite"][0]["better"] = "less"
+    assert gains(now, before) == {"one": 0.5}
+    assert gains(a_result(None), before) == {"one": None}
+    other = a_result(10.0)
+    other["suite"][0]["frame_log_sha256"] = "0f"
+    assert "frames differ: one" in show_gains(other, before)
+    assert "frames differ" not in show_gains(a_result(10.0), before)
+
+
+def test_a_single_row_is_set_against_the_same_row() -> None:
+    row = {"case": "a", "real_time_factor": 9.0, "cpu_s": 0.3, "frame_log_sha256": "f0"}
+    now = row | {"real_time_factor": 18.0, "cpu_s": 0.1, "beyond_simulation_ms": 5.0}
+    assert gains(now, row) == {
+        "real_time_factor": 2.0,
+        "cpu_factor": None,
+        "cpu_s": pytest.approx(3.0),
+        "beyond_simulation_ms": None,
+    }
+    with pytest.raises(UserError, match="not the same row"):
+        gains(now, row | {"case": "b"})
+    with pytest.raises(UserError, match="a suite and a single row"):
+        gains(now, a_result())
+
+
+def test_what_is_no_result_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "before.json"
+    with pytest.raises(UserError, match="no result of axisrig perf"):
+        read_result(file)
+    for text in ("{", "[]", "{}"):
+        file.write_text(text, encoding="utf-8")
+        with pytest.raises(UserError, match="no result of axisrig perf"):
+            read_result(file)
+    file.write_text(json.dumps(a_result()), encoding="utf-8")
+    assert read_result(file) == a_result()
+
+
+def test_the_table_is_read_as_it_is_written() -> None:
+    with suite.TABLE.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["measure"] for row in rows] == [measure.name for measure in read_suite()]
+    assert all(row["note"] for row in rows)
