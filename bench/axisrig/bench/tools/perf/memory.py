@@ -14,19 +14,18 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan
 from axisrig.kernel.errors import UserError
 
-FEEDS = ("plc:V.E.FEED=75", "plc:V.E.FEED=16")
-"""Feeds of the measurement run, mm/min: `latch_accuracy.csv` f600 then takes 10 s and 40 s."""
 
-
-def memory_mb_min(plan: Plan, name: str, folder: Path) -> dict[str, float]:
+def memory_mb_min(plan: Plan, row: str, folder: Path) -> dict[str, float]:
     """Return `value`, MB for each simulated minute, and `short_`, `long_` `simulated_s`, `peak_mb`.
 
+    row: name of a row, an input that makes it short and one that makes it long (as `--set`).
     folder: for what the runs write. Raises UserError for a row that the plan does not have, or when
     a run gives no result.
     """
+    name, *inputs = row.split()
     tasks = []
-    for number, feed in enumerate(FEEDS):
-        cases = plan.with_inputs([parse_assignment(feed)]).cases
+    for number, text in enumerate(inputs):
+        cases = plan.with_inputs([parse_assignment(text)]).cases
         found = [case for case in cases if case.case == name]
         if not found:
             raise UserError("no such case", value=name, allowed=[case.case for case in cases])
