@@ -278,6 +278,10 @@ def test_the_table_shows_number_and_reach() -> None:
     assert "not two idle cores" in text
     assert "not two idle cores" not in show_suite(a_result(has_two_idle_cores=True))
     assert "not here: why" in show_suite(a_result(None))
+    assert "`-`: the number holds for the compiled build" not in text
+    only_compiled = a_result()
+    only_compiled["suite"][0] |= {"reach_interpreted": None, "is_reached": None}
+    assert "`-`: the number holds for the compiled build" in show_suite(only_compiled)
 
 
 def test_the_page_gets_the_same_table() -> None:

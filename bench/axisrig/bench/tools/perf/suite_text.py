@@ -35,7 +35,7 @@ def markdown(result: Result) -> str:
     """Return the suite as the table of docs/performance.md."""
     lines = ["| " + " | ".join(row) + " |" for row in (HEADER, *_rows(result))]
     lines.insert(1, "|" + "---|" * len(HEADER))
-    return "\n".join([*lines, "", *(f"{remark}  " for remark in _remarks(result))]).rstrip()
+    return "\n".join([*lines, "", *(f"- {remark}" for remark in _remarks(result))])
 
 
 def row_of(entry: Result) -> str:
@@ -48,7 +48,7 @@ def reach_of(entry: Result) -> str:
     sign = "" if entry["better"] == "more" else "<= "
     both = (entry["reach"], entry["reach_interpreted"])
     numbers = " / ".join(f"{number:g}" for number in both if number is not None)
-    return f"{sign}{numbers} {entry['unit']}"
+    return f"{sign}{numbers} {entry['unit']}".rstrip()
 
 
 def _rows(result: Result) -> list[tuple[str, ...]]:
@@ -71,7 +71,7 @@ def _number(value: float) -> str:
 def _reached(entry: Result) -> str:
     if entry["value"] is None:
         return ""
-    words = {True: "yes", False: "no", None: "holds for the compiled build"}
+    words = {True: "yes", False: "no", None: "-"}
     return words[entry["is_reached"]]
 
 
@@ -83,6 +83,8 @@ def _remarks(result: Result) -> list[str]:
         f" {result['cores']} cores, load at the begin {said}; median of {result['repeats']} turns"
         " at most, least and most beside it",
     ]
+    if any(e["value"] is not None and e["is_reached"] is None for e in result["suite"]):
+        lines.append("`-`: the number holds for the compiled build")
     if not result["has_two_idle_cores"]:
         lines.append("this machine has not two idle cores: two workers gain less, CPU times grow")
     return lines
