@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import re
 from collections.abc import Callable
 from itertools import count
@@ -251,6 +252,7 @@ def test_memory_is_that_of_a_longer_run_over_a_short_one() -> None:
     assert seconds > 0.5
     assert min(told["short_peak_mb"], told["long_peak_mb"]) > 20.0
     assert told["value"] == pytest.approx(60 * grown_mb / seconds)
+    assert math.isfinite(told["loop_mb_min"])
     with pytest.raises(UserError, match="no such case"):
         measured("memory", "latch_accuracy.csv", f"moon {feeds}")
 

@@ -6,6 +6,7 @@ Each is run in a process of its own that shares nothing with this one; its peak 
 import sys
 from contextlib import suppress
 from pathlib import Path
+from typing import NamedTuple
 
 from axisrig.bench.campaign.processes import Died, run_apart
 from axisrig.bench.campaign.results.writer import RunFiles
@@ -15,12 +16,20 @@ from axisrig.bench.plan.plan import Case, Plan
 from axisrig.kernel.errors import UserError
 
 
-def memory_mb_min(plan: Plan, row: str, folder: Path) -> dict[str, float]:
-    """Return `value`, MB for each simulated minute, and `short_`, `long_` `simulated_s`, `peak_mb`.
+class Peak(NamedTuple):
+    """Simulated time of a run, s; peak of its process when it ended, and with its verdict, MB."""
 
-    row: name of a row, an input that makes it short and one that makes it long (as `--set`).
-    folder: for what the runs write. Raises UserError for a row that the plan does not have, or when
-    a run gives no result.
+    simulated_s: float
+    loop_mb: float
+    whole_mb: float
+
+
+def memory_mb_min(plan: Plan, row: str, folder: Path) -> dict[str, float]:
+    """Return MB for each simulated minute: `value`, and `loop_mb_min` without the verdict.
+
+    Beside it `short_` and `long_` `simulated_s` and `peak_mb`. row: name of a row, an input that
+    makes it short and one that makes it long (as `--set`). folder: for what the runs write. Raises
+    UserError for a row that the plan does not have, or when a run gives no result.
     """
     name, *inputs = row.split()
     tasks = []
@@ -30,29 +39,37 @@ def memory_mb_min(plan: Plan, row: str, folder: Path) -> dict[str, float]:
         if not found:
             raise UserError("no such case", value=name, allowed=[case.case for case in cases])
         tasks.append((found[0], folder / str(number)))
-    peaks: list[tuple[float, float]] = []
+    peaks: list[Peak] = []
     for result in run_apart(peak_of_run, tasks, is_unrelated=True):
         if isinstance(result, Died):
             raise UserError(f"the memory of a run cannot be measured: {result.reason}")
         peaks.append(result)
-    (short_s, short_mb), (long_s, long_mb) = peaks
+    short, long = peaks
+    minutes = (long.simulated_s - short.simulated_s) / 60.0
     return {
-        "value": 60.0 * (long_mb - short_mb) / (long_s - short_s),
-        "short_simulated_s": short_s,
-        "short_peak_mb": short_mb,
-        "long_simulated_s": long_s,
-        "long_peak_mb": long_mb,
+        "value": (long.whole_mb - short.whole_mb) / minutes,
+        "loop_mb_min": (long.loop_mb - short.loop_mb) / minutes,
+        "short_simulated_s": short.simulated_s,
+        "short_peak_mb": short.whole_mb,
+        "long_simulated_s": long.simulated_s,
+        "long_peak_mb": long.whole_mb,
     }
 
 
-def peak_of_run(case: Case, folder: Path) -> tuple[float, float]:
-    """Run a case with its files; return its simulated time, s, and the peak of this process, MB."""
+def peak_of_run(case: Case, folder: Path) -> Peak:
+    """Run a case with its files; return the peaks of this process."""
     folder.mkdir(parents=True, exist_ok=True)
     files = RunFiles([folder / f"{case.run}.blf"], folder / f"{case.run}.parquet")
-    result = run_case(case, files)
+    seen_mb: list[float] = []
+
+    def look() -> float:
+        seen_mb.append(peak_mb())
+        return 0.0
+
+    result = run_case(case, files, look)  # begin, begin and end of the simulation, end
     if result.error:
         raise UserError(f"the case cannot be measured: {result.error}")
-    return result.sim_s, peak_mb()
+    return Peak(result.sim_s, seen_mb[2], peak_mb())
 
 
 def peak_mb() -> float:

@@ -108,13 +108,14 @@ def _ours(axis_file: Path, probe_file: Path) -> Iterator[Run]:
         rows: list[tuple[float, ...]] = []
         times: list[TimeNs] = []
         motion.read()
+        now = motion.values[:]
 
         def step() -> None:
+            nonlocal now
             begin_ns, end_ns = axis.time_ns, scheduler.now_ns
-            before = motion.values[:]
             axis.step_to(end_ns)
             motion.read()
-            now = motion.values[:]
+            before, now = now, motion.values[:]
             pack(trajectory.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *before, *now)
             trajectory.write()
             probe.step_to(end_ns)
