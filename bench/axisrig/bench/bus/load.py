@@ -39,20 +39,51 @@ class LoadFigures:
     worst_delay_ns: dict[int, TimeNs]
 
 
+NOTED_FRAMES = 2048
+"""So many frames are added up at once."""
+
+
 class LoadMeter:
-    """Adds up what a segment carries."""
+    """Adds up what a segment carries.
+
+    passed: frames that got through and are not added up yet: (start of the frame, end of the
+    intermission, bits of both, arbitration identifier, is_extended_id, delay since the request).
+    The segment appends to it and calls `settle` after NOTED_FRAMES; it stays the same list.
+    """
 
     def __init__(self, bitrate: int) -> None:
         self._bitrate = bitrate
+        self.passed: list[tuple[TimeNs, TimeNs, int, int, bool, TimeNs]] = []
         self._busy_ns = array("Q")
         self._bits = 0
         self._frames = 0
         self._error_frames = 0
         self._worst_delay_ns: dict[int, TimeNs] = {}
 
+    def settle(self) -> None:
+        """Add up the frames in `passed`."""
+        windows, worst_ns, bits_sum = self._busy_ns, self._worst_delay_ns, 0
+        for start_ns, end_ns, bits, can_id, extended, delay_ns in self.passed:
+            bits_sum += bits
+            window = start_ns // WINDOW_NS
+            if window == (end_ns - 1) // WINDOW_NS and window < len(windows):
+                windows[window] += end_ns - start_ns
+            else:
+                self._spread(start_ns, end_ns)
+            key = can_id | EXTENDED_FLAG if extended else can_id
+            if delay_ns >= worst_ns.get(key, 0):
+                worst_ns[key] = delay_ns
+        self._bits += bits_sum
+        self._frames += len(self.passed)
+        self.passed.clear()
+
     def occupy(self, start_ns: TimeNs, end_ns: TimeNs, bits: int) -> None:
         """Add one occupation of the bus, a frame or an error frame with what it cut short."""
         self._bits += bits
+        self._spread(start_ns, end_ns)
+
+    def _spread(self, start_ns: TimeNs, end_ns: TimeNs) -> None:
+        """Add an occupation to the windows that it touches."""
         windows = self._busy_ns
         window, last = start_ns // WINDOW_NS, (end_ns - 1) // WINDOW_NS
         if last >= len(windows):
@@ -81,6 +112,7 @@ class LoadMeter:
         """
         if window_ns < WINDOW_NS or window_ns % WINDOW_NS:
             raise ValueError(f"window of {window_ns} ns is not a multiple of {WINDOW_NS} ns")
+        self.settle()
         return [self._bits_of(busy_ns) for busy_ns in self._sums_ns(window_ns // WINDOW_NS)]
 
     def _sums_ns(self, step: int) -> Iterable[int]:
@@ -110,6 +142,7 @@ class LoadMeter:
 
         waiting: (frame, time of its request) of what has not been sent.
         """
+        self.settle()
         busy_ns = sum(self._busy_ns)
         worst_ns = self._worst_ns(100 * MS)
         delays = dict(self._worst_delay_ns)

@@ -58,7 +58,7 @@ from axisrig.bench.bus.frame import (
     frame_bits,
     worst_case_bits,
 )
-from axisrig.bench.bus.frame_hash import FrameObserver
+from axisrig.bench.bus.journal import Entry, FrameObserver, Journal
 from axisrig.bench.bus.load import LoadFigures, LoadMeter
 from axisrig.bench.bus.simbus import SimBus, message
 from axisrig.kernel.time.clock import Phase, S, TimeNs
@@ -71,12 +71,19 @@ class Segment:
     """One CAN bus of `bitrate` bit/s in simulated time; a context manager that closes itself.
 
     automatic_recovery: a controller that is bus-off begins its recovery by itself; otherwise when
-    its `recover` is called.
+    its `recover` is called. journal: takes every frame at its end, for records that may see them
+    later; several segments may share one.
     Raises ValueError when an open segment has the same name.
     """
 
     def __init__(
-        self, name: str, bitrate: int, scheduler: Scheduler, *, automatic_recovery: bool = True
+        self,
+        name: str,
+        bitrate: int,
+        scheduler: Scheduler,
+        *,
+        automatic_recovery: bool = True,
+        journal: Journal | None = None,
     ) -> None:
         if bitrate <= 0:
             raise ValueError(f"bit rate {bitrate} bit/s is not positive")
@@ -97,6 +104,9 @@ class Segment:
         self._faults: tuple[FaultHook, ...] = ()
         self._observers: tuple[FrameObserver, ...] = ()
         self._meter = LoadMeter(bitrate)
+        self._journal = journal or Journal()
+        self._entries = self._journal.entries
+        self._journal.add(self._settle)
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
         # What is on the wire: sender, request, start of frame, length up to and without the
@@ -170,6 +180,10 @@ class Segment:
     def busy_bits(self, window_ns: TimeNs) -> list[int]:
         """Return the busy bits of each window since 0; `window_ns` is a multiple of 1 ms."""
         return self._meter.busy_bits(window_ns)
+
+    def _settle(self, _block: Sequence[Entry]) -> None:
+        """Add up the load together with the records, so that neither grows."""
+        self._meter.settle()
 
     # --- for the ports ---------------------------------------------------------------------------
 
@@ -370,8 +384,7 @@ class Segment:
         sender, request, start_ns, _, odd = self._leave_wire()
         frame, now_ns = request[4], self.scheduler.now_ns
         self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
-        for observer in self._observers:  # before anyone reacts to it
-            observer(now_ns, self.name, frame, False)
+        self._record(frame, now_ns, is_error=False)
         if odd is not None or self._counts.is_disturbed:
             self._deliver_disturbed(sender, request, odd or Disturbance())
         else:
@@ -423,6 +436,10 @@ class Segment:
 
     def _record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
         """Give a frame to the records before anyone reacts to it."""
+        entries = self._entries
+        entries.append((time_ns, self.name, frame, is_error))
+        if len(entries) >= self._journal.block_frames:
+            self._journal.drain()
         for observer in self._observers:
             observer(time_ns, self.name, frame, is_error)
 

@@ -13,6 +13,7 @@ from axisrig.bench.bus.arithmetic import CycleArithmetic
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.deadlines import BINS_US
 from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
@@ -111,13 +112,15 @@ class Machine:
             self.scheduler = (
                 master_scheduler(settings, self._hardware) if self._hardware else Scheduler()
             )
-            self.frame_hash = FrameHash()
+            # In real time no block may hold a cycle up
+            journal = Journal(1 if self._hardware else BLOCK_FRAMES)
+            self.frame_hash = FrameHash(journal)
             self.plant = build_plant(settings)
             self._open.callback(self.plant.close)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
             self.segments = build_segments(
-                settings, self.scheduler, self.frame_hash, bus_logs, self._open
+                settings, self.scheduler, journal, bus_logs, self._open
             )
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
             self.networks = {
