@@ -8,6 +8,7 @@ from typing import Any, Literal, Protocol
 
 from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
 from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.subscribers import Subscribers
 from axisrig.kernel.time.clock import TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -68,7 +69,8 @@ class Controller:
 
     pending: requests that have not won arbitration, the one that competes next at index 0.
     takes_part: whether it sends, receives and acknowledges: it has power and is not bus-off.
-    discarded: requests lost because it did not.
+    discarded: requests lost because it did not. direct: who takes plain data frames (11 bits, not
+    its own) without `deliver`; None where somebody else has to see them.
     """
 
     def __init__(self, segment: Wire, port_name: str, queue: QueueKind) -> None:
@@ -78,6 +80,7 @@ class Controller:
         self.pending: MutableSequence[Request] = container()
         self.discarded = 0
         self.receive_own_messages = False
+        self.direct: Subscribers | None = None
         self.errors = ErrorCounters()
         self.takes_part = True
         self._has_power = True

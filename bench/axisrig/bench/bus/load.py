@@ -39,16 +39,12 @@ class LoadFigures:
     worst_delay_ns: dict[int, TimeNs]
 
 
-NOTED_FRAMES = 2048
-"""So many frames are added up at once."""
-
-
 class LoadMeter:
     """Adds up what a segment carries.
 
-    passed: frames that got through and are not added up yet: (start of the frame, end of the
-    intermission, bits of both, arbitration identifier, is_extended_id, delay since the request).
-    The segment appends to it and calls `settle` after NOTED_FRAMES; it stays the same list.
+    passed: frames that got through and are not added up yet, in their order: (start of the frame,
+    end of the intermission, bits until there, identifier, is_extended_id, delay since the request).
+    The segment appends to it and calls `settle` for a block of them; it stays the same list.
     """
 
     def __init__(self, bitrate: int) -> None:
@@ -62,11 +58,14 @@ class LoadMeter:
 
     def settle(self) -> None:
         """Add up the frames in `passed`."""
+        if not self.passed:
+            return
+        self._extend(self.passed[-1][1])
         windows, worst_ns, bits_sum = self._busy_ns, self._worst_delay_ns, 0
         for start_ns, end_ns, bits, can_id, extended, delay_ns in self.passed:
             bits_sum += bits
             window = start_ns // WINDOW_NS
-            if window == (end_ns - 1) // WINDOW_NS and window < len(windows):
+            if end_ns <= (window + 1) * WINDOW_NS:
                 windows[window] += end_ns - start_ns
             else:
                 self._spread(start_ns, end_ns)
@@ -80,14 +79,19 @@ class LoadMeter:
     def occupy(self, start_ns: TimeNs, end_ns: TimeNs, bits: int) -> None:
         """Add one occupation of the bus, a frame or an error frame with what it cut short."""
         self._bits += bits
+        self._extend(end_ns)
         self._spread(start_ns, end_ns)
+
+    def _extend(self, end_ns: TimeNs) -> None:
+        """Make room for the windows until `end_ns`."""
+        missing = (end_ns - 1) // WINDOW_NS + 1 - len(self._busy_ns)
+        if missing > 0:
+            self._busy_ns.extend([0] * missing)
 
     def _spread(self, start_ns: TimeNs, end_ns: TimeNs) -> None:
         """Add an occupation to the windows that it touches."""
         windows = self._busy_ns
         window, last = start_ns // WINDOW_NS, (end_ns - 1) // WINDOW_NS
-        if last >= len(windows):
-            windows.extend([0] * (last + 1 - len(windows)))
         while window < last:
             border_ns = (window + 1) * WINDOW_NS
             windows[window] += border_ns - start_ns

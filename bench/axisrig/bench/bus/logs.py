@@ -38,9 +38,9 @@ ERROR_DATA_BYTES = 8
 
 
 class BusLog:
-    """A log file: `journal.add(log.take)` or, frame by frame, `segment.observe(log)`; then `stop()`.
+    """A log file of a journal, `journal.add(log.take)`, which is drained before `stop`.
 
-    A journal is drained before `stop`.
+    `segment.observe(log)` writes frame by frame instead.
     """
 
     def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
@@ -159,9 +159,7 @@ class BlfLog(MessageLog):
     _OBJECT: Final = struct.Struct("<24sQHBBL8s")
     _REMOTE: Final = 0x80
 
-    def __init__(
-        self, writer: can.BLFWriter, channels: Mapping[str, int], path: Path
-    ) -> None:
+    def __init__(self, writer: can.BLFWriter, channels: Mapping[str, int], path: Path) -> None:
         """writer: from `blf_writer`. channels: segment -> number from 0. path: of its file."""
         super().__init__(writer, channels, path)
         self._blf = writer

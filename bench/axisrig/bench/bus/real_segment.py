@@ -33,10 +33,10 @@ SEND_ERRORS_MAX = 20
 class OutsideSegment(Segment):
     """A segment on a python-can bus; it shuts the bus down when it closes.
 
-    open_bus: opens the interface, here and again by `reopen`. journal: as of `Segment`. lost: why the bus is gone, None
-    while it is there. Load and hash are of the frames that this process has seen, error
-    counters are the adapter's own business; keeps_load =
-    False where the record of the load would grow for days.
+    open_bus: opens the interface, here and again by `reopen`. journal: as of `Segment`. lost: why
+    the bus is gone, None while it is there. Load and hash are of the frames that this process has
+    seen, error counters are the adapter's own business; keeps_load = False where the record of the
+    load would grow for days.
     Raises what `open_bus` raises.
     """
 

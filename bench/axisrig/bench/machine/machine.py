@@ -119,9 +119,7 @@ class Machine:
             self._open.callback(self.plant.close)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self.segments = build_segments(
-                settings, self.scheduler, journal, bus_logs, self._open
-            )
+            self.segments = build_segments(settings, self.scheduler, journal, bus_logs, self._open)
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
             self.networks = {
                 name: SimNetwork(segment.port("cnc", settings.segment[name].queue))
