@@ -62,10 +62,13 @@ class LoadMeter:
             return
         self._extend(self.passed[-1][1])
         windows, worst_ns, bits_sum = self._busy_ns, self._worst_delay_ns, 0
+        window = border_ns = 0
         for start_ns, end_ns, bits, can_id, extended, delay_ns in self.passed:
             bits_sum += bits
-            window = start_ns // WINDOW_NS
-            if end_ns <= (window + 1) * WINDOW_NS:
+            if start_ns >= border_ns:
+                window = start_ns // WINDOW_NS
+                border_ns = (window + 1) * WINDOW_NS
+            if end_ns <= border_ns:
                 windows[window] += end_ns - start_ns
             else:
                 self._spread(start_ns, end_ns)

@@ -132,11 +132,11 @@ class Machine:
                 for name, axis in settings.rig.axis.items()
             }
             self._expect_answers()
-            self.telegrams = self._log_telegrams()
+            telegrams = self._log_telegrams(journal)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
             self._inject_faults(seed)
-            self._observe(trace)
+            self._observe(trace, telegrams)
             self.channel.load(self._commands_of(None))
             guard.pop_all()
 
@@ -193,18 +193,17 @@ class Machine:
                     if telegram.transmission == 1 and telegram.name.startswith("TPDO")
                 )
 
-    def _log_telegrams(self) -> TelegramLog:
+    def _log_telegrams(self, journal: Journal) -> TelegramLog:
         """Note the cyclic values of the axes with distance control: its dead time is measured."""
         rig, lists = self.settings.rig, self.settings.axis
-        log = TelegramLog(
-            (rig.axis[name].segment, link)
-            for name, link in self.links.items()
-            if lists[name].flag("lr_param.distance_control_on")
+        return TelegramLog(
+            (
+                (rig.axis[name].segment, link)
+                for name, link in self.links.items()
+                if lists[name].flag("lr_param.distance_control_on")
+            ),
+            journal,
         )
-        for name, segment in self.segments.items():
-            if log.hears(name):
-                segment.observe(log)
-        return log
 
     def _inject_faults(self, seed: int) -> None:
         parts = World(
@@ -223,9 +222,9 @@ class Machine:
     def _note_state(self, axis: str, state: State) -> None:
         self.drive_states.append((self.scheduler.now_ns, axis, state))
 
-    def _observe(self, trace: Path | None) -> None:
+    def _observe(self, trace: Path | None, telegrams: TelegramLog) -> None:
         """Build what looks at every cycle and keeps what the run leaves."""
-        self.recorder = self._build_recorder(trace)
+        self.recorder = self._build_recorder(trace, telegrams)
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
         self.distance_log = DistanceLog()
@@ -233,7 +232,7 @@ class Machine:
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]
 
-    def _build_recorder(self, trace: Path | None) -> Recorder:
+    def _build_recorder(self, trace: Path | None, telegrams: TelegramLog) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}
         axes = [
             RecordedAxis(
@@ -246,7 +245,7 @@ class Machine:
             for name, axis in self.settings.rig.axis.items()
         ]
         writer = SeriesWriter(trace)
-        return Recorder(self.plant, axes, self.plant.probes, self.telegrams, writer)
+        return Recorder(self.plant, axes, self.plant.probes, telegrams, writer)
 
     def _build_channel(self) -> Channel:
         self._accesses, warnings = build_accesses(
