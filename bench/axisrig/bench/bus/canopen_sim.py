@@ -162,6 +162,7 @@ class SimNodeScanner(NodeScanner):
 
     @nodes.setter
     def nodes(self, found: list[int]) -> None:
+        """Count these as found and forget what has been heard; `reset` does so with none."""
         self._heard.clear()
         self._nodes = found
 
