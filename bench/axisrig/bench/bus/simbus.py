@@ -82,8 +82,6 @@ class SimBus(Controller, can.BusABC):
         Controller.__init__(self, segment, port_name or f"port{len(segment.ports) + 1}", queue)
         self.channel_info = f"axisrig segment {segment.name}, {self.port_name}"
         self.receive_own_messages = receive_own_messages
-        self._thread = get_ident()
-        self._scheduler = segment.scheduler
         self._received: deque[can.Message] = deque()
         self._message_callbacks: tuple[MessageCallback, ...] = ()
         self._data_callbacks: tuple[DataCallback, ...] = ()
@@ -110,42 +108,15 @@ class SimBus(Controller, can.BusABC):
         if not 0 <= msg.dlc <= DATA_BYTES_MAX or (not remote and msg.dlc != len(data)):
             raise ValueError(f"dlc and data do not fit: {msg}")
         frame = Frame(can_id, data, bool(extended), bool(remote), msg.dlc)
-        if get_ident() != self._thread or not self.takes_part:
-            self._refuse()
-            return
-        key = arbitration_key(can_id, frame[2], frame[3])
-        segment = self.segment
-        self._push(self.pending, (key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
-        segment.wake()
+        self.request(arbitration_key(can_id, frame[2], frame[3]), frame)
 
-    def send_raw(self, cob_id: int, data: bytes | bytearray | list[int]) -> None:
-        """Request a data frame without a `can.Message`: the fast way for cyclic telegrams.
+    def _send_extended(self, can_id: int, data: bytes | bytearray | list[int]) -> None:
+        self.send(can.Message(arbitration_id=can_id, is_extended_id=True, data=data))
 
-        Identifiers above 0x7FF are extended ones. Raises as `send`.
-        """
-        if not 0 <= cob_id <= STANDARD_ID_MAX:
-            self.send(can.Message(arbitration_id=cob_id, is_extended_id=True, data=data))
-            return
-        size = len(data)
-        if size > DATA_BYTES_MAX:
-            raise ValueError(f"{size} data bytes in a classical CAN frame")
-        # A named tuple made without its constructor, which costs as much as the queue
-        frame: Frame = tuple.__new__(Frame, (cob_id, bytes(data), False, False, size))
-        if get_ident() != self._thread or not self.takes_part:
-            self._refuse()
-            return
-        segment = self.segment
-        request = (cob_id << 21, next(segment.sequence), self._scheduler.now_ns, 0, frame)
-        self._push(self.pending, request)
-        segment.wake()
-
-    def _refuse(self) -> None:
-        """Lose a request; raises what `send` raises where it is a mistake."""
-        if get_ident() != self._thread:
-            raise RuntimeError("a simulated bus belongs to the thread that made it")
+    def _lose(self) -> None:
         if self._is_shutdown:
             raise can.CanOperationError(f"{self.channel_info} is shut down")
-        self.discarded += 1
+        super()._lose()
 
     def _send_periodic_internal(
         self,
