@@ -1,11 +1,12 @@
 """What a segment needs of a CAN controller: its transmit queue, its part on the bus, its errors."""
 
-import heapq
 from collections import deque
 from collections.abc import Callable, MutableSequence
+from functools import partial
+from heapq import heappop, heappush
 from itertools import count
 from threading import get_ident
-from typing import Any, Literal, Protocol
+from typing import Any, Final, Literal, Protocol
 
 from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
 from axisrig.bench.bus.frame import DATA_BYTES_MAX, STANDARD_ID_MAX, Frame
@@ -19,12 +20,8 @@ Request = tuple[int, int, TimeNs, int, Frame]
 QueueKind = Literal["fifo", "mailbox"]
 StateCallback = Callable[[ErrorState], None]
 
-# How a controller keeps its pending frames: (container, push, pop, put back). The head is at
-# index 0 in both. A FIFO is what most drivers give; mailboxes send the lowest identifier first.
-QUEUES: dict[str, tuple[type, Any, Any, Any]] = {
-    "fifo": (deque, deque.append, deque.popleft, deque.appendleft),
-    "mailbox": (list, heapq.heappush, heapq.heappop, heapq.heappush),
-}
+QUEUES: Final = ("fifo", "mailbox")
+"""A FIFO is what most drivers give; mailboxes send the lowest identifier first."""
 
 
 class Wire(Protocol):
@@ -68,7 +65,8 @@ class Wire(Protocol):
 class Controller:
     """Transmit queue and fault confinement of one port; `deliver` comes with the subclass.
 
-    pending: requests that have not won arbitration, the one that competes next at index 0.
+    pending: requests that have not won arbitration, the one that competes next at index 0. take():
+    removes and returns that one.
     takes_part: whether it sends, receives and acknowledges: it has power and is not bus-off.
     discarded: requests lost because it did not. direct: who takes plain data frames (11 bits, not
     its own) without `deliver`; None where somebody else has to see them.
@@ -79,8 +77,18 @@ class Controller:
         self.port_name = port_name
         self._scheduler = segment.scheduler
         self._thread = get_ident()
-        container, self._push, self._pop, self._put_back = QUEUES[queue]
-        self.pending: MutableSequence[Request] = container()
+        self.pending: MutableSequence[Request]
+        self.take: Callable[[], Request]
+        self._push: Callable[[Request], None]
+        self._put_back: Callable[[Request], None]
+        if queue == "fifo":
+            fifo: deque[Request] = deque()
+            self.pending, self.take = fifo, fifo.popleft
+            self._push, self._put_back = fifo.append, fifo.appendleft
+        else:
+            mailbox: list[Request] = []
+            self.pending, self.take = mailbox, partial(heappop, mailbox)
+            self._push = self._put_back = partial(heappush, mailbox)
         self.discarded = 0
         self.receive_own_messages = False
         self.direct: Subscribers | None = None
@@ -119,7 +127,7 @@ class Controller:
             self._lose()
             return
         segment = self.segment
-        self._push(self.pending, (key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
+        self._push((key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
         segment.wake()
 
     def _send_extended(self, can_id: int, data: bytes | bytearray | list[int]) -> None:
@@ -199,15 +207,10 @@ class Controller:
         """Hand over a frame that has ended on the wire; own: this controller sent it."""
         raise NotImplementedError
 
-    def take(self) -> Request:
-        """Remove the request that competes next."""
-        request: Request = self._pop(self.pending)
-        return request
-
     def put_back(self, request: Request) -> None:
         """Let a request compete again, before the others where the queue is a FIFO."""
         if self.takes_part:
-            self._put_back(self.pending, request)
+            self._put_back(request)
         else:
             self.discarded += 1
 

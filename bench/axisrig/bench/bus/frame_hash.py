@@ -44,11 +44,13 @@ class FrameHash:
     def take(self, block: Sequence[Entry]) -> None:
         """Add frames."""
         records: list[bytes] = []
-        names = self._names
+        last = None
         for time_ns, segment, frame, is_error in block:
-            if segment not in names:
-                names[segment] = _codec(segment)
-            name, pack = names[segment]
+            if segment is not last:
+                last = segment
+                if segment not in self._names:
+                    self._names[segment] = _codec(segment)
+                name, pack = self._names[segment]
             can_id, data, extended, remote, dlc = frame
             flags = 0
             if extended or remote or is_error:

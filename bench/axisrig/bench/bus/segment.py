@@ -93,9 +93,9 @@ class Segment(Traffic):
         self.ports: tuple[Controller, ...] = ()
         self._idle = True
         self._free_ns: TimeNs = 0
-        # The ports that take part; whether there are too few of them for an acknowledgement
+        # The ports that take part; whether they can acknowledge, and no fault looks at frames
         self._live: tuple[Controller, ...] = ()
-        self._is_lone = True
+        self._is_undisturbed = False
         self._suspended: tuple[Controller, ...] = ()
         self._suspended_until_ns: TimeNs = 0
         self._counts = ErrorCounts(bitrate, scheduler, automatic_recovery=automatic_recovery)
@@ -125,6 +125,7 @@ class Segment(Traffic):
     def add_fault(self, hook: FaultHook) -> None:
         """Ask `hook` about every attempt to send, after the hooks added before."""
         self._faults += (hook,)
+        self._is_undisturbed = False
 
     def close(self) -> None:
         """Shut every port down and forget the name; without effect when closed."""
@@ -171,7 +172,7 @@ class Segment(Traffic):
     def update_parts(self) -> None:
         """Take note that a port has become silent or speaks again."""
         self._live = tuple(port for port in self.ports if port.takes_part)
-        self._is_lone = len(self._live) < 2
+        self._is_undisturbed = len(self._live) >= 2 and not self._faults
         self._delayed.forget_silent()
 
     def wake(self) -> None:
@@ -225,7 +226,7 @@ class Segment(Traffic):
             rivals: tuple[Controller, ...] = ()
             for port in self._live:
                 pending = port.pending
-                if pending and port not in suspended:
+                if pending and not (suspended and port in suspended):
                     key = pending[0][0]
                     if winner is None or key < lowest:
                         winner, lowest, rivals = port, key, ()
@@ -234,7 +235,7 @@ class Segment(Traffic):
             if winner is None:
                 self._rest()
                 return
-            if not (rivals or self._faults or self._is_lone):
+            if self._is_undisturbed and not rivals:
                 request = winner.take()
                 bits = self._lengths[request[4]] - IFS_BITS
                 self._suspended = ()

@@ -137,7 +137,7 @@ class SimBus(Controller, can.BusABC):
         kept = [request for request in self.pending if request[4].arbitration_id not in can_ids]
         self.pending.clear()
         for request in kept:
-            self._push(self.pending, request)
+            self._push(request)
 
     # --- receiving ---------------------------------------------------------------------------
 
