@@ -63,11 +63,13 @@ class Scheduler:
             raise ValueError(f"run_until({time_ns} ns) is before now ({self.now_ns} ns)")
         events = self._events
         with self._advancing:
-            while events and events[0][0] <= time_ns:
-                event = heappop(events)
-                action = event[3]
+            while events:
+                due_ns, _, _, action = events[0]
+                if due_ns > time_ns:
+                    break
+                heappop(events)
                 if action is not None:
-                    self.now_ns = event[0]
+                    self.now_ns = due_ns
                     action()
             self.now_ns = time_ns
 
