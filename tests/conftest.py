@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.both_writers import ComparedRows
 
 from axisrig.bench.campaign.pytest_plugin import CaseItem
 from axisrig.bench.plan.plan import Case
@@ -54,6 +55,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(ComparedRows())
     config.addinivalue_line(
         "markers", "long(but=0): not in the quick stage, except for its first `but` rows"
     )

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.bus.canopen_sim import SimNetwork, SimRemoteNode
-from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.journal import Journal
 from axisrig.bench.drive.dictionary.eds import object_dictionary
 from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
@@ -38,7 +38,7 @@ class Master:
         opened.callback(self.plant.close)
         check_plants(settings, self.plant)
         start_plant(settings, self.plant)
-        segments = build_segments(settings, self.scheduler, FrameHash(), (), opened)
+        segments = build_segments(settings, self.scheduler, Journal(), (), opened)
         self.node = build_nodes(settings, self.scheduler, segments, self.plant, 0)["Z"]
         network = self.network = SimNetwork(segments["can1"].port("master")).connect()
         remote = SimRemoteNode(3, object_dictionary(3, self.node.profile))

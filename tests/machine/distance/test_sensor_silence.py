@@ -42,8 +42,8 @@ def last_received_ns(watched: Any) -> int:
     """End of the last telegram with 60E4:1 that the kernel got: those behind pass and are lost."""
     machine = watched.outcome.machine
     (fault,) = machine.faults
-    sent = [told.time_ns for told in machine.telegrams.of("Z", "second")]
-    return max(time_ns for time_ns in sent if time_ns < fault.begin_ns)
+    sent_ns = machine.recorder.series().telegrams("Z", "second").frame_ns
+    return int(max(sent_ns[sent_ns < fault.begin_ns]))
 
 
 @pytest.mark.parametrize(

@@ -16,12 +16,14 @@ from typing import Any, Self
 import can
 import canopen
 from canopen.emcy import EmcyConsumer, EmcyError
+from canopen.network import NodeScanner
 from canopen.nmt import NmtError, NmtMaster
 from canopen.objectdictionary import ObjectDictionary
 from canopen.sdo.client import SdoClient
 from canopen.sdo.exceptions import SdoCommunicationError
 
 from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.subscribers import Subscribers
 
 
 class SimCondition:
@@ -142,12 +144,38 @@ class SimRemoteNode(canopen.RemoteNode):
                 pdo_map.receive_condition = SimCondition(bus)
 
 
+class SimNodeScanner(NodeScanner):
+    """`NodeScanner` that looks at what a port has heard only when somebody asks for the nodes."""
+
+    def __init__(self, network: canopen.Network, taken_by: Subscribers) -> None:
+        self._heard = taken_by.heard
+        super().__init__(network)
+
+    @property
+    def nodes(self) -> list[int]:
+        """Numbers of the nodes found, in the order of their first messages."""
+        heard = [*self._heard]
+        self._heard.clear()
+        for can_id in heard:
+            self.on_message_received(can_id)
+        return self._nodes
+
+    @nodes.setter
+    def nodes(self, found: list[int]) -> None:
+        """Count these as found and forget what has been heard; `reset` does so with none."""
+        self._heard.clear()
+        self._nodes = found
+
+
 class SimNetwork(canopen.Network):
     """`canopen.Network` that is fed by its `SimBus` directly: no notifier, no thread."""
 
     def __init__(self, bus: can.BusABC | None = None) -> None:
         super().__init__(bus)
         self._remote: dict[int, list[Callable[[], None]]] = {}
+        # The copy for each subscriber is for PdoMap, which keeps the buffer and writes to it
+        self._taken_by = Subscribers(self.subscribers)
+        self.scanner = SimNodeScanner(self, self._taken_by)
 
     def connect(self, *args: Any, **kwargs: Any) -> Self:
         """Connect to the bus given to the constructor, or open one as `can.Bus` does."""
@@ -156,21 +184,12 @@ class SimNetwork(canopen.Network):
         if not isinstance(self.bus, SimBus):
             super().connect(*args, **kwargs)
             return self
-        self.bus.attach_data(self._on_data)
+        self.bus.attach_subscribers(self._taken_by)
         self.bus.attach_remote(self._on_remote)
         for node in self.nodes.values():
             if isinstance(node, SimRemoteNode):
                 node.wait_on(self.bus)
         return self
-
-    def _on_data(self, can_id: int, data: bytes, timestamp_s: float) -> None:
-        # As `Network.notify`. The copy is for PdoMap, which keeps the buffer and writes to it.
-        callbacks = self.subscribers.get(can_id)
-        if callbacks:
-            copy = bytearray(data)
-            for callback in callbacks:
-                callback(can_id, copy, timestamp_s)
-        self.scanner.on_message_received(can_id)
 
     def _on_remote(self, can_id: int) -> None:
         for callback in tuple(self._remote.get(can_id, ())):

@@ -1,13 +1,16 @@
 """What a segment needs of a CAN controller: its transmit queue, its part on the bus, its errors."""
 
-import heapq
 from collections import deque
 from collections.abc import Callable, MutableSequence
+from functools import partial
+from heapq import heappop, heappush
 from itertools import count
-from typing import Any, Literal, Protocol
+from threading import get_ident
+from typing import Any, Final, Literal, Protocol
 
 from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
-from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.frame import DATA_BYTES_MAX, STANDARD_ID_MAX, Frame
+from axisrig.bench.bus.subscribers import Subscribers
 from axisrig.kernel.time.clock import TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -17,12 +20,8 @@ Request = tuple[int, int, TimeNs, int, Frame]
 QueueKind = Literal["fifo", "mailbox"]
 StateCallback = Callable[[ErrorState], None]
 
-# How a controller keeps its pending frames: (container, push, pop, put back). The head is at
-# index 0 in both. A FIFO is what most drivers give; mailboxes send the lowest identifier first.
-QUEUES: dict[str, tuple[type, Any, Any, Any]] = {
-    "fifo": (deque, deque.append, deque.popleft, deque.appendleft),
-    "mailbox": (list, heapq.heappush, heapq.heappop, heapq.heappush),
-}
+QUEUES: Final = ("fifo", "mailbox")
+"""A FIFO is what most drivers give; mailboxes send the lowest identifier first."""
 
 
 class Wire(Protocol):
@@ -66,23 +65,78 @@ class Wire(Protocol):
 class Controller:
     """Transmit queue and fault confinement of one port; `deliver` comes with the subclass.
 
-    pending: requests that have not won arbitration, the one that competes next at index 0.
+    pending: requests that have not won arbitration, the one that competes next at index 0. take():
+    removes and returns that one.
     takes_part: whether it sends, receives and acknowledges: it has power and is not bus-off.
-    discarded: requests lost because it did not.
+    discarded: requests lost because it did not. direct: who takes plain data frames (11 bits, not
+    its own) without `deliver`; None where somebody else has to see them.
     """
 
     def __init__(self, segment: Wire, port_name: str, queue: QueueKind) -> None:
         self.segment = segment
         self.port_name = port_name
-        container, self._push, self._pop, self._put_back = QUEUES[queue]
-        self.pending: MutableSequence[Request] = container()
+        self._scheduler = segment.scheduler
+        self._thread = get_ident()
+        self.pending: MutableSequence[Request]
+        self.take: Callable[[], Request]
+        self._push: Callable[[Request], None]
+        self._put_back: Callable[[Request], None]
+        if queue == "fifo":
+            fifo: deque[Request] = deque()
+            self.pending, self.take = fifo, fifo.popleft
+            self._push, self._put_back = fifo.append, fifo.appendleft
+        else:
+            mailbox: list[Request] = []
+            self.pending, self.take = mailbox, partial(heappop, mailbox)
+            self._push = self._put_back = partial(heappush, mailbox)
         self.discarded = 0
         self.receive_own_messages = False
+        self.direct: Subscribers | None = None
         self.errors = ErrorCounters()
         self.takes_part = True
         self._has_power = True
         self._told_state = ErrorState.ACTIVE
         self._state_callbacks: tuple[StateCallback, ...] = ()
+
+    # --- sending ---------------------------------------------------------------------------------
+
+    def send_raw(self, cob_id: int, data: bytes | bytearray | list[int]) -> None:
+        """Request a data frame without a `can.Message`: the fast way for cyclic telegrams.
+
+        Identifiers above 0x7FF are extended ones. Raises as `SimBus.send`.
+        """
+        if not 0 <= cob_id <= STANDARD_ID_MAX:
+            self._send_extended(cob_id, data)
+            return
+        size = len(data)
+        if size > DATA_BYTES_MAX:
+            raise ValueError(f"{size} data bytes in a classical CAN frame")
+        # A named tuple made without its constructor, which costs as much as the queue
+        frame: Frame = tuple.__new__(Frame, (cob_id, bytes(data), False, False, size))
+        self.request(cob_id << 21, frame)
+
+    def request(self, key: int, frame: Frame) -> None:
+        """Let a frame compete from this instant on; key: of `arbitration_key`.
+
+        Lost, and counted in `discarded`, while the controller takes no part. Raises RuntimeError in
+        a foreign thread.
+        """
+        if get_ident() != self._thread:
+            raise RuntimeError("a simulated bus belongs to the thread that made it")
+        if not self.takes_part:
+            self._lose()
+            return
+        segment = self.segment
+        self._push((key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
+        segment.wake()
+
+    def _send_extended(self, can_id: int, data: bytes | bytearray | list[int]) -> None:
+        """Request what is no 11-bit data frame, or refuse it."""
+        raise NotImplementedError
+
+    def _lose(self) -> None:
+        """Count a request of a controller that takes no part."""
+        self.discarded += 1
 
     # --- state -----------------------------------------------------------------------------------
 
@@ -153,15 +207,10 @@ class Controller:
         """Hand over a frame that has ended on the wire; own: this controller sent it."""
         raise NotImplementedError
 
-    def take(self) -> Request:
-        """Remove the request that competes next."""
-        request: Request = self._pop(self.pending)
-        return request
-
     def put_back(self, request: Request) -> None:
         """Let a request compete again, before the others where the queue is a FIFO."""
         if self.takes_part:
-            self._put_back(self.pending, request)
+            self._put_back(request)
         else:
             self.discarded += 1
 

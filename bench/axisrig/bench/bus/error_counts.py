@@ -4,6 +4,7 @@ from collections.abc import Container, Sequence
 
 from axisrig.bench.bus.confinement import ErrorState
 from axisrig.bench.bus.controller import Controller, Request
+from axisrig.bench.bus.faults import ErrorAtBit
 from axisrig.bench.bus.recovery import Recovery
 from axisrig.kernel.time.clock import TimeNs
 from axisrig.kernel.time.scheduler import Scheduler
@@ -96,3 +97,15 @@ def further_attempt(request: Request) -> Request:
 def passive(ports: Sequence[Controller]) -> tuple[Controller, ...]:
     """Return those that are error passive."""
     return tuple(port for port in ports if port.error_state is ErrorState.PASSIVE)
+
+
+def is_noticed(
+    error: ErrorAtBit, live: Sequence[Controller], senders: Sequence[Controller]
+) -> bool:
+    """Whether an error is seen by anyone whose flag the others notice.
+
+    live: who takes part. senders: of the frame; they notice their own flags always.
+    """
+    names = error.seen_by
+    seers = [port for port in live if names is None or port.port_name in names]
+    return any(p in senders or p.error_state is ErrorState.ACTIVE for p in seers)

@@ -18,6 +18,7 @@ CRC_POLYNOMIAL, CRC_BITS = 0x4599, 15
 STANDARD_ID_MAX = 0x7FF
 EXTENDED_ID_MAX = 0x1FFF_FFFF
 DATA_BYTES_MAX = 8
+KNOWN_FRAMES = 4096
 
 _STATES = [(bit, run) for bit in (0, 1) for run in (1, 2, 3, 4)]
 """Last bit on the wire and how often it was there in a row; a fifth is stuffed at once."""
@@ -182,6 +183,20 @@ def frame_bits(frame: Frame) -> int:
         bits += stuffed
     stuffed, row = row[crc >> 7]
     return bits + stuffed + row[256 | crc & 0x7F][0]
+
+
+class FrameLengths(dict[Frame, int]):
+    """Exact lengths by frame, in bits as of `frame_bits`: `lengths[frame]` works out a new one.
+
+    Most telegrams repeat: SYNC always, the others of an axis at rest. Holds KNOWN_FRAMES at most.
+    """
+
+    def __missing__(self, frame: Frame) -> int:
+        """Work out a length and remember it."""
+        if len(self) >= KNOWN_FRAMES:
+            self.clear()
+        bits = self[frame] = frame_bits(frame)
+        return bits
 
 
 def wire_bits(frame: Frame) -> str:

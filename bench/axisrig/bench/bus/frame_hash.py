@@ -2,15 +2,12 @@
 
 import hashlib
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.journal import Entry, Journal
 from axisrig.kernel.time.clock import TimeNs
 
-FrameObserver = Callable[[TimeNs, str, Frame, bool], None]
-"""Called as observer(time_ns, segment name, frame, is_error) at every end of frame."""
-
-_BLOCK = 8192
 EXTENDED, REMOTE, ERROR = 1, 2, 4
 """Bits of the flags in `FrameHash`."""
 
@@ -18,7 +15,8 @@ EXTENDED, REMOTE, ERROR = 1, 2, 4
 class FrameHash:
     """SHA-256 over every frame of one or more segments, error frames included.
 
-    Usage: `segment.observe(frame_hash)`. Per frame, in the order of the ends of frame, these bytes
+    journal: where these frames come from; without one `segment.observe(frame_hash)` gives them one
+    by one. Per frame, in the order of the ends of frame, these bytes
     without padding, all integers little-endian:
 
     | bytes | content |
@@ -31,33 +29,53 @@ class FrameHash:
     | 8 | data, filled up with zeros |
     """
 
-    def __init__(self) -> None:
+    def __init__(self, journal: Journal | None = None) -> None:
         self._hash = hashlib.sha256()
         self._names: dict[str, tuple[bytes, Callable[..., bytes]]] = {}
-        self._pending = bytearray()
-        self.frames = 0
+        self._frames = 0
+        self._journal = journal
+        if journal is not None:
+            journal.add(self.take)
 
     def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
         """Add one frame."""
-        known = self._names.get(segment)
-        if known is None:
-            text = segment.encode()
-            codec = struct.Struct(f"<q{1 + len(text)}sIBB8s")
-            known = self._names[segment] = bytes([len(text)]) + text, codec.pack
-        name, pack = known
-        can_id, data, extended, remote, dlc = frame
-        flags = 0
-        if extended or remote or is_error:
-            flags = EXTENDED * extended | REMOTE * remote | ERROR * is_error
-        pending = self._pending
-        pending += pack(time_ns, name, can_id, flags, dlc, data)
-        if len(pending) > _BLOCK:  # hashing a block at a time costs half
-            self._hash.update(pending)
-            pending.clear()
-        self.frames += 1
+        self.take([(time_ns, segment, frame, is_error)])
+
+    def take(self, block: Sequence[Entry]) -> None:
+        """Add frames."""
+        records: list[bytes] = []
+        last = None
+        for time_ns, segment, frame, is_error in block:
+            if segment is not last:
+                last = segment
+                if segment not in self._names:
+                    self._names[segment] = _codec(segment)
+                name, pack = self._names[segment]
+            can_id, data, extended, remote, dlc = frame
+            flags = 0
+            if extended or remote or is_error:
+                flags = EXTENDED * extended | REMOTE * remote | ERROR * is_error
+            records.append(pack(time_ns, name, can_id, flags, dlc, data))
+        self._hash.update(b"".join(records))
+        self._frames += len(block)
+
+    @property
+    def frames(self) -> int:
+        """How many frames there have been."""
+        self._drain()
+        return self._frames
 
     def hexdigest(self) -> str:
-        """Return the hash of what has been added so far; adding may go on."""
-        self._hash.update(self._pending)
-        self._pending.clear()
+        """Return the hash of what there has been so far; adding may go on."""
+        self._drain()
         return self._hash.hexdigest()
+
+    def _drain(self) -> None:
+        if self._journal is not None:
+            self._journal.drain()
+
+
+def _codec(segment: str) -> tuple[bytes, Callable[..., bytes]]:
+    """Return the name of a segment as it is hashed, and what packs the bytes of a frame there."""
+    text = segment.encode()
+    return bytes([len(text)]) + text, struct.Struct(f"<q{1 + len(text)}sIBB8s").pack

@@ -40,23 +40,61 @@ class LoadFigures:
 
 
 class LoadMeter:
-    """Adds up what a segment carries."""
+    """Adds up what a segment carries.
+
+    passed: frames that got through and are not added up yet, in their order: (start of the frame,
+    end of the intermission, bits until there, identifier, is_extended_id, delay since the request).
+    The segment appends to it and calls `settle` for a block of them; it stays the same list.
+    """
 
     def __init__(self, bitrate: int) -> None:
         self._bitrate = bitrate
+        self.passed: list[tuple[TimeNs, TimeNs, int, int, bool, TimeNs]] = []
         self._busy_ns = array("Q")
         self._bits = 0
         self._frames = 0
         self._error_frames = 0
         self._worst_delay_ns: dict[int, TimeNs] = {}
 
+    def settle(self) -> None:
+        """Add up the frames in `passed`."""
+        if not self.passed:
+            return
+        self._extend(self.passed[-1][1])
+        windows, worst_ns, bits_sum = self._busy_ns, self._worst_delay_ns, 0
+        window = border_ns = 0
+        for start_ns, end_ns, bits, can_id, extended, delay_ns in self.passed:
+            bits_sum += bits
+            if start_ns >= border_ns:
+                window = start_ns // WINDOW_NS
+                border_ns = (window + 1) * WINDOW_NS
+            if end_ns <= border_ns:
+                windows[window] += end_ns - start_ns
+            else:
+                self._spread(start_ns, end_ns)
+            key = can_id | EXTENDED_FLAG if extended else can_id
+            if delay_ns >= worst_ns.get(key, 0):
+                worst_ns[key] = delay_ns
+        self._bits += bits_sum
+        self._frames += len(self.passed)
+        self.passed.clear()
+
     def occupy(self, start_ns: TimeNs, end_ns: TimeNs, bits: int) -> None:
         """Add one occupation of the bus, a frame or an error frame with what it cut short."""
         self._bits += bits
+        self._extend(end_ns)
+        self._spread(start_ns, end_ns)
+
+    def _extend(self, end_ns: TimeNs) -> None:
+        """Make room for the windows until `end_ns`."""
+        missing = (end_ns - 1) // WINDOW_NS + 1 - len(self._busy_ns)
+        if missing > 0:
+            self._busy_ns.extend([0] * missing)
+
+    def _spread(self, start_ns: TimeNs, end_ns: TimeNs) -> None:
+        """Add an occupation to the windows that it touches."""
         windows = self._busy_ns
         window, last = start_ns // WINDOW_NS, (end_ns - 1) // WINDOW_NS
-        if last >= len(windows):
-            windows.extend([0] * (last + 1 - len(windows)))
         while window < last:
             border_ns = (window + 1) * WINDOW_NS
             windows[window] += border_ns - start_ns
@@ -81,6 +119,7 @@ class LoadMeter:
         """
         if window_ns < WINDOW_NS or window_ns % WINDOW_NS:
             raise ValueError(f"window of {window_ns} ns is not a multiple of {WINDOW_NS} ns")
+        self.settle()
         return [self._bits_of(busy_ns) for busy_ns in self._sums_ns(window_ns // WINDOW_NS)]
 
     def _sums_ns(self, step: int) -> Iterable[int]:
@@ -110,6 +149,7 @@ class LoadMeter:
 
         waiting: (frame, time of its request) of what has not been sent.
         """
+        self.settle()
         busy_ns = sum(self._busy_ns)
         worst_ns = self._worst_ns(100 * MS)
         delays = dict(self._worst_delay_ns)

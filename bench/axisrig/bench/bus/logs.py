@@ -2,7 +2,7 @@
 
 | kind | suffix | written by | times | same bytes in every run |
 |---|---|---|---|---|
-| blf | .blf | python-can | 1 ns early at most | yes |
+| blf | .blf | python-can, data frames packed here | 1 ns early at most | yes |
 | candump | .log | python-can | 1 us | yes |
 | asc | .asc | python-can | 1 us | no: its head has the date |
 | pcap | .pcap | here | exact | yes |
@@ -14,11 +14,12 @@ import struct
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Final
 
 import can
 
 from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.journal import Entry
 from axisrig.bench.files import named, naming
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import S, TimeNs
@@ -36,16 +37,24 @@ PROTOCOL_VIOLATION = 0x008
 ERROR_DATA_BYTES = 8
 
 
-class BusLog(Protocol):
-    """A log file: `segment.observe(log)`, then `stop()`."""
+class BusLog:
+    """A log file of a journal, `journal.add(log.take)`, which is drained before `stop`.
+
+    `segment.observe(log)` writes frame by frame instead.
+    """
 
     def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
         """Write one frame. Raises OSError with the name of the file."""
-        ...
+        raise NotImplementedError
+
+    def take(self, block: Sequence[Entry]) -> None:
+        """Write frames. Raises OSError with the name of the file."""
+        for entry in block:
+            self(*entry)
 
     def stop(self) -> None:
-        """Write what is left and close the file."""
-        ...
+        """Write what is left and close the file. Raises OSError with the name of the file."""
+        raise NotImplementedError
 
 
 def open_log(path: Path, segments: Sequence[str]) -> BusLog:
@@ -56,7 +65,7 @@ def open_log(path: Path, segments: Sequence[str]) -> BusLog:
     suffix = path.suffix.lower()
     channels = {name: number for number, name in enumerate(segments)}
     if suffix == LOG_SUFFIXES["blf"]:
-        return MessageLog(blf_writer(path), channels, path)
+        return BlfLog(blf_writer(path), channels, path)
     if suffix == LOG_SUFFIXES["candump"]:
         return MessageLog(can.CanutilsLogWriter(path), {name: name for name in segments}, path)
     if suffix == LOG_SUFFIXES["asc"]:
@@ -95,7 +104,7 @@ def asc_writer(path: str | Path) -> can.ASCWriter:
     return writer
 
 
-class MessageLog:
+class MessageLog(BusLog):
     """One file for all segments of a rig: a writer of python-can, fed cheaply.
 
     The writer reads a message and forgets it, so one `can.Message` is filled again for every frame;
@@ -137,7 +146,58 @@ class MessageLog:
             raise named(error, self._path) from None
 
 
-class PcapLog:
+class BlfLog(MessageLog):
+    """A BLF file whose data and remote frames are packed a block at a time.
+
+    The bytes are those of python-can's writer, which has the file and its containers, and writes
+    error frames: the tests of every shipped run compare both.
+    """
+
+    # Source: can/io/blf.py. Object head (size 32, version 1, 48 bytes, type 1 = CAN message) with
+    # flags 2 = times in ns; then time, channel, flags, dlc, identifier, data
+    _HEAD: Final = struct.pack("<4sHHLLLHH", b"LOBJ", 32, 1, 48, 1, 2, 0, 0)
+    _OBJECT: Final = struct.Struct("<24sQHBBL8s")
+    _REMOTE: Final = 0x80
+
+    def __init__(self, writer: can.BLFWriter, channels: Mapping[str, int], path: Path) -> None:
+        """writer: from `blf_writer`. channels: segment -> number from 0. path: of its file."""
+        super().__init__(writer, channels, path)
+        self._blf = writer
+        self._numbers = {name: number + 1 for name, number in channels.items()}
+
+    def take(self, block: Sequence[Entry]) -> None:
+        """Write frames. Raises OSError with the name of the file."""
+        objects: list[bytes] = []
+        head, pack, numbers = self._HEAD, self._OBJECT.pack, self._numbers
+        for entry in block:
+            time_ns, segment, frame, is_error = entry
+            if is_error:
+                self._put(objects)
+                objects = []
+                self(*entry)
+                continue
+            can_id, data, extended, remote, dlc = frame
+            if extended:
+                can_id |= EXTENDED_FLAG
+            flags = self._REMOTE if remote else 0
+            # Over seconds as a float and back, as python-can does
+            blf_ns = int(time_ns / S * 1e9)
+            objects.append(pack(head, blf_ns, numbers[segment], flags, dlc, can_id, data))
+        self._put(objects)
+        self._blf.stop_timestamp = block[-1][0] / S
+
+    def _put(self, objects: list[bytes]) -> None:
+        """Give objects to the writer, which puts each 128 KB of them into a container."""
+        writer = self._blf
+        writer._buffer += objects
+        writer._buffer_size += self._OBJECT.size * len(objects)
+        writer.object_count += len(objects)
+        with naming(self._path):
+            for _ in range(writer._buffer_size // writer.max_container_size):
+                writer._flush()
+
+
+class PcapLog(BusLog):
     """SocketCAN frames in pcap files with times in ns, one file for each segment of a rig.
 
     With several segments the name of each goes into that of its file: `run@can1.pcap`. An error

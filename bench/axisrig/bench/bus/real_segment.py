@@ -18,6 +18,7 @@ from axisrig.bench.bus.controller import Controller
 from axisrig.bench.bus.faults import FaultHook
 from axisrig.bench.bus.frame import Frame, frame_bits
 from axisrig.bench.bus.hardware import in_one_line
+from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import Arrival, PacedScheduler
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import message
@@ -32,10 +33,10 @@ SEND_ERRORS_MAX = 20
 class OutsideSegment(Segment):
     """A segment on a python-can bus; it shuts the bus down when it closes.
 
-    open_bus: opens the interface, here and again by `reopen`. lost: why the bus is gone, None
-    while it is there. Load and hash are of the frames that this process has seen, error
-    counters are the adapter's own business; keeps_load =
-    False where the record of the load would grow for days.
+    open_bus: opens the interface, here and again by `reopen`. journal: as of `Segment`. lost: why
+    the bus is gone, None while it is there. Load and hash are of the frames that this process has
+    seen, error counters are the adapter's own business; keeps_load = False where the record of the
+    load would grow for days.
     Raises what `open_bus` raises.
     """
 
@@ -45,11 +46,12 @@ class OutsideSegment(Segment):
         bitrate: int,
         scheduler: PacedScheduler,
         open_bus: Callable[[], can.BusABC],
+        journal: Journal | None = None,
     ) -> None:
         self._open_bus = open_bus
         self._bus: can.BusABC | None = open_bus()
         self._file = _file_of(self._bus)
-        super().__init__(name, bitrate, scheduler)
+        super().__init__(name, bitrate, scheduler, journal=journal)
         self._paced = scheduler
         self._expected: frozenset[int] = frozenset()
         self._outstanding: set[int] = set()

@@ -24,8 +24,6 @@ from functools import partial
 from itertools import count
 from typing import Self
 
-import can
-
 from axisrig.bench.bus import registry
 from axisrig.bench.bus.collision import collide
 from axisrig.bench.bus.confinement import ErrorState
@@ -39,7 +37,7 @@ from axisrig.bench.bus.disturbance import (
     SUSPEND_BITS,
     Disturbance,
 )
-from axisrig.bench.bus.error_counts import ErrorCounts, passive
+from axisrig.bench.bus.error_counts import ErrorCounts, is_noticed, passive
 from axisrig.bench.bus.faults import (
     Alter,
     Delay,
@@ -55,48 +53,55 @@ from axisrig.bench.bus.frame import (
     IFS_BITS,
     TAIL_BITS,
     Frame,
-    frame_bits,
+    FrameLengths,
     worst_case_bits,
 )
-from axisrig.bench.bus.frame_hash import FrameObserver
-from axisrig.bench.bus.load import LoadFigures, LoadMeter
-from axisrig.bench.bus.simbus import SimBus, message
+from axisrig.bench.bus.journal import Journal
+from axisrig.bench.bus.load import LoadFigures
+from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.bus.traffic import Traffic
 from axisrig.kernel.time.clock import Phase, S, TimeNs
 from axisrig.kernel.time.scheduler import Event, Scheduler
 
 _BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
 
 
-class Segment:
+class Segment(Traffic):
     """One CAN bus of `bitrate` bit/s in simulated time; a context manager that closes itself.
 
     automatic_recovery: a controller that is bus-off begins its recovery by itself; otherwise when
-    its `recover` is called.
+    its `recover` is called. journal: takes every frame at its end, for records that may see them
+    later; several segments may share one.
     Raises ValueError when an open segment has the same name.
     """
 
     def __init__(
-        self, name: str, bitrate: int, scheduler: Scheduler, *, automatic_recovery: bool = True
+        self,
+        name: str,
+        bitrate: int,
+        scheduler: Scheduler,
+        *,
+        automatic_recovery: bool = True,
+        journal: Journal | None = None,
     ) -> None:
         if bitrate <= 0:
             raise ValueError(f"bit rate {bitrate} bit/s is not positive")
-        self.name = name
+        super().__init__(name, bitrate, journal or Journal())
         self.bitrate = bitrate
         self.scheduler = scheduler
         self.sequence = count()
         self.ports: tuple[Controller, ...] = ()
         self._idle = True
         self._free_ns: TimeNs = 0
-        # The ports that take part; whether there are too few of them for an acknowledgement
+        # The ports that take part; whether they can acknowledge, and no fault looks at frames
         self._live: tuple[Controller, ...] = ()
-        self._is_lone = True
+        self._is_undisturbed = False
         self._suspended: tuple[Controller, ...] = ()
         self._suspended_until_ns: TimeNs = 0
         self._counts = ErrorCounts(bitrate, scheduler, automatic_recovery=automatic_recovery)
         self._recovery = self._counts.recovery
         self._faults: tuple[FaultHook, ...] = ()
-        self._observers: tuple[FrameObserver, ...] = ()
-        self._meter = LoadMeter(bitrate)
+        self._lengths = FrameLengths()
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
         # What is on the wire: sender, request, start of frame, length up to and without the
@@ -120,22 +125,7 @@ class Segment:
     def add_fault(self, hook: FaultHook) -> None:
         """Ask `hook` about every attempt to send, after the hooks added before."""
         self._faults += (hook,)
-
-    def tap(self, listener: can.Listener) -> None:
-        """Give `listener` a copy of every frame at its end, dropped and error frames included.
-
-        Loggers of python-can work as they are; the one who opened it stops it. An error frame
-        carries the identifier of the frame it destroyed. For BLF take
-        `axisrig.bench.bus.logs.blf_writer`."""
-
-        def give(time_ns: TimeNs, name: str, frame: Frame, is_error: bool) -> None:
-            listener.on_message_received(message(frame, time_ns, name, is_error=is_error))
-
-        self.observe(give)
-
-    def observe(self, observer: FrameObserver) -> None:
-        """Call `observer(time_ns, name, frame, is_error)` for what `tap` would get."""
-        self._observers += (observer,)
+        self._is_undisturbed = False
 
     def close(self) -> None:
         """Shut every port down and forget the name; without effect when closed."""
@@ -167,10 +157,6 @@ class Segment:
         waiting = [(request[4], request[2]) for port in self.ports for request in port.pending]
         return self._meter.figures(self.now_ns, waiting)
 
-    def busy_bits(self, window_ns: TimeNs) -> list[int]:
-        """Return the busy bits of each window since 0; `window_ns` is a multiple of 1 ms."""
-        return self._meter.busy_bits(window_ns)
-
     # --- for the ports ---------------------------------------------------------------------------
 
     def connect(self, port: Controller) -> None:
@@ -186,7 +172,7 @@ class Segment:
     def update_parts(self) -> None:
         """Take note that a port has become silent or speaks again."""
         self._live = tuple(port for port in self.ports if port.takes_part)
-        self._is_lone = len(self._live) < 2
+        self._is_undisturbed = len(self._live) >= 2 and not self._faults
         self._delayed.forget_silent()
 
     def wake(self) -> None:
@@ -231,15 +217,16 @@ class Segment:
 
     def _arbitrate(self) -> None:
         """Start the frame with the lowest arbitration field, or rest."""
-        suspended = self._suspended
-        if suspended and self.scheduler.now_ns >= self._suspended_until_ns:
+        scheduler = self.scheduler
+        suspended, now_ns = self._suspended, scheduler.now_ns
+        if suspended and now_ns >= self._suspended_until_ns:
             suspended = self._suspended = ()
         while True:
             winner, lowest = None, 0
             rivals: tuple[Controller, ...] = ()
             for port in self._live:
                 pending = port.pending
-                if pending and port not in suspended:
+                if pending and not (suspended and port in suspended):
                     key = pending[0][0]
                     if winner is None or key < lowest:
                         winner, lowest, rivals = port, key, ()
@@ -248,9 +235,15 @@ class Segment:
             if winner is None:
                 self._rest()
                 return
-            if not (rivals or self._faults or self._is_lone):
+            if self._is_undisturbed and not rivals:
                 request = winner.take()
-                self._start(winner, request, frame_bits(request[4]) - IFS_BITS)
+                bits = self._lengths[request[4]] - IFS_BITS
+                self._suspended = ()
+                if self._recovery.missing:
+                    self._recovery.frame_begins(now_ns)
+                self._wire = (winner, request, now_ns, bits, None)
+                end_ns = now_ns + self._duration_ns[bits]
+                self._end = scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_frame)
                 return
             if self._begin_oddly(winner, rivals):
                 return
@@ -291,23 +284,17 @@ class Segment:
         elif isinstance(action, Drop):
             missed = action.at or [port.port_name for port in self.ports]
         elif isinstance(action, ErrorAtBit):
-            if self._hurts(action, (winner, *rivals)):
+            if is_noticed(action, self._live, (winner, *rivals)):
                 self._destroy(winner, request, partners, action.bit, action.seen_by)
                 return True
             missed = action.seen_by or ()
         if len(self._live) == 1 + len(partners):
-            bit = frame_bits(request[4]) - IFS_BITS - AFTER_ACK_BITS
+            bit = self._lengths[request[4]] - IFS_BITS - AFTER_ACK_BITS
             self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)
             return True
         odd = Disturbance(action, partners, missed) if action or partners or missed else None
-        self._start(winner, request, frame_bits(request[4]) - IFS_BITS, odd)
+        self._start(winner, request, self._lengths[request[4]] - IFS_BITS, odd)
         return True
-
-    def _hurts(self, error: ErrorAtBit, senders: tuple[Controller, ...]) -> bool:
-        """Whether an error is seen by anyone whose flag the others notice."""
-        names = error.seen_by
-        seers = [port for port in self._live if names is None or port.port_name in names]
-        return any(p in senders or p.error_state is ErrorState.ACTIVE for p in seers)
 
     def _destroy(
         self,
@@ -319,7 +306,7 @@ class Segment:
         is_unacknowledged: bool = False,
     ) -> None:
         """Put a frame on the wire that ends with an error frame after its bit `bit`."""
-        whole = frame_bits(request[4]) - IFS_BITS
+        whole = self._lengths[request[4]] - IFS_BITS
         bits = min(bit, whole)
         is_late = bits == whole
         if is_late:
@@ -366,23 +353,47 @@ class Segment:
             port.deliver(frame, now_ns, False)
 
     def _end_of_frame(self) -> None:
-        """Deliver the frame on the wire."""
-        sender, request, start_ns, _, odd = self._leave_wire()
+        """Book the time of the frame on the wire, record and deliver it."""
+        assert self._wire is not None  # an end is planned only together with a start
+        sender, request, start_ns, bits, odd = self._wire
+        self._wire, bits = None, bits + IFS_BITS
+        free_ns = self._free_ns = start_ns + self._duration_ns[bits]
+        if self._recovery.missing:
+            self._recovery.frame_ended(free_ns)
         frame, now_ns = request[4], self.scheduler.now_ns
-        self._meter.count_frame(frame[0], frame[2], start_ns - request[2])
+        self._passed.append((start_ns, free_ns, bits, frame[0], frame[2], start_ns - request[2]))
+        self._entries.append((now_ns, self.name, frame, False))
+        if len(self._entries) >= self._block_frames:
+            self._journal.drain()
         for observer in self._observers:  # before anyone reacts to it
             observer(now_ns, self.name, frame, False)
         if odd is not None or self._counts.is_disturbed:
             self._deliver_disturbed(sender, request, odd or Disturbance())
         else:
-            for port in self._live:
-                if port is not sender:
-                    port.deliver(frame, now_ns, False)
-                elif port.receive_own_messages:
-                    port.deliver(frame, now_ns, True)
+            self._deliver_undisturbed(sender, frame)
         if self._delayed.for_next:
             self._delayed.release(sender)
         self._go_on()
+
+    def _deliver_undisturbed(self, sender: Controller, frame: Frame) -> None:
+        """Deliver a frame that all get; the subscribers of a port as `Subscribers.give` does."""
+        can_id, data, extended, remote, _ = frame
+        is_plain, now_ns = not (extended or remote), self.scheduler.now_ns
+        timestamp_s = now_ns / S
+        for port in self._live:
+            direct = port.direct
+            if port is sender:
+                if port.receive_own_messages:
+                    port.deliver(frame, now_ns, True)
+            elif direct is None or not is_plain:
+                port.deliver(frame, now_ns, False)
+            else:
+                subscribers = direct.by_id.get(can_id)
+                if subscribers:
+                    copy = bytearray(data)
+                    for subscriber in subscribers:
+                        subscriber(can_id, copy, timestamp_s)
+                direct.heard[can_id] = None
 
     def _deliver_disturbed(self, sender: Controller, request: Request, odd: Disturbance) -> None:
         """Deliver a frame that not all get, or while error counts differ from 0."""
@@ -409,27 +420,16 @@ class Segment:
                 return
         self._idle = True
 
-    def _leave_wire(self) -> tuple[Controller, Request, TimeNs, int, Disturbance | None]:
-        """Take what was on the wire and book the time that it took."""
-        assert self._wire is not None  # an end is planned only together with a start
-        wire, self._wire = self._wire, None
-        _, _, start_ns, bits, _ = wire
-        bits += IFS_BITS
-        free_ns = self._free_ns = start_ns + self._duration_ns[bits]
-        self._meter.occupy(start_ns, free_ns, bits)
-        if self._recovery.missing:
-            self._recovery.frame_ended(free_ns)
-        return wire
-
-    def _record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
-        """Give a frame to the records before anyone reacts to it."""
-        for observer in self._observers:
-            observer(time_ns, self.name, frame, is_error)
-
     def _end_of_error(self) -> None:
         """End an error frame; the destroyed frame competes again."""
-        sender, request, _, _, odd = self._leave_wire()
+        assert self._wire is not None
+        sender, request, start_ns, bits, odd = self._wire
         assert odd is not None
+        self._wire, bits = None, bits + IFS_BITS
+        self._free_ns = start_ns + self._duration_ns[bits]
+        self._meter.occupy(start_ns, self._free_ns, bits)
+        if self._recovery.missing:
+            self._recovery.frame_ended(self._free_ns)
         self._meter.count_error()
         destroyed = request[4]._replace(data=b"", dlc=0, is_remote_frame=False)
         self._record(destroyed, self.scheduler.now_ns, is_error=True)

@@ -28,6 +28,7 @@ from axisrig.bench.bus.frame import (
     Frame,
     arbitration_key,
 )
+from axisrig.bench.bus.subscribers import Subscribers
 from axisrig.kernel.time.clock import Phase, S, TimeNs, seconds_to_ns
 
 MessageCallback = Callable[[can.Message], None]
@@ -81,12 +82,11 @@ class SimBus(Controller, can.BusABC):
         Controller.__init__(self, segment, port_name or f"port{len(segment.ports) + 1}", queue)
         self.channel_info = f"axisrig segment {segment.name}, {self.port_name}"
         self.receive_own_messages = receive_own_messages
-        self._thread = get_ident()
-        self._scheduler = segment.scheduler
         self._received: deque[can.Message] = deque()
         self._message_callbacks: tuple[MessageCallback, ...] = ()
         self._data_callbacks: tuple[DataCallback, ...] = ()
         self._remote_callbacks: tuple[RemoteCallback, ...] = ()
+        self._subscribers: Subscribers | None = None
         segment.connect(self)
         can.BusABC.__init__(self, channel=segment.name, can_filters=can_filters)
 
@@ -108,34 +108,15 @@ class SimBus(Controller, can.BusABC):
         if not 0 <= msg.dlc <= DATA_BYTES_MAX or (not remote and msg.dlc != len(data)):
             raise ValueError(f"dlc and data do not fit: {msg}")
         frame = Frame(can_id, data, bool(extended), bool(remote), msg.dlc)
-        self._request(arbitration_key(can_id, frame[2], frame[3]), frame)
+        self.request(arbitration_key(can_id, frame[2], frame[3]), frame)
 
-    def send_raw(self, cob_id: int, data: bytes | bytearray | list[int]) -> None:
-        """Request a data frame without a `can.Message`: the fast way for cyclic telegrams.
+    def _send_extended(self, can_id: int, data: bytes | bytearray | list[int]) -> None:
+        self.send(can.Message(arbitration_id=can_id, is_extended_id=True, data=data))
 
-        Identifiers above 0x7FF are extended ones. Raises as `send`.
-        """
-        if not 0 <= cob_id <= STANDARD_ID_MAX:
-            self.send(can.Message(arbitration_id=cob_id, is_extended_id=True, data=data))
-            return
-        size = len(data)
-        if size > DATA_BYTES_MAX:
-            raise ValueError(f"{size} data bytes in a classical CAN frame")
-        # A named tuple made without its constructor, which costs as much as the queue
-        frame = tuple.__new__(Frame, (cob_id, bytes(data), False, False, size))
-        self._request(cob_id << 21, frame)
-
-    def _request(self, key: int, frame: Frame) -> None:
-        if get_ident() != self._thread:
-            raise RuntimeError("a simulated bus belongs to the thread that made it")
-        if not self.takes_part:
-            if self._is_shutdown:
-                raise can.CanOperationError(f"{self.channel_info} is shut down")
-            self.discarded += 1
-            return
-        segment = self.segment
-        self._push(self.pending, (key, next(segment.sequence), self._scheduler.now_ns, 0, frame))
-        segment.wake()
+    def _lose(self) -> None:
+        if self._is_shutdown:
+            raise can.CanOperationError(f"{self.channel_info} is shut down")
+        super()._lose()
 
     def _send_periodic_internal(
         self,
@@ -156,7 +137,7 @@ class SimBus(Controller, can.BusABC):
         kept = [request for request in self.pending if request[4].arbitration_id not in can_ids]
         self.pending.clear()
         for request in kept:
-            self._push(self.pending, request)
+            self._push(request)
 
     # --- receiving ---------------------------------------------------------------------------
 
@@ -166,6 +147,7 @@ class SimBus(Controller, can.BusABC):
         Time is then `segment.now_ns`; an exception of the callback ends the run.
         """
         self._message_callbacks += (callback,)
+        self._choose_direct()
 
     def attach_data(self, callback: DataCallback) -> None:
         """Call `callback(identifier, data, timestamp_s)` for data frames of other ports.
@@ -174,6 +156,25 @@ class SimBus(Controller, can.BusABC):
         left out: they would pass for 11-bit ones.
         """
         self._data_callbacks += (callback,)
+        self._choose_direct()
+
+    def attach_subscribers(self, subscribers: Subscribers) -> None:
+        """Give data frames of other ports to these, as `attach_data` does.
+
+        The fastest way: the segment asks them itself as long as there is neither a filter nor
+        another callback.
+        """
+        self._subscribers = subscribers
+        self.attach_data(subscribers.give)
+
+    def _choose_direct(self) -> None:
+        is_alone = len(self._data_callbacks) == 1 and not self._message_callbacks
+        self.direct = self._subscribers if is_alone and self._filters is None else None
+
+    def set_filters(self, filters: CanFilters | None = None) -> None:
+        """Receive only what these filters let through, None = everything, as `can.BusABC`."""
+        super().set_filters(filters)
+        self._choose_direct()
 
     def attach_remote(self, callback: RemoteCallback) -> None:
         """Call `callback(identifier)` for remote frames of other ports with 11-bit identifiers."""
@@ -229,6 +230,7 @@ class SimBus(Controller, can.BusABC):
             self.pending.clear()
             self._received.clear()
             self._message_callbacks = self._data_callbacks = self._remote_callbacks = ()
+            self._subscribers = self.direct = None
         super().shutdown()
 
     @property

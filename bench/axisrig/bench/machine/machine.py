@@ -13,6 +13,7 @@ from axisrig.bench.bus.arithmetic import CycleArithmetic
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.deadlines import BINS_US
 from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
@@ -111,14 +112,14 @@ class Machine:
             self.scheduler = (
                 master_scheduler(settings, self._hardware) if self._hardware else Scheduler()
             )
-            self.frame_hash = FrameHash()
+            # In real time no block may hold a cycle up
+            journal = Journal(1 if self._hardware else BLOCK_FRAMES)
+            self.frame_hash = FrameHash(journal)
             self.plant = build_plant(settings)
             self._open.callback(self.plant.close)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
-            self.segments = build_segments(
-                settings, self.scheduler, self.frame_hash, bus_logs, self._open
-            )
+            self.segments = build_segments(settings, self.scheduler, journal, bus_logs, self._open)
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, seed)
             self.networks = {
                 name: SimNetwork(segment.port("cnc", settings.segment[name].queue))
@@ -131,11 +132,11 @@ class Machine:
                 for name, axis in settings.rig.axis.items()
             }
             self._expect_answers()
-            self.telegrams = self._log_telegrams()
+            telegrams = self._log_telegrams(journal)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
             self._inject_faults(seed)
-            self._observe(trace)
+            self._observe(trace, telegrams)
             self.channel.load(self._commands_of(None))
             guard.pop_all()
 
@@ -192,18 +193,17 @@ class Machine:
                     if telegram.transmission == 1 and telegram.name.startswith("TPDO")
                 )
 
-    def _log_telegrams(self) -> TelegramLog:
+    def _log_telegrams(self, journal: Journal) -> TelegramLog:
         """Note the cyclic values of the axes with distance control: its dead time is measured."""
         rig, lists = self.settings.rig, self.settings.axis
-        log = TelegramLog(
-            (rig.axis[name].segment, link)
-            for name, link in self.links.items()
-            if lists[name].flag("lr_param.distance_control_on")
+        return TelegramLog(
+            (
+                (rig.axis[name].segment, link)
+                for name, link in self.links.items()
+                if lists[name].flag("lr_param.distance_control_on")
+            ),
+            journal,
         )
-        for name, segment in self.segments.items():
-            if log.hears(name):
-                segment.observe(log)
-        return log
 
     def _inject_faults(self, seed: int) -> None:
         parts = World(
@@ -222,9 +222,9 @@ class Machine:
     def _note_state(self, axis: str, state: State) -> None:
         self.drive_states.append((self.scheduler.now_ns, axis, state))
 
-    def _observe(self, trace: Path | None) -> None:
+    def _observe(self, trace: Path | None, telegrams: TelegramLog) -> None:
         """Build what looks at every cycle and keeps what the run leaves."""
-        self.recorder = self._build_recorder(trace)
+        self.recorder = self._build_recorder(trace, telegrams)
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
         self.distance_log = DistanceLog()
@@ -232,7 +232,7 @@ class Machine:
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]
 
-    def _build_recorder(self, trace: Path | None) -> Recorder:
+    def _build_recorder(self, trace: Path | None, telegrams: TelegramLog) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}
         axes = [
             RecordedAxis(
@@ -245,7 +245,7 @@ class Machine:
             for name, axis in self.settings.rig.axis.items()
         ]
         writer = SeriesWriter(trace)
-        return Recorder(self.plant, axes, self.plant.probes, self.telegrams, writer)
+        return Recorder(self.plant, axes, self.plant.probes, telegrams, writer)
 
     def _build_channel(self) -> Channel:
         self._accesses, warnings = build_accesses(

@@ -7,6 +7,7 @@ from functools import partial
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.hardware import open_bus, wait_ns
+from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing, RealTime
 from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.rig.real_axes import is_real
@@ -54,12 +55,14 @@ def master_scheduler(settings: Settings, hardware: Hardware) -> PacedScheduler:
     return PacedScheduler(hardware.real_time, pacing, Deadlines(round(realtime.late_us * US)))
 
 
-def open_segment(settings: Settings, name: str, scheduler: Scheduler) -> OutsideSegment:
+def open_segment(
+    settings: Settings, name: str, scheduler: Scheduler, journal: Journal
+) -> OutsideSegment:
     """Open the interface of a segment. Raises UserError when that fails."""
     table = settings.segment[name]
     assert isinstance(scheduler, PacedScheduler)  # made together, by `is_paced`
     opener = partial(open_bus, table.interface, table.channel, table.bitrate, table.options)
-    return OutsideSegment(name, table.bitrate, scheduler, opener)
+    return OutsideSegment(name, table.bitrate, scheduler, opener, journal)
 
 
 def power_down(

@@ -5,7 +5,7 @@ from contextlib import ExitStack
 from pathlib import Path
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
-from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.logs import open_log
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.application.functions.switches import HOME, NEGATIVE, POSITIVE
@@ -23,32 +23,31 @@ DRIVE_SEED_STRIDE = 1_000_003
 def build_segments(
     settings: Settings,
     scheduler: Scheduler,
-    frame_hash: FrameHash,
+    journal: Journal,
     bus_logs: Sequence[Path],
     opened: ExitStack,
 ) -> dict[str, Segment]:
     """Open every segment, simulated or real, with its records; `opened` closes them.
 
-    bus_logs: files to write, their suffixes say the kind.
+    journal: gets every frame. bus_logs: files to write, their suffixes say the kind.
 
     Raises UserError when an interface cannot be opened.
     """
     segments: dict[str, Segment] = {}
-    logs = []
     for path in bus_logs:
         log = open_log(path, list(settings.segment))
         opened.callback(log.stop)
-        logs.append(log)
+        journal.add(log.take)
+    opened.callback(journal.drain)  # before the logs stop, also where an exception ends the run
     for name, table in settings.segment.items():
         if is_real(settings, name):
-            segment: Segment = open_segment(settings, name, scheduler)
+            segment: Segment = open_segment(settings, name, scheduler, journal)
         else:
             recovers = table.bus_off == "recover"
-            segment = Segment(name, table.bitrate, scheduler, automatic_recovery=recovers)
+            segment = Segment(
+                name, table.bitrate, scheduler, automatic_recovery=recovers, journal=journal
+            )
         opened.enter_context(segment)
-        segment.observe(frame_hash)
-        for log in logs:
-            segment.observe(log)
         segments[name] = segment
     return segments
 

@@ -5,8 +5,8 @@ inputs is the same run. One thread drives it; an action that waits would advance
 instant and is refused.
 """
 
-import heapq
 from collections.abc import Callable
+from heapq import heappop, heappush
 from itertools import count
 from typing import Any
 
@@ -46,7 +46,7 @@ class Scheduler:
         if time_ns < self.now_ns:
             raise ValueError(f"call_at({time_ns} ns) is before now ({self.now_ns} ns)")
         event = [time_ns, phase, next(self._sequence), action]
-        heapq.heappush(self._events, event)
+        heappush(self._events, event)
         return event
 
     def cancel(self, event: Event) -> None:
@@ -61,13 +61,15 @@ class Scheduler:
         """
         if time_ns < self.now_ns:
             raise ValueError(f"run_until({time_ns} ns) is before now ({self.now_ns} ns)")
-        events, pop = self._events, heapq.heappop
+        events = self._events
         with self._advancing:
-            while events and events[0][0] <= time_ns:
-                event = pop(events)
-                action = event[3]
+            while events:
+                due_ns, _, _, action = events[0]
+                if due_ns > time_ns:
+                    break
+                heappop(events)
                 if action is not None:
-                    self.now_ns = event[0]
+                    self.now_ns = due_ns
                     action()
             self.now_ns = time_ns
 
@@ -80,7 +82,7 @@ class Scheduler:
         Raises RuntimeError when called from an action, and when a wait without limit has no event
         left that could end it.
         """
-        events, pop = self._events, heapq.heappop
+        events = self._events
         end_ns = None if timeout_ns is None else self.now_ns + timeout_ns
         with self._advancing:
             while condition():
@@ -89,7 +91,7 @@ class Scheduler:
                 if end_ns is not None and (not events or events[0][0] > end_ns):
                     self.now_ns = end_ns
                     return False
-                event = pop(events)
+                event = heappop(events)
                 action = event[3]
                 if action is not None:
                     self.now_ns = event[0]

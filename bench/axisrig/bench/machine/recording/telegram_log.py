@@ -3,13 +3,12 @@ drives.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
-from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.journal import Entry, Journal
 from axisrig.bench.record.series import (
     ACTUAL,
     FRAME_NS,
@@ -19,75 +18,71 @@ from axisrig.bench.record.series import (
     Times,
 )
 from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.time.clock import TimeNs
 
 FIELDS = (TARGET, ACTUAL, SECOND)
 
 
-@dataclass(frozen=True)
-class Sent:
-    """One value of a field: end of its frame, increments."""
+class _Values:
+    """Values of a field that no block of the trace has yet: ends of their frames, increments."""
 
-    time_ns: TimeNs
-    value: int
+    def __init__(self) -> None:
+        self.frame_ns: list[int] = []
+        self.increments: list[int] = []
 
 
 class TelegramLog:
-    """Notes 607A, 6064 and 60E4:1 of some axes; a frame observer of the segments.
+    """Notes 607A, 6064 and 60E4:1 of some axes, from the journal of their segments.
 
     links: of these axes, each with the name of its segment.
     """
 
-    def __init__(self, links: Iterable[tuple[str, AxisLink]]) -> None:
-        self._wanted: dict[tuple[str, int], tuple[Any, list[tuple[int, list[Sent]]]]] = {}
-        self._sent: dict[tuple[str, str], list[Sent]] = {}
-        self._taken: dict[tuple[str, str], int] = {}
+    def __init__(self, links: Iterable[tuple[str, AxisLink]], journal: Journal) -> None:
+        self._wanted: dict[tuple[str, int], tuple[Any, list[tuple[int, _Values]]]] = {}
+        self._values: dict[tuple[str, str], _Values] = {}
         for segment, link in links:
             for telegram in link.telegrams.values():
                 places = [
-                    (place, self._sent.setdefault((link.name, mapped.field), []))
+                    (place, self._values.setdefault((link.name, mapped.field), _Values()))
                     for place, mapped in enumerate(telegram.objects)
                     if mapped.field in FIELDS
                 ]
                 if places:
                     key = segment, telegram.cob_id(link.settings.node_id)
                     self._wanted[key] = telegram.codec, places
+        self._journal = journal
+        if self._wanted:
+            journal.add(self._take)
 
-    def __call__(self, time_ns: TimeNs, segment: str, frame: Frame, is_error: bool) -> None:
-        """Take a frame at its end."""
-        found = self._wanted.get((segment, frame.arbitration_id))
-        if found is None or is_error or len(frame.data) != found[0].size:
-            return
-        codec, places = found
-        values = codec.unpack(frame.data)
-        for place, sent in places:
-            sent.append(Sent(time_ns, values[place]))
-
-    def hears(self, segment: str) -> bool:
-        """Whether any telegram of a segment is noted."""
-        return any(name == segment for name, _ in self._wanted)
+    def _take(self, block: Sequence[Entry]) -> None:
+        """Note the values of a block of frames."""
+        for time_ns, segment, frame, is_error in block:
+            found = self._wanted.get((segment, frame.arbitration_id))
+            if found is None or is_error or len(frame.data) != found[0].size:
+                continue
+            codec, places = found
+            told = codec.unpack(frame.data)
+            for place, values in places:
+                values.frame_ns.append(time_ns)
+                values.increments.append(told[place])
 
     def take_columns(self, times_ns: Times, *, is_last: bool) -> dict[str, pa.Array]:
         """Return lists of the values up to each instant that no earlier call has returned.
 
         times_ns: of the rows, shape (n,). is_last: what came after them belongs to the last row.
         """
+        self._journal.drain()
         columns: dict[str, pa.Array] = {}
-        for (axis, field), sent in self._sent.items():
-            begin = self._taken.get((axis, field), 0)
-            frames = np.array([one.time_ns for one in sent[begin:]], dtype=np.int64)
-            values = np.array([one.value for one in sent[begin:]], dtype=np.int64)
+        for (axis, field), values in self._values.items():
+            frames = np.array(values.frame_ns, dtype=np.int64)
+            increments = np.array(values.increments, dtype=np.int64)
             offsets = np.zeros(len(times_ns) + 1, dtype=np.int32)
             offsets[1:] = np.searchsorted(frames, times_ns, side="right")
             if is_last and len(times_ns):
                 offsets[-1] = len(frames)
-            self._taken[axis, field] = begin + int(offsets[-1])
-            for part, numbers in ((FRAME_NS, frames), (INCREMENTS, values)):
+            taken = int(offsets[-1])
+            del values.frame_ns[:taken], values.increments[:taken]
+            for part, numbers in ((FRAME_NS, frames), (INCREMENTS, increments)):
                 columns[f"{axis}.{field}_{part}"] = pa.ListArray.from_arrays(
-                    pa.array(offsets), pa.array(numbers[: offsets[-1]])
+                    pa.array(offsets), pa.array(numbers[:taken])
                 )
         return columns
-
-    def of(self, axis: str, field: str) -> Sequence[Sent]:
-        """Return all values of a field (TARGET, ACTUAL, SECOND) of an axis, in order."""
-        return self._sent.get((axis, field), ())

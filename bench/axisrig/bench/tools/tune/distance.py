@@ -1,12 +1,12 @@
 """Tuning of distance control: from runs of a rig to what holds for each mode of its loop."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from axisrig.bench.machine.recording.telegram_log import Sent
 from axisrig.bench.oracles.distance.stability import mean_limit, surface_limit
+from axisrig.bench.record.series import Telegrams
 from axisrig.bench.tools.tune.advice import Advice, advise
 from axisrig.bench.tools.tune.identify import Path, identify, renewal_cycles
 from axisrig.bench.tools.tune.loop import (
@@ -215,9 +215,9 @@ def _dead_time(run: Run, distance: Path, *, is_encoder: bool) -> DeadTime:
     computed = _first_jump(signals.offset_mm)
     reaction = _first_jump(signals.set_mm) - computed
     way_ns = None
-    if is_encoder and run.sensor:
-        targets = np.array([sent.value for sent in run.targets], dtype=np.float64)
-        sent_ns = run.targets[_first_jump(targets)].time_ns
+    if is_encoder and len(run.sensor.frame_ns):
+        place = _first_jump(run.targets.increments.astype(np.float64))
+        sent_ns = int(run.targets.frame_ns[place])
         way_ns = _first_shown_ns(run.sensor, sent_ns) - sent_ns
     way = distance.first_cycle - reaction
     return DeadTime(reaction, way, distance.renewal_cycles, way_ns)
@@ -229,15 +229,13 @@ def _first_jump(values: Floats) -> int:
     return 1 + int(np.argmax(changes >= changes.max() / 2))
 
 
-def _first_shown_ns(sensor: Sequence[Sent], from_ns: TimeNs) -> TimeNs:
+def _first_shown_ns(sensor: Telegrams, from_ns: TimeNs) -> TimeNs:
     """Instant of the first sensor value that has left its place of rest by more than its noise."""
-    before = [sent.value for sent in sensor if sent.time_ns <= from_ns][-REST_CYCLES:]
+    is_before = sensor.frame_ns <= from_ns
+    before = sensor.increments[is_before][-REST_CYCLES:]
     middle, noise = float(np.mean(before)), float(np.std(before))
-    return next(
-        sent.time_ns
-        for sent in sensor
-        if sent.time_ns > from_ns and abs(sent.value - middle) > _SIGMAS_SEEN * noise + 1
-    )
+    has_left = np.abs(sensor.increments - middle) > _SIGMAS_SEEN * noise + 1
+    return int(sensor.frame_ns[has_left & ~is_before][0])
 
 
 def _modes(

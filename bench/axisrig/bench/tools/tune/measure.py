@@ -14,9 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
-from axisrig.bench.machine.recording.telegram_log import Sent
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.record.series import SECOND, TARGET
+from axisrig.bench.record.series import SECOND, TARGET, Telegrams
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
@@ -97,8 +96,8 @@ class Run:
     """Signals of one run, and the frames of its set positions and second encoder."""
 
     signals: Signals
-    targets: Sequence[Sent]
-    sensor: Sequence[Sent]
+    targets: Telegrams
+    sensor: Telegrams
 
 
 def choose(rig: Path, axis: str | None, variable: str | None, changes: Sequence[str]) -> Bench:
@@ -176,6 +175,7 @@ def _run(bench: Bench, parameters: Mapping[str, object], blocks: Sequence[str]) 
     machine.channel.observers.append(log)
     try:
         machine.run()
+        series = machine.recorder.series()
     except (PlantError, SimulatedTimeoutError) as error:
         raise UserError(str(error), file=bench.rig) from error
     finally:
@@ -184,8 +184,8 @@ def _run(bench: Bench, parameters: Mapping[str, object], blocks: Sequence[str]) 
     if ended:
         hint = "the axis has to start where the sensor sees the surface; a smaller --step may help"
         raise UserError(f"the measuring run ended with {ended[0]}", file=bench.rig, hint=hint)
-    frames = [machine.telegrams.of(bench.axis, name) for name in (TARGET, SECOND)]
-    return Run(log.signals(), frames[0], frames[1])
+    targets, sensor = (series.telegrams(bench.axis, name) for name in (TARGET, SECOND))
+    return Run(log.signals(), targets, sensor)
 
 
 class _Log:

@@ -15,7 +15,7 @@ import pyarrow as pa
 
 from axisrig.bench.bus.deadlines import Deadlines
 from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.frame_hash import FrameHash
+from axisrig.bench.bus.journal import Journal
 from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.campaign.hardware_runs import Outside
@@ -163,9 +163,9 @@ class DriveServer:
             if folder is not None:
                 folder.mkdir(parents=True, exist_ok=True)
             bus_logs = [] if folder is None else [folder / "bus.blf"]
-            self.frame_hash = FrameHash()
+            # Real time: no block may hold a cycle up
             self.segments = build_segments(
-                settings, self.scheduler, self.frame_hash, bus_logs, self._open
+                settings, self.scheduler, Journal(1), bus_logs, self._open
             )
             self.nodes = build_nodes(settings, self.scheduler, self.segments, self.plant, 0)
             self._parameters = ParameterFile(store, self.nodes) if store is not None else None

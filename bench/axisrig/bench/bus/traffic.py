@@ -1,0 +1,60 @@
+"""What is kept of the traffic of one segment: every frame for its records, and the load."""
+
+from collections.abc import Sequence
+
+import can
+
+from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.journal import Entry, FrameObserver, Journal
+from axisrig.bench.bus.load import LoadMeter
+from axisrig.bench.bus.simbus import message
+from axisrig.kernel.time.clock import TimeNs
+
+
+class Traffic:
+    """Gives every frame of a segment to its journal and its observers, and adds up the load.
+
+    name: of the segment. journal: takes every frame at its end, for records that may see it later.
+    """
+
+    def __init__(self, name: str, bitrate: int, journal: Journal) -> None:
+        self.name = name
+        self._observers: tuple[FrameObserver, ...] = ()
+        self._journal = journal
+        self._entries = journal.entries
+        self._block_frames = journal.block_frames
+        self._meter = LoadMeter(bitrate)
+        self._passed = self._meter.passed
+        journal.add(self._settle)
+
+    def _settle(self, _block: Sequence[Entry]) -> None:
+        """Add up the load together with the records, so that neither grows."""
+        self._meter.settle()
+
+    def tap(self, listener: can.Listener) -> None:
+        """Give `listener` a copy of every frame at its end, dropped and error frames included.
+
+        Loggers of python-can work as they are; the one who opened it stops it. An error frame
+        carries the identifier of the frame it destroyed. For BLF take
+        `axisrig.bench.bus.logs.blf_writer`."""
+
+        def give(time_ns: TimeNs, name: str, frame: Frame, is_error: bool) -> None:
+            listener.on_message_received(message(frame, time_ns, name, is_error=is_error))
+
+        self.observe(give)
+
+    def observe(self, observer: FrameObserver) -> None:
+        """Call `observer(time_ns, name, frame, is_error)` at once for what `tap` would get."""
+        self._observers += (observer,)
+
+    def busy_bits(self, window_ns: TimeNs) -> list[int]:
+        """Return the busy bits of each window since 0; `window_ns` is a multiple of 1 ms."""
+        return self._meter.busy_bits(window_ns)
+
+    def _record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
+        """Give a frame to the records before anyone reacts to it."""
+        self._entries.append((time_ns, self.name, frame, is_error))
+        if len(self._entries) >= self._block_frames:
+            self._journal.drain()
+        for observer in self._observers:
+            observer(time_ns, self.name, frame, is_error)
