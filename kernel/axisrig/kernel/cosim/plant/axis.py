@@ -87,13 +87,19 @@ class PlantAxis:
         beside: "PlantAxis | None" = None,
     ) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
-        self._demand = Ramp(roles) if roles.has_group("ramp") else SampledDemand(roles)
+        self._samples = None if roles.has_group("ramp") else SampledDemand(roles)
+        self._demand: Ramp | SampledDemand = self._samples or Ramp(roles)
         self._control = Control(roles)
         self._enabled = roles.exchange(["enabled"]) if roles.has("enabled") else None
         self._is_enabled: bool | None = None
         self._known = [name for name in AXIS_OUTPUTS if roles.has(name)]
         self._outputs = roles.exchange(self._known)
+        # What follows the last output that the FMU reports, where it reports all before
+        is_begin = tuple(self._known) == AXIS_OUTPUTS[: len(self._known)]
+        has_motion = is_begin and len(self._known) > DEMAND_POSITION
+        self._rest = [0.0] * (len(AXIS_OUTPUTS) - len(self._known)) if has_motion else None
         self.motion: list[float] = [0.0] * len(AXIS_OUTPUTS)
+        self._begin = self.motion  # of the step that is under way
         self.tick = (0.0, 0.0, 0.0, 0.0)
         self.kv_per_s = 0.0
         self.fine_ns: TimeNs = FINE_NS
@@ -133,6 +139,7 @@ class PlantAxis:
         self._demand.command(time_ns, position, rate, end_ns)
 
     def _sample(self) -> None:
+        """Read and keep where the FMU is now."""
         self._remember(self.slave.time_ns, self._read())
 
     def _remember(self, time_ns: TimeNs, motion: list[float]) -> None:
@@ -159,18 +166,20 @@ class PlantAxis:
     def _read(self) -> list[float]:
         self._outputs.read()
         values: list[float] = self._outputs.values[:]
-        return values if len(values) == len(AXIS_OUTPUTS) else self._completed(values)
+        return self._completed(values) if self._rest is None else values + self._rest
 
     def _completed(self, values: Sequence[float]) -> list[float]:
-        """Put in what the FMU does not report, see `roles.csv`."""
+        """Put in what the FMU does not report, see `roles.csv`; derivatives only where needed."""
         found = dict(zip(self._known, values, strict=True))
         position = found["position"]
-        velocity = found.get("velocity", self._slope(POSITION, position))
+        velocity = found["velocity"] if "velocity" in found else self._slope(POSITION, position)
         motor = found.get("motor_position", position)
-        motor_velocity = (
-            self._slope(MOTOR_POSITION, motor) if "motor_position" in found else velocity
-        )
-        motor_velocity = found.get("motor_velocity", motor_velocity)
+        if "motor_velocity" in found:
+            motor_velocity = found["motor_velocity"]
+        elif "motor_position" in found:
+            motor_velocity = self._slope(MOTOR_POSITION, motor)
+        else:
+            motor_velocity = velocity
         demand = found.get("demand_position", self._demand_at(self.slave.time_ns))
         forces = [found.get(role, 0.0) for role in AXIS_OUTPUTS[FORCE:]]
         return [position, velocity, motor, motor_velocity, demand, *forces]
@@ -218,21 +227,24 @@ class PlantAxis:
         """
         if not self._steps:
             return
-        begins = []
         is_near = False
         for axis in self._stepped:
-            begins.append(axis.motion)
-            is_near |= axis._free_until_ns < end_ns and axis._may_touch(end_ns)
+            axis._begin = axis.motion
+            if axis._free_until_ns < end_ns and axis._may_touch(end_ns):
+                is_near = True
         if is_near:
             for time_ns in range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns):
                 self._step_all(time_ns)
         self._step_all(end_ns)
-        for axis, begin in zip(self._stepped, begins, strict=True):
-            end = axis.motion
+        for axis in self._stepped:
+            begin, end = axis._begin, axis.motion
             axis.tick = (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
 
     def _step_all(self, end_ns: TimeNs) -> None:
-        self._demand.step(self.slave, end_ns)
+        if self._samples is None:
+            self.slave.step_to(end_ns)
+        else:
+            self._samples.step(self.slave, end_ns)
         for axis in self._stepped:
             axis._sample()
 

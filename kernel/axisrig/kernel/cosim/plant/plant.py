@@ -58,6 +58,7 @@ class Plant:
         self.distances: dict[str, PlantDistance] = {}
         self._axes: list[PlantAxis] = []
         self._probes: list[PlantProbe] = []
+        self._distances: list[PlantDistance] = []
 
     def add_axis(self, slave: FmuSlave, roles: Roles | None = None) -> PlantAxis:
         """Add an axis; roles: None = its variables have the names of the roles.
@@ -123,6 +124,7 @@ class Plant:
         """Initialise axes first, then the sensors at the axes' positions."""
         self.now_ns = start_ns
         self._axes, self._probes = list(self.axes.values()), list(self.probes.values())
+        self._distances = list(self.distances.values())
         for axis in self.axes.values():
             axis.start(start_ns)
         for probe in self.probes.values():
@@ -157,13 +159,20 @@ class Plant:
 
     def advance_to(self, time_ns: TimeNs) -> None:
         """Advance every FMU to `time_ns`; nothing happens when they are there already."""
+        if self.now_ns >= time_ns:
+            return
         while self.now_ns < time_ns:
             self._step(time_ns)
+        for sensor in self._distances:
+            sensor.look()
 
     def _step(self, limit_ns: TimeNs) -> None:
         """Take one step, as far as it may go but not past `limit_ns`."""
         end_ns = self.now_ns + self._span_ns(limit_ns - self.now_ns)
-        near = [p for p in self._probes if self._follows_always or p.free_until_ns < end_ns]
+        near: list[PlantProbe] = []
+        for probe in self._probes:
+            if self._follows_always or probe.free_until_ns < end_ns:
+                near.append(probe)
         if near:
             can_repeat = self._can_repeat and all(p.slave.can.can_save_state for p in near)
             self._follow(end_ns, near, DIVISIONS if can_repeat else 0)
@@ -218,7 +227,7 @@ class Plant:
 
     def _measure(self, end_ns: TimeNs) -> None:
         """Let distance sensors follow a step that is not repeated any more."""
-        for sensor in self.distances.values():
+        for sensor in self._distances:
             sensor.step(self.now_ns, end_ns)
 
     def _move(self, end_ns: TimeNs, near: Sequence[PlantProbe]) -> int:
