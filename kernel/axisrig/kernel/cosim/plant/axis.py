@@ -4,7 +4,6 @@ import sys
 from bisect import bisect_left, bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
-from itertools import islice
 from math import isfinite, sqrt
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
@@ -362,14 +361,15 @@ class PlantAxis:
         if self._touched_ns < since_ns:
             return 0.0
         first, end = bisect_left(self._times, since_ns), bisect_right(self._times, until_ns)
-        kept = [motion[STOP_FORCE] for motion in islice(self._past, first, end)]
+        past = self._past  # read by places: they are at its end, and a way from its begin is long
+        kept = [past[place][STOP_FORCE] for place in range(first, end)]
         largest = max(kept, default=0.0)
         middle = min(first + kept.index(largest), end - 2) if largest > 0.0 else 0
         if middle < 1:
             return largest
         places = range(middle - 1, middle + 2)
         instants = [(self._times[place] - until_ns) * 1e-9 for place in places]
-        forces = [self._past[place][STOP_FORCE] for place in places]
+        forces = [past[place][STOP_FORCE] for place in places]
         top_s, top_n = _vertex(instants, forces)
         inside = max(since_ns - until_ns, self._times[middle - 1] - until_ns) * 1e-9 <= top_s <= 0.0
         return max(largest, top_n) if inside else largest

@@ -49,7 +49,7 @@ class PlantDistance:
         self.look()
 
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
-        """Follow the axes over [begin_ns, end_ns], their last step; `look` then reads what it says."""
+        """Follow the axes over [begin_ns, end_ns], their last step; `look` reads the result."""
         if self._trajectory is not None:
             self._trajectory.write_step(begin_ns, end_ns)
         else:
