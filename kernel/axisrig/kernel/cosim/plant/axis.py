@@ -8,6 +8,8 @@ from math import isfinite, sqrt
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
+from axisrig.kernel.cosim.plant.curves import hermite, vertex
 from axisrig.kernel.cosim.plant.demand import Control, ControlKind, Ramp, SampledDemand
 from axisrig.kernel.time.clock import S, TimeNs
 
@@ -35,36 +37,6 @@ FINE_NS = 50_000
 
 
 _BY_POSITION = ControlKind.POSITION
-
-
-def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float]) -> float:
-    """Evaluate the cubic Hermite polynomial at `time_s` of a step of `step_s`.
-
-    ends: value and slope at the begin, value and slope at the end (unit, unit/s).
-    Source: any text on interpolation; error |x''''| h^4 / 384 for a smooth motion.
-    """
-    x0, v0, x1, v1 = ends
-    u = time_s / step_s
-    w = 1.0 - u
-    return (
-        w * w * (1.0 + 2.0 * u) * x0
-        + u * u * (3.0 - 2.0 * u) * x1
-        + step_s * u * w * (w * v0 - u * v1)
-    )
-
-
-def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
-    """Return place and value of the vertex of the parabola through three points (Newton's form).
-
-    The middle point where they are on a straight line or in a valley.
-    """
-    (x0, x1, x2), (y0, y1, y2) = places, values
-    first = (y1 - y0) / (x1 - x0)
-    bend = ((y2 - y1) / (x2 - x1) - first) / (x2 - x0)
-    if bend >= 0.0:
-        return x1, y1
-    x = (x0 + x1) / 2 - first / (2 * bend)
-    return x, y0 + (x - x0) * (first + bend * (x - x1))
 
 
 class PlantAxis:
@@ -112,6 +84,7 @@ class PlantAxis:
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
         self._saved: FmuState | None = None
         self._saved_ns: TimeNs = 0
+        self._many: StepsInARow | None = None
         self._steps = beside is None
         self._stepped = [self]
         if beside is not None:
@@ -126,12 +99,22 @@ class PlantAxis:
         """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it gives none."""
         if self._steps:
             self.slave.initialize(start_ns)
+            self._many = self._steps_in_a_row()
         if self.roles.has("kv"):
             gain = self.roles.exchange(["kv"])
             gain.read()
             self.kv_per_s = float(gain.values[0])
         self._sample()
         self._command(start_ns, self.motion[MOTOR_POSITION], 0.0, start_ns)
+
+    def _steps_in_a_row(self) -> StepsInARow | None:
+        """Return what takes several steps with the outputs of all axes; None: the FMU cannot."""
+        axes = self._stepped
+        outputs = plain_references([axis._outputs for axis in axes])
+        is_complete = all(axis._rest is not None for axis in axes)
+        if outputs is None or not is_complete or self._samples or not offers_steps(self.slave):
+            return None
+        return StepsInARow(self.slave, outputs=outputs)
 
     def _command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
         self._commanded = (time_ns, position, rate, end_ns)
@@ -165,6 +148,9 @@ class PlantAxis:
     def _read(self) -> list[float]:
         self._outputs.read()
         values: list[float] = self._outputs.values[:]
+        return self._filled(values)
+
+    def _filled(self, values: list[float]) -> list[float]:
         return self._completed(values) if self._rest is None else values + self._rest
 
     def _completed(self, values: Sequence[float]) -> list[float]:
@@ -232,12 +218,29 @@ class PlantAxis:
             if axis._free_until_ns < end_ns and axis._may_touch(end_ns):
                 is_near = True
         if is_near:
-            for time_ns in range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns):
-                self._step_all(time_ns)
-        self._step_all(end_ns)
+            self._step_finely(end_ns)
+        else:
+            self._step_all(end_ns)
         for axis in self._stepped:
             begin, end = axis._begin, axis.motion
             axis.tick = (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
+
+    def _step_finely(self, end_ns: TimeNs) -> None:
+        """Step to `end_ns` in fine steps, and keep where the axes are after each."""
+        ends_ns = [*range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns), end_ns]
+        if self._many is None:
+            for time_ns in ends_ns:
+                self._step_all(time_ns)
+            return
+        rows = self._many.take(ends_ns)
+        for time_ns, row in zip(ends_ns, rows, strict=False):
+            first = 0
+            for axis in self._stepped:
+                last = first + len(axis._known)
+                axis._remember(time_ns, axis._filled(row[first:last]))
+                first = last
+        if len(rows) < len(ends_ns):
+            self._many.refuse(ends_ns[len(rows)])
 
     def _step_all(self, end_ns: TimeNs) -> None:
         if self._samples is None:
@@ -370,7 +373,7 @@ class PlantAxis:
         places = range(middle - 1, middle + 2)
         instants = [(self._times[place] - until_ns) * 1e-9 for place in places]
         forces = [past[place][STOP_FORCE] for place in places]
-        top_s, top_n = _vertex(instants, forces)
+        top_s, top_n = vertex(instants, forces)
         inside = max(since_ns - until_ns, self._times[middle - 1] - until_ns) * 1e-9 <= top_s <= 0.0
         return max(largest, top_n) if inside else largest
 

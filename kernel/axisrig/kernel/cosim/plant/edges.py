@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import POSITION, PlantAxis, hermite
+from axisrig.kernel.cosim.plant.axis import POSITION, PlantAxis
+from axisrig.kernel.cosim.plant.curves import hermite
 from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
