@@ -1,5 +1,6 @@
 """Several steps in one call: the same results as one by one, and the same errors."""
 
+import itertools
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -11,7 +12,9 @@ from axisrig.kernel.cosim.fmi.fmu import EndedError, Exchange, FmuSlave, PlantEr
 from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles
 from axisrig.kernel.cosim.fmi.steps import ROWS, StepsInARow, offers_steps, plain_references
 from axisrig.kernel.cosim.plant import axis as axis_module
+from axisrig.kernel.cosim.plant import distance as distance_module
 from axisrig.kernel.cosim.plant.axis import PlantAxis
+from axisrig.kernel.cosim.plant.distance import PlantDistance
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
@@ -164,3 +167,63 @@ def test_contact_with_a_stop_is_the_same_either_way(at_a_stop) -> None:
         assert list(mine._past) == list(other._past)
         assert max(motion[axis_module.STOP_FORCE] for motion in mine._past) > 100.0
         assert mine.tick == other.tick
+
+
+@pytest.mark.parametrize("stop_m", [-1e3, -1.2e-3])
+@pytest.mark.parametrize("model", ["AxisRig.Drives.ServoAxis", "AxisRig.Drives.KinematicAxis"])
+def test_distance_sensor_over_an_axis_is_the_same_either_way(monkeypatch, model, stop_m) -> None:
+    """With a stop in its way the axis goes in fine steps, so that each step is a call then."""
+
+    def run() -> tuple[PlantAxis, PlantDistance]:
+        plant = Plant()
+        slave = load_fmu(ensure_built(model), "z")
+        if slave.has("stop_position"):
+            slave.set_start("stop_position", stop_m)
+            slave.set_start("stop_direction", -1)
+            slave.set_start("kv", 100.0)
+        axis = plant.add_axis(slave)
+        eye = load_fmu(ensure_built("AxisRig.Sensors.DistanceSensor"), "eye")
+        eye.set_start("workpiece.plane.level", -3e-3)
+        eye.set_start("order", 2)
+        sensor = plant.add_distance(eye, {"z": "z"})
+        plant.initialize(0)
+        axis.command(0, 0.0, -0.05, 60 * MS, enabled=True)
+        for time_ns in (1, 999_000, 1_048_000, *range(2_048_000, 80 * MS, MS)):
+            plant.advance_to(time_ns)
+        plant.close()
+        return axis, sensor
+
+    many = run()
+    for module in (axis_module, distance_module):
+        monkeypatch.setattr(module, "offers_steps", lambda _slave: False)
+    one = run()
+    assert (many[1].walks, one[1].walks) == (True, False)
+    assert list(many[0]._times) == list(one[0]._times)
+    assert list(many[0]._past) == list(one[0]._past)
+    assert list(many[1]._past) == list(one[1]._past)
+    assert many[0].tick == one[0].tick
+    assert many[1].distance_m < 2e-3
+    steps_us = {int(b - a) // 1000 for a, b in itertools.pairwise(many[0]._times)}
+    assert (50 in steps_us) == (stop_m > -1.0 and "Servo" in model)
+
+
+def test_several_instants_with_a_foreign_axis_are_steps_one_by_one(fmu) -> None:
+    """`walk` asks nothing of an FMU that offers no steps in a row."""
+    sources = {"demand": Source("control.s_set"), "position": Source("table.s")}
+    ends_ns = [250 * US, 500 * US, 740 * US]
+    walked, stepped = Plant(), Plant()
+    axes, ticks = [], []
+    for plant in (walked, stepped):
+        slave = load_fmu(fmu("table"), "table")
+        axes.append(plant.add_axis(slave, map_roles(slave, "axis", sources)))
+        plant.initialize(0)
+        axes[-1].command(0, 0.0, 0.1, 1 * MS, enabled=True)
+    axes[0].walk(ends_ns)
+    for end_ns in ends_ns:
+        axes[1].step_to(end_ns)
+        ticks.append(axes[1].tick)
+    assert axes[0].ticks == ticks
+    assert axes[0].motion == axes[1].motion
+    assert ticks[-1][2] != 0.0
+    for plant in (walked, stepped):
+        plant.close()

@@ -1,16 +1,17 @@
 """An axis of the plant: its FMU, the demand it gets, and the motion it has made."""
 
 import sys
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
-from math import isfinite, sqrt
+from math import sqrt
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
-from axisrig.kernel.cosim.plant.curves import hermite, vertex
+from axisrig.kernel.cosim.plant.curves import end_slope, hermite, peak
 from axisrig.kernel.cosim.plant.demand import Control, ControlKind, Ramp, SampledDemand
+from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.time.clock import S, TimeNs
 
 AXIS_OUTPUTS = (
@@ -37,6 +38,11 @@ FINE_NS = 50_000
 
 
 _BY_POSITION = ControlKind.POSITION
+Tick = tuple[float, float, float, float]
+
+
+def _tick(begin: Sequence[float], end: Sequence[float]) -> Tick:
+    return (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
 
 
 class PlantAxis:
@@ -44,7 +50,8 @@ class PlantAxis:
 
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
-    `tick` load position and velocity at both ends of the last step. The last 4096 steps are kept,
+    `tick` load position and velocity at both ends of the last step, `ticks` of each step of the
+    last `walk`. The last 4096 steps are kept,
     so that the position at a latch can be looked up. fine_ns: longest step where a stop can be
     touched, so that the force of the contact is known that closely; it moves nothing else.
     beside: the axis on the same FMU that steps it, None = this one does.
@@ -71,7 +78,8 @@ class PlantAxis:
         self._rest = [0.0] * (len(AXIS_OUTPUTS) - len(self._known)) if has_motion else None
         self.motion: list[float] = [0.0] * len(AXIS_OUTPUTS)
         self._begin = self.motion  # of the step that is under way
-        self.tick = (0.0, 0.0, 0.0, 0.0)
+        self.tick: Tick = (0.0, 0.0, 0.0, 0.0)
+        self.ticks: list[Tick] = []
         self.kv_per_s = 0.0
         self.fine_ns: TimeNs = FINE_NS
         self._tells_stop = roles.has("stop_force")
@@ -127,23 +135,12 @@ class PlantAxis:
     def _remember(self, time_ns: TimeNs, motion: list[float]) -> None:
         total = sum(motion)
         if total - total != 0.0:  # one of them is no number or infinite
-            self._refuse(motion)
+            raise refusal(self.roles, AXIS_OUTPUTS, motion)
         self.motion = motion
         self._times.append(time_ns)
         self._past.append(motion)
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
-
-    def _refuse(self, motion: Sequence[float]) -> None:
-        found = zip(AXIS_OUTPUTS, motion, strict=True)
-        wrong = [(role, value) for role, value in found if not isfinite(value)]
-        names = [
-            f"{self.roles.bound[role].variable} ({role}) is {value}"
-            for role, value in wrong
-            if self.roles.has(role)
-        ]
-        text = ", ".join(names or [f"{role} is {value}" for role, value in wrong])
-        raise PlantError(self.slave.name, self.slave.time_ns, text)
 
     def _read(self) -> list[float]:
         self._outputs.read()
@@ -174,21 +171,9 @@ class PlantAxis:
         return start + rate * (min(time_ns, end_ns) - begin_ns) * 1e-9
 
     def _slope(self, index: int, now: float) -> float:
-        """Return the slope now of the parabola through now and two points of the past.
-
-        Error for a smooth motion: x''' h^2 / 3 (backward difference of second order).
-        """
-        points = self._points_before()
-        if not points:
-            return 0.0
-        (last_ns, last), *older = points
-        h1 = (self.slave.time_ns - last_ns) * 1e-9
-        slope = (now - last[index]) / h1
-        if not older:
-            return slope
-        h0 = (last_ns - older[0][0]) * 1e-9
-        before = (last[index] - older[0][1][index]) / h0
-        return slope + (slope - before) * h1 / (h0 + h1)
+        """Return the slope of an output now, from now and two points of the past."""
+        points = [(time_ns, motion[index]) for time_ns, motion in self._points_before()]
+        return end_slope([(self.slave.time_ns, now), *points])
 
     def _points_before(self) -> list[tuple[TimeNs, list[float]]]:
         """Return up to two points of the past, the latest first, SLOPE_NS or more apart.
@@ -212,18 +197,43 @@ class PlantAxis:
         """
         if not self._steps:
             return
-        is_near = False
         for axis in self._stepped:
             axis._begin = axis.motion
-            if axis._free_until_ns < end_ns and axis._may_touch(end_ns):
-                is_near = True
-        if is_near:
+        if self._is_near_stop(end_ns):
             self._step_finely(end_ns)
         else:
             self._step_all(end_ns)
         for axis in self._stepped:
-            begin, end = axis._begin, axis.motion
-            axis.tick = (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
+            axis.tick = _tick(axis._begin, axis.motion)
+
+    def walk(self, ends_ns: Sequence[TimeNs]) -> None:
+        """Do `step_to` for each of these instants; `ticks` then has a `tick` for each."""
+        if not self._steps:
+            return
+        for axis in self._stepped:
+            axis.ticks = []
+        if self._many is None or self._is_near_stop(ends_ns[-1]):
+            for end_ns in ends_ns:
+                self.step_to(end_ns)
+                for axis in self._stepped:
+                    axis.ticks.append(axis.tick)
+            return
+        for axis in self._stepped:
+            axis._begin = axis.motion
+        self._step_through(self._many, ends_ns)
+        for axis in self._stepped:
+            for place in range(-len(ends_ns), 0):
+                axis.ticks.append(_tick(axis._begin, axis._past[place]))
+                axis._begin = axis._past[place]
+            axis.tick = axis.ticks[-1]
+
+    def _is_near_stop(self, end_ns: TimeNs) -> bool:
+        """Return whether any axis of the FMU has, or can have until `end_ns`, a contact."""
+        is_near = False
+        for axis in self._stepped:
+            if axis._free_until_ns < end_ns and axis._may_touch(end_ns):
+                is_near = True
+        return is_near
 
     def _step_finely(self, end_ns: TimeNs) -> None:
         """Step to `end_ns` in fine steps, and keep where the axes are after each."""
@@ -231,8 +241,12 @@ class PlantAxis:
         if self._many is None:
             for time_ns in ends_ns:
                 self._step_all(time_ns)
-            return
-        rows = self._many.take(ends_ns)
+        else:
+            self._step_through(self._many, ends_ns)
+
+    def _step_through(self, many: StepsInARow, ends_ns: Sequence[TimeNs]) -> None:
+        """Step to each of these instants in one call, and keep where the axes are at each."""
+        rows = many.take(ends_ns)
         for time_ns, row in zip(ends_ns, rows, strict=False):
             first = 0
             for axis in self._stepped:
@@ -240,7 +254,7 @@ class PlantAxis:
                 axis._remember(time_ns, axis._filled(row[first:last]))
                 first = last
         if len(rows) < len(ends_ns):
-            self._many.refuse(ends_ns[len(rows)])
+            many.refuse(ends_ns[len(rows)])
 
     def _step_all(self, end_ns: TimeNs) -> None:
         if self._samples is None:
@@ -355,27 +369,12 @@ class PlantAxis:
     def stop_force_peak_n(self, since_ns: TimeNs, until_ns: TimeNs) -> float:
         """Return the largest force between slide and stop from `since_ns` to `until_ns`, N.
 
-        Of the forces at the ends of steps, which are `fine_ns` (h) apart while there is a contact,
-        and of the parabola through the largest and those beside it. It is off by at most
-        0.064 h^3 times the third derivative (interpolation of degree 2, any text on it): 0.02 %
-        for 500 N/um.
-        0 when nothing that is still kept is there.
+        Of the forces at the ends of steps, which are `fine_ns` apart while there is a contact, see
+        `peak`. 0 when nothing that is still kept is there.
         """
         if self._touched_ns < since_ns:
             return 0.0
-        first, end = bisect_left(self._times, since_ns), bisect_right(self._times, until_ns)
-        past = self._past  # read by places: they are at its end, and a way from its begin is long
-        kept = [past[place][STOP_FORCE] for place in range(first, end)]
-        largest = max(kept, default=0.0)
-        middle = min(first + kept.index(largest), end - 2) if largest > 0.0 else 0
-        if middle < 1:
-            return largest
-        places = range(middle - 1, middle + 2)
-        instants = [(self._times[place] - until_ns) * 1e-9 for place in places]
-        forces = [past[place][STOP_FORCE] for place in places]
-        top_s, top_n = vertex(instants, forces)
-        inside = max(since_ns - until_ns, self._times[middle - 1] - until_ns) * 1e-9 <= top_s <= 0.0
-        return max(largest, top_n) if inside else largest
+        return peak(self._times, self._past, STOP_FORCE, since_ns, until_ns)
 
     def second_encoder_m(self) -> float | None:
         """Return what the second encoder sees now; None: there is none."""

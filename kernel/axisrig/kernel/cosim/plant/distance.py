@@ -1,9 +1,10 @@
 """A distance sensor of the plant: it follows the motion of axes and reports a distance."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
 from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, POSITION, PlantAxis
 from axisrig.kernel.cosim.plant.edges import Trajectory
 from axisrig.kernel.time.clock import S, TimeNs
@@ -37,6 +38,7 @@ class PlantDistance:
         self._lengths = roles.exchange(["distance", *["distance_true"] * self._has_true])
         self._levels = [role for role in ("valid", "touching") if roles.has(role)]
         self._flags = roles.exchange(self._levels) if self._levels else None
+        self._many: StepsInARow | None = None
 
     def start(self, start_ns: TimeNs) -> None:
         """Initialise the FMU where the axes are."""
@@ -46,6 +48,9 @@ class PlantDistance:
         else:
             self._write_positions()
         self.slave.initialize(start_ns)
+        if self._trajectory is not None and offers_steps(self.slave):
+            inputs = plain_references([self._trajectory.inputs])
+            self._many = None if inputs is None else StepsInARow(self.slave, inputs)
         self.look()
 
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
@@ -55,6 +60,19 @@ class PlantDistance:
         else:
             self._write_positions()
         self.slave.step_to(end_ns)
+
+    def walk(self, begin_ns: TimeNs, ends_ns: Sequence[TimeNs]) -> None:
+        """Follow the last walk of the axes, which began at `begin_ns`; only where `walks`."""
+        assert self._many is not None
+        assert self._trajectory is not None
+        done = self._many.take(ends_ns, self._trajectory.rows(begin_ns, ends_ns))
+        if len(done) < len(ends_ns):
+            self._many.refuse(ends_ns[len(done)])
+
+    @property
+    def walks(self) -> bool:
+        """Whether the FMU can take several steps in one call."""
+        return self._many is not None
 
     def told_at(self, time_ns: TimeNs) -> Reported:
         """Return distance, true distance, validity and touch at an instant at which `look` was."""
