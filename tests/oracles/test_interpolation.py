@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from axisrig.bench.oracles.interpolation import cubic
-from axisrig.kernel.cosim.plant.axis import hermite
+from axisrig.kernel.cosim.plant.curves import hermite
 
 numbers = st.floats(-100.0, 100.0)
 shares, steps = st.floats(0.0, 1.0), st.floats(1e-5, 0.02)

@@ -367,6 +367,80 @@ static Status step(Instance *me, const char *function, double begin, double size
     return concluded(me, advance(core, end, &me->notes));
 }
 
+/* --- steps in a row --------------------------------------------------------------------- */
+
+/* Beyond FMI: several steps in one call, with inputs before and outputs after each of them. It does
+ * what the functions of FMI do one by one, and stops where one of them fails. An importer that does
+ * not know it misses nothing. A change of the structure needs another name of the function.
+ */
+typedef struct {
+    int64_t begin_ns; /* of the first step; of the next one when the call returns */
+    int64_t count, done;
+    const int64_t *ends_ns;
+    int64_t n_inputs, n_outputs; /* scalars of type Float64 */
+    const uint32_t *inputs, *outputs;
+    const double *given; /* a row for each step */
+    double *told;        /* the same */
+} StepsInARow;
+
+#if defined _WIN32
+#define EXPORTED __declspec(dllexport)
+#else
+#define EXPORTED __attribute__((visibility("default")))
+#endif
+
+static Status set_reals(Instance *me, const uint32_t references[], int64_t count,
+                        const double values[])
+{
+    for (int64_t i = 0; i < count; i++) {
+        const VariableInfo *const variable = find(me, references[i], TYPE_FLOAT64);
+        if (variable == NULL || settable(me, variable) != STATUS_OK
+            || set_element(me, variable, 0, values[i]) != STATUS_OK) {
+            return STATUS_ERROR;
+        }
+    }
+    return STATUS_OK;
+}
+
+static Status get_reals(Instance *me, const uint32_t references[], int64_t count, double values[])
+{
+    const Core *const core = readable(me, "axisrigSteps1");
+    for (int64_t i = 0; i < count && core != NULL; i++) {
+        const VariableInfo *const variable = find(me, references[i], TYPE_FLOAT64);
+        if (variable == NULL) {
+            return STATUS_ERROR;
+        }
+        values[i] = *place_of(core, variable);
+    }
+    return core == NULL ? STATUS_ERROR : STATUS_OK;
+}
+
+EXPORTED int axisrigSteps1(void *instance, StepsInARow *row)
+{
+    Instance *const me = instance;
+    Status worst = STATUS_OK;
+    row->done = 0;
+    while (me != NULL && row->done < row->count) {
+        const int64_t k = row->done, end_ns = row->ends_ns[k];
+        Status now = set_reals(me, row->inputs, row->n_inputs, row->given + k * row->n_inputs);
+        if (now == STATUS_OK) {
+            now = step(me, "axisrigSteps1", (double)row->begin_ns * 1e-9,
+                       (double)(end_ns - row->begin_ns) * 1e-9);
+        }
+        if (now > STATUS_WARNING) {
+            return now;
+        }
+        if (get_reals(me, row->outputs, row->n_outputs, row->told + k * row->n_outputs)
+            != STATUS_OK) {
+            return STATUS_ERROR;
+        }
+        worst = now > worst ? now : worst;
+        row->begin_ns = end_ns;
+        row->done++;
+    }
+    return me == NULL ? STATUS_ERROR : worst;
+}
+
 /* --- states ----------------------------------------------------------------------------- */
 
 static Status save(const Instance *me, void **state)

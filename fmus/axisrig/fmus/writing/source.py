@@ -8,6 +8,7 @@ from axisrig.fmus.equations.sorting import Block
 from axisrig.fmus.equations.system import Assignment, System
 from axisrig.fmus.reading.expressions import Expr, c_number
 from axisrig.fmus.reading.ir import Ir
+from axisrig.fmus.writing.branches import Lazy, lazy_rows
 from axisrig.fmus.writing.description import templates
 from axisrig.fmus.writing.variables import Variable, start_vectors
 from axisrig.fmus.writing.writer import Writer
@@ -123,14 +124,30 @@ class _Source:
         needed = self._needed(roots)
         everything = [*(row.value for row in needed), *roots]
         writer = Writer(self._names.in_derivatives, everything, self._guesses)
-        for row in needed:
-            value = writer.real(row.value)
-            name = self._names.local(row.index)
-            writer.lines.append(f"const double {name} = {value};{_note(row)}")
+        self._write_rows(writer, lazy_rows(needed, roots))
         for number, root in enumerate(roots):
             text = writer.real(root)
             writer.lines.append(store(number, text))
         return _text(writer.lines)
+
+    def _write_rows(self, writer: Writer, rows: Sequence[Assignment | Lazy]) -> None:
+        """Write local constants; what only one branch of a choice needs is written inside it."""
+        for row in rows:
+            if isinstance(row, Assignment):
+                value, name = writer.real(row.value), self._names.local(row.index)
+                writer.lines.append(f"const double {name} = {value};{_note(row)}")
+                continue
+            name = self._names.local(row.choice.index)
+            condition, *values = row.choice.value.args
+            text = writer.truth(condition)
+            writer.lines.append(f"double {name};{_note(row.choice)}")
+            heads = (f"if ({text}) {{", "else {")
+            for head, inside, value_of in zip(heads, row.branches, values, strict=True):
+                inner = writer.branch()
+                self._write_rows(inner, inside)
+                value = inner.real(value_of)
+                inner.lines.append(f"{name} = {value};")
+                writer.add_block(head, inner)
 
     def _needed(self, roots: Sequence[Expr]) -> list[Assignment]:
         """The algebraic equations that `roots` depend on, in order."""

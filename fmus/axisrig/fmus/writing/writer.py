@@ -42,6 +42,17 @@ class Writer:
         self._share(node)
         return self._truth(node)
 
+    def branch(self) -> "Writer":
+        """Return a writer for a block inside this function, which knows the constants so far."""
+        inner = Writer(self._leaf, (), self._guesses)
+        inner._names, inner._uses, inner._count = dict(self._names), self._uses, self._count
+        return inner
+
+    def add_block(self, head: str, inner: "Writer") -> None:
+        """Add the lines of a block after `head`; its constants end with it."""
+        self.lines += [head, *(f"    {line}" for line in inner.lines), "}"]
+        self._count = inner._count
+
     def _share(self, root: Expr) -> None:
         depth: dict[Expr, int] = {}
         for node in in_order([root], self._names):

@@ -19,7 +19,10 @@ model KinematicAxis "Axis without mass: the load is where the demand is"
 protected
   Units.Position held "Where it stands without power";
   Boolean moving "The demand still moves";
-  Sensors.SampledNoise noise_source(period = noise_period, random_seed = seed);
+  // Without noise no number is drawn.
+  Sensors.SampledNoise noise_source(
+    period = noise_period + 1e6*max(0, 1 - 1e30*abs(noise)),
+    random_seed = seed);
 initial equation
   pre(held) = position_start;
 equation

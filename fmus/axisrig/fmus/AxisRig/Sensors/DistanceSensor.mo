@@ -65,7 +65,10 @@ protected
     nonlinearity = residual,
     full_scale = range);
   SensorFilter filter(number = order, corner = bandwidth, damping_ratio = damping);
-  SampledNoise noise_source(period = noise_period, random_seed = seed);
+  // Without noise no number is drawn; a filter keeps the instants, at which its internal steps end.
+  SampledNoise noise_source(
+    period = noise_period + 1e6*max(0, 1 - 1e30*abs(noise) - order),
+    random_seed = seed);
 equation
   workpiece.x[1] = x.position;
   workpiece.x[2] = x.position + wide*electrode_radius;

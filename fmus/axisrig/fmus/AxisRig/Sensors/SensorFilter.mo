@@ -12,14 +12,17 @@ protected
   Units.Position first(start = 0, fixed = true) "Output of the first order since the start";
   Units.Position second(start = 0, fixed = true) "Output of the second order since the start";
   Units.Velocity second_rate(start = 0, fixed = true) "Rate of it";
+  Units.Position driven "Input since the start; 0 without a filter: its states then rest";
 equation
   when initial() then
     at_start = u;
   end when;
-  der(first) = omega*(u - at_start - first);
+  // Without a filter u need not be known within a step. Compilers fix parameters that alone decide
+  // an if: a state is beside it here, and below are weights that are 1 for one number, 0 for others.
+  driven = noEvent(if number*(1 + first^2) > 0 then u - at_start else 0);
+  der(first) = omega*(driven - first);
   der(second) = second_rate;
-  der(second_rate) = omega^2*(u - at_start - second) - 2*damping_ratio*omega*second_rate;
-  // Weights that are 1 for one number and 0 for the others: compilers fix parameters that decide an if.
+  der(second_rate) = omega^2*(driven - second) - 2*damping_ratio*omega*second_rate;
   y = at_start + 0.5*(1 - number)*(2 - number)*(u - at_start) + number*(2 - number)*first
     + 0.5*number*(number - 1)*second;
   annotation(

@@ -51,7 +51,8 @@ class Exchange:
     """A fixed list of variables of one type with its value buffer: `values`, `read`, `write`.
 
     values: ctypes array in the order of the names (an array variable takes as many places as it
-    has elements); FMU units. Raises UserError for types that differ or cannot be exchanged.
+    has elements); FMU units. references: in this order. Raises UserError for types that
+    differ or cannot be exchanged.
     """
 
     def __init__(self, slave: "FmuSlave", names: Sequence[str]) -> None:
@@ -70,7 +71,8 @@ class Exchange:
         word, ctype = kind
         count = sum(int(np.prod(v.shape or ())) for v in variables)
         self.values: Any = (ctype * count)()
-        self._references = (ctypes.c_uint32 * len(names))(*(v.valueReference for v in variables))
+        self.references: list[int] = [v.valueReference for v in variables]
+        self._references = (ctypes.c_uint32 * len(names))(*self.references)
         self._slave = slave
         arguments: tuple[Any, ...] = (
             slave.pointer,

@@ -1,15 +1,17 @@
 """An axis of the plant: its FMU, the demand it gets, and the motion it has made."""
 
 import sys
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable, Sequence
-from itertools import islice
-from math import isfinite, sqrt
+from math import sqrt
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
+from axisrig.kernel.cosim.plant.curves import end_slope, hermite, peak
 from axisrig.kernel.cosim.plant.demand import Control, ControlKind, Ramp, SampledDemand
+from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.time.clock import S, TimeNs
 
 AXIS_OUTPUTS = (
@@ -36,36 +38,11 @@ FINE_NS = 50_000
 
 
 _BY_POSITION = ControlKind.POSITION
+Tick = tuple[float, float, float, float]
 
 
-def hermite(time_s: float, step_s: float, ends: tuple[float, float, float, float]) -> float:
-    """Evaluate the cubic Hermite polynomial at `time_s` of a step of `step_s`.
-
-    ends: value and slope at the begin, value and slope at the end (unit, unit/s).
-    Source: any text on interpolation; error |x''''| h^4 / 384 for a smooth motion.
-    """
-    x0, v0, x1, v1 = ends
-    u = time_s / step_s
-    w = 1.0 - u
-    return (
-        w * w * (1.0 + 2.0 * u) * x0
-        + u * u * (3.0 - 2.0 * u) * x1
-        + step_s * u * w * (w * v0 - u * v1)
-    )
-
-
-def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
-    """Return place and value of the vertex of the parabola through three points (Newton's form).
-
-    The middle point where they are on a straight line or in a valley.
-    """
-    (x0, x1, x2), (y0, y1, y2) = places, values
-    first = (y1 - y0) / (x1 - x0)
-    bend = ((y2 - y1) / (x2 - x1) - first) / (x2 - x0)
-    if bend >= 0.0:
-        return x1, y1
-    x = (x0 + x1) / 2 - first / (2 * bend)
-    return x, y0 + (x - x0) * (first + bend * (x - x1))
+def _tick(begin: Sequence[float], end: Sequence[float]) -> Tick:
+    return (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
 
 
 class PlantAxis:
@@ -73,7 +50,8 @@ class PlantAxis:
 
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
-    `tick` load position and velocity at both ends of the last step. The last 4096 steps are kept,
+    `tick` load position and velocity at both ends of the last step, `ticks` of each step of the
+    last `walk`. The last 4096 steps are kept,
     so that the position at a latch can be looked up. fine_ns: longest step where a stop can be
     touched, so that the force of the contact is known that closely; it moves nothing else.
     beside: the axis on the same FMU that steps it, None = this one does.
@@ -87,14 +65,21 @@ class PlantAxis:
         beside: "PlantAxis | None" = None,
     ) -> None:
         self.roles, self.slave, self.advance_to = roles, roles.slave, advance_to
-        self._demand = Ramp(roles) if roles.has_group("ramp") else SampledDemand(roles)
+        self._samples = None if roles.has_group("ramp") else SampledDemand(roles)
+        self._demand: Ramp | SampledDemand = self._samples or Ramp(roles)
         self._control = Control(roles)
         self._enabled = roles.exchange(["enabled"]) if roles.has("enabled") else None
         self._is_enabled: bool | None = None
         self._known = [name for name in AXIS_OUTPUTS if roles.has(name)]
         self._outputs = roles.exchange(self._known)
+        # What follows the last output that the FMU reports, where it reports all before
+        is_begin = tuple(self._known) == AXIS_OUTPUTS[: len(self._known)]
+        has_motion = is_begin and len(self._known) > DEMAND_POSITION
+        self._rest = [0.0] * (len(AXIS_OUTPUTS) - len(self._known)) if has_motion else None
         self.motion: list[float] = [0.0] * len(AXIS_OUTPUTS)
-        self.tick = (0.0, 0.0, 0.0, 0.0)
+        self._begin = self.motion  # of the step that is under way
+        self.tick: Tick = (0.0, 0.0, 0.0, 0.0)
+        self.ticks: list[Tick] = []
         self.kv_per_s = 0.0
         self.fine_ns: TimeNs = FINE_NS
         self._tells_stop = roles.has("stop_force")
@@ -107,6 +92,7 @@ class PlantAxis:
         self._past: deque[list[float]] = deque(maxlen=HISTORY_STEPS)
         self._saved: FmuState | None = None
         self._saved_ns: TimeNs = 0
+        self._many: StepsInARow | None = None
         self._steps = beside is None
         self._stepped = [self]
         if beside is not None:
@@ -121,6 +107,7 @@ class PlantAxis:
         """Initialise the FMU; `kv_per_s` is the gain of its position loop, 0 when it gives none."""
         if self._steps:
             self.slave.initialize(start_ns)
+            self._many = self._steps_in_a_row()
         if self.roles.has("kv"):
             gain = self.roles.exchange(["kv"])
             gain.read()
@@ -128,49 +115,53 @@ class PlantAxis:
         self._sample()
         self._command(start_ns, self.motion[MOTOR_POSITION], 0.0, start_ns)
 
+    def _steps_in_a_row(self) -> StepsInARow | None:
+        """Return what takes several steps with the outputs of all axes; None: the FMU cannot."""
+        axes = self._stepped
+        outputs = plain_references([axis._outputs for axis in axes])
+        is_complete = all(axis._rest is not None for axis in axes)
+        if outputs is None or not is_complete or self._samples or not offers_steps(self.slave):
+            return None
+        return StepsInARow(self.slave, outputs=outputs)
+
     def _command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
         self._commanded = (time_ns, position, rate, end_ns)
         self._demand.command(time_ns, position, rate, end_ns)
 
     def _sample(self) -> None:
+        """Read and keep where the FMU is now."""
         self._remember(self.slave.time_ns, self._read())
 
     def _remember(self, time_ns: TimeNs, motion: list[float]) -> None:
         total = sum(motion)
         if total - total != 0.0:  # one of them is no number or infinite
-            self._refuse(motion)
+            raise refusal(self.roles, AXIS_OUTPUTS, motion)
         self.motion = motion
         self._times.append(time_ns)
         self._past.append(motion)
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
 
-    def _refuse(self, motion: Sequence[float]) -> None:
-        found = zip(AXIS_OUTPUTS, motion, strict=True)
-        wrong = [(role, value) for role, value in found if not isfinite(value)]
-        names = [
-            f"{self.roles.bound[role].variable} ({role}) is {value}"
-            for role, value in wrong
-            if self.roles.has(role)
-        ]
-        text = ", ".join(names or [f"{role} is {value}" for role, value in wrong])
-        raise PlantError(self.slave.name, self.slave.time_ns, text)
-
     def _read(self) -> list[float]:
         self._outputs.read()
         values: list[float] = self._outputs.values[:]
-        return values if len(values) == len(AXIS_OUTPUTS) else self._completed(values)
+        return self._filled(values)
+
+    def _filled(self, values: list[float]) -> list[float]:
+        return self._completed(values) if self._rest is None else values + self._rest
 
     def _completed(self, values: Sequence[float]) -> list[float]:
-        """Put in what the FMU does not report, see `roles.csv`."""
+        """Put in what the FMU does not report, see `roles.csv`; derivatives only where needed."""
         found = dict(zip(self._known, values, strict=True))
         position = found["position"]
-        velocity = found.get("velocity", self._slope(POSITION, position))
+        velocity = found["velocity"] if "velocity" in found else self._slope(POSITION, position)
         motor = found.get("motor_position", position)
-        motor_velocity = (
-            self._slope(MOTOR_POSITION, motor) if "motor_position" in found else velocity
-        )
-        motor_velocity = found.get("motor_velocity", motor_velocity)
+        if "motor_velocity" in found:
+            motor_velocity = found["motor_velocity"]
+        elif "motor_position" in found:
+            motor_velocity = self._slope(MOTOR_POSITION, motor)
+        else:
+            motor_velocity = velocity
         demand = found.get("demand_position", self._demand_at(self.slave.time_ns))
         forces = [found.get(role, 0.0) for role in AXIS_OUTPUTS[FORCE:]]
         return [position, velocity, motor, motor_velocity, demand, *forces]
@@ -180,21 +171,9 @@ class PlantAxis:
         return start + rate * (min(time_ns, end_ns) - begin_ns) * 1e-9
 
     def _slope(self, index: int, now: float) -> float:
-        """Return the slope now of the parabola through now and two points of the past.
-
-        Error for a smooth motion: x''' h^2 / 3 (backward difference of second order).
-        """
-        points = self._points_before()
-        if not points:
-            return 0.0
-        (last_ns, last), *older = points
-        h1 = (self.slave.time_ns - last_ns) * 1e-9
-        slope = (now - last[index]) / h1
-        if not older:
-            return slope
-        h0 = (last_ns - older[0][0]) * 1e-9
-        before = (last[index] - older[0][1][index]) / h0
-        return slope + (slope - before) * h1 / (h0 + h1)
+        """Return the slope of an output now, from now and two points of the past."""
+        points = [(time_ns, motion[index]) for time_ns, motion in self._points_before()]
+        return end_slope([(self.slave.time_ns, now), *points])
 
     def _points_before(self) -> list[tuple[TimeNs, list[float]]]:
         """Return up to two points of the past, the latest first, SLOPE_NS or more apart.
@@ -218,21 +197,70 @@ class PlantAxis:
         """
         if not self._steps:
             return
-        begins = []
+        for axis in self._stepped:
+            axis._begin = axis.motion
+        if self._is_near_stop(end_ns):
+            self._step_finely(end_ns)
+        else:
+            self._step_all(end_ns)
+        for axis in self._stepped:
+            axis.tick = _tick(axis._begin, axis.motion)
+
+    def walk(self, ends_ns: Sequence[TimeNs]) -> None:
+        """Do `step_to` for each of these instants; `ticks` then has a `tick` for each."""
+        if not self._steps:
+            return
+        for axis in self._stepped:
+            axis.ticks = []
+        if self._many is None or self._is_near_stop(ends_ns[-1]):
+            for end_ns in ends_ns:
+                self.step_to(end_ns)
+                for axis in self._stepped:
+                    axis.ticks.append(axis.tick)
+            return
+        for axis in self._stepped:
+            axis._begin = axis.motion
+        self._step_through(self._many, ends_ns)
+        for axis in self._stepped:
+            for place in range(-len(ends_ns), 0):
+                axis.ticks.append(_tick(axis._begin, axis._past[place]))
+                axis._begin = axis._past[place]
+            axis.tick = axis.ticks[-1]
+
+    def _is_near_stop(self, end_ns: TimeNs) -> bool:
+        """Return whether any axis of the FMU has, or can have until `end_ns`, a contact."""
         is_near = False
         for axis in self._stepped:
-            begins.append(axis.motion)
-            is_near |= axis._free_until_ns < end_ns and axis._may_touch(end_ns)
-        if is_near:
-            for time_ns in range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns):
+            if axis._free_until_ns < end_ns and axis._may_touch(end_ns):
+                is_near = True
+        return is_near
+
+    def _step_finely(self, end_ns: TimeNs) -> None:
+        """Step to `end_ns` in fine steps, and keep where the axes are after each."""
+        ends_ns = [*range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns), end_ns]
+        if self._many is None:
+            for time_ns in ends_ns:
                 self._step_all(time_ns)
-        self._step_all(end_ns)
-        for axis, begin in zip(self._stepped, begins, strict=True):
-            end = axis.motion
-            axis.tick = (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
+        else:
+            self._step_through(self._many, ends_ns)
+
+    def _step_through(self, many: StepsInARow, ends_ns: Sequence[TimeNs]) -> None:
+        """Step to each of these instants in one call, and keep where the axes are at each."""
+        rows = many.take(ends_ns)
+        for time_ns, row in zip(ends_ns, rows, strict=False):
+            first = 0
+            for axis in self._stepped:
+                last = first + len(axis._known)
+                axis._remember(time_ns, axis._filled(row[first:last]))
+                first = last
+        if len(rows) < len(ends_ns):
+            many.refuse(ends_ns[len(rows)])
 
     def _step_all(self, end_ns: TimeNs) -> None:
-        self._demand.step(self.slave, end_ns)
+        if self._samples is None:
+            self.slave.step_to(end_ns)
+        else:
+            self._samples.step(self.slave, end_ns)
         for axis in self._stepped:
             axis._sample()
 
@@ -341,26 +369,12 @@ class PlantAxis:
     def stop_force_peak_n(self, since_ns: TimeNs, until_ns: TimeNs) -> float:
         """Return the largest force between slide and stop from `since_ns` to `until_ns`, N.
 
-        Of the forces at the ends of steps, which are `fine_ns` (h) apart while there is a contact,
-        and of the parabola through the largest and those beside it. It is off by at most
-        0.064 h^3 times the third derivative (interpolation of degree 2, any text on it): 0.02 %
-        for 500 N/um.
-        0 when nothing that is still kept is there.
+        Of the forces at the ends of steps, which are `fine_ns` apart while there is a contact, see
+        `peak`. 0 when nothing that is still kept is there.
         """
         if self._touched_ns < since_ns:
             return 0.0
-        first, end = bisect_left(self._times, since_ns), bisect_right(self._times, until_ns)
-        kept = [motion[STOP_FORCE] for motion in islice(self._past, first, end)]
-        largest = max(kept, default=0.0)
-        middle = min(first + kept.index(largest), end - 2) if largest > 0.0 else 0
-        if middle < 1:
-            return largest
-        places = range(middle - 1, middle + 2)
-        instants = [(self._times[place] - until_ns) * 1e-9 for place in places]
-        forces = [self._past[place][STOP_FORCE] for place in places]
-        top_s, top_n = _vertex(instants, forces)
-        inside = max(since_ns - until_ns, self._times[middle - 1] - until_ns) * 1e-9 <= top_s <= 0.0
-        return max(largest, top_n) if inside else largest
+        return peak(self._times, self._past, STOP_FORCE, since_ns, until_ns)
 
     def second_encoder_m(self) -> float | None:
         """Return what the second encoder sees now; None: there is none."""

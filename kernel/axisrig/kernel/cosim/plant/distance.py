@@ -1,9 +1,10 @@
 """A distance sensor of the plant: it follows the motion of axes and reports a distance."""
 
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
 from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, POSITION, PlantAxis
 from axisrig.kernel.cosim.plant.edges import Trajectory
 from axisrig.kernel.time.clock import S, TimeNs
@@ -33,10 +34,11 @@ class PlantDistance:
         self._trajectory = Trajectory(roles, sources) if roles.has_group("trajectory") else None
         if self._trajectory is None:
             self._positions = roles.exchange([f"{group}_position" for group in sources])
-        self._roles = [role for role in ("distance", "distance_true") if roles.has(role)]
+        self._has_true = roles.has("distance_true")
+        self._lengths = roles.exchange(["distance", *["distance_true"] * self._has_true])
         self._levels = [role for role in ("valid", "touching") if roles.has(role)]
-        self._lengths = roles.exchange(self._roles)
         self._flags = roles.exchange(self._levels) if self._levels else None
+        self._many: StepsInARow | None = None
 
     def start(self, start_ns: TimeNs) -> None:
         """Initialise the FMU where the axes are."""
@@ -46,34 +48,52 @@ class PlantDistance:
         else:
             self._write_positions()
         self.slave.initialize(start_ns)
-        self._read(start_ns)
+        if self._trajectory is not None and offers_steps(self.slave):
+            inputs = plain_references([self._trajectory.inputs])
+            self._many = None if inputs is None else StepsInARow(self.slave, inputs)
+        self.look()
 
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
-        """Follow the axes over [begin_ns, end_ns], their last step."""
+        """Follow the axes over [begin_ns, end_ns], their last step; `look` reads the result."""
         if self._trajectory is not None:
             self._trajectory.write_step(begin_ns, end_ns)
         else:
             self._write_positions()
         self.slave.step_to(end_ns)
-        self._read(end_ns)
+
+    def walk(self, begin_ns: TimeNs, ends_ns: Sequence[TimeNs]) -> None:
+        """Follow the last walk of the axes, which began at `begin_ns`; only where `walks`."""
+        assert self._many is not None
+        assert self._trajectory is not None
+        done = self._many.take(ends_ns, self._trajectory.rows(begin_ns, ends_ns))
+        if len(done) < len(ends_ns):
+            self._many.refuse(ends_ns[len(done)])
+
+    @property
+    def walks(self) -> bool:
+        """Whether the FMU can take several steps in one call."""
+        return self._many is not None
 
     def told_at(self, time_ns: TimeNs) -> Reported:
-        """Return distance, true distance, validity and touch at the end of a step that is past."""
+        """Return distance, true distance, validity and touch at an instant at which `look` was."""
         return next(report for end_ns, report in reversed(self._past) if end_ns <= time_ns)
 
     def _write_positions(self) -> None:
         self._positions.values[:] = [axis.motion[POSITION] for axis in self._sources]
         self._positions.write()
 
-    def _read(self, time_ns: TimeNs) -> None:
+    def look(self) -> None:
+        """Read what the sensor reports now; for `told_at` too."""
         self._lengths.read()
-        lengths = dict(zip(self._roles, self._lengths.values[:], strict=True))
-        self.distance_m = lengths["distance"]
-        self.distance_true_m = lengths.get("distance_true")
+        self.distance_m = self._lengths.values[0]
+        if self._has_true:
+            self.distance_true_m = self._lengths.values[1]
         if self._flags is not None:
             self._flags.read()
-            levels = dict(zip(self._levels, self._flags.values[:], strict=True))
-            self.is_valid = bool(levels.get("valid", True))
-            self.is_touching = bool(levels.get("touching", False))
+            for role, level in zip(self._levels, self._flags.values, strict=True):
+                if role == "valid":
+                    self.is_valid = bool(level)
+                else:
+                    self.is_touching = bool(level)
         report = (self.distance_m, self.distance_true_m, self.is_valid, self.is_touching)
-        self._past.append((time_ns, report))
+        self._past.append((self.slave.time_ns, report))

@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import POSITION, PlantAxis, hermite
+from axisrig.kernel.cosim.plant.axis import POSITION, PlantAxis
+from axisrig.kernel.cosim.plant.curves import hermite
 from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
@@ -27,13 +28,16 @@ def make_probe(roles: Roles, sources: Mapping[str, PlantAxis]) -> PlantProbe:
 
 
 class Trajectory:
-    """Hands over position and velocity at both ends of a step; the FMU interpolates."""
+    """Hands over position and velocity at both ends of a step; the FMU interpolates.
+
+    inputs: where a row of `rows` is written to.
+    """
 
     def __init__(self, roles: Roles, sources: Mapping[str, PlantAxis]) -> None:
         names = ["step_time", "step_size"]
         names += [f"{group}_{part}" for group in sources for part in TRAJECTORY_INPUTS]
         self._sources = list(sources.values())
-        self._inputs = roles.exchange(names)
+        self.inputs = self._inputs = roles.exchange(names)
         self._pack = struct.Struct(f"={len(names)}d").pack_into  # ten assignments in one call
 
     def write(self, begin_ns: TimeNs, end_ns: TimeNs, motion: Sequence[float]) -> None:
@@ -48,6 +52,16 @@ class Trajectory:
             place = axis.motion[POSITION]
             motion += (place, 0.0, place, 0.0)
         self.write(begin_ns, end_ns, motion)
+
+    def rows(self, begin_ns: TimeNs, ends_ns: Sequence[TimeNs]) -> list[float]:
+        """Return the inputs of each step of the last walk of the axes, one step after the other."""
+        values: list[float] = []
+        for number, end_ns in enumerate(ends_ns):
+            values += (begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9)
+            for axis in self._sources:
+                values += axis.ticks[number]
+            begin_ns = end_ns
+        return values
 
     def write_step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
         """Hand over the last step of the axes."""

@@ -11,8 +11,8 @@ from axisrig.kernel.cosim.plant.axis import (
     POSITION,
     VELOCITY,
     PlantAxis,
-    hermite,
 )
+from axisrig.kernel.cosim.plant.curves import hermite
 from axisrig.kernel.time.clock import TimeNs
 
 

@@ -49,7 +49,7 @@ class Plant:
         self.fine_ns = min(fine_ns, exchange_ns)
         self._hold_ns, self._look_back_ns = hold_ns, look_back_ns
         self._follows_always = exchange_ns <= fine_ns
-        self._can_repeat = self._derives_velocity = False
+        self._can_repeat = self._derives_velocity = self._walks = False
         self.now_ns: TimeNs = 0
         self.notes: dict[str, list[str]] = {}
         self.remarks: dict[str, list[str]] = {}
@@ -58,6 +58,7 @@ class Plant:
         self.distances: dict[str, PlantDistance] = {}
         self._axes: list[PlantAxis] = []
         self._probes: list[PlantProbe] = []
+        self._distances: list[PlantDistance] = []
 
     def add_axis(self, slave: FmuSlave, roles: Roles | None = None) -> PlantAxis:
         """Add an axis; roles: None = its variables have the names of the roles.
@@ -123,6 +124,7 @@ class Plant:
         """Initialise axes first, then the sensors at the axes' positions."""
         self.now_ns = start_ns
         self._axes, self._probes = list(self.axes.values()), list(self.probes.values())
+        self._distances = list(self.distances.values())
         for axis in self.axes.values():
             axis.start(start_ns)
         for probe in self.probes.values():
@@ -131,6 +133,8 @@ class Plant:
             sensor.start(start_ns)
         if self.distances:
             self.exchange_ns = min(self.exchange_ns, FOLLOW_NS)
+        can_walk = all(sensor.walks for sensor in self._distances)
+        self._walks = can_walk and bool(self._distances) and not self._probes
         self.fine_ns = self._whole_steps_ns(self.fine_ns)
         for axis in self._axes:
             axis.fine_ns = self.fine_ns
@@ -157,13 +161,34 @@ class Plant:
 
     def advance_to(self, time_ns: TimeNs) -> None:
         """Advance every FMU to `time_ns`; nothing happens when they are there already."""
+        if self.now_ns >= time_ns:
+            return
+        if self._walks:
+            self._walk(time_ns)
         while self.now_ns < time_ns:
             self._step(time_ns)
+        for sensor in self._distances:
+            sensor.look()
+
+    def _walk(self, time_ns: TimeNs) -> None:
+        """Do all steps to `time_ns`, each FMU in one call: nothing but distance sensors looks."""
+        end_ns, ends_ns = self.now_ns, []
+        while end_ns < time_ns:
+            end_ns += self._span_ns(time_ns - end_ns)
+            ends_ns.append(end_ns)
+        for axis in self._axes:
+            axis.walk(ends_ns)
+        for sensor in self._distances:
+            sensor.walk(self.now_ns, ends_ns)
+        self.now_ns = end_ns
 
     def _step(self, limit_ns: TimeNs) -> None:
         """Take one step, as far as it may go but not past `limit_ns`."""
         end_ns = self.now_ns + self._span_ns(limit_ns - self.now_ns)
-        near = [p for p in self._probes if self._follows_always or p.free_until_ns < end_ns]
+        near: list[PlantProbe] = []
+        for probe in self._probes:
+            if self._follows_always or probe.free_until_ns < end_ns:
+                near.append(probe)
         if near:
             can_repeat = self._can_repeat and all(p.slave.can.can_save_state for p in near)
             self._follow(end_ns, near, DIVISIONS if can_repeat else 0)
@@ -218,7 +243,7 @@ class Plant:
 
     def _measure(self, end_ns: TimeNs) -> None:
         """Let distance sensors follow a step that is not repeated any more."""
-        for sensor in self.distances.values():
+        for sensor in self._distances:
             sensor.step(self.now_ns, end_ns)
 
     def _move(self, end_ns: TimeNs, near: Sequence[PlantProbe]) -> int:
