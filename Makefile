@@ -53,6 +53,7 @@ $(STAMP): pyproject.toml | needs
 	@echo "installing into $(VENV) (once)"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) hatchling editables 'setuptools<81' wheel
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[$(EXTRAS)]'
+	@$(BIN)/python -m compileall -q -j 0 kernel bench fmus reports  # pip does it for what it copies
 	@touch $(STAMP)
 
 $(DOCS_STAMP): $(STAMP)

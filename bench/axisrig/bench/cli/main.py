@@ -6,7 +6,10 @@ Exit codes: run and demo by the worst verdict (axisrig.bench.plan.verdict), nc 0
 is rejected before anything runs. replay: as run when every frame came again, else 1.
 """
 
+import atexit
+import gc
 import io
+import os
 import signal
 import sys
 import time
@@ -15,9 +18,10 @@ from contextlib import AbstractContextManager
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from axisrig.bench.cli.fmu_commands import build, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS
@@ -46,11 +50,28 @@ from axisrig.kernel.errors import UserError
 if TYPE_CHECKING:
     from axisrig.bench.machine.pacing import Hardware
 
+_SENTENCE_MAX = 200  # signs
+GARBAGE_MIN = 100_000
+"""So many new objects before it is looked for garbage among them."""
+
+
+class _Whole(TyperGroup):
+    """Shows the first sentence of every command whole, where plain help would cut it."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        names = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
+        rows = [(n, c.get_short_help_str(limit=_SENTENCE_MAX)) for n, c in names.items() if c]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
 app = typer.Typer(
     name="axisrig",
+    cls=_Whole,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: the other kinds load rich, a third of the time of --help
 )
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
@@ -234,16 +255,16 @@ def nc(
     It may take 600 s of simulated time; --set plc:limit_s=5 changes that.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
-    from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.campaign.processes import do_apart, say
-    from axisrig.bench.campaign.single import run_outside, run_program
-
     if is_check:
         from axisrig.bench.cli.nc_check import check_file
 
         raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
+    from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.bench.campaign.processes import do_apart, say
+    from axisrig.bench.campaign.single import run_outside, run_program
+
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
     said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
     is_apart = is_isolated or bool(call_limit_s)
@@ -315,7 +336,7 @@ def check(
     as_canopen: AsCanopenOption = False,
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
-    from axisrig.bench.campaign.campaign import check_file, rigs_of
+    from axisrig.bench.campaign.checking import check_file, rigs_of
     from axisrig.bench.campaign.processes import do_apart
 
     for file in files:
@@ -398,7 +419,7 @@ def perf(
 
         print(show_fmu(measure_fmu(repeats, time.perf_counter_ns), as_json))
         return
-    from axisrig.bench.campaign.campaign import rigs_of
+    from axisrig.bench.campaign.checking import rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.perf import measure, show
     from axisrig.reports.build import build_report
@@ -408,8 +429,22 @@ def perf(
     print(show(result, as_json))
 
 
+def _start_lightly() -> None:
+    """Set up a process that is to end soon: a fifth of a short command went into the garbage."""
+    # Modules, tables and parsers stay, so that looking through them finds nothing
+    gc.set_threshold(GARBAGE_MIN)
+    atexit.register(gc.freeze)
+    # numpy would start a thread for each core
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line; entry point of the package."""
+    """Run the command line; entry point of the package.
+
+    arguments: of a caller whose process this is not; None takes those of the process.
+    """
+    if arguments is None:
+        _start_lightly()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as with Ctrl-C
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
