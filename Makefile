@@ -14,10 +14,13 @@ JOBS ?= 2
 
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
 
-.PHONY: demo test test-rest test-all lint docs sample-report wheelhouse clean needs
+.PHONY: demo demo-all test test-rest test-all lint docs sample-report wheelhouse clean needs
 
 demo: $(STAMP)
 	@$(BIN)/axisrig demo --fresh -j $(JOBS)
+
+demo-all: $(STAMP)
+	@$(BIN)/axisrig demo --all --fresh -j $(JOBS)
 
 test: $(STAMP) lint
 	@$(PYTEST) --stage quick tests testplans
