@@ -6,10 +6,7 @@ Exit codes: run and demo by the worst verdict (axisrig.bench.plan.verdict), nc 0
 is rejected before anything runs. replay: as run when every frame came again, else 1.
 """
 
-import atexit
-import gc
 import io
-import os
 import signal
 import sys
 import time
@@ -18,10 +15,9 @@ from contextlib import AbstractContextManager
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
-from typer.core import TyperGroup
 
 from axisrig.bench.cli.fmu_commands import build, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS
@@ -43,6 +39,7 @@ from axisrig.bench.cli.options import (
     YesOption,
     rejecting,
 )
+from axisrig.bench.cli.start import Whole, start_lightly
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
@@ -50,26 +47,13 @@ from axisrig.kernel.errors import UserError
 if TYPE_CHECKING:
     from axisrig.bench.machine.pacing import Hardware
 
-_SENTENCE_MAX = 200  # signs
 DEMO = "demo"
 """Tag of the rows that `axisrig demo` runs."""
-GARBAGE_MIN = 100_000
-"""So many new objects before it is looked for garbage among them."""
-
-
-class _Whole(TyperGroup):
-    """Shows the first sentence of every command whole, where plain help would cut it."""
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        names = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
-        rows = [(n, c.get_short_help_str(limit=_SENTENCE_MAX)) for n, c in names.items() if c]
-        with formatter.section("Commands"):
-            formatter.write_dl(rows)
 
 
 app = typer.Typer(
     name="axisrig",
-    cls=_Whole,
+    cls=Whole,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
@@ -434,22 +418,13 @@ def perf(
     print(show(result, as_json))
 
 
-def _start_lightly() -> None:
-    """Set up a process that is to end soon: a fifth of a short command went into the garbage."""
-    # Modules, tables and parsers stay, so that looking through them finds nothing
-    gc.set_threshold(GARBAGE_MIN)
-    atexit.register(gc.freeze)
-    # numpy would start a thread for each core
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line; entry point of the package.
 
     arguments: of a caller whose process this is not; None takes those of the process.
     """
     if arguments is None:
-        _start_lightly()
+        start_lightly()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as with Ctrl-C
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
