@@ -111,7 +111,7 @@ def run_campaign(  # noqa: PLR0913
     folder = out or _default_folder(plans, assignments)
     refuse_folder(folder, plans, is_fresh=is_fresh)
     with FolderLock(folder):
-        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
+        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s, jobs=jobs)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
@@ -143,11 +143,13 @@ def run_campaign(  # noqa: PLR0913
     return Campaign(folder, results, len(cases), failure, report)
 
 
-def _prepared(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float) -> Collection[Path]:
+def _prepared(
+    cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float, jobs: int
+) -> Collection[Path]:
     """Prepare every case; return the rigs whose cases run in a process of their own."""
     rigs = {case.rig for case in cases}
     apart = rigs if is_isolated else foreign_rigs(rigs)
-    prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
+    prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs)
     return apart
 
 

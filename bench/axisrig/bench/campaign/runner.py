@@ -11,7 +11,7 @@ from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 
-from axisrig.bench.campaign.preparing import prepare, settings_of
+from axisrig.bench.campaign.preparing import prepare, recall, settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.files import DISK_FULL
@@ -80,8 +80,12 @@ def _run_case(
     hardware: Hardware | None,
 ) -> CaseResult:
     try:
-        settings = settings_of(case)
-        program = read_program(case.program, tuple(settings.rig.axis))
+        prepared = recall(case)
+        if prepared is None:
+            settings = settings_of(case)
+            program = read_program(case.program, tuple(settings.rig.axis))
+        else:
+            settings, program = prepared
         machine = Machine(
             settings,
             program,
@@ -109,24 +113,48 @@ def _run_case(
     return CaseResult(case, verdict, checks, wall_s, facts, series, stopped)
 
 
-def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float) -> None:
+def prepare_all(
+    cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float, jobs: int = 1
+) -> None:
     """Prepare every case, in plan order.
 
     apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
-    call_limit_s: wall time that one call into an FMU may take there.
-    Raises UserError as `prepare` does.
+    call_limit_s: wall time that one call into an FMU may take there. jobs: processes; with several,
+    this one prepares the first case of each rig, so that those that are started from it, here and
+    for the runs, find its FMUs, lists and tables read.
+    Raises UserError as `prepare` does, for the first case that cannot be prepared.
     """
-    elsewhere = [case for case in cases if case.rig in apart]
+    outcomes: dict[int, UserError | None] = {}
+    seen: set[Path] = set()
+    for number, case in enumerate(cases):
+        if case.rig not in apart and (jobs == 1 or case.rig not in seen):
+            seen.add(case.rig)
+            outcomes[number] = _outcome(case)
+            if outcomes[number] is not None:
+                break  # cases before it may be wrong too, and are reported first
+    elsewhere = [case for number, case in enumerate(cases) if number not in outcomes]
     with closing(
         run_apart(
-            prepare, [[case] for case in elsewhere], is_fresh=False, call_limit_s=call_limit_s
+            prepare,
+            [[case] for case in elsewhere],
+            jobs=jobs,
+            is_fresh=False,
+            call_limit_s=call_limit_s,
         )
     ) as results:
-        for case in cases:
-            if case.rig in apart:
+        for number in range(len(cases)):
+            if number not in outcomes:
                 next(results)
-            else:
-                prepare(case)
+            elif (error := outcomes[number]) is not None:
+                raise error
+
+
+def _outcome(case: Case) -> UserError | None:
+    try:
+        prepare(case)
+    except UserError as error:
+        return error
+    return None
 
 
 def run_cases(

@@ -60,3 +60,12 @@ def signature_of(kind: type, name: str) -> Signature:
 def _first(annotation: Any) -> Any:
     """Return the C type of a union with what Python may hand over."""
     return get_args(annotation)[0] if isinstance(annotation, UnionType) else annotation
+
+
+@cache
+def prototype(signature: tuple[Any, ...]) -> Any:
+    """Return the type of a function that returns a status and keeps the interpreter lock.
+
+    ctypes would make a new one each time. signature: ctypes types of the arguments.
+    """
+    return ctypes.PYFUNCTYPE(ctypes.c_int, *signature)
