@@ -45,20 +45,30 @@ COMMANDS = [
     (f"check {PLANS}/manual_examples.csv", MACHINE),
     (f"nc {PROGRAMS}/meas1.nc --rig {RIGS}/probe-xyz.toml --check", RIG),
 ]
+RUN = f"run {PLANS}/distance_control.csv -k dead-2ms-1 --fresh -o"
 
 
 @pytest.mark.parametrize(("line", "allowed"), COMMANDS, ids=[line for line, _ in COMMANDS])
 def test_a_command_loads_no_more_than_it_needs(line: str, allowed: set[str]) -> None:
+    assert loaded(line.split()) <= allowed
+
+
+def test_a_run_with_its_report_does_without_pandas_and_scipy(tmp_path: Path) -> None:
+    assert loaded([*RUN.split(), str(tmp_path / "out")]) <= {*MACHINE, "rich", "jinja2"}
+
+
+def loaded(arguments: list[str]) -> set[str]:
+    """Run a command in a process of its own and return what it has loaded of the heavy ones."""
     code = (
         "import sys\nfrom axisrig.bench.cli.main import main\n"
-        f"try: main({line.split()})\nexcept SystemExit as end: assert not end.code\n"
+        f"try: main({arguments})\nexcept SystemExit as end: assert not end.code\n"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert set(ast.literal_eval(done.stdout.splitlines()[-1])) <= allowed
+    return set(ast.literal_eval(done.stdout.splitlines()[-1]))
 
 
 def test_help_has_the_first_sentence_of_every_command_whole() -> None:

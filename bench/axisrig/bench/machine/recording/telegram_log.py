@@ -17,6 +17,7 @@ from axisrig.bench.record.series import (
     SECOND,
     TARGET,
     Times,
+    column_of,
 )
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.time.clock import TimeNs
@@ -84,7 +85,7 @@ class TelegramLog:
             self._taken[axis, field] = begin + int(offsets[-1])
             for part, numbers in ((FRAME_NS, frames), (INCREMENTS, values)):
                 columns[f"{axis}.{field}_{part}"] = pa.ListArray.from_arrays(
-                    pa.array(offsets), pa.array(numbers[: offsets[-1]])
+                    column_of(offsets), column_of(numbers[: offsets[-1]])
                 )
         return columns
 
