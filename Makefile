@@ -14,10 +14,13 @@ JOBS ?= 2
 
 PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
 
-.PHONY: demo test test-rest test-all lint docs sample-report wheelhouse clean needs
+.PHONY: demo demo-all test test-rest test-all lint docs sample-report wheelhouse clean needs
 
 demo: $(STAMP)
 	@$(BIN)/axisrig demo --fresh -j $(JOBS)
+
+demo-all: $(STAMP)
+	@$(BIN)/axisrig demo --all --fresh -j $(JOBS)
 
 test: $(STAMP) lint
 	@$(PYTEST) --stage quick tests testplans
@@ -53,6 +56,7 @@ $(STAMP): pyproject.toml | needs
 	@echo "installing into $(VENV) (once)"
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) hatchling editables 'setuptools<81' wheel
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[$(EXTRAS)]'
+	@$(BIN)/python -m compileall -q -j 0 kernel bench fmus reports  # pip does it for what it copies
 	@touch $(STAMP)
 
 $(DOCS_STAMP): $(STAMP)

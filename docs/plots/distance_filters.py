@@ -18,7 +18,7 @@ HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 sys.path.insert(0, str(ROOT))
 
-from axisrig.bench.campaign.runner import settings_of  # noqa: E402
+from axisrig.bench.campaign.preparing import settings_of  # noqa: E402
 from axisrig.bench.machine.machine import Machine  # noqa: E402
 from axisrig.bench.plan.plan import read_plan  # noqa: E402
 from axisrig.kernel.distance.filters import FilterSettings, filter_kinds, make_filter  # noqa: E402

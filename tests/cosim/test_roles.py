@@ -9,7 +9,8 @@ import pytest
 
 from axisrig.bench.plan import assignment
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_fmu
-from axisrig.kernel.cosim.fmi.roles import Source, guess_kind, map_roles, role_table
+from axisrig.kernel.cosim.fmi.role_table import role_table
+from axisrig.kernel.cosim.fmi.roles import Source, guess_kind, map_roles
 from axisrig.kernel.cosim.fmi.units import known_units, unit_of
 from axisrig.kernel.errors import UserError
 

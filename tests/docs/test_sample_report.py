@@ -56,6 +56,7 @@ def test_the_plan_can_be_read() -> None:
 def test_its_rows_ask_what_the_shipped_plans_ask(case: str) -> None:
     plan, name, other = SOURCES[case]
     source = rows(ROOT / "testplans" / f"{plan}.csv")[name] | other
+    source["tags"] = " ".join(tag for tag in source["tags"].split() if tag != "demo")
     places = {"program", "rig"}
     kept = {key: cell for key, cell in source.items() if key not in {"case", "title", *places}}
     assert {key: cell for key, cell in SAMPLE[case].items() if key in kept} == kept

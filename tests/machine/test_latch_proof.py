@@ -11,7 +11,8 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign.campaign import check_file, run_campaign
+from axisrig.bench.campaign.campaign import run_campaign
+from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.campaign.runner import no_stopwatch
 from axisrig.bench.campaign.single import run_program
 from axisrig.bench.judge.topics import observe

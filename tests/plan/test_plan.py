@@ -8,6 +8,7 @@ from zipfile import ZipFile
 import pytest
 
 from axisrig.bench.plan.plan import parse_assignment, read_plan
+from axisrig.bench.plan.table import read_table
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]
@@ -271,3 +272,44 @@ def test_a_column_without_its_kind_is_told_with_it(text: str, meant: str) -> Non
     with pytest.raises(UserError) as caught:
         parse_assignment(text)
     assert str(caught.value).endswith(f"did you mean: {meant}")
+
+
+@pytest.mark.parametrize(
+    ("text", "rows"),
+    [
+        ("\n\ncase,b\nr,1\n", [(4, "r", "1")]),
+        ('case,b\r\nr,"1\r\n2"\r\ns,3', [(2, "r", "1\n2"), (4, "s", "3")]),
+        ('case,b\nr,"a ""b"", c"\n', [(2, "r", 'a "b", c')]),
+        ("case;b\nr; 1,5 \n", [(2, "r", "1,5")]),
+        ('case,b\nr,5" probe\n', [(2, "r", '5" probe')]),
+        ("case,b\nNA,nan\n", [(2, "NA", "nan")]),
+    ],
+)
+def test_cells_are_taken_as_they_are_written(
+    tmp_path: Path, text: str, rows: list[tuple[int, str, str]]
+) -> None:
+    path = tmp_path / "p.csv"
+    path.write_bytes(text.encode())
+    table = read_table(path)
+    assert [(row.line, row.cells["case"], row.cells["b"]) for row in table.rows] == rows
+
+
+@pytest.mark.parametrize(
+    ("text", "line", "words"),
+    [
+        ('case,b\nr,"1\n2"\ns,1,2\n', 4, "the row has 3 cells and the header 2"),
+        ('case,b\nr,"1\ns,2\n', 2, "cannot be taken apart"),
+        ('case,b\nr,1\ns,"', 3, "cannot be taken apart"),
+        (f"case,b\nr,{'1' * 200_000}\n", 2, "cannot be taken apart"),
+        ("", 1, "the table is empty"),
+        ("\n \n,\n", 1, "the table is empty"),
+    ],
+)
+def test_what_is_no_table_is_refused_with_its_line(
+    tmp_path: Path, text: str, line: int, words: str
+) -> None:
+    path = tmp_path / "p.csv"
+    path.write_bytes(text.encode())
+    with pytest.raises(UserError, match=words) as caught:
+        read_table(path)
+    assert caught.value.line == line

@@ -1,16 +1,27 @@
 """Series of a run: blocks read back as columns, lists of telegrams, damaged files."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.record.series import ACTUAL, SECOND, TARGET, Series, SeriesWriter
+from axisrig.bench.record.series import (
+    ACTUAL,
+    SECOND,
+    TARGET,
+    Series,
+    SeriesWriter,
+    column_of,
+    values_of,
+)
 from axisrig.kernel.errors import UserError
 
 MS = 1_000_000
@@ -133,3 +144,36 @@ def test_a_run_that_is_broken_off_leaves_no_file(tmp_path: Path) -> None:
 def test_a_block_without_instants_is_a_defect(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="time_ns"):
         SeriesWriter(tmp_path / "a.parquet").add({"time_s": pa.array([0.0])})
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        np.array([1.5, math.nan, -math.inf, 0.0]),
+        np.arange(12.0).reshape(4, 3)[:, 1],
+        np.array([], dtype=np.float64),
+        np.array([2**62, -1], dtype=np.int64),
+        np.array([1, 0, -7], dtype=np.int8),
+        np.array([0, 3, 5], dtype=np.int32),
+    ],
+    ids=lambda values: f"{values.dtype}{len(values)}",
+)
+def test_columns_and_values_are_those_of_pyarrow(values: npt.NDArray[Any]) -> None:
+    column, expected = column_of(values), pa.array(values)
+    assert column.type == expected.type
+    assert column.null_count == expected.null_count
+    assert column.buffers()[0] is None
+    for chunked in (
+        pa.chunked_array([column]),
+        pa.chunked_array([column, column.slice(1), column.slice(0, 1)]),
+        pa.chunked_array([], column.type),
+    ):
+        found = values_of(chunked)
+        assert found.dtype == values.dtype
+        assert found.flags.writeable
+        np.testing.assert_array_equal(found, chunked.to_numpy())
+
+
+def test_values_that_are_missing_or_no_numbers_are_given_as_by_pyarrow() -> None:
+    for column in (pa.chunked_array([[1, None]]), pa.chunked_array([[True, False]])):
+        np.testing.assert_array_equal(values_of(column), column.to_numpy())

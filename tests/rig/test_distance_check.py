@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.campaign import check_file
+from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.oracles.distance.loop import CONST_DIST, SET_POS
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.distance.check import (

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.runner import settings_of
+from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.rig.plc.channel_words import Feedhold

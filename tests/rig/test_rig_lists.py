@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.campaign import check_file
+from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.lists import drive_input, substituted
 from axisrig.bench.rig.settings import AS_CANOPEN, Settings

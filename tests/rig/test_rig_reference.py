@@ -17,7 +17,7 @@ from axisrig.bench.rig.reading.file import (
     SegmentTable,
 )
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
-from axisrig.kernel.cosim.fmi.roles import role_table
+from axisrig.kernel.cosim.fmi.role_table import role_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
 MODELS: dict[str, type[BaseModel]] = {

@@ -13,7 +13,8 @@ import pytest
 from axisrig.fmus import MODELS, ensure_built
 from axisrig.fmus.build import build
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, load_fmu
-from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles, roles_of
+from axisrig.kernel.cosim.fmi.role_table import roles_of
+from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles
 from axisrig.kernel.cosim.plant.plant import Plant
 
 ROOT = Path(__file__).parents[2]

@@ -13,6 +13,7 @@ import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import platformdirs
 
@@ -31,8 +32,10 @@ from axisrig.fmus.compiler import (
 )
 from axisrig.fmus.openmodelica import build_with_omc, omc_identity
 from axisrig.fmus.reading.errors import BuildError
-from axisrig.fmus.reading.ir import TARGET, compile_model
-from axisrig.fmus.writing.generate import SLAVES, Generated, generate, runtime_files
+from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
+
+if TYPE_CHECKING:
+    from axisrig.fmus.writing.generate import Generated
 
 LIBRARY = Path(__file__).parent / "AxisRig"
 MODELS_FILE = Path(__file__).parent / "models.csv"
@@ -159,6 +162,10 @@ def build(
         _refuse_foreign(targets)
         return build_with_omc(model, path, library, fmi)
     chosen = compiler_for(targets, compiler)
+    # What builds is loaded where it builds: most runs find their FMUs in the cache
+    from axisrig.fmus.reading.ir import compile_model
+    from axisrig.fmus.writing.generate import generate
+
     generated = generate(compile_model(model, library), _step_s(model, step_s), fmi)
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
@@ -230,7 +237,7 @@ def _step_s(model: str, step_s: float | None) -> float:
     return CATALOGUE[model].step_s if model in CATALOGUE else DEFAULT_STEP_S
 
 
-def _write_sources(folder: Path, generated: Generated) -> None:
+def _write_sources(folder: Path, generated: "Generated") -> None:
     """Write generated code, runtime and the FMI headers of the installed fmpy."""
     folder.mkdir()
     identifier = generated.identifier

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.record.series import values_of
 from axisrig.reports.parts.encode import encode_signal, pack
 from axisrig.reports.parts.topic import Plots, ReportTopic
 from axisrig.reports.topics import TOPICS
@@ -75,7 +76,7 @@ def chart(
     columns, parts = _encode(content)
     series = _series(content.column_names)
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
-    time_ns = content.column("time_ns").to_numpy()
+    time_ns = values_of(content.column("time_ns"))
     events = info.get("events", [])
     description = {
         "rows": content.num_rows,
@@ -98,7 +99,7 @@ def chart(
 def _encode(content: pa.Table) -> tuple[list[dict[str, Any]], list[bytes]]:
     columns, parts = [], []
     for name in content.column_names:
-        values = content.column(name).to_numpy()
+        values = values_of(content.column(name))
         if name == "time_ns":
             head, part = encode_signal(values.astype(np.int64), 0)
         else:
@@ -165,7 +166,7 @@ def _first_axis(
         if axis in axes:
             return str(axis)
     travel = {
-        axis: float(np.ptp(content.column(name).to_numpy()))
+        axis: float(np.ptp(values_of(content.column(name))))
         for axis in axes
         for name in content.column_names
         if name in (f"{axis}.actual_mm", f"{axis}.actual_deg")

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign.campaign import check_file
+from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.campaign.single import run_program
 
 RunDistance = Callable[..., Any]

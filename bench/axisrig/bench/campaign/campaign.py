@@ -5,7 +5,6 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from textwrap import fill
 
 from rich.console import Console
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
@@ -20,31 +19,16 @@ from axisrig.bench.campaign.results.writer import (
     build_manifest,
     refuse_folder,
 )
-from axisrig.bench.campaign.runner import Stopwatch, prepare, prepare_all, run_cases
+from axisrig.bench.campaign.runner import Stopwatch, prepare_all, run_cases
 from axisrig.bench.files import in_words
-from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
-from axisrig.bench.plan.assignment import Assignment, parse_assignment
-from axisrig.bench.plan.checks import known_metrics
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
 from axisrig.bench.plan.select import matches
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.bus import BusFigures
-from axisrig.bench.rig.arrival import describe_arrival
-from axisrig.bench.rig.check import check_rig, describe_schedules
-from axisrig.bench.rig.contents import contents_text
-from axisrig.bench.rig.describe import describe_axes
-from axisrig.bench.rig.distance.check import (
-    age_warnings,
-    describe_distance,
-    distance_warnings,
-    drive_lags_s,
-)
-from axisrig.bench.rig.latches import describe_latches
-from axisrig.bench.rig.printed import printed_log
-from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.foreign import foreign_rigs
-from axisrig.bench.rig.settings import AS_CANOPEN, FORCED, as_written, read_settings
+from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
 
@@ -127,7 +111,7 @@ def run_campaign(  # noqa: PLR0913
     folder = out or _default_folder(plans, assignments)
     refuse_folder(folder, plans, is_fresh=is_fresh)
     with FolderLock(folder):
-        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s)
+        apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s, jobs=jobs)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
@@ -159,11 +143,13 @@ def run_campaign(  # noqa: PLR0913
     return Campaign(folder, results, len(cases), failure, report)
 
 
-def _prepared(cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float) -> Collection[Path]:
+def _prepared(
+    cases: Sequence[Case], *, is_isolated: bool, call_limit_s: float, jobs: int
+) -> Collection[Path]:
     """Prepare every case; return the rigs whose cases run in a process of their own."""
     rigs = {case.rig for case in cases}
     apart = rigs if is_isolated else foreign_rigs(rigs)
-    prepare_all(cases, apart=apart, call_limit_s=call_limit_s)
+    prepare_all(cases, apart=apart, call_limit_s=call_limit_s, jobs=jobs)
     return apart
 
 
@@ -273,98 +259,3 @@ def _overload(result: CaseResult, bus: BusFigures) -> str:
         longest = bus.waiting[0]
         text += f", {longest.name} waited {longest.worst_us:.0f} us"
     return text
-
-
-LIST_SUFFIXES = (".lst", ".lis")
-PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
-
-
-def rigs_of(path: Path) -> list[Path]:
-    """Return the rigs that `check_file` loads for a file. Raises UserError for a bad plan."""
-    if path.suffix.lower() == ".toml":
-        return [path]
-    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
-        return []
-    return sorted({case.rig for case in read_plan(path).cases})
-
-
-def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
-    """Check a plan, a rig or a parameter list and describe it.
-
-    Raises UserError when it is rejected.
-
-    assignments: texts of `--set`.
-    """
-    changes = [parse_assignment(text) for text in assignments]
-    if path.suffix.lower() == ".toml":
-        return _check_rig_file(path, changes)
-    if path.suffix.lower() in LIST_SUFFIXES:
-        return f"{path}\n{contents_text(path)}"
-    if path.suffix.lower() in PROGRAM_SUFFIXES:
-        hint = f"for an NC program: `axisrig nc --check {path}`"
-        raise UserError("no plan, rig or list", file=path, hint=hint)
-    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
-        message = "a folder, no file to check" if path.is_dir() else "not a file to check"
-        allowed = ", ".join([*SUFFIXES, ".toml", *LIST_SUFFIXES])
-        value = None if path.is_dir() else path.suffix
-        raise UserError(message, file=path, value=value, allowed=allowed)
-    plan = read_plan(path).with_inputs(changes)
-    for case in plan.cases:
-        prepare(case)
-    lines = [f"  {_titled(case)}" for case in plan.cases]
-    lines += [f"note: {note}" for note in plan.notes]
-    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
-
-
-def _titled(case: Case) -> str:
-    return f"{case.run}  {case.title}".rstrip()
-
-
-def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
-    rig, files = read_rig(path)
-    settings = read_settings(rig, files, [(change, as_written) for change in changes])
-    check_rig(settings)
-    plant = build_plant(settings)
-    try:
-        check_plants(settings, plant)
-        start_plant(settings, plant)
-        told = [*describe_plants(settings, plant), *printed_log(settings)]
-        loops = describe_distance(settings, drive_lags_s(settings, plant))
-    finally:
-        plant.close()
-    tables = describe_schedules(settings)
-    plants = ["\n".join(told)] if told else []
-    told_lists = [f"warning: {warning}" for warning in settings.warnings]
-    told_lists += [f"note: {note}" for note in settings.notes]
-    lacking = [*distance_warnings(settings), *age_warnings(settings)]
-    told_lists += [f"warning: {warning}" for warning in lacking]
-    described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
-    axes = "\n".join([*described, *told_lists])
-    return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])
-
-
-_JUDGED = {
-    "": "",
-    "last": ". Of several runs: the last{}",
-    "every": ". Of several runs: the worst{}",
-}
-
-
-def metrics_table() -> str:
-    """Describe every metric: how a check asks for it, its unit, its meaning."""
-    lines = [
-        "A column check:<metric> of a plan asks for a metric; its cells are conditions:",
-        "`<= 0.5`, `99.9 .. 100.1`, `100 +- 0.001`, `== 50059`.",
-        "Of several measurement runs in a program one is judged: the last, with :AXIS the",
-        "last in which that axis takes part; where it says so, the worst of all.",
-        "",
-    ]
-    for metric in known_metrics().values():
-        form = {"axis": f"{metric.name}[:AXIS]", "block": f"{metric.name}:N<number>[.<k>]"}.get(
-            metric.scope, metric.name
-        )
-        lines.append(f"{form}  {metric.unit}".rstrip())
-        judged = _JUDGED[metric.judged].format(" of the axis" if metric.scope == "axis" else "")
-        text = metric.meaning + judged
-        lines.append(fill(text, 78, initial_indent="    ", subsequent_indent="    "))
-    return "\n".join(lines)

@@ -7,6 +7,7 @@ without its answer has died. What it was in the middle of is read from its journ
 """
 
 import faulthandler
+import gc
 import os
 import pickle
 import signal
@@ -98,6 +99,7 @@ def _work(pipe: Connection, folder: Path) -> None:
     # The command line's handler would wait for a call that never comes back
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     share_session_folder(folder)
+    gc.freeze()  # what came with the process stays: it is not looked through for garbage
     _PARENT[:] = [pipe]
     try:
         while True:

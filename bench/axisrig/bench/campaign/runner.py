@@ -6,11 +6,12 @@ case is built from its row and its seed alone.
 
 import gc
 import traceback
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 
+from axisrig.bench.campaign.preparing import prepare, recall, settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.files import DISK_FULL
@@ -19,18 +20,12 @@ from axisrig.bench.judge.topics import STOPPED, judged
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
-from axisrig.bench.machine.plants import check_plant
-from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.printed import printed_log
-from axisrig.bench.rig.programs import programs_of
-from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_paced
-from axisrig.bench.rig.settings import Settings, read_settings
 from axisrig.kernel.cosim.fmi.fmu import PlantError
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.nc.syntax import Command, Program
 from axisrig.kernel.nc.text.parser import read_program
 
 Stopwatch = Callable[[], float]
@@ -40,59 +35,6 @@ Stopwatch = Callable[[], float]
 def no_stopwatch() -> float:
     """Give no wall time: for runs whose duration nobody asks for."""
     return 0.0
-
-
-def settings_of(case: Case) -> Settings:
-    """Read the rig of a case and apply its row. Raises UserError with the place of a mistake."""
-
-    def located(error: UserError, assignment: Assignment) -> UserError:
-        return case.error(
-            error.message,
-            assignment.column,
-            value=error.value if error.value is not None else assignment.value,
-            allowed=error.allowed,
-            hint=error.hint,
-        )
-
-    rig, files = read_rig(case.rig)
-    return read_settings(rig, files, [(item, located) for item in case.assignments()])
-
-
-def prepare(case: Case) -> None:
-    """Build the machine of a case and take it down again.
-
-    Raises UserError for everything that can be known before a run, so that a plan with a mistake
-    in its last row leaves nothing half-written.
-    """
-    settings = settings_of(case)
-    program = read_program(case.program, tuple(settings.rig.axis))
-    programs = programs_of(settings, program).values()
-    _check_metrics(case, tuple(settings.rig.axis), programs)
-    if is_paced(settings):
-        check_plant(settings)  # without the bus: nothing is sent before the run
-    else:
-        Machine(settings, program).close()
-
-
-def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:
-    """Refuse checks of axes that the rig, and of blocks that the programs, do not have."""
-    blocks = [
-        f"N{part.block.number}"
-        for program in programs
-        for part in program.blocks
-        if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
-    ]
-    for check in case.checks:
-        column = f"check:{check.metric}"
-        if check.axis is not None and check.axis not in axes:
-            raise case.error("the rig has no such axis", column, value=check.axis, allowed=axes)
-        if check.block is not None and check.block[0] not in blocks:
-            raise case.error(
-                "the program has no #MSG in such a block",
-                column,
-                value=check.block[0],
-                allowed=blocks or "none",
-            )
 
 
 @contextmanager
@@ -138,8 +80,12 @@ def _run_case(
     hardware: Hardware | None,
 ) -> CaseResult:
     try:
-        settings = settings_of(case)
-        program = read_program(case.program, tuple(settings.rig.axis))
+        prepared = recall(case)
+        if prepared is None:
+            settings = settings_of(case)
+            program = read_program(case.program, tuple(settings.rig.axis))
+        else:
+            settings, program = prepared
         machine = Machine(
             settings,
             program,
@@ -171,24 +117,48 @@ def _run_case(
     return CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
 
 
-def prepare_all(cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float) -> None:
+def prepare_all(
+    cases: Sequence[Case], *, apart: Collection[Path], call_limit_s: float, jobs: int = 1
+) -> None:
     """Prepare every case, in plan order.
 
     apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
-    call_limit_s: wall time that one call into an FMU may take there.
-    Raises UserError as `prepare` does.
+    call_limit_s: wall time that one call into an FMU may take there. jobs: processes; with several,
+    this one prepares the first case of each rig, so that those that are started from it, here and
+    for the runs, find its FMUs, lists and tables read.
+    Raises UserError as `prepare` does, for the first case that cannot be prepared.
     """
-    elsewhere = [case for case in cases if case.rig in apart]
+    outcomes: dict[int, UserError | None] = {}
+    seen: set[Path] = set()
+    for number, case in enumerate(cases):
+        if case.rig not in apart and (jobs == 1 or case.rig not in seen):
+            seen.add(case.rig)
+            outcomes[number] = _outcome(case)
+            if outcomes[number] is not None:
+                break  # cases before it may be wrong too, and are reported first
+    elsewhere = [case for number, case in enumerate(cases) if number not in outcomes]
     with closing(
         run_apart(
-            prepare, [[case] for case in elsewhere], is_fresh=False, call_limit_s=call_limit_s
+            prepare,
+            [[case] for case in elsewhere],
+            jobs=jobs,
+            is_fresh=False,
+            call_limit_s=call_limit_s,
         )
     ) as results:
-        for case in cases:
-            if case.rig in apart:
+        for number in range(len(cases)):
+            if number not in outcomes:
                 next(results)
-            else:
-                prepare(case)
+            elif (error := outcomes[number]) is not None:
+                raise error
+
+
+def _outcome(case: Case) -> UserError | None:
+    try:
+        prepare(case)
+    except UserError as error:
+        return error
+    return None
 
 
 def run_cases(

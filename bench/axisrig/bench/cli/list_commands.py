@@ -11,7 +11,7 @@ from axisrig.bench.cli.params_command import params
 @rejecting
 def metrics() -> None:
     """List what a check column may ask for."""
-    from axisrig.bench.campaign.campaign import metrics_table
+    from axisrig.bench.tools.listings.metrics import metrics_table
 
     print(metrics_table())
 

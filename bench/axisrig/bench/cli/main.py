@@ -40,6 +40,7 @@ from axisrig.bench.cli.options import (
     rejecting,
 )
 from axisrig.bench.cli.perf_command import perf
+from axisrig.bench.cli.start import Whole, start_lightly
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
@@ -47,11 +48,17 @@ from axisrig.kernel.errors import UserError
 if TYPE_CHECKING:
     from axisrig.bench.machine.pacing import Hardware
 
+DEMO = "demo"
+"""Tag of the rows that `axisrig demo` runs."""
+
+
 app = typer.Typer(
     name="axisrig",
+    cls=Whole,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,
+    rich_markup_mode=None,  # plain help: the other kinds load rich, a third of the time of --help
 )
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
@@ -165,13 +172,16 @@ def demo(
     ),
     out: Annotated[Path, typer.Option("-o", "--out", help="Results folder.")] = Path("out/demo"),
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    is_all: Annotated[bool, typer.Option("--all", help="Every row, tagged or not.")] = False,
     is_fresh: FreshOption = False,
 ) -> None:
-    """Build the FMUs, run every shipped plan, and say where the report is."""
+    """Build the FMUs, run some rows of every shipped plan, and say where the report is."""
     from axisrig.bench.campaign.campaign import plans_in
 
     build(None)
-    run(plans_in(folder), out, None, jobs, None, is_fresh=is_fresh)
+    if not is_all:
+        print(f"rows tagged {DEMO}; axisrig demo --all runs every row", file=sys.stderr)
+    run(plans_in(folder), out, None if is_all else DEMO, jobs, None, is_fresh=is_fresh)
 
 
 @app.command()
@@ -235,16 +245,16 @@ def nc(
     It may take 600 s of simulated time; --set plc:limit_s=5 changes that.
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
-    from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.campaign.processes import do_apart, say
-    from axisrig.bench.campaign.single import run_outside, run_program
-
     if is_check:
         from axisrig.bench.cli.nc_check import check_file
 
         raise typer.Exit(0 if check_file(program, rig) else EXIT_REJECTED)
     if rig is None:
         raise typer.BadParameter("a run needs --rig FILE; --check does not", param_hint="--rig")
+    from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.bench.campaign.processes import do_apart, say
+    from axisrig.bench.campaign.single import run_outside, run_program
+
     inputs = (program, rig, _inputs(assignments, is_forced, as_canopen), _logs(bus_log), say)
     said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
     is_apart = is_isolated or bool(call_limit_s)
@@ -316,7 +326,7 @@ def check(
     as_canopen: AsCanopenOption = False,
 ) -> None:
     """Check plans, rigs and lists without running them; show the bus arithmetic of a rig."""
-    from axisrig.bench.campaign.campaign import check_file, rigs_of
+    from axisrig.bench.campaign.checking import check_file, rigs_of
     from axisrig.bench.campaign.processes import do_apart
 
     for file in files:
@@ -369,7 +379,12 @@ def report(
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run the command line; entry point of the package."""
+    """Run the command line; entry point of the package.
+
+    arguments: of a caller whose process this is not; None takes those of the process.
+    """
+    if arguments is None:
+        start_lightly()
     signal.signal(signal.SIGTERM, signal.default_int_handler)  # end as with Ctrl-C
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):

@@ -4,7 +4,6 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from axisrig.bench.rig.reading.file import read_rig
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc import decoder
 from axisrig.kernel.nc.text.check import axes_of, check_program
@@ -22,6 +21,8 @@ def check_file(program: Path, rig: Path | None) -> bool:
         axes = axes_of(text)
         print(f"note: axes without --rig: {', '.join(axes)}")
     else:
+        from axisrig.bench.rig.reading.file import read_rig
+
         table, _ = read_rig(rig)
         axes = tuple(table.axis)
     checked = check_program(text, program, axes)

@@ -4,7 +4,6 @@ import os
 import sys
 from collections.abc import Callable
 from functools import wraps
-from importlib.metadata import PackageNotFoundError, version
 from typing import Annotated, Any
 
 import typer
@@ -127,6 +126,8 @@ def _code_of(error: BaseException | None) -> int:
 
 def _show_version(is_asked: bool) -> None:
     if is_asked:
+        from importlib.metadata import PackageNotFoundError, version
+
         try:
             print(f"axisrig {version('axisrig')}")
         except PackageNotFoundError:

@@ -92,7 +92,7 @@ def perf(
 
 def _row(plan: Path, case: str | None, repeats: int, as_json: bool, against: Path | None) -> None:
     """Time a row."""
-    from axisrig.bench.campaign.campaign import rigs_of
+    from axisrig.bench.campaign.checking import rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
     from axisrig.bench.tools.perf.perf import measure, show
@@ -113,7 +113,7 @@ def _profile(plan: Path, case: str | None) -> None:
     """Print the functions of a run."""
     import cProfile
 
-    from axisrig.bench.campaign.campaign import rigs_of
+    from axisrig.bench.campaign.checking import rigs_of
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.perf.clocks import Clocks
     from axisrig.bench.tools.perf.profile import profile_row

@@ -16,6 +16,7 @@ from axisrig.bench.rig.real_axes import outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS, BuildError, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError, load_fmu
+from axisrig.kernel.cosim.fmi.role_table import roles_of
 from axisrig.kernel.cosim.fmi.roles import (
     FLAG_THRESHOLD,
     Roles,
@@ -24,7 +25,6 @@ from axisrig.kernel.cosim.fmi.roles import (
     guess_kind,
     map_roles,
     refuse_unknown,
-    roles_of,
 )
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.errors import UserError, nearest

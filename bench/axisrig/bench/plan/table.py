@@ -1,16 +1,12 @@
 """Tables from files as text, with the line and column of every cell."""
 
 import csv
-import re
-import warnings
-from collections.abc import Mapping, Sequence
+import io
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-import pandas as pd
-
-from axisrig.bench.plan.workbook import look_through
 from axisrig.kernel.errors import UserError
 
 SUFFIXES = (".csv", ".xlsx", ".ods")
@@ -97,7 +93,9 @@ def read_table(path: Path) -> Table:
     if path.suffix.lower() == ".csv":
         grid = _read_csv(path)
     else:
-        sheets = _read_sheets(path)
+        from axisrig.bench.plan.sheets import read_sheets  # noqa: PLC0415 - takes long to load
+
+        sheets = read_sheets(path)
         grid = sheets.pop(next(iter(sheets)))
         notes = _further_sheets(path, sheets)
     lines = _lines(grid)
@@ -133,17 +131,9 @@ def _lines(grid: Sequence[Sequence[str]]) -> list[int]:
 
 
 def _read_csv(path: Path) -> list[list[str]]:
+    """Cells without blanks around; what a short row leaves out is empty."""
     try:
         text = path.read_text(encoding="utf-8-sig")
-        frame = pd.read_csv(
-            path,
-            sep=_separator(text),
-            header=None,
-            dtype=str,
-            keep_default_na=False,
-            skip_blank_lines=False,
-            encoding="utf-8-sig",
-        )
     except UnicodeDecodeError as error:
         raise UserError(
             "the file is not UTF-8",
@@ -151,25 +141,49 @@ def _read_csv(path: Path) -> list[list[str]]:
             line=path.read_bytes()[: error.start].count(b"\n") + 1,
             hint="save it as CSV UTF-8",
         ) from None
-    except pd.errors.EmptyDataError:
-        raise UserError("the table is empty", file=path, line=1) from None
-    except pd.errors.ParserError as error:
-        place = re.search(r"(?:line|row) (\d+)", str(error))
-        cells = re.search(r"Expected (\d+) fields in line \d+, saw (\d+)", str(error))
-        if cells:
-            raise UserError(
-                f"the row has {cells[2]} cells and the header {cells[1]}",
-                file=path,
-                line=int(place[1]) if place else None,
-                hint="write a cell that contains the separator in quotes",
-            ) from None
-        raise UserError(
-            "the table cannot be taken apart into cells",
-            file=path,
-            line=int(place[1]) if place else None,
-            hint="look for a quote that is not closed",
-        ) from None
-    return _grid(frame)
+    if not text:
+        raise UserError("the table is empty", file=path, line=1)
+    lines = io.StringIO(text)
+    reader = csv.reader(_ended(lines), delimiter=_separator(text))
+    grid: list[list[str]] = []
+    begin, width = 1, 0
+    try:
+        for cells in reader:
+            if cells == [_END]:
+                return grid
+            if cells and cells[-1].endswith(_END):
+                break
+            if width and len(cells) > width:
+                raise UserError(
+                    f"the row has {len(cells)} cells and the header {width}",
+                    file=path,
+                    line=begin,
+                    hint="write a cell that contains the separator in quotes",
+                )
+            grid.append([*(cell.strip() for cell in cells), *[""] * (width - len(cells))])
+            width = width or (len(cells) if any(grid[-1]) else 0)
+            begin = reader.line_num + 1
+    except csv.Error:  # a cell of more than 131072 signs
+        pass
+    raise UserError(
+        "the table cannot be taken apart into cells",
+        file=path,
+        line=begin,
+        hint="look for a quote that is not closed",
+    )
+
+
+_END = "\0end of the table\0"
+
+
+def _ended(lines: Iterable[str]) -> Iterator[str]:
+    """Give lines and one more, which a quote that is not closed takes into its cell."""
+    line = ""
+    for line in lines:
+        yield line
+    if not line.endswith("\n"):
+        yield "\n"
+    yield _END
 
 
 def _separator(text: str) -> str:
@@ -177,25 +191,6 @@ def _separator(text: str) -> str:
     header = next((line for line in text.splitlines() if line.strip()), "")
     counts = {sep: len(next(csv.reader([header], delimiter=sep), [])) for sep in ",;"}
     return max(counts, key=lambda sep: counts[sep])
-
-
-def _read_sheets(path: Path) -> dict[str, list[list[str]]]:
-    """Read the cells of every sheet, by its name; the first one comes first."""
-    look_through(path)
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            frames = pd.read_excel(
-                path,
-                sheet_name=None,
-                header=None,
-                dtype=str,
-                keep_default_na=False,
-                engine="calamine",
-            )
-    except Exception as error:  # calamine raises a class of its own for each kind of damage
-        raise UserError("the workbook cannot be read", file=path, hint=str(error)) from None
-    return {name: _grid(frame) for name, frame in frames.items()}
 
 
 def _further_sheets(path: Path, sheets: Mapping[str, list[list[str]]]) -> list[str]:
@@ -210,8 +205,3 @@ def _further_sheets(path: Path, sheets: Mapping[str, list[list[str]]]) -> list[s
                 hint="move its rows to the first sheet, or make it a plan of its own",
             )
     return [f"the sheet {name!r} is not read" for name in sheets]
-
-
-def _grid(frame: pd.DataFrame) -> list[list[str]]:
-    """Cells as text without blanks around; cells that a short row leaves out are empty."""
-    return [[str(cell).strip() for cell in row] for row in frame.fillna("").to_numpy().tolist()]

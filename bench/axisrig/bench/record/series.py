@@ -11,7 +11,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -83,7 +83,7 @@ class Series:
 
         Raises MissingSignalError for one that was not recorded.
         """
-        values: npt.NDArray[np.generic] = self._read([name]).column(0).to_numpy()
+        values: npt.NDArray[np.generic] = values_of(self._read([name]).column(0))
         return values
 
     def telegrams(self, axis: str, field: str) -> Telegrams:
@@ -157,9 +157,29 @@ def _damaged(source: Path | pa.Table, why: str) -> UserError:
 
 
 def _flat(lists: pa.ChunkedArray) -> Times:
-    chunks = [chunk.flatten().to_numpy() for chunk in lists.chunks]
-    values: Times = np.concatenate([np.empty(0, np.int64), *chunks])
-    return values
+    return values_of(pa.chunked_array([chunk.flatten() for chunk in lists.chunks], pa.int64()))
+
+
+def column_of(values: npt.NDArray[np.generic]) -> pa.Array:
+    """Return numbers, shape (n,), as a column; equal to `pa.array`, which loads pandas for it."""
+    whole = np.ascontiguousarray(values)
+    kind = pa.from_numpy_dtype(whole.dtype)
+    return pa.Array.from_buffers(kind, len(whole), [None, pa.py_buffer(whole)], null_count=0)
+
+
+def values_of(column: pa.ChunkedArray) -> npt.NDArray[Any]:
+    """Return the numbers of a column, shape (n,); equal to `to_numpy`, which loads pandas."""
+    kind = column.type
+    if column.null_count or not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
+        values: npt.NDArray[Any] = column.to_numpy()
+        return values
+    dtype = np.dtype(kind.to_pandas_dtype())
+    parts = [
+        np.frombuffer(chunk.buffers()[1], dtype, len(chunk), chunk.offset * dtype.itemsize)
+        for chunk in column.chunks
+        if len(chunk)
+    ]
+    return np.concatenate([np.empty(0, dtype), *parts])
 
 
 class SeriesWriter:

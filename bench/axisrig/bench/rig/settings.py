@@ -84,6 +84,7 @@ class Settings:
     written: the rig as its files have it. assigned: what was applied to it, in its order.
     offsets: values of the lists of zero offsets and tools.
     warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
+    is_checked: a machine was built of them, and nothing is changed any more.
     """
 
     rig: RigFile
@@ -102,6 +103,7 @@ class Settings:
     warnings: list[Alarm] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     offsets: Lists = field(default_factory=Lists)
+    is_checked: bool = False
 
     @property
     def offset_tables(self) -> OffsetTables:

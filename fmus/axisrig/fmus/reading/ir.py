@@ -14,9 +14,9 @@ import rumoca
 
 from axisrig.fmus.reading.classes import used_classes
 from axisrig.fmus.reading.errors import BuildError
+from axisrig.fmus.reading.target import TARGET
 
 SCHEMA_VERSION = 71
-TARGET = Path(__file__).parent.parent / "target"
 
 # The compiler prints mappings nearly as JSON: strings are escaped as in Rust, some words differ.
 # Stretches that are JSON as they are come first and as long as possible: there are millions of

@@ -8,7 +8,8 @@ import jinja2
 from markupsafe import Markup
 
 from axisrig.fmus.equations.system import System
-from axisrig.fmus.reading.ir import TARGET, Ir
+from axisrig.fmus.reading.ir import Ir
+from axisrig.fmus.reading.target import TARGET
 from axisrig.fmus.writing.structure import output_dependencies
 from axisrig.fmus.writing.units import BASE, Unit, read_unit
 from axisrig.fmus.writing.variables import Variable

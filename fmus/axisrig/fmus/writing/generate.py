@@ -4,17 +4,12 @@ import hashlib
 from dataclasses import dataclass
 
 from axisrig.fmus.equations.system import read_system
-from axisrig.fmus.reading.ir import TARGET, Ir
+from axisrig.fmus.reading.ir import Ir
+from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
 from axisrig.fmus.writing.description import TOKEN_MARK, describe, identifier_of
 from axisrig.fmus.writing.folded import folded_slots, with_notes
 from axisrig.fmus.writing.source import write_source
 from axisrig.fmus.writing.variables import read_variables, scalars
-
-RUNTIME = ("runtime.h", "equations.c", "solver.c", "slave.c")
-SLAVES = {
-    "3.0": ("fmi3.c", "fmi3_absent.c"),
-    "2.0": ("fmi2.c", "fmi2_absent.c"),
-}
 
 
 @dataclass(frozen=True)
@@ -31,11 +26,6 @@ class Generated:
     token: str
     source: str
     description: str
-
-
-def runtime_files(fmi: str) -> tuple[str, ...]:
-    """The files of the target folder that an FMU of version `fmi` is compiled from."""
-    return (*RUNTIME, *SLAVES[fmi])
 
 
 def generate(ir: Ir, step_s: float, fmi: str = "3.0") -> Generated:

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.bench.record.series import column_of, values_of
 from axisrig.reports.parts.topic import Info, Plots
 
 Control = Mapping[str, Any]
@@ -54,7 +55,7 @@ def column(trace: pa.Table, name: str) -> Signal | None:
     """Return a signal, shape (n,); None for one that the trace lacks."""
     if name not in trace.column_names:
         return None
-    values: Signal = trace.column(name).to_numpy().astype(np.float64)
+    values: Signal = values_of(trace.column(name)).astype(np.float64)
     return values
 
 
@@ -68,7 +69,7 @@ def with_surfaces(trace: pa.Table, controls: Sequence[Control]) -> pa.Table:
     for control in controls:
         added = _added(trace, control)
         for name, values in added.items():
-            trace = trace.append_column(f"{control['axis']}.{name}", pa.array(values))
+            trace = trace.append_column(f"{control['axis']}.{name}", column_of(values))
         trace = trace.drop_columns(_dropped(trace, control))
     return trace
 

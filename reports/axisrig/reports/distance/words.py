@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.record.series import values_of
 from axisrig.reports.distance.signals import DISTANCE, FOLLOWING, SURFACE, Control, Signal, column
 
 LEGEND = "The lane above the plots of an axis with distance control is the state of the control."
@@ -223,7 +224,7 @@ def _inside(trace: pa.Table | None, name: str, stretch: Control) -> Signal:
     values = None if trace is None else column(trace, name)
     if trace is None or values is None:
         return np.empty(0)
-    times = trace.column("time_ns").to_numpy()
+    times = values_of(trace.column("time_ns"))
     inside = values[(times >= stretch["begin_ns"]) & (times < stretch["end_ns"])]
     known: Signal = inside[np.isfinite(inside)]
     return known
@@ -234,7 +235,7 @@ def _before(trace: pa.Table | None, name: str, stretch: Control) -> float | None
     values = None if trace is None else column(trace, name)
     if trace is None or values is None:
         return None
-    earlier = values[trace.column("time_ns").to_numpy() < stretch["begin_ns"]]
+    earlier = values[values_of(trace.column("time_ns")) < stretch["begin_ns"]]
     return float(earlier[-1]) if len(earlier) else None
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
+from axisrig.bench.record.series import column_of, values_of
 from axisrig.reports.fixed_stop.timeline import Span, span_of
 from axisrig.reports.parts.topic import Info, Plots
 
@@ -161,7 +162,7 @@ def with_changes(trace: pa.Table, stops: Sequence[Stop]) -> pa.Table:
     From the actual positions received, inside the runs only. Source: physics of the criterion, see
     P-AXIS-00778.
     """
-    times = trace.column("time_ns").to_numpy()
+    times = values_of(trace.column("time_ns"))
     added: dict[str, Signal] = {}
     for stop in stops:
         for axis, limits in stop["limits"].items():
@@ -172,10 +173,10 @@ def with_changes(trace: pa.Table, stops: Sequence[Stop]) -> pa.Table:
             column = added.setdefault(
                 f"{axis}.{of_axis(stop, axis, CHANGE)}", np.full(len(times), np.nan)
             )
-            change = _change_um(times, trace.column(actual).to_numpy(), limits["min_time_ms"])
+            change = _change_um(times, values_of(trace.column(actual)), limits["min_time_ms"])
             column[inside] = change[inside]
     for name, values in added.items():
-        trace = trace.append_column(name, pa.array(values))
+        trace = trace.append_column(name, column_of(values))
     return trace
 
 
@@ -193,7 +194,7 @@ def shortfall(trace: pa.Table | None, stop: Stop, axis: str) -> Shortfall:
     names = stop["signals"].get(axis, {})
     if trace is None:
         return Shortfall(None, None, None)
-    times = trace.column("time_ns").to_numpy()
+    times = values_of(trace.column("time_ns"))
     begin = mark(stop, "armed") or stop["begin_ns"]
     inside = (times >= begin) & (times <= stop["end_ns"])
     limits = stop["limits"][axis]
@@ -215,7 +216,7 @@ def shortfall(trace: pa.Table | None, stop: Stop, axis: str) -> Shortfall:
 def _column(trace: pa.Table, name: str | None) -> Signal | None:
     if name is None or name not in trace.column_names:
         return None
-    values: Signal = trace.column(name).to_numpy().astype(np.float64)
+    values: Signal = values_of(trace.column(name)).astype(np.float64)
     return values
 
 
@@ -236,7 +237,7 @@ def value_at(trace: pa.Table | None, name: str | None, time_ns: int | None) -> f
     values = None if trace is None else _column(trace, name)
     if trace is None or values is None or time_ns is None:
         return None
-    times = trace.column("time_ns").to_numpy()
+    times = values_of(trace.column("time_ns"))
     if not times[0] <= time_ns <= times[-1]:
         return None
     found = float(np.interp(time_ns, times, values))
@@ -248,7 +249,7 @@ def largest(trace: pa.Table | None, name: str | None, stop: Stop) -> float | Non
     values = None if trace is None else _column(trace, name)
     if trace is None or values is None:
         return None
-    times = trace.column("time_ns").to_numpy()
+    times = values_of(trace.column("time_ns"))
     inside = values[(times >= stop["begin_ns"]) & (times <= stop["end_ns"]) & np.isfinite(values)]
     return float(np.abs(inside).max()) if len(inside) else None
 
@@ -287,7 +288,7 @@ def _limit(plot: str, axis: str, value: float, label: str) -> dict[str, Any]:
 def _sign(trace: pa.Table, stop: Stop, axis: str) -> float:
     """The sign of the lag where it is largest within a run."""
     lag = _column(trace, stop["signals"].get(axis, {}).get("cnc_lag_mm"))
-    times = trace.column("time_ns").to_numpy()
+    times = values_of(trace.column("time_ns"))
     inside = (times >= stop["begin_ns"]) & (times <= stop["end_ns"])
     if lag is None or not inside.any():
         return 1.0

@@ -125,8 +125,16 @@ class ResultsFolder:
 
     def drop_files(self, runs: Iterable[str]) -> None:
         """Remove the files of runs without a row, such as logs of runs that were broken off."""
+        names = [path.name for name in FOLDERS for path in (self.folder / name).iterdir()]
+        # A run has files only where a name begins with its id and goes on as names of files do
+        heads = {
+            name[:at]
+            for name in names
+            for at in range(len(name))
+            if name.startswith((".", SEGMENT_MARK), at)
+        }
         for run in runs:
-            if run not in self.cases:
+            if run not in self.cases and run in heads:
                 for name in self._files_of(self.folder, run):
                     (self.folder / name).unlink(missing_ok=True)
 

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.record.series import column_of
 from axisrig.kernel.channel import Channel
 
 VALUE_COLUMNS = (
@@ -68,10 +69,10 @@ class DistanceTrace:
         for name, rows in self._rows.items():
             values = np.array(rows, dtype=np.float64).reshape(len(rows), len(VALUE_COLUMNS))
             found = {
-                column: pa.array(values[:, place]) for place, column in enumerate(VALUE_COLUMNS)
+                column: column_of(values[:, place]) for place, column in enumerate(VALUE_COLUMNS)
             }
-            found[STATE_COLUMN] = pa.array(self._states[name], pa.int8())
-            found[HELD_COLUMN] = pa.array([int(held) for held in self._held[name]], pa.int8())
+            found[STATE_COLUMN] = column_of(np.array(self._states[name], dtype=np.int8))
+            found[HELD_COLUMN] = column_of(np.array(self._held[name], dtype=np.int8))
             columns |= {f"{name}.{column}": found[column] for column in DISTANCE_CONTROL_COLUMNS}
             for kept in (rows, self._states[name], self._held[name]):
                 kept.clear()

@@ -16,7 +16,14 @@ from axisrig.bench.drive.application.servo import Servo
 from axisrig.bench.machine.recording.distance_trace import DistanceTrace
 from axisrig.bench.machine.recording.lag import largest_lag
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
-from axisrig.bench.record.series import FORCE_COLUMNS, LENGTH_COLUMNS, TIME, Series, SeriesWriter
+from axisrig.bench.record.series import (
+    FORCE_COLUMNS,
+    LENGTH_COLUMNS,
+    TIME,
+    Series,
+    SeriesWriter,
+    column_of,
+)
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.plant.axis import AXIS_OUTPUTS, PlantAxis
@@ -181,7 +188,7 @@ class Recorder:
     def _write(self, *, is_last: bool = False) -> None:
         """Write the rows that have come since the last block."""
         times = np.array(self._times, dtype=np.int64)
-        columns: dict[str, pa.Array] = {TIME: pa.array(times)}
+        columns: dict[str, pa.Array] = {TIME: column_of(times)}
         widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
         values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), sum(widths))
         starts = [0, *np.cumsum(widths)]
@@ -191,7 +198,7 @@ class Recorder:
             len(self._levels), len(self._probe_names)
         )
         for index, name in enumerate(self._probe_names):
-            columns[f"{name}.signal"] = pa.array(levels[:, index])
+            columns[f"{name}.signal"] = column_of(levels[:, index])
         columns |= self._controls.take_columns() | self._distance_columns()
         columns |= self._telegrams.take_columns(times, is_last=is_last)
         if len(times):
@@ -216,7 +223,7 @@ class Recorder:
             if axis.torque_arm_m is not None:
                 turned = LENGTH_COLUMNS | FORCE_COLUMNS
                 found |= {n: found[n] * axis.torque_arm_m for n in FORCE_COLUMNS if n in found}
-        return {f"{axis.name}.{turned.get(n, n)}": pa.array(v) for n, v in found.items()}
+        return {f"{axis.name}.{turned.get(n, n)}": column_of(v) for n, v in found.items()}
 
     def _of_plant(self, told: Floats, first: int, servo: Servo) -> dict[str, Floats]:
         """Return the columns that come from a plant; told: AXIS_OUTPUTS and the peak, by rows.
@@ -253,5 +260,5 @@ class Recorder:
             for place, (column, role) in enumerate(DISTANCE_COLUMNS.items()):
                 if sensor.roles.has(role):
                     kind = np.float64 if column.endswith("_mm") else np.int8
-                    columns[f"{name}.{column}"] = pa.array(values[:, number, place].astype(kind))
+                    columns[f"{name}.{column}"] = column_of(values[:, number, place].astype(kind))
         return columns

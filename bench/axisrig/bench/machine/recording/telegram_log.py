@@ -16,6 +16,7 @@ from axisrig.bench.record.series import (
     SECOND,
     TARGET,
     Times,
+    column_of,
 )
 from axisrig.kernel.drives.link import AxisLink
 
@@ -83,6 +84,6 @@ class TelegramLog:
             del values.frame_ns[:taken], values.increments[:taken]
             for part, numbers in ((FRAME_NS, frames), (INCREMENTS, increments)):
                 columns[f"{axis}.{field}_{part}"] = pa.ListArray.from_arrays(
-                    pa.array(offsets), pa.array(numbers[:taken])
+                    column_of(offsets), column_of(numbers[:taken])
                 )
         return columns

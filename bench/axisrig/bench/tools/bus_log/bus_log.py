@@ -15,9 +15,9 @@ from axisrig.bench.bus.dissect import Dissected, dissect, services
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.bus.pcap import read_pcap
+from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.replay import recorded_case
 from axisrig.bench.campaign.results.stored import read_results
-from axisrig.bench.campaign.runner import settings_of
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.bus_log.bus_words import Names, is_boot_up
 from axisrig.kernel.errors import UserError, printable

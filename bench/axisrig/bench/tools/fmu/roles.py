@@ -6,14 +6,12 @@ from fmpy.model_description import ModelVariable
 
 from axisrig.bench.tools.fmu.findings import Finding, ok, warn
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
+from axisrig.kernel.cosim.fmi.role_table import KINDS, Role, roles_of
 from axisrig.kernel.cosim.fmi.roles import (
-    KINDS,
-    Role,
     Source,
     bind,
     coordinates_of,
     map_roles,
-    roles_of,
 )
 from axisrig.kernel.errors import UserError
 

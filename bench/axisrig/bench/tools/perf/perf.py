@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
+from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
@@ -21,7 +22,7 @@ from axisrig.bench.campaign.results.writer import (
     RunFiles,
     build_manifest,
 )
-from axisrig.bench.campaign.runner import prepare, run_case
+from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.drive.communication.slave import CanopenSlave
 from axisrig.bench.machine.recording.recorder import Recorder
 from axisrig.bench.plan.plan import read_plan

@@ -11,6 +11,7 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
+import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.bus.deadlines import Deadlines
@@ -24,7 +25,7 @@ from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.record.series import SeriesWriter
+from axisrig.bench.record.series import SeriesWriter, column_of
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.real_axes import is_real
@@ -271,8 +272,10 @@ class Trace:
 
     def columns(self) -> dict[str, pa.Array]:
         """Return column `time_ns` and COLUMNS for each axis."""
-        columns = {"time_ns": pa.array(self._times, pa.int64())}
+        columns = {"time_ns": column_of(np.array(self._times, dtype=np.int64))}
         names = [f"{axis}.{column}" for axis in self._axes for column in self.COLUMNS]
         for index, name in enumerate(names):
-            columns[name] = pa.array([row[index] for row in self._rows], pa.float64())
+            columns[name] = column_of(
+                np.array([row[index] for row in self._rows], dtype=np.float64)
+            )
         return columns

@@ -11,6 +11,7 @@ import fmpy
 from fmpy import fmi2
 from fmpy.logging import addLoggerProxy
 
+from axisrig.kernel.cosim.fmi.binding import Functions
 from axisrig.kernel.cosim.fmi.library import Library
 from axisrig.kernel.cosim.fmi.slave import POINTER, FmuSlave
 
@@ -39,13 +40,13 @@ def _native(kind: Any, function: Any) -> Any:
 
 
 class FMU2Loaded(fmi2.FMU2Slave):  # type: ignore[misc]
-    """fmpy's slave, which also loads a library that lacks functions (fmpy reads the class name)."""
+    """fmpy's slave, which binds functions when they are called, and may lack some."""
 
     dll: Any
 
     def _loadFunctions(self) -> None:  # noqa: N802
         self.dll = Library(self.dll)
-        super()._loadFunctions()
+        self._functions = Functions(type(self), self.dll)
 
 
 class Fmi2Slave(FmuSlave):

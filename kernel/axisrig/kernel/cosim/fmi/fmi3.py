@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 
 from fmpy.fmi3 import FMU3Slave
 
+from axisrig.kernel.cosim.fmi.binding import Functions
 from axisrig.kernel.cosim.fmi.library import Library
 from axisrig.kernel.cosim.fmi.slave import POINTER, FmuSlave
 
@@ -24,13 +25,13 @@ _STEP_SIGNATURE = (
 
 
 class FMU3Loaded(FMU3Slave):  # type: ignore[misc]
-    """fmpy's slave, which also loads a library that lacks functions (fmpy reads the class name)."""
+    """fmpy's slave, which binds functions when they are called, and may lack some."""
 
     dll: Any
 
     def _loadFunctions(self) -> None:  # noqa: N802
         self.dll = Library(self.dll)
-        super()._loadFunctions()
+        self._functions = Functions(type(self), self.dll)
 
 
 class Fmi3Slave(FmuSlave):

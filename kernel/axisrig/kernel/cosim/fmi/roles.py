@@ -5,17 +5,15 @@ taken by themselves; others are mapped by the rig. What is missing and can be do
 reported in `notes`.
 """
 
-import csv
 import ctypes
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
-from importlib import resources
 from typing import Any, NoReturn, Protocol
 
 from fmpy.model_description import ModelVariable
 
+from axisrig.kernel.cosim.fmi.role_table import KINDS, Role, role_table, roles_of
 from axisrig.kernel.cosim.fmi.slave import Exchange, FmuSlave
 from axisrig.kernel.cosim.fmi.units import Unit, known_units, unit_of
 from axisrig.kernel.errors import UserError, nearest
@@ -45,24 +43,6 @@ class Values(Protocol):
     def write(self) -> None:
         """Hand `values` to the FMU."""
         ...
-
-
-@dataclass(frozen=True)
-class Role:
-    """One row of `roles.csv`; `<g>` in a name means a coordinate that the rig wires.
-
-    group: roles that only make sense together. need: `required`, `optional`, or a word that
-    several groups share, one of which must be complete. without: what happens then.
-    """
-
-    role: str
-    kind: str
-    group: str
-    causality: str
-    type: str
-    unit: str
-    need: str
-    without: str
 
 
 @dataclass(frozen=True)
@@ -106,26 +86,6 @@ class Bound:
         if self.threshold is not None:
             return float(bool(value) is (self.factor > 0))
         return (value - self.offset) / self.factor
-
-
-@cache
-def role_table() -> tuple[Role, ...]:
-    """Read `roles.csv`."""
-    text = resources.files(__package__).joinpath("roles.csv").read_text(encoding="utf-8")
-    return tuple(Role(**row) for row in csv.DictReader(text.splitlines()))
-
-
-def roles_of(kind: str, coordinates: Sequence[str]) -> dict[str, Role]:
-    """Return the roles of a kind by name, `<g>` replaced by each coordinate."""
-    found: dict[str, Role] = {}
-    for role in role_table():
-        if role.kind == kind:
-            names = [role.role.replace("<g>", g) for g in coordinates]
-            found |= dict.fromkeys(names if "<g>" in role.role else [role.role], role)
-    return found
-
-
-KINDS = tuple(dict.fromkeys(role.kind for role in role_table()))
 
 
 def bind(slave: FmuSlave, name: str, role: Role, source: Source) -> Bound:

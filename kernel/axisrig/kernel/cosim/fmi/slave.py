@@ -18,6 +18,7 @@ from typing import Any, ClassVar, NoReturn
 import numpy as np
 from fmpy.model_description import ModelDescription, ModelVariable
 
+from axisrig.kernel.cosim.fmi.binding import prototype
 from axisrig.kernel.cosim.fmi.journal import watched
 from axisrig.kernel.cosim.fmi.library import (
     DISCARD,
@@ -218,7 +219,7 @@ class FmuSlave(ABC):
             return found
         address = ctypes.cast(found, ctypes.c_void_p).value
         assert address is not None
-        return self._watched(name, ctypes.PYFUNCTYPE(ctypes.c_int, *signature)(address))
+        return self._watched(name, prototype(signature)(address))
 
     @property
     def fmpy(self) -> Any:

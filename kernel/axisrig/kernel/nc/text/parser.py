@@ -4,7 +4,7 @@ Each block is parsed by the LALR grammar of `grammar.lark`; `builder.py` makes i
 whole program is read before anything runs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
@@ -28,9 +28,17 @@ from axisrig.kernel.nc.text.builder import Builder
 from axisrig.kernel.nc.text.errata import meant_in
 from axisrig.kernel.nc.text.shapes import Shapes
 from axisrig.kernel.nc.text.source import Source
+from axisrig.kernel.nc.text.stored_grammar import stored_grammar
 from axisrig.kernel.nc.text.structure import ERRORS_MAX, Structure, call_errors
 from axisrig.kernel.nc.text.syntax_errors import syntax_error
 from axisrig.kernel.nc.text.typos import meant_at
+
+OPTIONS: Mapping[str, Any] = {
+    "start": ["block", "declaration"],
+    "parser": "lalr",
+    "lexer": "contextual",
+    "maybe_placeholders": True,
+}
 
 
 def read_program(path: str | Path, axes: Sequence[str]) -> Program:
@@ -263,12 +271,4 @@ def _grammar_and_builder() -> tuple[Lark, Builder]:
     """Give the grammar of one block and what builds the statements while it is read."""
     builder = Builder()
     text = resources.files(__package__).joinpath("grammar.lark").read_text(encoding="utf-8")
-    grammar = Lark(
-        text,
-        start=["block", "declaration"],
-        parser="lalr",
-        lexer="contextual",
-        maybe_placeholders=True,
-        transformer=builder,
-    )
-    return grammar, builder
+    return stored_grammar(text, OPTIONS, builder), builder

@@ -1,0 +1,92 @@
+"""`axisrig check`: plans, rigs and parameter lists, checked and described without a run."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from axisrig.bench.campaign.preparing import prepare
+from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
+from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.table import SUFFIXES
+from axisrig.bench.rig.arrival import describe_arrival
+from axisrig.bench.rig.check import check_rig, describe_schedules
+from axisrig.bench.rig.contents import contents_text
+from axisrig.bench.rig.describe import describe_axes
+from axisrig.bench.rig.distance.check import (
+    age_warnings,
+    describe_distance,
+    distance_warnings,
+    drive_lags_s,
+)
+from axisrig.bench.rig.latches import describe_latches
+from axisrig.bench.rig.printed import printed_log
+from axisrig.bench.rig.reading.file import read_rig
+from axisrig.bench.rig.settings import as_written, read_settings
+from axisrig.kernel.errors import UserError
+
+LIST_SUFFIXES = (".lst", ".lis")
+PROGRAM_SUFFIXES = (".nc", ".cnc", ".mpf")
+
+
+def rigs_of(path: Path) -> list[Path]:
+    """Return the rigs that `check_file` loads for a file. Raises UserError for a bad plan."""
+    if path.suffix.lower() == ".toml":
+        return [path]
+    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
+        return []
+    return sorted({case.rig for case in read_plan(path).cases})
+
+
+def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
+    """Check a plan, a rig or a parameter list and describe it.
+
+    Raises UserError when it is rejected.
+
+    assignments: texts of `--set`.
+    """
+    changes = [parse_assignment(text) for text in assignments]
+    if path.suffix.lower() == ".toml":
+        return _check_rig_file(path, changes)
+    if path.suffix.lower() in LIST_SUFFIXES:
+        return f"{path}\n{contents_text(path)}"
+    if path.suffix.lower() in PROGRAM_SUFFIXES:
+        hint = f"for an NC program: `axisrig nc --check {path}`"
+        raise UserError("no plan, rig or list", file=path, hint=hint)
+    if path.is_dir() or path.suffix.lower() not in SUFFIXES:
+        message = "a folder, no file to check" if path.is_dir() else "not a file to check"
+        allowed = ", ".join([*SUFFIXES, ".toml", *LIST_SUFFIXES])
+        value = None if path.is_dir() else path.suffix
+        raise UserError(message, file=path, value=value, allowed=allowed)
+    plan = read_plan(path).with_inputs(changes)
+    for case in plan.cases:
+        prepare(case)
+    lines = [f"  {_titled(case)}" for case in plan.cases]
+    lines += [f"note: {note}" for note in plan.notes]
+    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
+
+
+def _titled(case: Case) -> str:
+    return f"{case.run}  {case.title}".rstrip()
+
+
+def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
+    rig, files = read_rig(path)
+    settings = read_settings(rig, files, [(change, as_written) for change in changes])
+    check_rig(settings)
+    plant = build_plant(settings)
+    try:
+        check_plants(settings, plant)
+        start_plant(settings, plant)
+        told = [*describe_plants(settings, plant), *printed_log(settings)]
+        loops = describe_distance(settings, drive_lags_s(settings, plant))
+    finally:
+        plant.close()
+    tables = describe_schedules(settings)
+    plants = ["\n".join(told)] if told else []
+    told_lists = [f"warning: {warning}" for warning in settings.warnings]
+    told_lists += [f"note: {note}" for note in settings.notes]
+    lacking = [*distance_warnings(settings), *age_warnings(settings)]
+    told_lists += [f"warning: {warning}" for warning in lacking]
+    described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
+    axes = "\n".join([*described, *told_lists])
+    return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])

@@ -1,0 +1,147 @@
+"""A case that was checked is kept by its process, for as long as its files stay what they are."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from axisrig.bench.campaign import preparing, runner
+from axisrig.bench.campaign.preparing import prepare, recall
+from axisrig.bench.campaign.results.writer import RunFiles
+from axisrig.bench.campaign.runner import prepare_all, run_case
+from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.kernel.errors import UserError
+
+TESTPLANS = Path(__file__).parents[2] / "testplans"
+PLAN = """\
+case,program,rig,plc:V.E.FEED,check:latch_error_um,check:alarms
+one,probe.nc,rigs/probe-z.toml,600,<= 1,none
+two,probe.nc,rigs/probe-z.toml,900,<= 1,none
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    shutil.copytree(TESTPLANS / "rigs", tmp_path / "rigs")
+    shutil.copy(TESTPLANS / "programs" / "probe-z.nc", tmp_path / "probe.nc")
+    (tmp_path / "plan.csv").write_text(PLAN, encoding="utf-8")
+    preparing.forget()
+    return tmp_path
+
+
+def cases(folder: Path) -> tuple[Case, ...]:
+    return read_plan(folder / "plan.csv").cases
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text("utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+
+
+def test_a_prepared_case_is_recalled_and_no_other(folder: Path) -> None:
+    one, two = cases(folder)
+    assert recall(one) is None
+    prepare(one)
+    assert recall(one) is not None
+    assert recall(two) is None
+
+
+def test_a_run_of_a_kept_case_is_equal_to_one_that_reads_everything(folder: Path) -> None:
+    read = [run_case(case, RunFiles()) for case in cases(folder)]
+    for case in cases(folder):
+        prepare(case)
+    for _ in range(2):
+        kept = [run_case(case, RunFiles()) for case in cases(folder)]
+        assert [run.frame_log_sha256 for run in kept] == [run.frame_log_sha256 for run in read]
+        assert [run.facts for run in kept] == [run.facts for run in read]
+    assert all(recall(case) is not None for case in cases(folder))
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("rigs/probe-z.toml", "period_us = 1000", "period_us = 2000"),
+        ("probe.nc", "M30", "G4 0.1\nM30"),
+        ("rigs/lists/axis-z-fine.lst", "\n", "\n# another line\n"),
+    ],
+)
+def test_a_file_with_another_content_is_read_again(
+    folder: Path, name: str, old: str, new: str
+) -> None:
+    (one, _) = cases(folder)
+    prepare(one)
+    edit(folder / name, old, new)
+    assert recall(one) is None
+    prepare(one)
+    edit(folder / name, new, old)
+    assert recall(one) is None
+
+
+def test_a_mistake_that_is_written_afterwards_is_found(folder: Path) -> None:
+    (one, _) = cases(folder)
+    prepare(one)
+    edit(folder / "probe.nc", "M30", "G777")
+    with pytest.raises(UserError, match="G777"):
+        prepare(one)
+    (folder / "probe.nc").unlink()
+    with pytest.raises(UserError, match="cannot be read"):
+        prepare(one)
+
+
+def test_another_cell_or_line_is_another_case(folder: Path) -> None:
+    prepare(cases(folder)[0])
+    edit(folder / "plan.csv", "600,<= 1", "700,<= 1")
+    assert recall(cases(folder)[0]) is None
+    edit(folder / "plan.csv", "700,<= 1", "600,<= 2")
+    assert recall(cases(folder)[0]) is None
+    edit(folder / "plan.csv", "600,<= 2", "600,<= 1")
+    assert recall(cases(folder)[0]) is not None
+    edit(folder / "plan.csv", "\none,", "\n\none,")
+    assert recall(cases(folder)[0]) is None
+
+
+def test_a_program_that_calls_others_is_read_every_time(folder: Path) -> None:
+    (folder / "sub.nc").write_text("%sub\nN10 G4 0.1\nM17\n", encoding="utf-8")
+    edit(folder / "probe.nc", "M30", "L sub\nM30")
+    (one, _) = cases(folder)
+    prepare(one)
+    assert recall(one) is None
+
+
+def test_only_so_many_cases_are_kept(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(preparing, "KEPT_MAX", 1)
+    one, two = cases(folder)
+    for case in (one, two):
+        prepare(case)
+    assert recall(one) is None
+    assert recall(two) is not None
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_the_first_case_that_cannot_be_prepared_is_reported(folder: Path, jobs: int) -> None:
+    shutil.copy(folder / "rigs" / "probe-z.toml", folder / "rigs" / "other.toml")
+    rows = PLAN.splitlines()
+    rows += [rows[1].replace("one,", "three,").replace("600", "nothing")]
+    rows += [rows[1].replace("one,", "four,").replace("600", "nowhere").replace("probe-z", "other")]
+    (folder / "plan.csv").write_text("\n".join(rows), encoding="utf-8")
+    with pytest.raises(UserError, match="nothing"):
+        prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=jobs)
+
+
+def test_several_processes_prepare_every_case(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "plan.csv").write_text(PLAN + PLAN.splitlines()[2].replace("two", "three"), "utf-8")
+    here: list[str] = []
+    monkeypatch.setattr(runner, "prepare", lambda case: here.append(case.case))
+    told: list[list[object]] = []
+
+    def noted(_function: object, tasks: list[list[Case]], **_: object):  # type: ignore[no-untyped-def]
+        told.extend(tasks)
+        yield from tasks
+
+    monkeypatch.setattr(runner, "run_apart", noted)
+    prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=2)
+    assert here == ["one"]
+    assert [case.case for (case,) in told] == ["two", "three"]  # type: ignore[attr-defined]
