@@ -1,7 +1,7 @@
 """A hash of the files that an FMU depends on; they are read again after somebody wrote to one.
 
-Every start of a machine asks for it once for each FMU. What is not noticed: a file of the same size,
-written within the same tick of the file system's clock, some milliseconds, as the one that was read.
+Every start of a machine asks for it once for each FMU. What is not noticed: a file that somebody
+writes with the same size within the same tick of the file system's clock, some milliseconds.
 """
 
 import hashlib
