@@ -12,7 +12,12 @@ comma := ,
 EXTRAS := dev$(if $(shell command -v cc 2>/dev/null),,$(comma)cc)
 JOBS ?= 2
 
-PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist loadfile
+PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
+
+# Every process that a test starts would compile the package again; threads of small matrices wait
+# for each other and burn the time of the others
+test test-rest: export PYTHONDONTWRITEBYTECODE :=
+test test-rest: export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: demo demo-all test test-rest test-all lint docs sample-report wheelhouse clean needs
 
@@ -33,7 +38,7 @@ test-all: test test-rest
 lint: $(STAMP)
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
-	@$(BIN)/mypy
+	@MYPY_NUM_WORKERS=$(JOBS) $(BIN)/mypy
 
 docs: $(DOCS_STAMP)
 	@rm -rf out/site out/site-cache

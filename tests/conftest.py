@@ -9,25 +9,19 @@ of them come up; over one that is parametrized by `alarm_id`, the one of each ro
 test run lists the IDs that something raises (`raised` of `errors.csv`) and no test provokes,
 and the words of the language that do not act yet.
 
-`--stage quick` is `make test`, `--stage rest` what it leaves out; `make test-all` runs both. The
-quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
-a parametrized test stay. Of a shipped plan it keeps one row for each metric: the first that checks
-it. A stage ends with the CPU time of each folder.
+What the stages `--stage quick` and `--stage rest` run: `stages.py`.
 """
 
-import os
 import re
-from collections import Counter
-from collections.abc import Generator, Iterable
+from collections.abc import Generator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 import pytest
 from tests.both_writers import ComparedRows
+from tests.stages import Stages
 
-from axisrig.bench.campaign.pytest_plugin import CaseItem
-from axisrig.bench.plan.plan import Case
 from axisrig.kernel.channel.reactions import Reactions
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.nc.text.words import not_acting
@@ -62,43 +56,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "provokes(alarm_id, reaction_class, **values): the alarm comes up in this test"
     )
-
-
-def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    stage = config.getoption("--stage")
-    if stage is None:
-        return
-    shown = rows_of_every_metric(item.case for item in items if isinstance(item, CaseItem))
-    counts: Counter[str] = Counter()
-    kept, left_out = [], []
-    for item in items:
-        is_kept = _is_quick(item, shown, counts) == (stage == "quick")
-        (kept if is_kept else left_out).append(item)
-    config.hook.pytest_deselected(items=left_out)
-    items[:] = kept
-
-
-def _is_quick(item: pytest.Item, shown: set[str], counts: Counter[str]) -> bool:
-    if isinstance(item, CaseItem):
-        return item.case.run in shown
-    mark = item.get_closest_marker("long")
-    if mark is None:
-        return True
-    name = item.nodeid.partition("[")[0]
-    counts[name] += 1
-    return counts[name] <= mark.kwargs.get("but", 0)
-
-
-def rows_of_every_metric(cases: Iterable[Case]) -> set[str]:
-    """The runs of plans that check a metric which no row of their plan before them checks."""
-    seen: set[tuple[str, str]] = set()
-    shown: set[str] = set()
-    for case in cases:
-        metrics = {(case.plan, check.name) for check in case.checks}
-        if not metrics <= seen:
-            shown.add(case.run)
-        seen |= metrics
-    return shown
+    config.pluginmanager.register(Stages(config), "axisrig stages")
 
 
 @pytest.fixture(scope="session")
@@ -106,44 +64,8 @@ def unprovoked() -> list[int]:
     return not_yet_provoked()
 
 
-def _cpu_s() -> float:
-    """CPU time of this process and of its ended children, s."""
-    times = os.times()
-    return times.user + times.system + times.children_user + times.children_system
-
-
-_BEGAN = pytest.StashKey[float]()
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_runtest_setup(item: pytest.Item) -> None:
-    item.stash[_BEGAN] = _cpu_s()
-
-
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, Any, Any]:
-    report = yield
-    if report.when == "teardown":
-        report.cpu_s = _cpu_s() - item.stash.get(_BEGAN, _cpu_s())
-    return report
-
-
-def _cpu_by_folder(terminalreporter: Any) -> Counter[str]:
-    folders: Counter[str] = Counter()
-    for report in terminalreporter.getreports("") + terminalreporter.getreports("error"):
-        folder = "/".join(report.nodeid.partition("::")[0].split("/")[:2])
-        folders[folder.removesuffix(".csv")] += getattr(report, "cpu_s", 0.0)
-    return folders
-
-
 @pytest.hookimpl(trylast=True)
 def pytest_terminal_summary(terminalreporter: Any) -> None:
-    if terminalreporter.config.getoption("--stage"):
-        folders = _cpu_by_folder(terminalreporter)
-        terminalreporter.write_line(f"CPU time, s: {sum(folders.values()):.0f}, of these")
-        for folder, seconds in folders.most_common():
-            if seconds >= 1:
-                terminalreporter.write_line(f"{seconds:7.0f} {folder}")
     ids = " ".join(map(str, not_yet_provoked()))
     terminalreporter.write_line(f"alarm IDs not yet provoked: {ids or 'none'}")
     words = ", ".join(not_acting())

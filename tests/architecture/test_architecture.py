@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -87,13 +88,17 @@ def _modules() -> dict[str, Path]:
 
 
 MODULES = _modules()
-TREES = {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
+
+
+@cache
+def trees() -> dict[str, ast.Module]:
+    return {name: ast.parse(path.read_text(encoding="utf-8")) for name, path in MODULES.items()}
 
 
 def _imports(module: str) -> Iterator[tuple[int, str]]:
     """Line and full name of everything a module imports, at any depth of its code."""
     is_package = MODULES[module].name == "__init__.py"
-    for node in ast.walk(TREES[module]):
+    for node in ast.walk(trees()[module]):
         if isinstance(node, ast.Import):
             yield from ((node.lineno, alias.name) for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -151,7 +156,7 @@ def _direction_errors(module: str, imports: Iterable[tuple[int, str]]) -> list[s
 def _outside(module: str, allowed: Iterable[str]) -> list[str]:
     """What a module imports of the product that is none of the names and lies in none of them."""
     inside = tuple(f"{name}." for name in allowed)
-    names = {name for _, name in [*_imports(module), *_imported_names(TREES[module])]}
+    names = {name for _, name in [*_imports(module), *_imported_names(trees()[module])]}
     # `from a import b` counts as a.b; a alone says less
     names -= {name for name in names if any(other.startswith(f"{name}.") for other in names)}
     return sorted(n for n in names if package_of(n) in PACKAGES and not f"{n}.".startswith(inside))
@@ -202,7 +207,7 @@ def test_what_no_recording_holds_is_found(
     text: str, outside: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     judge = "axisrig.bench.judge.topics"
-    monkeypatch.setitem(TREES, judge, ast.parse(text))
+    monkeypatch.setitem(trees(), judge, ast.parse(text))
     assert [name.rpartition(".")[2] for name in _made(judge)] == outside
 
 
@@ -325,7 +330,7 @@ def test_a_circle_is_found() -> None:
 
 def test_wall_clock_and_threads_stay_outside() -> None:
     found = []
-    for module, tree in TREES.items():
+    for module, tree in trees().items():
         forbidden = CONCURRENCY | (WALL_CLOCK if module not in MAY_READ_WALL_CLOCK else set())
         for line, name in _imported_names(tree):
             if name.partition(".")[0] in forbidden and name not in STARTS_NOTHING:
@@ -348,7 +353,7 @@ def _calls(tree: ast.AST) -> Iterator[tuple[ast.Call, str]]:
 def test_nobody_sleeps() -> None:
     found = [
         f"{module}:{node.lineno}"
-        for module, tree in TREES.items()
+        for module, tree in trees().items()
         for node, name in _calls(tree)
         if name.rpartition(".")[2] == "sleep"
     ]
@@ -378,7 +383,7 @@ def _unseeded(tree: ast.AST) -> list[int]:
 
 
 def test_every_random_number_is_seeded() -> None:
-    found = [f"{name}:{line}" for name, tree in TREES.items() for line in _unseeded(tree)]
+    found = [f"{name}:{line}" for name, tree in trees().items() for line in _unseeded(tree)]
     assert found == []
 
 
@@ -411,7 +416,7 @@ def _functions(tree: ast.AST, prefix: str = "") -> Iterator[tuple[str, Function]
 
 
 def _too_long() -> Iterator[tuple[str, int]]:
-    for module, tree in TREES.items():
+    for module, tree in trees().items():
         lines = len(MODULES[module].read_text(encoding="utf-8").splitlines())
         if lines > MODULE_LINES_MAX:
             yield module, lines
@@ -456,5 +461,7 @@ def _undocumented(tree: ast.Module) -> Iterator[str]:
 
 
 def test_everything_public_is_described() -> None:
-    found = [f"{module}: {name}" for module, tree in TREES.items() for name in _undocumented(tree)]
+    found = [
+        f"{module}: {name}" for module, tree in trees().items() for name in _undocumented(tree)
+    ]
     assert found == []

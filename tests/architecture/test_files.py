@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from tests.architecture.test_architecture import FOLDERS, ROOT, TREES, Function, package_of
+from tests.architecture.test_architecture import FOLDERS, ROOT, Function, package_of, trees
 
 
 def _files(*suffixes: str) -> list[Path]:
@@ -64,7 +64,7 @@ def test_home_folders_are_recognised(line: str, hit: bool) -> None:
 def _texts(package: str) -> set[str]:
     """The string constants in the code of a package, docstrings excepted."""
     found: set[str] = set()
-    for module, tree in TREES.items():
+    for module, tree in trees().items():
         if package_of(module) != package:
             continue
         described = {

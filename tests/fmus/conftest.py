@@ -3,26 +3,32 @@
 import re
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import fmpy
 import pytest
 from fmpy.fmi3 import FMU3Slave
+from tests.small_fmus import small_fmu
 
-import axisrig.fmus.build as building
-from axisrig.fmus import compiler, ensure_built
+from axisrig.fmus import ensure_built
 
 SERVO = "AxisRig.Drives.ServoAxis"
 PROBE = "AxisRig.Sensors.TouchProbe"
+
+
+@cache
+def description_of(path: Path) -> Any:
+    """The model description of an FMU; to read it takes longer than most tests."""
+    return fmpy.read_model_description(str(path))
 
 
 class Fmu:
     """One instance of an FMU with variables by name; keeps the messages that it logs."""
 
     def __init__(self, path: Path, folder: Path, **start: float) -> None:
-        self.description = fmpy.read_model_description(str(path))
+        self.description = description_of(path)
         self._variables = {v.name: v for v in self.description.modelVariables}
         self.messages: list[str] = []
         self.slave = FMU3Slave(
@@ -86,26 +92,6 @@ class Fmu:
         """Step to an instant without gathering rounding errors."""
         self.slave.doStep(self.time, instant - self.time)
         self.time = instant
-
-
-@contextmanager
-def _unoptimised() -> Iterator[None]:
-    """Compile small models without optimisation: nearly all time of a build is the C compiler's.
-
-    The shipped models and those of test_versions.py are built as users get them.
-    """
-    flags = compiler.FLAGS
-    compiler.FLAGS = tuple("-O0" if flag == "-O2" else flag for flag in flags)
-    try:
-        yield
-    finally:
-        compiler.FLAGS = flags
-
-
-@pytest.fixture(scope="session")
-def unoptimised() -> Callable[[], AbstractContextManager[None]]:
-    """What small models are built in."""
-    return _unoptimised
 
 
 @pytest.fixture(scope="session")
@@ -187,9 +173,7 @@ class Plants:
         fixed = "true" if x_fixed and "der(x)" in equation else "false"
         text = MODEL.format(**locals())
         (folder / "Small" / "package.mo").write_text(text, encoding="utf-8")
-        with _unoptimised():
-            path, library = folder / "plant.fmu", folder / "Small"
-            return building.build("Small.Plant", path, library, step_s=step_s)
+        return small_fmu("Small.Plant", folder / "Small", step_s)
 
     def __call__(self, equation: str, *args: Any, **options: Any) -> Fmu:
         """An instance after initialization; options that `build` does not have are values."""

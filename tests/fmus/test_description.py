@@ -8,9 +8,9 @@ import fmpy
 import numpy as np
 import pytest
 from fmpy.validation import validate_fmu
+from tests.small_fmus import small_fmu
 
 from axisrig.fmus import FMI_VERSIONS
-from axisrig.fmus.build import build
 
 LIBRARY = """package Small "Library"
   type Mode = enumeration(off "Nothing", on "All", idle);
@@ -51,7 +51,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     (folder / "Small").mkdir()
     (folder / "Small" / "package.mo").write_text(LIBRARY, encoding="utf-8")
     library = folder / "Small"
-    return {v: build("Small.Plant", folder / f"{v}.fmu", library, fmi=v) for v in FMI_VERSIONS}
+    return {v: small_fmu("Small.Plant", library, fmi=v) for v in FMI_VERSIONS}
 
 
 def described(fmu: Path) -> dict[str, fmpy.model_description.ModelVariable]:
@@ -221,7 +221,7 @@ def loops(tmp_path_factory) -> Path:
     root = tmp_path_factory.mktemp("loops") / "Small"
     root.mkdir()
     (root / "package.mo").write_text(LOOPS, encoding="utf-8")
-    return build("Small.Plant", root.parent / "x.fmu", root)
+    return small_fmu("Small.Plant", root)
 
 
 def test_dependencies_lead_through_systems_of_equations(loops):

@@ -48,7 +48,7 @@ def library(folder: Path, equation: str, declaration: str = "") -> Path:
 def small(folder: Path, equation: str, declaration: str = "") -> Path:
     """The FMU of a library with one model."""
     root = library(folder, equation, declaration)
-    return building.build("Small.Plant", folder / "plant.fmu", root)
+    return building.build("Small.Plant", folder / "plant.fmu", root, is_optimised=False)
 
 
 @pytest.mark.parametrize("name", UNSUPPORTED)

@@ -4,8 +4,7 @@ import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import FMU2Slave
-
-import axisrig.fmus.build as building
+from tests.small_fmus import small_fmu
 
 LIBRARY = """package Small
   model Held
@@ -63,8 +62,7 @@ def build(tmp_path_factory):
     (root / "package.mo").write_text(LIBRARY, encoding="utf-8")
 
     def built(model, fmi="3.0"):
-        path = folder / f"{model}{fmi}.fmu"
-        return building.build(model, path, root, fmi=fmi) if not path.exists() else path
+        return small_fmu(model, root, fmi=fmi)
 
     return built
 

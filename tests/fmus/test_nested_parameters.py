@@ -6,6 +6,7 @@ import fmpy
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
+from tests.small_fmus import small_fmu
 
 from axisrig.fmus import BuildError
 from axisrig.fmus.build import build
@@ -47,7 +48,7 @@ def plant(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = folder / "Small"
     root.mkdir()
     (root / "package.mo").write_text(LIBRARY, encoding="utf-8")
-    return build("Small.Plant", folder / "plant.fmu", root)
+    return small_fmu("Small.Plant", root)
 
 
 @pytest.mark.parametrize(

@@ -4,14 +4,15 @@ import importlib.util
 import sys
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from tests.small_fmus import small_fmu
 
 from axisrig.fmus import MODELS, ensure_built
-from axisrig.fmus.build import build
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, load_fmu
 from axisrig.kernel.cosim.fmi.role_table import roles_of
 from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles
@@ -40,16 +41,14 @@ def edge_error() -> ModuleType:
 
 
 @pytest.fixture(scope="session")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
+def fmu() -> Callable[[str], Path]:
     """Builds a model by its full name, once."""
-    folder = tmp_path_factory.mktemp("models")
 
+    @cache
     def build_once(model: str) -> Path:
-        package = model.partition(".")[0]
-        path = folder / f"{model}.fmu"
         if model in MODELS:
             return ensure_built(model)
-        return path if path.is_file() else build(model, path, LIBRARIES[package], 10e-6)
+        return small_fmu(model, LIBRARIES[model.partition(".")[0]], 10e-6)
 
     return build_once
 

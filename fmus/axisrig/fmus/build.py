@@ -12,6 +12,7 @@ import tempfile
 import zipfile
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,7 +20,6 @@ import platformdirs
 
 from axisrig.fmus.compiler import (
     COMPILERS,
-    FLAGS,
     LINK,
     PLATFORMS,
     ZIG_FLAGS,
@@ -27,12 +27,14 @@ from axisrig.fmus.compiler import (
     Platform,
     compile_library,
     compiler_for,
+    flags,
     this_platform,
     universal_library,
 )
 from axisrig.fmus.openmodelica import build_with_omc, omc_identity
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
+from axisrig.fmus.sources import files_below, files_named, hash_of
 
 if TYPE_CHECKING:
     from axisrig.fmus.writing.generate import Generated
@@ -148,12 +150,14 @@ def build(
     fmi: str = "3.0",
     platforms: Sequence[str] = (),
     compiler: str | None = None,
+    is_optimised: bool = True,
 ) -> Path:
     """Build the FMU of `model` of `library` into the file `path`, and return it.
 
     step_s: internal step of the integration, s; default by `models.csv`. fmi, platforms, compiler
-    as `place_in_cache`. Several processes may build the same file: each writes its own and puts it
-    in place at once.
+    as `place_in_cache`. is_optimised: False for a build in a third of the time, and a slower FMU;
+    omc ignores it. Several processes may build the same file: each writes its own and puts it in
+    place at once.
     Raises BuildError.
     """
     _check_options(fmi, compiler)
@@ -172,7 +176,8 @@ def build(
         work = Path(name)
         sources = work / "sources"
         _write_sources(sources, generated)
-        _compile(chosen, targets, sources / f"{generated.identifier}.c", work / "binaries", fmi)
+        source, binaries = sources / f"{generated.identifier}.c", work / "binaries"
+        _compile(chosen, targets, source, binaries, fmi, is_optimised)
         _write(work / "modelDescription.xml", generated.description)
         packed = work / "packed"
         _pack(work, packed)
@@ -211,7 +216,12 @@ def _refuse_foreign(targets: Sequence[Platform]) -> None:
 
 
 def _compile(
-    compiler: Compiler, targets: Sequence[Platform], source: Path, binaries: Path, fmi: str
+    compiler: Compiler,
+    targets: Sequence[Platform],
+    source: Path,
+    binaries: Path,
+    fmi: str,
+    is_optimised: bool,
 ) -> None:
     """Compile for each platform; what shares a folder becomes one universal library."""
     folders: dict[str, list[Platform]] = {}
@@ -220,11 +230,11 @@ def _compile(
     for folder, sharing in folders.items():
         library = binaries / folder / f"{source.stem}{sharing[0].ending}"
         if len(sharing) == 1:
-            compile_library(compiler, source, library, sharing[0])
+            compile_library(compiler, source, library, sharing[0], is_optimised)
             continue
         thin = [library.with_suffix(f".{target.name}") for target in sharing]
         for part, target in zip(thin, sharing, strict=True):
-            compile_library(compiler, source, part, target)
+            compile_library(compiler, source, part, target, is_optimised)
         universal_library(thin, library)
         for part in thin:
             part.unlink()
@@ -285,34 +295,32 @@ def cache_key(
     fmi: str = "3.0",
     platforms: Sequence[str] = (),
     compiler: str | None = None,
+    is_optimised: bool = True,
 ) -> str:
-    """sha256 over everything that an FMU depends on."""
+    """sha256 over everything that an FMU depends on. Arguments as `build`."""
     _check_options(fmi, compiler)
     targets = _targets(platforms, fmi)
     is_omc = compiler == "omc"
     identity = omc_identity() if is_omc else compiler_for(targets, compiler).identity
-    exporter = Path(__file__).parent
     parts: dict[str, bytes] = {
         "model": model.encode(),
         "fmi": fmi.encode(),
         "step": repr(_step_s(model, step_s)).encode(),
-        "rumoca": importlib.metadata.version("rumoca").encode(),
+        "rumoca": _rumoca().encode(),
         "compiler": identity.encode(),
-        "flags": " ".join((*FLAGS, *ZIG_FLAGS, *LINK)).encode(),
+        "flags": " ".join((*flags(is_optimised), *ZIG_FLAGS, *LINK)).encode(),
         "platforms": " ".join(target.name for target in targets).encode(),
+        "library": library.name.encode() + hash_of(files_below(library, (".mo",))),
+        "exporter": hash_of(files_below(Path(__file__).parent, (".py", ".csv"))),
+        "target": hash_of(files_below(TARGET, ("",))),
+        "headers": hash_of(files_named(_headers(fmi))),
     }
-    files = [
-        *library.rglob("*.mo"),
-        *exporter.rglob("*.py"),
-        *exporter.glob("*.csv"),
-        exporter / "writing" / "units.csv",
-        *(path for path in TARGET.iterdir() if path.is_file()),
-    ]
-    for file in files:
-        base = library.parent if file.is_relative_to(library) else exporter
-        parts[f"file {file.relative_to(base).as_posix()}"] = file.read_bytes()
-    parts.update({f"header {header.name}": header.read_bytes() for header in _headers(fmi)})
     return _digest(parts)
+
+
+@cache
+def _rumoca() -> str:
+    return importlib.metadata.version("rumoca")
 
 
 def _digest(parts: Mapping[str, bytes]) -> str:

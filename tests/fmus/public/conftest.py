@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -10,20 +9,16 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from tests.small_fmus import small_fmu
 
-import axisrig.fmus.build as building
 from axisrig.fmus import BuildError
 
 FOLDER = Path(__file__).parent
 
 
 @pytest.fixture(scope="session")
-def built(
-    tmp_path_factory: pytest.TempPathFactory,
-    unoptimised: Callable[[], AbstractContextManager[None]],
-) -> Callable[..., Path]:
+def built() -> Callable[..., Path]:
     """The FMU of a public model; each is built once."""
-    folder = tmp_path_factory.mktemp("public")
     done: dict[tuple[str, float | None], Path | BuildError] = {}
 
     def build(model: str, step_s: float | None = None) -> Path:
@@ -31,8 +26,7 @@ def built(
         library = FOLDER / model.partition(".")[0]
         if key not in done:
             try:
-                with unoptimised():
-                    done[key] = building.build(model, folder / f"{len(done)}.fmu", library, step_s)
+                done[key] = small_fmu(model, library, step_s)
             except BuildError as error:
                 done[key] = error
         result = done[key]

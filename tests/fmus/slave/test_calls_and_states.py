@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from tests.small_fmus import small_fmu
 
 from axisrig.fmus import FMI_VERSIONS, ensure_built
-from axisrig.fmus.build import build
 
 SERVO = "AxisRig.Drives.ServoAxis"
 MOVE = {
@@ -42,11 +42,11 @@ def servo_fmu(fmi, unpack):
 
 
 @pytest.fixture(scope="module")
-def small_fmu(fmi, tmp_path_factory, unpack):
+def library_fmu(fmi, tmp_path_factory, unpack):
     root = tmp_path_factory.mktemp("library") / "Small"
     root.mkdir()
     (root / "package.mo").write_text(LIBRARY, encoding="utf-8")
-    return unpack(build("Small.Plant", root.parent / "x.fmu", root, fmi=fmi))
+    return unpack(small_fmu("Small.Plant", root, fmi=fmi))
 
 
 @pytest.fixture
@@ -56,9 +56,9 @@ def new(slaves, servo_fmu):
 
 
 @pytest.fixture
-def small(slaves, small_fmu):
+def small(slaves, library_fmu):
     """Makes slaves of the small model."""
-    return lambda: slaves(*small_fmu)
+    return lambda: slaves(*library_fmu)
 
 
 # --- order of calls ----------------------------------------------------------------------------

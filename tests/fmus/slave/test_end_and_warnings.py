@@ -5,8 +5,7 @@ import ctypes
 import pytest
 from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2LastSuccessfulTime, fmi2Terminated
-
-from axisrig.fmus.build import build
+from tests.small_fmus import small_fmu
 
 LIBRARY = """package Small
   model Plant
@@ -28,7 +27,7 @@ def fmu(fmi, tmp_path_factory, unpack):
     root = tmp_path_factory.mktemp("library") / "Small"
     root.mkdir()
     (root / "package.mo").write_text(LIBRARY, encoding="utf-8")
-    return unpack(build("Small.Plant", root.parent / "x.fmu", root, fmi=fmi))
+    return unpack(small_fmu("Small.Plant", root, fmi=fmi))
 
 
 @pytest.fixture

@@ -1,0 +1,133 @@
+"""The two stages of the suite, and the CPU time of each folder at the end of one.
+
+`--stage quick` is `make test`, `--stage rest` what it leaves out; `make test-all` runs both. The
+quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
+a parametrized test stay. Of a shipped plan it keeps rows that check all its metrics, and of the
+rows that check the same the one that simulates least (`plans/simulated.csv`).
+"""
+
+import csv
+import gc
+import os
+from collections import Counter
+from collections.abc import Generator, Iterable, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.bench.campaign.pytest_plugin import CaseItem
+from axisrig.bench.plan.plan import Case
+
+SIMULATED = Path(__file__).parent / "plans" / "simulated.csv"
+_BEGAN = pytest.StashKey[float]()
+
+
+@cache
+def simulated_s() -> Mapping[str, float]:
+    """Simulated time of the runs of shipped plans, s, as they were when the table was written.
+
+    It only decides which rows the quick stage runs. `cases.csv` of `axisrig demo` has the columns.
+    """
+    with SIMULATED.open(encoding="utf-8", newline="") as file:
+        return {row["run"]: float(row["sim_s"]) for row in csv.DictReader(file)}
+
+
+def rows_of_every_metric(cases: Iterable[Case], sim_s: Mapping[str, float]) -> set[str]:
+    """Runs that check, for each plan, every metric that one of its rows checks.
+
+    From the longest run to the shortest, a row is left out if the others check all its metrics.
+    sim_s: simulated time of runs; one that is missing counts as the longest. Of equally long ones
+    the last in the plan is asked first.
+    """
+    metrics = {case.run: {(case.plan, check.name) for check in case.checks} for case in cases}
+    rows = Counter(metric for checked in metrics.values() for metric in checked)
+    kept = dict(metrics)
+    from_its_end = list(reversed(metrics))
+    for run in sorted(from_its_end, key=lambda run: -sim_s.get(run, float("inf"))):
+        if all(rows[metric] > 1 for metric in metrics[run]):
+            rows.subtract(kept.pop(run))
+    return set(kept)
+
+
+def cpu_s() -> float:
+    """CPU time of this process and of its ended children, s."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+def cpu_by_folder(reports: Iterable[Any]) -> Counter[str]:
+    """CPU time of tests by the first two folders of their place, s; all plans are one entry."""
+    folders: Counter[str] = Counter()
+    for report in reports:
+        parts = report.nodeid.partition("::")[0].split("/")
+        folder = parts[0] if len(parts) == 2 else "/".join(parts[:2])
+        folders[folder] += getattr(report, "cpu_s", 0.0)
+    return folders
+
+
+class Stages:
+    """Chooses what a stage runs, and measures it. A plugin: it sees the rows of plans as well."""
+
+    def __init__(self, config: pytest.Config) -> None:
+        self._stage: str | None = config.getoption("--stage")
+
+    def pytest_collection_modifyitems(
+        self, config: pytest.Config, items: list[pytest.Item]
+    ) -> None:
+        """Deselect what the other stage runs."""
+        if self._stage is None:
+            return
+        plans = [item.case for item in items if isinstance(item, CaseItem)]
+        shown = rows_of_every_metric(plans, simulated_s())
+        counts: Counter[str] = Counter()
+        kept, left_out = [], []
+        for item in items:
+            is_kept = _is_quick(item, shown, counts) == (self._stage == "quick")
+            (kept if is_kept else left_out).append(item)
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = kept
+
+    def pytest_collection_finish(self) -> None:
+        """Search for garbage seldom, and never in what was collected: it lives until the end."""
+        gc.collect()
+        gc.freeze()
+        gc.set_threshold(100_000, 20, 100)
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_setup(self, item: pytest.Item) -> None:
+        """Remember when a test began."""
+        item.stash[_BEGAN] = cpu_s()
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_makereport(self, item: pytest.Item) -> Generator[None, Any, Any]:
+        """Put the CPU time of a test into its last report."""
+        report = yield
+        if report.when == "teardown":
+            report.cpu_s = cpu_s() - item.stash.get(_BEGAN, cpu_s())
+        return report
+
+    @pytest.hookimpl(trylast=True)
+    def pytest_terminal_summary(self, terminalreporter: Any) -> None:
+        """Print the CPU time of each folder."""
+        if self._stage is None:
+            return
+        reports = terminalreporter.getreports("") + terminalreporter.getreports("error")
+        folders = cpu_by_folder(reports)
+        in_tests = sum(folders.values())
+        terminalreporter.write_line(f"CPU time of the {self._stage} stage, s: {in_tests:.0f}")
+        for folder, seconds in folders.most_common():
+            if seconds >= 1:
+                terminalreporter.write_line(f"{seconds:7.0f} {folder}")
+
+
+def _is_quick(item: pytest.Item, shown: set[str], counts: Counter[str]) -> bool:
+    if isinstance(item, CaseItem):
+        return item.case.run in shown
+    mark = item.get_closest_marker("long")
+    if mark is None:
+        return True
+    name = item.nodeid.partition("[")[0]
+    counts[name] += 1
+    return counts[name] <= mark.kwargs.get("but", 0)

@@ -1,0 +1,80 @@
+"""What the quick stage leaves out, and how its time is counted."""
+
+from collections import Counter
+from pathlib import Path
+from types import SimpleNamespace
+
+import pytest
+from tests.small_fmus import small_fmu
+from tests.stages import cpu_by_folder, rows_of_every_metric, simulated_s
+
+from axisrig.bench.plan.plan import Case, read_plan
+
+TESTPLANS = Path(__file__).parents[2] / "testplans"
+CASES = [case for path in sorted(TESTPLANS.glob("*.csv")) for case in read_plan(path).cases]
+
+
+def metrics_of(cases: list[Case]) -> Counter[tuple[str, str]]:
+    """How many rows check each metric of each plan."""
+    return Counter(pair for case in cases for pair in {(case.plan, c.name) for c in case.checks})
+
+
+def test_every_metric_of_every_shipped_plan_is_checked_and_no_row_is_idle():
+    shown = rows_of_every_metric(CASES, simulated_s())
+    rows = [case for case in CASES if case.run in shown]
+    found = metrics_of(rows)
+    assert set(found) == set(metrics_of(CASES))
+    assert {case.plan for case in rows} == {case.plan for case in CASES}
+    for case in rows:
+        assert any(found[case.plan, check.name] == 1 for check in case.checks), case.run
+
+
+def row(run: str, *metrics: str) -> Case:
+    checks = tuple(SimpleNamespace(name=name) for name in metrics)
+    return SimpleNamespace(plan="p", run=run, checks=checks)
+
+
+@pytest.mark.parametrize(
+    ("sim_s", "kept"),
+    [
+        ({"a": 3, "b": 2, "c": 1}, {"b", "c"}),
+        ({"a": 1, "b": 2, "c": 3}, {"a", "c"}),
+        ({"b": 2, "c": 3}, {"b", "c"}),  # one that is not in the table counts as the longest
+        ({}, {"a", "c"}),  # of equally long ones the first stays
+    ],
+)
+def test_of_rows_that_check_the_same_the_shortest_stays(sim_s, kept):
+    rows = [row("a", "x"), row("b", "x"), row("c", "y")]
+    assert rows_of_every_metric(rows, sim_s) == kept
+
+
+def test_a_row_that_checks_everything_is_enough():
+    rows = [row("a", "x"), row("b", "y"), row("c", "x", "y")]
+    assert rows_of_every_metric(rows, {"a": 2, "b": 2, "c": 1}) == {"c"}
+
+
+def test_the_table_of_simulated_time_names_rows_that_there_are():
+    assert set(simulated_s()) <= {case.run for case in CASES}
+
+
+def test_time_is_counted_by_folder_and_that_of_all_plans_together():
+    times = {
+        "tests/nc/text/test_x.py::test_a": 1.0,
+        "tests/nc/test_y.py::test_b": 2.0,
+        "testplans/motion.csv::motion-stop": 4.0,
+        "testplans/plc.csv::plc-by-run": 8.0,
+    }
+    reports = [SimpleNamespace(nodeid=name, cpu_s=seconds) for name, seconds in times.items()]
+    assert cpu_by_folder(reports) == {"tests/nc": 3.0, "testplans": 12.0}
+
+
+def test_a_small_fmu_is_built_once_for_each_content(tmp_path):
+    library = tmp_path / "Small"
+    library.mkdir()
+    text = "package Small model Plant output Real y = {}*time; end Plant; end Small;"
+    paths = []
+    for factor in (2, 33, 2):
+        (library / "package.mo").write_text(text.format(factor), encoding="utf-8")
+        paths.append(small_fmu("Small.Plant", library))
+    assert paths[0] == paths[2]
+    assert paths[0].read_bytes() != paths[1].read_bytes()
