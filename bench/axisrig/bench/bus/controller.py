@@ -6,6 +6,8 @@ from collections.abc import Callable, MutableSequence
 from itertools import count
 from typing import Any, Literal, Protocol
 
+from mypy_extensions import mypyc_attr
+
 from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
 from axisrig.bench.bus.frame import Frame
 from axisrig.kernel.time.clock import TimeNs
@@ -63,6 +65,8 @@ class Wire(Protocol):
         ...
 
 
+# SimBus is python-can's as well and stays interpreted
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Controller:
     """Transmit queue and fault confinement of one port; `deliver` comes with the subclass.
 
