@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
+FAST := .venv-fast
+FAST_STAMP := $(FAST)/.installed
 DOCS_STAMP := $(VENV)/.installed-docs
 WHEELHOUSE := wheelhouse
 # make wheelhouse fills it once with a network; then every make below works without one
@@ -19,7 +21,7 @@ PYTEST := $(BIN)/python -m pytest -q -n $(JOBS) --dist worksteal
 test test-rest: export PYTHONDONTWRITEBYTECODE :=
 test test-rest: export OPENBLAS_NUM_THREADS := 1
 
-.PHONY: demo demo-all test test-rest test-all lint docs sample-report wheelhouse clean needs
+.PHONY: demo demo-all test test-rest test-all lint docs sample-report fast wheelhouse clean needs
 
 demo: $(STAMP)
 	@$(BIN)/axisrig demo --fresh -j $(JOBS)
@@ -68,9 +70,21 @@ $(DOCS_STAMP): $(STAMP)
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) --no-build-isolation -e '.[docs]'
 	@touch $(DOCS_STAMP)
 
+# The same commands, compiled: .venv-fast/bin/axisrig. Not editable: a change is compiled anew
+fast: $(FAST_STAMP)
+
+$(FAST_STAMP): $(STAMP) $(shell find kernel bench fmus reports -path '*/axisrig/*' -type f ! -name '*.pyc')
+	@test -x $(FAST)/bin/python || $(PYTHON) -m venv $(FAST)
+	@rm -rf out/wheel; mkdir -p out
+	@echo "compiling into $(FAST) (some minutes)"
+	@AXISRIG_COMPILE=1 $(BIN)/python -m hatchling build -t wheel -d out/wheel >out/compiled.log 2>&1 || { tail -n 30 out/compiled.log; exit 1; }
+	@$(FAST)/bin/python -m pip install --quiet --disable-pip-version-check $(OFFLINE) "$$(ls $(CURDIR)/out/wheel/*.whl)[$(EXTRAS)]"
+	@$(FAST)/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --force-reinstall out/wheel/*.whl
+	@touch $(FAST_STAMP)
+
 wheelhouse: | needs
 	@$(PYTHON) -m pip download --quiet --disable-pip-version-check -d $(WHEELHOUSE) hatchling editables 'setuptools<81' wheel '.[dev,cc,docs]'
 	@echo "$(WHEELHOUSE): $$(ls $(WHEELHOUSE) | wc -l) files; copy the checkout with this folder, then make demo needs no network"
 
 clean:
-	rm -rf $(VENV) out
+	rm -rf $(VENV) $(FAST) out

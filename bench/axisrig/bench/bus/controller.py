@@ -8,6 +8,8 @@ from itertools import count
 from threading import get_ident
 from typing import Any, Final, Literal, Protocol
 
+from mypy_extensions import mypyc_attr
+
 from axisrig.bench.bus.confinement import ErrorCounters, ErrorState
 from axisrig.bench.bus.frame import DATA_BYTES_MAX, STANDARD_ID_MAX, Frame
 from axisrig.bench.bus.subscribers import Subscribers
@@ -62,6 +64,8 @@ class Wire(Protocol):
         ...
 
 
+# SimBus is python-can's as well and stays interpreted
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Controller:
     """Transmit queue and fault confinement of one port; `deliver` comes with the subclass.
 

@@ -56,15 +56,20 @@ def moved_axes(curve: Curve) -> frozenset[int]:
 
 
 class Line:
-    """The straight path between two points."""
+    """The straight path between two points; shape: a line of the same length and direction."""
 
     __slots__ = ("_direction", "end_mm", "length_mm", "start_mm")
 
-    def __init__(self, start_mm: Positions, end_mm: Positions) -> None:
+    def __init__(self, start_mm: Positions, end_mm: Positions, shape: "Line | None" = None) -> None:
         self.start_mm, self.end_mm = start_mm, end_mm
-        self.length_mm = math.dist(start_mm, end_mm)
-        scale = 1.0 / self.length_mm if self.length_mm > 0.0 else 0.0
-        self._direction = tuple((b - a) * scale for a, b in zip(start_mm, end_mm, strict=True))
+        self.length_mm: float
+        self._direction: Positions
+        if shape is None:
+            self.length_mm = math.dist(start_mm, end_mm)
+            scale = 1.0 / self.length_mm if self.length_mm > 0.0 else 0.0
+            self._direction = tuple((b - a) * scale for a, b in zip(start_mm, end_mm, strict=True))
+        else:
+            self.length_mm, self._direction = shape.length_mm, shape._direction
 
     def at(self, travelled_mm: float) -> Positions:
         """Give the point after `travelled_mm`, also past the end."""
@@ -74,11 +79,8 @@ class Line:
 
     def with_axis(self, index: int, position_mm: float) -> "Line":
         """Give the same line with an axis that it does not move at another place."""
-        moved = Line.__new__(Line)
-        moved.start_mm = put(self.start_mm, index, position_mm)
-        moved.end_mm = put(self.end_mm, index, position_mm)
-        moved.length_mm, moved._direction = self.length_mm, self._direction
-        return moved
+        start_mm = put(self.start_mm, index, position_mm)
+        return Line(start_mm, put(self.end_mm, index, position_mm), self)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ class Monitor:
             self.is_active = math.isfinite(self._limits.speed_m_s)
         else:
             # Of the kind of mode: homing follows no position while it presses against a stop
-            is_followed = mode is not None and type(mode).follows_position
+            is_followed = mode is not None and mode.follows_position
             self.is_active = is_followed and self._image.following_window != U32_MAX
         if not self.is_active:
             self._beyond.since_ns = None
@@ -55,7 +55,7 @@ class Monitor:
             is_fast = abs(self._axis.motor_velocity_m_s()) > self._limits.speed_m_s
             return OVERSPEED if is_fast else None
         image = self._image
-        is_followed = self._mode is not None and self._mode.follows_position
+        is_followed = self._mode is not None and self._mode.is_following
         is_beyond = is_followed and abs(image.following_error) > image.following_window
         late = self._beyond.holds(now_ns, is_beyond, image.following_timeout_ms)
         return FOLLOWING_ERROR if late else None

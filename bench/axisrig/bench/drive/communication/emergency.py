@@ -7,7 +7,7 @@ an error has gone.
 import struct
 from collections import deque
 from collections.abc import Callable
-from typing import Final
+from typing import ClassVar, Final
 
 from axisrig.bench.drive.communication.identifiers import NOT_VALID, check_cob_id
 from axisrig.bench.drive.communication.timer import Timer
@@ -91,7 +91,7 @@ class EmergencyProducer(Owner):
     their order. send(identifier, data) puts one on the bus.
     """
 
-    objects = (ERROR_HISTORY, EMERGENCY_ID, EMERGENCY_INHIBIT)
+    objects: ClassVar[tuple[int, ...]] = (ERROR_HISTORY, EMERGENCY_ID, EMERGENCY_INHIBIT)
 
     def __init__(
         self, store: ObjectStore, clock: Clock, send: Callable[[int, bytes], None]

@@ -7,7 +7,7 @@ switches node guarding off.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import ClassVar, Final
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.drive.communication.timer import Timer
@@ -29,7 +29,7 @@ class HeartbeatProducer(Owner):
     send(data) sends a message of the error control protocol.
     """
 
-    objects = (PRODUCER_TIME,)
+    objects: ClassVar[tuple[int, ...]] = (PRODUCER_TIME,)
 
     def __init__(
         self,
@@ -84,7 +84,7 @@ class HeartbeatConsumer(Owner):
     or it has booted while it was watched; it is there again.
     """
 
-    objects = (CONSUMER_TIME,)
+    objects: ClassVar[tuple[int, ...]] = (CONSUMER_TIME,)
 
     def __init__(
         self,
@@ -166,7 +166,7 @@ class NodeGuarding(Owner):
     send(data) sends the answer. state: the NMT state of the node.
     """
 
-    objects = (GUARD_TIME, LIFE_TIME_FACTOR)
+    objects: ClassVar[tuple[int, ...]] = (GUARD_TIME, LIFE_TIME_FACTOR)
 
     def __init__(
         self,

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import ClassVar
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.drive.communication.emergency import COMMUNICATION_ERROR, Emergency
@@ -48,7 +49,7 @@ class ExchangeEvents:
 class PdoExchange(Owner):
     """Receives RPDOs and sends TPDOs of one node, from `start` to `stop`."""
 
-    objects = PARAMETERS
+    objects: ClassVar[tuple[int, ...]] = PARAMETERS
 
     def __init__(
         self,

@@ -7,6 +7,7 @@ nor bus: it takes the frames of its client and gives the answers.
 import binascii
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
 from axisrig.kernel.time.clock import Clock, Phase, TimeNs
@@ -27,7 +28,7 @@ class Transfer:
     download once it is there. is_done: nothing more comes.
     """
 
-    command: int
+    command: ClassVar[int]
 
     def __init__(self) -> None:
         self.received: bytes | None = None
@@ -41,7 +42,7 @@ class Transfer:
 class SegmentedUpload(Transfer):
     """Gives `value` in segments of 7 bytes, one per request."""
 
-    command = 3
+    command: ClassVar[int] = 3
 
     def __init__(self, value: bytes) -> None:
         super().__init__()
@@ -61,7 +62,7 @@ class SegmentedUpload(Transfer):
 class SegmentedDownload(Transfer):
     """Collects `size` bytes."""
 
-    command = 0
+    command: ClassVar[int] = 0
 
     def __init__(self, size: int) -> None:
         super().__init__()
@@ -90,8 +91,8 @@ class BlockDownload(Transfer):
     client repeats what follows.
     """
 
-    command = 6
-    block_size = 127
+    command: ClassVar[int] = 6
+    block_size: ClassVar[int] = 127
 
     def __init__(self, size: int, has_crc: bool) -> None:
         super().__init__()
@@ -149,7 +150,7 @@ class SegmentOutlet:
 class BlockUpload(Transfer):
     """Gives `value` in blocks."""
 
-    command = 5
+    command: ClassVar[int] = 5
 
     def __init__(self, value: bytes, block_size: int, has_crc: bool, outlet: SegmentOutlet) -> None:
         super().__init__()

@@ -5,7 +5,7 @@ Process data, that is everything an RPDO can carry, is not stored.
 """
 
 from collections.abc import Mapping
-from typing import Final
+from typing import ClassVar, Final
 
 from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.dictionary.defaults import default_value
@@ -29,7 +29,7 @@ class ParameterStorage(Owner):
     goes on doing so.
     """
 
-    objects = (STORE, RESTORE)
+    objects: ClassVar[tuple[int, ...]] = (STORE, RESTORE)
 
     def __init__(self, store: ObjectStore, profile: DriveProfile) -> None:
         self._store, self._profile = store, profile

@@ -5,7 +5,7 @@ Source: CiA 301, objects 1005, 1006, 1007, 1019. The node produces no SYNC.
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.drive.communication.emergency import COMMUNICATION_ERROR, Emergency
@@ -47,7 +47,7 @@ class SyncConsumer(Owner):
     counter: of the last SYNC, None when it has none.
     """
 
-    objects = (SYNC_ID, PERIOD, WINDOW, COUNTER_OVERFLOW)
+    objects: ClassVar[tuple[int, ...]] = (SYNC_ID, PERIOD, WINDOW, COUNTER_OVERFLOW)
 
     def __init__(
         self,

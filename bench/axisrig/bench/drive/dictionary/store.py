@@ -41,7 +41,7 @@ class ObjectStore:
     def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
         self._profile, self._image = profile, image
         self._rows = variables()
-        self._signed = {
+        self._signed_values = {
             key: data_type(row, profile).format.islower() for key, row in self._rows.items()
         }
         self._indices = frozenset(row.index for row in self.rows)
@@ -102,7 +102,7 @@ class ObjectStore:
         if isinstance(value, bytes):
             return value
         return int(value).to_bytes(
-            row.data_type.bits // 8, "little", signed=self._signed[index, sub]
+            row.data_type.bits // 8, "little", signed=self._signed_values[index, sub]
         )
 
     def writable_size(self, index: int, sub: int) -> int:
@@ -121,7 +121,7 @@ class ObjectStore:
         if len(data) != size:
             abort(AbortCode.TOO_LONG if len(data) > size else AbortCode.TOO_SHORT)
         row = self._rows[index, sub]
-        value = int.from_bytes(data, "little", signed=self._signed[index, sub])
+        value = int.from_bytes(data, "little", signed=self._signed_values[index, sub])
         self._check(row, value)
         owner = self._owners.get(index, self._default_owner)
         owner.check(index, sub, value)

@@ -7,7 +7,7 @@ falls when the tool lifts. Sources: P-AXIS-00230, 00418, 00422 to 00424; FCT-M3 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Final
+from typing import ClassVar, Final
 
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.drives.mapping import Telegram
@@ -58,7 +58,7 @@ class EncoderSensor:
     come it must turn by less than half of them.
     """
 
-    source = SECOND_ENCODER
+    source: ClassVar[str] = SECOND_ENCODER
 
     def __init__(self, link: AxisLink, settings: SensorSettings) -> None:
         self._link, self._settings = link, settings
@@ -104,7 +104,7 @@ class VariableSensor:
     refreshed: those of them that come with a period.
     """
 
-    source = VARIABLE
+    source: ClassVar[str] = VARIABLE
 
     def __init__(
         self,

@@ -50,16 +50,16 @@ class Mode:
     """A mode of operation; `begin` and `end` are around its time, ticks and SYNCs in it.
 
     number: its value of 6060; it has bit number - 1 of 6502. needs: the control that the plant
-    must offer. follows_position: whether there is a following error to monitor. limits_speed:
-    whether the speed is monitored, since nothing else limits it. minds_limits: it acts on limit
-    switches itself.
+    must offer. follows_position: whether there is a following error to monitor; is_following:
+    whether there is one now. limits_speed: whether the speed is monitored, since nothing else
+    limits it. minds_limits: it acts on limit switches itself.
     needs_ticks: whether it has something to do between two SYNCs. is_limited: whether a limit of
     the drive keeps it from its target (bit 11 of 6041).
     """
 
     number: ClassVar[int]
     needs: ClassVar[ControlKind] = ControlKind.POSITION
-    follows_position = False
+    follows_position: ClassVar[bool] = False
     limits_speed: ClassVar[bool] = False
     minds_limits: ClassVar[bool] = False
 
@@ -67,6 +67,7 @@ class Mode:
         self.parts = parts
         self.needs_ticks = False
         self.is_limited = False
+        self.is_following = self.follows_position
 
     def begin(self, now_ns: TimeNs) -> None:
         """Take the axis over as it is, moving or not."""

@@ -4,9 +4,12 @@ Source: CiA 402-2, csp, csv, cst; the demand is interpolated linearly over one p
 acts at once.
 """
 
+from typing import ClassVar
+
 from axisrig.bench.drive.application.functions.limits import PER_MILLE
 from axisrig.bench.drive.application.functions.motion import FORCE, POSITION, VELOCITY
 from axisrig.bench.drive.application.modes.base import Mode
+from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.drives.ds402 import Status
 from axisrig.kernel.time.clock import US, S, TimeNs
 
@@ -16,8 +19,8 @@ FOLLOWS_COMMAND = int(Status.FOLLOWS_COMMAND)
 class CyclicPosition(Mode):
     """Mode 8, csp: 607A and 60B0, within the software limits and the speed limit."""
 
-    number = 8
-    follows_position = True
+    number: ClassVar[int] = 8
+    follows_position: ClassVar[bool] = True
 
     def begin(self, now_ns: TimeNs) -> None:
         """Start where the axis is, whatever the target says; a moving axis keeps its course.
@@ -59,8 +62,8 @@ class CyclicPosition(Mode):
 class CyclicVelocity(Mode):
     """Mode 9, csv: 60FF and 60B1, within the speed limit."""
 
-    number = 9
-    needs = VELOCITY
+    number: ClassVar[int] = 9
+    needs: ClassVar[ControlKind] = VELOCITY
 
     def begin(self, now_ns: TimeNs) -> None:
         """Go on with the present velocity."""
@@ -85,9 +88,9 @@ class CyclicVelocity(Mode):
 class CyclicForce(Mode):
     """Mode 10, cst: 6071 and 60B2, within the torque limits."""
 
-    number = 10
-    needs = FORCE
-    limits_speed = True
+    number: ClassVar[int] = 10
+    needs: ClassVar[ControlKind] = FORCE
+    limits_speed: ClassVar[bool] = True
 
     def begin(self, now_ns: TimeNs) -> None:
         """Go on with the present force; none out of power off."""

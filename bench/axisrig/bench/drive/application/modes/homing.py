@@ -6,6 +6,7 @@ pulse is exact to the increment. Source: CiA 402-2, homing mode.
 """
 
 from enum import Enum, auto
+from typing import ClassVar
 
 from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.homing_methods import METHODS
@@ -42,9 +43,9 @@ class Homing(Mode):
     in an error.
     """
 
-    number = 6
-    follows_position = True
-    minds_limits = True
+    number: ClassVar[int] = 6
+    follows_position: ClassVar[bool] = True
+    minds_limits: ClassVar[bool] = True
 
     def __init__(self, parts: Parts) -> None:
         super().__init__(parts)
@@ -60,7 +61,7 @@ class Homing(Mode):
     def begin(self, now_ns: TimeNs) -> None:
         """Come to rest; a reference that was attained stays."""
         self._bit = bool(self.parts.image.controlword & START)
-        self._error, self.follows_position = False, True
+        self._error, self.is_following = False, True
         self._attained = self._attained and self.parts.units.is_homed
         self._finish(now_ns)
 
@@ -139,7 +140,7 @@ class Homing(Mode):
         parts.limits.homing_torque = parts.homing_torque if step is Step.PRESS else None
         parts.limits.limit_torque()
         if step is Step.PRESS:
-            self.follows_position = False
+            self.is_following = False
         self._move(now_ns, direction * speed, start)
         self._rests = False
         self._blocked.since_ns = None
@@ -158,7 +159,7 @@ class Homing(Mode):
     def tick(self, now_ns: TimeNs) -> None:
         """Lead the demand on and look at switches, zero pulse and stop."""
         # Not in the tick that leaves the stop: the demand is still that of its begin
-        self.follows_position = self._step is not Step.PRESS
+        self.is_following = self._step is not Step.PRESS
         if self._step in (Step.REST, Step.HALT):
             self._look_for_rest(now_ns)
             return

@@ -4,6 +4,7 @@ Source: CiA 402-2, pp; handshake of bit 4 of the controlword with bit 12 of the 
 """
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.ramp import Course, to_point, to_velocity
@@ -34,8 +35,8 @@ class ProfilePosition(Mode):
     taken; it falls with bit 4 of the controlword once another one can be taken.
     """
 
-    number = 1
-    follows_position = True
+    number: ClassVar[int] = 1
+    follows_position: ClassVar[bool] = True
 
     def __init__(self, parts: Parts) -> None:
         super().__init__(parts)

@@ -4,6 +4,7 @@ Source: CiA 402-2, pv; the drive leads its position demand, so that a steady lag
 """
 
 import math
+from typing import ClassVar
 
 from axisrig.bench.drive.application.functions.hold_time import HoldTime
 from axisrig.bench.drive.application.functions.ramp import Course, to_point, to_velocity
@@ -16,7 +17,7 @@ from axisrig.kernel.time.clock import TimeNs
 class ProfileVelocity(Mode):
     """Bit 10: 606C within 606D of 60FF for 606E. Bit 12: below 606F for 6070 (speed is 0)."""
 
-    number = 3
+    number: ClassVar[int] = 3
 
     def __init__(self, parts: Parts) -> None:
         super().__init__(parts)

@@ -1,0 +1,94 @@
+"""Compiles the rooms that a run spends its time in, when `AXISRIG_COMPILE=1` builds a wheel.
+
+mypyc turns the modules into one C extension, `axisrig.kernel._compiled__mypyc`, and a small one for
+each module, as black and mypy ship. The sources stay in the wheel; without the variable, and for an
+editable installation, nothing is compiled and everything works the same, only slower.
+
+`pyproject.toml` names what is compiled.
+"""
+
+import os
+from pathlib import Path
+from typing import Any
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+GROUP = "axisrig.kernel._compiled"
+VARIABLE = "AXISRIG_COMPILE"
+
+
+def compiled_modules(root: Path, config: dict[str, Any]) -> list[str]:
+    """Return the paths of the modules to compile, relative to `root`, in order.
+
+    config: `compiled`, modules and folders (without those below them); `interpreted`, modules of
+    these folders that are left out. Raises ValueError for an entry that does not exist.
+    """
+    found: list[str] = []
+    for entry in config["compiled"]:
+        path = root / entry
+        files = [path] if path.is_file() else sorted(path.glob("[!_]*.py"))
+        if not files:
+            raise ValueError(f"pyproject.toml: compiled: {entry} is not there")
+        found += [file.relative_to(root).as_posix() for file in files]
+    unknown = sorted(set(config["interpreted"]) - set(found))
+    if unknown:
+        raise ValueError(f"pyproject.toml: interpreted: not in a compiled folder: {unknown}")
+    return [path for path in found if path not in config["interpreted"]]
+
+
+class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
+    """Adds the extensions to a wheel and gives it the tag of this platform."""
+
+    PLUGIN_NAME = "custom"
+
+    @property
+    def _is_on(self) -> bool:
+        return self.target_name == "wheel" and os.environ.get(VARIABLE) == "1"
+
+    def dependencies(self) -> list[str]:
+        """What the build needs besides hatchling."""
+        return ["mypy[mypyc]>=1.18,<3", "setuptools<81"] if self._is_on else []
+
+    def initialize(self, version: str, build_data: dict[str, Any]) -> None:
+        """Compile, and put each extension beside the source of its module."""
+        if version == "editable" or not self._is_on:
+            return
+        root = Path(self.root)
+        built = self._build(compiled_modules(root, self.config), root)
+        build_data["pure_python"] = False
+        build_data["infer_tag"] = True
+        for path in sorted(built.rglob("*")):
+            if path.suffix in (".so", ".pyd"):
+                build_data["force_include"][str(path)] = path.relative_to(built).as_posix()
+
+    def _build(self, modules: list[str], root: Path) -> Path:
+        """Compile into `out/compiled`; return the folder with the extensions."""
+        from mypyc.build import mypycify  # noqa: PLC0415  only a compiled build needs it
+        from setuptools import Distribution  # noqa: PLC0415
+
+        folder = root / "out" / "compiled"
+        here = Path.cwd()
+        os.chdir(root)
+        try:
+            extensions = mypycify(
+                ["--config-file=pyproject.toml", *modules],
+                opt_level=os.environ.get("OPT", "2"),
+                debug_level="0",
+                group_name=GROUP,
+                target_dir=str(folder / "c"),
+            )
+            for extension in extensions:
+                if os.name != "nt":
+                    # Part of Python's own -Wall; on generated code it takes twice the compilation
+                    extension.extra_compile_args.append("-Wno-misleading-indentation")
+            command = Distribution({"name": "axisrig", "ext_modules": extensions}).get_command_obj(
+                "build_ext"
+            )
+            command.build_lib = str(folder / "lib")
+            command.build_temp = str(folder / "objects")
+            command.parallel = True  # an extension each on the processors
+            command.ensure_finalized()
+            command.run()
+        finally:
+            os.chdir(here)
+        return folder / "lib"
