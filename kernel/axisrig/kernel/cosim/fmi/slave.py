@@ -52,8 +52,7 @@ class Exchange:
     """A fixed list of variables of one type with its value buffer: `values`, `read`, `write`.
 
     values: ctypes array in the order of the names (an array variable takes as many places as it
-    has elements); FMU units. references: in this order. Raises UserError for types that
-    differ or cannot be exchanged.
+    has elements); FMU units. references: likewise. Raises UserError for types that differ.
     """
 
     def __init__(self, slave: "FmuSlave", names: Sequence[str]) -> None:
