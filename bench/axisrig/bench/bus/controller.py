@@ -80,7 +80,7 @@ class Controller:
         self.segment = segment
         self.port_name = port_name
         self._scheduler = segment.scheduler
-        self._thread = get_ident()
+        self._owner_thread = get_ident()
         self.pending: MutableSequence[Request]
         self.take: Callable[[], Request]
         self._push: Callable[[Request], None]
@@ -125,7 +125,7 @@ class Controller:
         Lost, and counted in `discarded`, while the controller takes no part. Raises RuntimeError in
         a foreign thread.
         """
-        if get_ident() != self._thread:
+        if get_ident() != self._owner_thread:
             raise RuntimeError("a simulated bus belongs to the thread that made it")
         if not self.takes_part:
             self._lose()

@@ -187,7 +187,7 @@ class SimBus(Controller, can.BusABC):
         Return None on time-out. Raises RuntimeError in a foreign thread, from inside an event
         (unless timeout is 0), or when callbacks are attached.
         """
-        if get_ident() != self._thread:
+        if get_ident() != self._owner_thread:
             raise RuntimeError("a simulated bus belongs to the thread that made it")
         if self._message_callbacks or self._data_callbacks:
             raise RuntimeError(f"{self.channel_info}: frames go to the attached callbacks")
