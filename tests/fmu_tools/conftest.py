@@ -6,6 +6,7 @@ import sys
 import warnings
 import zipfile
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import fmpy
@@ -106,6 +107,21 @@ def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     model description of the good one. place: below `binaries/`, by default that of this platform.
     """
 
+    platform = this_platform()
+
+    @cache
+    def library(*options: str) -> Path:
+        path: Path = tmp_path_factory.mktemp("library") / f"ideal{platform.ending}"
+        subprocess.run(
+            [
+                *(*find_compiler().command, "-shared", "-fPIC", "-pthread", *options),
+                "-fvisibility=hidden",
+                *(f"-I{HEADERS}", "-o", str(path), str(SOURCE)),
+            ],
+            check=True,
+        )
+        return path
+
     def build(
         name: str = "ideal.fmu",
         *,
@@ -113,22 +129,11 @@ def ideal_axis(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         place: str | None = None,
         **defines: object,
     ) -> Path:
-        folder = tmp_path_factory.mktemp("ideal")
-        platform = this_platform()
-        library = folder / f"ideal{platform.ending}"
-        options = [f"-D{key}={value}" for key, value in defines.items()]
-        subprocess.run(
-            [
-                *(*find_compiler().command, "-shared", "-fPIC", "-pthread", *options),
-                "-fvisibility=hidden",
-                *(f"-I{HEADERS}", "-o", str(library), str(SOURCE)),
-            ],
-            check=True,
-        )
-        path = folder / name
+        compiled = library(*(f"-D{key}={value}" for key, value in defines.items()))
+        path: Path = tmp_path_factory.mktemp("ideal") / name
         with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
             archive.writestr("modelDescription.xml", change(AXIS))
-            archive.write(library, f"binaries/{place or platform.name}/{library.name}")
+            archive.write(compiled, f"binaries/{place or platform.name}/{compiled.name}")
         return path
 
     return build
