@@ -32,8 +32,10 @@ demo-all: $(STAMP)
 test: $(STAMP) lint
 	@$(PYTEST) --stage quick tests testplans
 
-test-rest: $(STAMP)
+# Then machines once more, compiled
+test-rest: $(STAMP) $(FAST_STAMP)
 	@$(PYTEST) --stage rest tests testplans
+	@$(FAST)/bin/python -m pytest -q -n $(JOBS) --dist worksteal --stage quick tests/machine tests/stepping tests/distance
 
 test-all: test test-rest
 

@@ -72,7 +72,7 @@ class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
         try:
             extensions = mypycify(
                 ["--config-file=pyproject.toml", *modules],
-                opt_level=os.environ.get("OPT", "2"),
+                opt_level="2",
                 debug_level="0",
                 group_name=GROUP,
                 target_dir=str(folder / "c"),
