@@ -81,7 +81,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 def _modules() -> dict[str, Path]:
     found = {}
     for folder in FOLDERS:
-        for path in sorted((ROOT / folder).rglob("*.py")):
+        for path in sorted((ROOT / folder / "axisrig").rglob("*.py")):
             parts = path.relative_to(ROOT / folder).with_suffix("").parts
             found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
     return found
