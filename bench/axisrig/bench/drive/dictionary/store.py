@@ -7,7 +7,7 @@ object dictionary and abort codes.
 from collections.abc import Callable, Iterable
 
 from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
-from axisrig.bench.drive.dictionary.defaults import default_value
+from axisrig.bench.drive.dictionary.defaults import default_values
 from axisrig.bench.drive.dictionary.eds import data_type
 from axisrig.bench.drive.dictionary.image import ProcessImage
 from axisrig.bench.drive.dictionary.objects import ObjectRow, variables
@@ -65,10 +65,11 @@ class ObjectStore:
         What the application keeps in the process image it resets itself, and it alone decides what
         is read only there.
         """
+        values = default_values(self._profile, node_id)
         for key, row in self._rows.items():
             is_in_image = row.value and (row.index > COMMUNICATION_LAST or row.access == "ro")
             if first <= row.index <= last and not is_in_image:
-                self._set(key, row, default_value(row, self._profile, node_id))
+                self._set(key, row, values[key])
 
     # For the node itself: no checks
 
