@@ -21,6 +21,8 @@ EDGES: Final = ("POS", "NEG")
 class State(Enum):
     """State of the power drive system; statusword patterns in `STATES`."""
 
+    __hash__ = object.__hash__  # tables are asked in every cycle; that of Enum is in Python
+
     NOT_READY_TO_SWITCH_ON = auto()
     SWITCH_ON_DISABLED = auto()
     READY_TO_SWITCH_ON = auto()
