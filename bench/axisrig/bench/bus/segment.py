@@ -342,7 +342,7 @@ class Segment(Traffic):
 
     def _deliver_only(self, senders: Sequence[Controller], request: Request) -> None:
         """Deliver a frame whose sender sees an error in its very last bit, and will repeat it."""
-        if self._wire is None or self._wire[1] is not request:
+        if self._wire is None or self._wire[1] != request:
             return  # cut short meanwhile
         frame, now_ns = request[4], self.scheduler.now_ns
         self._meter.count_frame(frame[0], frame[2], self._wire[2] - request[2])
