@@ -22,6 +22,7 @@ import pytest
 from tests.both_writers import ComparedRows
 from tests.stages import Stages
 
+from axisrig.bench.campaign.results.build_info import is_compiled
 from axisrig.kernel.channel.reactions import Reactions
 from axisrig.kernel.errors import Alarm, catalogue
 from axisrig.kernel.nc.text.words import not_acting
@@ -56,7 +57,15 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line(
         "markers", "provokes(alarm_id, reaction_class, **values): the alarm comes up in this test"
     )
+    config.addinivalue_line(
+        "markers", "interpreted: replaces methods of classes, which compiled ones do not allow"
+    )
     config.pluginmanager.register(Stages(config), "axisrig stages")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    if item.get_closest_marker("interpreted") and is_compiled():
+        pytest.skip("replaces methods of compiled classes")
 
 
 @pytest.fixture(scope="session")

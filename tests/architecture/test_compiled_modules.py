@@ -84,6 +84,18 @@ def test_class_variables_are_declared_as_such() -> None:
     assert plain == []
 
 
+def test_fields_outside_the_constructor_have_no_default_on_the_class() -> None:
+    """A field with `default` and without `init` is only an attribute of the class."""
+    found = [
+        f"{path}: {node.name}.{ast.unparse(call)}"
+        for path, node in _classes()
+        for call in ast.walk(node)
+        if isinstance(call, ast.Call) and ast.unparse(call.func) == "field"
+        if {"default", "init"} <= {word.arg for word in call.keywords}
+    ]
+    assert found == []
+
+
 def test_no_attribute_becomes_a_word_of_the_c_compiler() -> None:
     clashes = {
         f"{path}: {node.name}.{part.attr}"

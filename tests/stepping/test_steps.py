@@ -47,6 +47,7 @@ def test_no_room_is_no_time() -> None:
     assert free_s(0.0, 0.0, SPEED_GAIN_M_S2) == 0.0
 
 
+@pytest.mark.interpreted
 def test_steps_are_long_far_away_and_fine_near(plant: Make) -> None:
     """The load falls 1 mm at 20 mm/s, meets the plane after 50 ms, and goes on."""
     start = {"acceleration_then": 0.0, "position_start": 0.001}
@@ -60,6 +61,7 @@ def test_steps_are_long_far_away_and_fine_near(plant: Make) -> None:
     assert made.probes["probe"].signal.edges == [(50 * MS, True)]
 
 
+@pytest.mark.interpreted
 def test_probe_without_clearance_is_followed_all_the_time(plant: Make) -> None:
     start = {"acceleration_then": 0.0, "position_start": 0.001}
     made = plant(BENT, axis_start=start, probe_start={"surface": 0.0}, without=("clearance",))

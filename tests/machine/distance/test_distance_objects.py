@@ -5,6 +5,8 @@ Source: FCT-M3 7.6: from INACTIVE and from FREEZE to ACTIVE.
 
 import pytest
 
+from axisrig.kernel.distance import DistanceCommand
+
 NO_FILTER = ("set:Z.kenngr.distc.n_cycles=0", "set:Z.kenngr.distc.kp=0.2")
 ON = "Z[DIST_CTRL ON CONST_DIST SET_DIST=2.5]"
 
@@ -43,7 +45,8 @@ def test_a_command_waits_until_the_plc_is_enabled(run_distance):
     def ask(channel, cycle):
         unit = channel.plc.axis["Z"].distance
         if cycle == 20:
-            unit.command_w.transition, unit.command_w.set_dist_mm = 3, 2.5
+            unit.command_w.transition = DistanceCommand(3)
+            unit.command_w.set_dist_mm = 2.5
             unit.command_semaphor_rw = True
         if cycle == 40:
             unit.enable_w = True

@@ -57,6 +57,7 @@ def test_a_sampling_drive_latches_its_last_sample(
     assert -v * 4e-6 <= expected - wall <= v * sample_us * 1e-6
 
 
+@pytest.mark.interpreted
 def test_what_is_latched_is_the_encoder_and_not_the_load(
     run_nc: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

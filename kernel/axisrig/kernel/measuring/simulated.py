@@ -51,11 +51,15 @@ class SimulatedProbe:
     is_armed: bool = False
     has_latched: bool = False
     latched_mm: float | None = None
-    latched_speed_mm: float = field(default=0.0, init=False)
-    is_actuated: bool | None = field(default=None, init=False)
-    is_prepared: bool = field(default=True, init=False)
+    latched_speed_mm: float = field(init=False)
+    is_actuated: bool | None = field(init=False)
+    is_prepared: bool = field(init=False)
     arrival: Arrival = field(default_factory=Arrival, init=False)
-    _cycles: int = field(default=0, init=False)
+    _cycles: int = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.latched_speed_mm, self.is_actuated, self.is_prepared = 0.0, None, True
+        self._cycles = 0
 
     def arm(self) -> None:
         """Wait for the signal from now on."""
