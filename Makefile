@@ -75,7 +75,7 @@ $(DOCS_STAMP): $(STAMP)
 # The same commands, compiled: .venv-fast/bin/axisrig. Not editable: a change is compiled anew
 fast: $(FAST_STAMP)
 
-$(FAST_STAMP): $(STAMP) $(shell find kernel bench fmus reports -path '*/axisrig/*' -type f ! -name '*.pyc')
+$(FAST_STAMP): $(STAMP) kernel/compile_hook.py $(shell find kernel bench fmus reports -path '*/axisrig/*' -type f ! -name '*.pyc')
 	@test -x $(FAST)/bin/python || $(PYTHON) -m venv $(FAST)
 	@rm -rf out/wheel; mkdir -p out
 	@echo "compiling into $(FAST) (some minutes)"

@@ -28,7 +28,7 @@ def compiled_modules(root: Path, config: dict[str, Any]) -> list[str]:
         path = root / entry
         files = [path] if path.is_file() else sorted(path.glob("[!_]*.py"))
         if not files:
-            raise ValueError(f"pyproject.toml: compiled: {entry} is not there")
+            raise ValueError(f"pyproject.toml: compiled: {entry} is missing")
         found += [file.relative_to(root).as_posix() for file in files]
     unknown = sorted(set(config["interpreted"]) - set(found))
     if unknown:
@@ -54,15 +54,15 @@ class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
         if version == "editable" or not self._is_on:
             return
         root = Path(self.root)
-        built = self._build(compiled_modules(root, self.config), root)
         build_data["pure_python"] = False
         build_data["infer_tag"] = True
-        for path in sorted(built.rglob("*")):
-            if path.suffix in (".so", ".pyd"):
-                build_data["force_include"][str(path)] = path.relative_to(built).as_posix()
+        build_data["force_include"] |= self._build(compiled_modules(root, self.config), root)
 
-    def _build(self, modules: list[str], root: Path) -> Path:
-        """Compile into `out/compiled`; return the folder with the extensions."""
+    def _build(self, modules: list[str], root: Path) -> dict[str, str]:
+        """Compile into `out/compiled`; return each extension and its place in the wheel.
+
+        What is in that folder from an earlier list of modules is not returned.
+        """
         from mypyc.build import mypycify  # noqa: PLC0415  only a compiled build needs it
         from setuptools import Distribution  # noqa: PLC0415
 
@@ -91,4 +91,5 @@ class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
             command.run()
         finally:
             os.chdir(here)
-        return folder / "lib"
+        built = sorted(map(Path, command.get_outputs()))
+        return {str(path): path.relative_to(folder / "lib").as_posix() for path in built}

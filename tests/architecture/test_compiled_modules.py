@@ -60,7 +60,7 @@ def test_the_list_names_modules_that_exist_and_leaves_some_out() -> None:
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"compiled": ["kernel/axisrig/kernel/tmie"]}, "tmie is not there"),
+        ({"compiled": ["kernel/axisrig/kernel/tmie"]}, "tmie is missing"),
         ({"interpreted": ["kernel/axisrig/kernel/errors.py"]}, "not in a compiled folder"),
     ],
 )

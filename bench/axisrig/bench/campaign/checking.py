@@ -77,16 +77,16 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     try:
         check_plants(settings, plant)
         start_plant(settings, plant)
-        told = [*describe_plants(settings, plant), *printed_log(settings)]
+        of_plants = [*describe_plants(settings, plant), *printed_log(settings)]
         loops = describe_distance(settings, drive_lags_s(settings, plant))
     finally:
         plant.close()
     tables = describe_schedules(settings)
-    plants = ["\n".join(told)] if told else []
-    told_lists = [f"warning: {warning}" for warning in settings.warnings]
-    told_lists += [f"note: {note}" for note in settings.notes]
+    plants = ["\n".join(of_plants)] if of_plants else []
+    remarks = [f"warning: {warning}" for warning in settings.warnings]
+    remarks += [f"note: {note}" for note in settings.notes]
     lacking = [*distance_warnings(settings), *age_warnings(settings)]
-    told_lists += [f"warning: {warning}" for warning in lacking]
+    remarks += [f"warning: {warning}" for warning in lacking]
     described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
-    axes = "\n".join([*described, *told_lists])
+    axes = "\n".join([*described, *remarks])
     return "\n\n".join([f"{path}: {rig.title}", axes, *loops, *tables, *plants])

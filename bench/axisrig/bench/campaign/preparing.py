@@ -109,7 +109,7 @@ def _has_other_files(case: Case, prepared: Prepared) -> bool:
 
 
 def _content(files: Iterable[Path]) -> list[Hashable]:
-    """Return what the content of files is told by; of an FMU, which may be large, its state."""
+    """Return a hash of the content of each file; of an FMU, which may be large, its state."""
     found: list[Hashable] = []
     for file in files:
         try:

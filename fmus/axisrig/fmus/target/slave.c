@@ -72,17 +72,17 @@ static Status misplaced(const Instance *me, const char *function)
 
 static Status tell(Instance *me, SolverReport r)
 {
-    const int told = me->notes.warnings < N_WARNINGS ? me->notes.warnings : N_WARNINGS;
-    for (int i = 0; i < told; i++) {
+    const int shown = me->notes.warnings < N_WARNINGS ? me->notes.warnings : N_WARNINGS;
+    for (int i = 0; i < shown; i++) {
         say(me, STATUS_WARNING, "%s", me->notes.warning[i]);
     }
-    if (me->notes.warnings > told) {
-        say(me, STATUS_WARNING, "%d more warnings", me->notes.warnings - told);
+    if (me->notes.warnings > shown) {
+        say(me, STATUS_WARNING, "%d more warnings", me->notes.warnings - shown);
     }
     me->notes.warnings = 0;
     switch (r.result) {
     case SOLVER_OK:
-        return told > 0 ? STATUS_WARNING : STATUS_OK;
+        return shown > 0 ? STATUS_WARNING : STATUS_OK;
     case SOLVER_TERMINATED:
         return say(me, STATUS_DISCARD, "terminate: %s", r.text);
     case SOLVER_FAILED:
@@ -380,7 +380,7 @@ typedef struct {
     int64_t n_inputs, n_outputs; /* scalars of type Float64 */
     const uint32_t *inputs, *outputs;
     const double *given; /* a row for each step */
-    double *told;        /* the same */
+    double *got;         /* the same */
 } StepsInARow;
 
 #if defined _WIN32
@@ -430,7 +430,7 @@ EXPORTED int axisrigSteps1(void *instance, StepsInARow *row)
         if (now > STATUS_WARNING) {
             return now;
         }
-        if (get_reals(me, row->outputs, row->n_outputs, row->told + k * row->n_outputs)
+        if (get_reals(me, row->outputs, row->n_outputs, row->got + k * row->n_outputs)
             != STATUS_OK) {
             return STATUS_ERROR;
         }

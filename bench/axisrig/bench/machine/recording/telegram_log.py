@@ -61,10 +61,10 @@ class TelegramLog:
             if found is None or is_error or len(frame.data) != found[0].size:
                 continue
             codec, places = found
-            told = codec.unpack(frame.data)
+            numbers = codec.unpack(frame.data)
             for place, values in places:
                 values.frame_ns.append(time_ns)
-                values.increments.append(told[place])
+                values.increments.append(numbers[place])
 
     def take_columns(self, times_ns: Times, *, is_last: bool) -> dict[str, pa.Array]:
         """Return lists of the values up to each instant that no earlier call has returned.

@@ -142,20 +142,20 @@ def _turns(measures: Sequence[Measure], repeats: int) -> Iterator[Measure]:
 
 def _entry(measure: Measure, samples: Sequence[Sample], is_compiled: bool) -> dict[str, Any]:
     """Return what is said of a measure. Raises UserError when texts of its samples differ."""
-    told: dict[str, Any] = dict(zip(("measure", *Measure._fields[1:]), measure, strict=True))
-    told["samples"] = len(samples)
+    entry: dict[str, Any] = dict(zip(("measure", *Measure._fields[1:]), measure, strict=True))
+    entry["samples"] = len(samples)
     if not samples:
-        return told | {"value": None, "is_reached": None}
+        return entry | {"value": None, "is_reached": None}
     for name in samples[0]:
         of_all = [sample[name] for sample in samples]
         numbers = [value for value in of_all if not isinstance(value, str)]
         if numbers:
-            told[name] = median(numbers)
+            entry[name] = median(numbers)
             if name == "value":
-                told |= {"least": min(numbers), "most": max(numbers)}
+                entry |= {"least": min(numbers), "most": max(numbers)}
         elif len(set(of_all)) > 1:
             raise UserError(f"{measure.name}: {name} is not the same in every run", value=of_all)
         else:
-            told[name] = of_all[0]
-    told["is_reached"] = measure.is_reached(told["value"], is_compiled)
-    return told
+            entry[name] = of_all[0]
+    entry["is_reached"] = measure.is_reached(entry["value"], is_compiled)
+    return entry

@@ -60,8 +60,8 @@ class NextRun(RunFactor):
 
     def sample(self) -> Sample:
         """Run it once more."""
-        told = super().sample()
-        return {**told, "value": told["beyond_simulation_ms"]}
+        result = super().sample()
+        return {**result, "value": result["beyond_simulation_ms"]}
 
 
 class Pair:
@@ -72,9 +72,9 @@ class Pair:
 
     def sample(self) -> Sample:
         """Take the least of some measurements of each way, in turns."""
-        told = measure_pair(1, self._clock_ns)
+        result = measure_pair(1, self._clock_ns)
         names = ("c_loop_us", "ours_us", "fmpy_us", "beyond_c_us", "fmpy_beyond_c_us")
-        return {"value": told["ratio"], **{name: told[name] for name in names}}
+        return {"value": result["ratio"], **{name: result[name] for name in names}}
 
 
 class Workers:

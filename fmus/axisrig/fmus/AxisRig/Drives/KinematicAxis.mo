@@ -19,7 +19,8 @@ model KinematicAxis "Axis without mass: the load is where the demand is"
 protected
   Units.Position held "Where it stands without power";
   Boolean moving "The demand still moves";
-  // Without noise no number is drawn.
+  // Without noise no number is drawn: the first would come after 1e6 s, longer than any run. Products,
+  // since compilers fix parameters that decide an if; noise below 1e-30 is none.
   Sensors.SampledNoise noise_source(
     period = noise_period + 1e6*max(0, 1 - 1e30*abs(noise)),
     random_seed = seed);

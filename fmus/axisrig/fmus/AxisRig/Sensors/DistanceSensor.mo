@@ -65,7 +65,9 @@ protected
     nonlinearity = residual,
     full_scale = range);
   SensorFilter filter(number = order, corner = bandwidth, damping_ratio = damping);
-  // Without noise no number is drawn; a filter keeps the instants, at which its internal steps end.
+  // Without noise no number is drawn: the first would come after 1e6 s, longer than any run. Products,
+  // since compilers fix parameters that decide an if; noise below 1e-30 is none. A filter keeps the
+  // instants, at which its internal steps end.
   SampledNoise noise_source(
     period = noise_period + 1e6*max(0, 1 - 1e30*abs(noise) - order),
     random_seed = seed);

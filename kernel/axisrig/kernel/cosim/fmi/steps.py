@@ -32,7 +32,7 @@ class _Row(ctypes.Structure):
         ("inputs", POINTER),
         ("outputs", POINTER),
         ("given", POINTER),
-        ("told", POINTER),
+        ("got", POINTER),
     )
 
 
@@ -50,7 +50,7 @@ class StepsInARow:
         self._in_count, self._out_count = len(inputs), len(outputs)
         self._ends_ns: Any = (ctypes.c_int64 * ROWS)()
         self._given: Any = (ctypes.c_double * (ROWS * len(inputs)))()
-        self._told: Any = (ctypes.c_double * (ROWS * len(outputs)))()
+        self._got: Any = (ctypes.c_double * (ROWS * len(outputs)))()
         self._inputs = (ctypes.c_uint32 * len(inputs))(*inputs)
         self._outputs = (ctypes.c_uint32 * len(outputs))(*outputs)
         self._row = row = _Row()
@@ -58,7 +58,7 @@ class StepsInARow:
         row.n_inputs, row.n_outputs = len(inputs), len(outputs)
         row.ends_ns = ctypes.addressof(self._ends_ns)
         row.inputs, row.outputs = ctypes.addressof(self._inputs), ctypes.addressof(self._outputs)
-        row.given, row.told = ctypes.addressof(self._given), ctypes.addressof(self._told)
+        row.given, row.got = ctypes.addressof(self._given), ctypes.addressof(self._got)
         self._status = 0
 
     def take(self, ends_ns: Sequence[TimeNs], given: Sequence[float] = ()) -> list[list[float]]:
@@ -86,8 +86,8 @@ class StepsInARow:
         self._ends_ns[: len(ends_ns)] = ends_ns
         self._status = self._call(self._slave.pointer, self._address)
         self._slave.time_ns = row.begin_ns
-        told = self._told[: row.done * width]
-        return [told[k * width : (k + 1) * width] for k in range(row.done)]
+        got = self._got[: row.done * width]
+        return [got[k * width : (k + 1) * width] for k in range(row.done)]
 
     def refuse(self, end_ns: TimeNs) -> None:
         """Raise PlantError for the step to `end_ns`, the first that was not reached."""
