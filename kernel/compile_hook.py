@@ -1,7 +1,8 @@
 """Compiles the rooms that a run spends its time in, when `AXISRIG_COMPILE=1` builds a wheel.
 
 mypyc turns the modules into one C extension, `axisrig.kernel._compiled__mypyc`, and a small one for
-each module, as black and mypy ship. The sources stay in the wheel; without the variable, and for an
+each module, as black and mypy ship. The line of a bus and the scheduler are there in C too, written by hand; these are extensions of
+their own. The sources stay in the wheel; without the variable, and for an
 editable installation, nothing is compiled and everything works the same, only slower.
 
 `pyproject.toml` names what is compiled.
@@ -36,6 +37,26 @@ def compiled_modules(root: Path, config: dict[str, Any]) -> list[str]:
     return [path for path in found if path not in config["interpreted"]]
 
 
+def native_extensions(config: dict[str, Any]) -> list[Any]:
+    """Return the extensions written in C, to be built from the root of the project.
+
+    config: `native`, their sources; each may include headers from the folders of all of them.
+    """
+    from setuptools import Extension  # noqa: PLC0415  only a compiled build needs it
+
+    sources = [Path(source) for source in config["native"]]
+    folders = sorted({source.parent.as_posix() for source in sources})
+    extensions = []
+    for source in sources:
+        # Below the folder of a package's root: kernel/axisrig/kernel/time/_scheduler.c
+        name = ".".join(source.with_suffix("").parts[1:])
+        arguments = [] if os.name == "nt" else ["-std=c11", "-O2"]
+        extensions.append(
+            Extension(name, [source.as_posix()], include_dirs=folders, extra_compile_args=arguments)
+        )
+    return extensions
+
+
 class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
     """Adds the extensions to a wheel and gives it the tag of this platform."""
 
@@ -64,7 +85,7 @@ class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
         What is in that folder from an earlier list of modules is not returned.
         """
         from mypyc.build import mypycify  # noqa: PLC0415  only a compiled build needs it
-        from setuptools import Distribution  # noqa: PLC0415
+        from setuptools import Distribution  # noqa: PLC0415  as above
 
         folder = root / "out" / "compiled"
         here = Path.cwd()
@@ -81,6 +102,7 @@ class CompileHook(BuildHookInterface):  # type: ignore[type-arg]
                 if os.name != "nt":
                     # Part of Python's own -Wall; on generated code it takes twice the compilation
                     extension.extra_compile_args.append("-Wno-misleading-indentation")
+            extensions += native_extensions(self.config)
             command = Distribution({"name": "axisrig", "ext_modules": extensions}).get_command_obj(
                 "build_ext"
             )

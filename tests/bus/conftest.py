@@ -7,7 +7,7 @@ import pytest
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 GENERATOR = 0b1100010110011001
 """x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1, written out from the CAN specification."""
@@ -68,7 +68,7 @@ def naive_bits() -> Callable[[Frame], int]:
 
 @pytest.fixture
 def scheduler() -> Scheduler:
-    return Scheduler()
+    return new_scheduler()
 
 
 @pytest.fixture

@@ -17,7 +17,7 @@ from axisrig.bench.bus.logs import open_log
 from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS, Phase
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 def dictionary():
     od = ObjectDictionary()
@@ -27,7 +27,7 @@ def dictionary():
         od.add_object(variable)
     return od
 
-scheduler, digest, numbers = Scheduler(), FrameHash(), random.Random(7)
+scheduler, digest, numbers = new_scheduler(), FrameHash(), random.Random(7)
 logs = [open_log(Path(name), ["x", "y"]) for name in sys.argv[1:]]
 for name in ("x", "y"):
     segment = Segment(name, 1_000_000, scheduler)

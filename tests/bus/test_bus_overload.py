@@ -16,7 +16,7 @@ from axisrig.bench.bus.controller import QueueKind
 from axisrig.bench.bus.load import LoadFigures
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS, US, Phase
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 CYCLES = 1000
 TPDOS, RPDOS = {0x180: 8, 0x280: 8}, {0x200: 8, 0x300: 5}
@@ -37,7 +37,7 @@ class Traffic:
 
 def play(drives: int, queue: QueueKind) -> Traffic:
     """Let a master and its drives talk for 1000 cycles with random data."""
-    scheduler, numbers = Scheduler(), random.Random(drives)
+    scheduler, numbers = new_scheduler(), random.Random(drives)
     with Segment("load", 1_000_000, scheduler) as segment:
         traffic = Traffic(segment.load())
         master = segment.port("master", queue)

@@ -18,7 +18,7 @@ from axisrig.bench.bus.frame import Frame, data_frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 PORTS = 4
 REQUESTS = st.lists(
@@ -79,7 +79,7 @@ class Play:
 
     def run(self) -> None:
         """Play it with unique data, so that every frame can be told from every other."""
-        scheduler, numbers = Scheduler(), random.Random(self.seed)
+        scheduler, numbers = new_scheduler(), random.Random(self.seed)
         with Segment("random", 1_000_000, scheduler) as segment:
             kinds = ["fifo" if kind == "f" else "mailbox" for kind in self.queues]
             ports = [segment.port(f"p{n}", kinds[n]) for n in range(PORTS)]  # type: ignore[arg-type]

@@ -13,7 +13,7 @@ from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.logs import blf_writer
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 Seen = list[tuple[int, str, Frame, bool]]
 
@@ -56,7 +56,7 @@ def test_hash_equals_the_documented_layout_put_together_by_hand(segment: Segment
 def test_one_hash_over_two_segments_tells_who_carried_what() -> None:
     digests = set()
     for x_id, y_id in ((0x80, 0x81), (0x81, 0x80)):
-        scheduler, frame_hash = Scheduler(), FrameHash()
+        scheduler, frame_hash = new_scheduler(), FrameHash()
         with Segment("x", 1_000_000, scheduler) as x, Segment("y", 1_000_000, scheduler) as y:
             for segment, can_id in ((x, x_id), (y, y_id)):
                 segment.observe(frame_hash)

@@ -13,7 +13,7 @@ from axisrig.bench.bus.faults import Alter, Delay, Drop, Duplicate, ErrorAtBit, 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS, Phase
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 
 class Pair:
@@ -148,7 +148,7 @@ def test_random_traffic_with_faults_is_heard_as_through_deliver(seed: int) -> No
 
     def heard(is_direct: bool) -> list[tuple[int, str, int, bytes, float]]:
         found: list[tuple[int, str, int, bytes, float]] = []
-        numbers, scheduler = random.Random(seed), Scheduler()
+        numbers, scheduler = random.Random(seed), new_scheduler()
         with Segment("random", 1_000_000, scheduler) as segment:
             networks = {}
             for name in "abc":

@@ -22,7 +22,7 @@ from axisrig.bench.bus.load import LoadFigures
 from axisrig.bench.bus.logs import LOG_SUFFIXES, BusLog, open_log
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 SEGMENTS = ("can1", "second")  # records of different lengths
 
@@ -35,7 +35,7 @@ def play(
     observers: Sequence[BusLog | FrameHash] = (),
 ) -> list[Segment]:
     """Send standard, extended, remote and destroyed frames on both segments, mixed in time."""
-    scheduler, numbers = Scheduler(), random.Random(11)
+    scheduler, numbers = new_scheduler(), random.Random(11)
 
     def destroy(frame: Frame, _port: object, _attempt: int) -> FaultAction | None:
         return ErrorAtBit(20) if numbers.random() < 0.02 else None
@@ -154,7 +154,7 @@ def test_a_reader_that_fails_stops_the_run_once() -> None:
     journal = Journal(3)
     journal.add(lambda block: blocks.append(len(block)))
     journal.add(fail)
-    with Segment("can1", 1_000_000, Scheduler(), journal=journal) as segment:
+    with Segment("can1", 1_000_000, new_scheduler(), journal=journal) as segment:
         segment.port("listener")
         sender = segment.port("sender")
         for _ in range(3):
@@ -174,7 +174,7 @@ def test_a_run_that_ends_by_an_exception_leaves_every_frame(tmp_path: Path) -> N
         opened.callback(log.stop)
         journal.add(log.take)
         opened.callback(journal.drain)
-        segment = opened.enter_context(Segment("can1", 1_000_000, Scheduler(), journal=journal))
+        segment = opened.enter_context(Segment("can1", 1_000_000, new_scheduler(), journal=journal))
         came: list[int] = []
         listener = segment.port("listener")
 
@@ -195,7 +195,7 @@ def test_a_run_that_ends_by_an_exception_leaves_every_frame(tmp_path: Path) -> N
 
 def test_nothing_that_is_kept_grows_with_the_run() -> None:
     """A run that is killed loses a block and what its writer holds, at most."""
-    with Segment("can1", 1_000_000, Scheduler(), journal=Journal(100)) as segment:
+    with Segment("can1", 1_000_000, new_scheduler(), journal=Journal(100)) as segment:
         segment.port("listener")
         sender = segment.port("sender")
         for index in range(1000):

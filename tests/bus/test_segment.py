@@ -14,7 +14,7 @@ from axisrig.bench.bus.frame import Frame, data_frame
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.kernel.time.clock import MS, Phase
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 Bits = Callable[[Frame], int]
 Watch = Callable[[Segment], list[tuple[int, int, str]]]
@@ -75,7 +75,7 @@ def test_frame_time_is_rounded_when_a_bit_is_no_whole_ns(
 ) -> None:
     """48 bits at 3 Mbit/s are 16000 ns; 51 bits are 17000 ns; at 7 Mbit/s 6857.14 and 7285.71."""
     for bitrate, ends in ((3_000_000, [16_000, 33_000]), (7_000_000, [6857, 7286 + 6857])):
-        with Segment("odd", bitrate, Scheduler()) as segment:
+        with Segment("odd", bitrate, new_scheduler()) as segment:
             seen = watch(segment)
             port = segment.port("only")
             segment.port("listener")
@@ -165,7 +165,7 @@ def test_bus_never_overlaps_and_loses_nothing(
     No identifier has two senders: those could collide (test_bus_errors).
     """
     requests = [(port, at, can_id // 3 * 3 + port, data) for port, at, can_id, data in requests]
-    scheduler = Scheduler()
+    scheduler = new_scheduler()
     with Segment("random", 1_000_000, scheduler) as segment:
         ports = [segment.port("fifo"), segment.port("mailbox", "mailbox"), segment.port("third")]
         got: list[list[Frame]] = [[] for _ in ports]

@@ -21,8 +21,8 @@ ROOT = Path(__file__).resolve().parents[2]
 OPEN_BY_NAME = """
 import can
 from axisrig.bench.bus.segment import Segment
-from axisrig.kernel.time.scheduler import Scheduler
-with Segment("can1", 250_000, Scheduler()) as segment:
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
+with Segment("can1", 250_000, new_scheduler()) as segment:
     with can.Bus(interface="axisrig", channel="can1", bitrate=250_000) as bus:
         print(type(bus).__name__, bus.segment is segment, bus.port_name)
     print(segment.ports)

@@ -48,7 +48,7 @@ from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS, US, S
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 INCREMENTS_PER_MM = 2**20 / 10
 OFFSET_NS = 620 * US
@@ -156,7 +156,7 @@ class ChannelBench:
     ) -> None:
         self.bus = BusSettings(sync_counter=sync_counter)
         self.start_up = start_up or StartUpSettings()
-        self.scheduler = Scheduler()
+        self.scheduler = new_scheduler()
         self.segment = Segment(f"channel bus {next(_NUMBERS)}", 1_000_000, self.scheduler)
         self.world = World()
         self.frames: list[tuple[int, int, bytes]] = []

@@ -16,7 +16,7 @@ from axisrig.bench.drive.dictionary.eds import object_dictionary
 from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.bench.drive.node import DriveNode
 from axisrig.kernel.time.clock import MS, US
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 NODE = 3
 
@@ -222,7 +222,7 @@ def drive_bench() -> Iterator[Callable[..., DriveBench]]:
             profile: DriveProfile | None = None,
             remote: type[SimRemoteNode] = SimRemoteNode,
         ) -> DriveBench:
-            scheduler = Scheduler()
+            scheduler = new_scheduler()
             name = f"drive bus {next(numbers)}"
             segment = stack.enter_context(Segment(name, 1_000_000, scheduler))
             axis = axis or FakeAxis()

@@ -20,7 +20,7 @@ from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.cosim.plant.demand import ControlKind
 from axisrig.kernel.drives.ds402 import State, state_of
 from axisrig.kernel.time.clock import MS, US
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 PER_M = 104_857_600
 Make = Callable[..., Any]
@@ -71,7 +71,7 @@ class Bare:
     """A servo without a bus, and the checks of an SDO server in front of it."""
 
     def __init__(self, axis: Any) -> None:
-        self.clock, self.axis = Scheduler(), axis
+        self.clock, self.axis = new_scheduler(), axis
         self.emergencies: list[int] = []
         self.servo = Servo(
             axis,

@@ -2,11 +2,11 @@
 
 from axisrig.bench.drive.application.functions.ticks import Ticker
 from axisrig.kernel.time.clock import US
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 
 def test_ticks_are_counted_from_the_last_sync_on() -> None:
-    clock = Scheduler()
+    clock = new_scheduler()
     seen: list[int] = []
     ticker = Ticker(clock, 250 * US, lambda: seen.append(clock.now_ns // US))
     ticker.need(True)
@@ -17,7 +17,7 @@ def test_ticks_are_counted_from_the_last_sync_on() -> None:
 
 
 def test_no_tick_where_none_is_needed() -> None:
-    clock = Scheduler()
+    clock = new_scheduler()
     seen: list[int] = []
     ticker = Ticker(clock, 250 * US, lambda: seen.append(clock.now_ns // US))
     ticker.lock()
@@ -30,7 +30,7 @@ def test_no_tick_where_none_is_needed() -> None:
 
 
 def test_an_action_may_end_the_ticks() -> None:
-    clock = Scheduler()
+    clock = new_scheduler()
     seen: list[int] = []
 
     def act() -> None:

@@ -26,7 +26,7 @@ from axisrig.kernel.drives.startup_steps import (
 )
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS, US
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 NODE = 3
 OFFSET_NS = 600 * US
@@ -203,7 +203,7 @@ class LinkBench:
 @pytest.fixture
 def link_bench() -> Iterator[Callable[..., LinkBench]]:
     """Make a bench; edges_ns: of the signal wired to the probe input in use."""
-    scheduler = Scheduler()
+    scheduler = new_scheduler()
     with Segment("link bus", 1_000_000, scheduler) as segment:
 
         def make(

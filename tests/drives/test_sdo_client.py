@@ -12,7 +12,7 @@ from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
 from axisrig.kernel.drives.sdo import SdoClient, SdoError
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 NODE = 5
 TEXT = 0x2001
@@ -43,7 +43,7 @@ class Server:
 
 
 def _client(answer: Callable[[bytes], list[bytes]]) -> tuple[Server, SdoClient]:
-    clock = Scheduler()
+    clock = new_scheduler()
     server = Server(clock, answer)
     return server, SdoClient(server, clock, NODE, timeout_ns=100 * MS, attempts=2)
 
@@ -187,7 +187,7 @@ def test_texts_of_any_length_go_there_and_back_through_canopens_server(length: i
     variable.data_type = datatypes.VISIBLE_STRING
     od.add_object(variable)
     text = bytes(65 + n % 26 for n in range(length))
-    clock = Scheduler()
+    clock = new_scheduler()
     with Segment("sdo bus", 1_000_000, clock) as segment:
         node_network: canopen.Network = SimNetwork(segment.port("node")).connect()
         node = canopen.LocalNode(NODE, od)

@@ -11,7 +11,7 @@ from axisrig.kernel.drives.link_settings import LinkSettings
 from axisrig.kernel.drives.watch import DriveWatch, WatchSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.time.clock import MS, S
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 LIMIT_NS = 40 * MS
 TABLE = """pdo,transmission,inhibit_100us,index,sub,bits,signed,field
@@ -42,7 +42,7 @@ def test_silence_before_begin_does_not_count(
     settings: WatchSettings, is_heard_before: bool
 ) -> None:
     """The start-up takes 5 s; the limit counts from its end on, to the nanosecond."""
-    clock = Scheduler()
+    clock = new_scheduler()
     watch, hear = watched(clock, settings)
     if is_heard_before:
         hear(0x703, bytearray([5]), 0.0)

@@ -32,7 +32,7 @@ from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS, US, S
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 NODE_ID = 5
 PER_REVOLUTION, LEAD_MM = 1 << 20, 10
@@ -60,7 +60,7 @@ class MasterBench:
     def __init__(self, library: Path, surface: int | None, settings: StartUpSettings) -> None:
         from canopennode.slave import ForeignDrive  # noqa: PLC0415
 
-        self.scheduler = Scheduler()
+        self.scheduler = new_scheduler()
         self.segment = Segment(f"foreign {next(_NUMBERS)}", 1_000_000, self.scheduler)
         self.frames: list[tuple[int, int, bytes]] = []
         self.segment.observe(lambda t, _name, frame, _error: self.frames.append((t, *frame[:2])))

@@ -16,7 +16,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 RIG = Path("testplans/rigs/homing-z.toml")
 UNITS_PER_MM = 2**20 / 10
@@ -33,7 +33,7 @@ class Master:
         table, files = read_rig(RIG)
         changes = [(parse_assignment(text), as_written) for text in assignments]
         settings = read_settings(table, files, changes)
-        self.scheduler = Scheduler()
+        self.scheduler = new_scheduler()
         self.plant = build_plant(settings)
         opened.callback(self.plant.close)
         check_plants(settings, self.plant)

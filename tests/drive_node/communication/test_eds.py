@@ -19,7 +19,7 @@ from axisrig.bench.drive.dictionary.eds import eds_text
 from axisrig.bench.drive.dictionary.profiles import named_profile, profile_names
 from axisrig.bench.drive.node import DriveNode
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 Make = Callable[..., Any]
 
@@ -95,7 +95,7 @@ def test_canopen_writes_by_block_transfer(drive_bench: Make) -> None:
 
 def test_a_block_takes_its_time_on_a_slow_bus(fake_axis: Any) -> None:
     """127 segments at 10 kbit/s take longer than the 1 s that a client may be silent."""
-    scheduler = Scheduler()
+    scheduler = new_scheduler()
     with Segment("slow", 10_000, scheduler) as segment:
         network = SimNetwork(segment.port("drive")).connect()
         DriveNode("Z", 3, network, scheduler, fake_axis())

@@ -13,7 +13,7 @@ from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.communication.nmt import NmtState
 from axisrig.bench.drive.node import DriveNode
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import Scheduler, new_scheduler
 
 Make = Callable[..., Any]
 IDENTITY = (0, 402, 0x10000, 3)
@@ -197,7 +197,7 @@ class Answers(queue.Queue):  # type: ignore[type-arg]
 @pytest.fixture
 def bus(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
     """A segment and canopen's master; `drive(serial)` adds a drive without a number."""
-    scheduler = Scheduler()
+    scheduler = new_scheduler()
     monkeypatch.setattr(
         "canopen.lss.time",
         SimpleNamespace(sleep=lambda s: scheduler.run_until(scheduler.now_ns + round(s * 1e9))),

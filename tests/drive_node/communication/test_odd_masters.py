@@ -10,7 +10,7 @@ from axisrig.bench.bus.canopen_sim import SimNetwork
 from axisrig.bench.bus.segment import Segment
 from axisrig.bench.drive.node import DriveNode
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 NODE = 3
 IDENTIFIERS = (
@@ -65,7 +65,7 @@ class Bus:
     """A drive and the raw port of a stranger."""
 
     def __init__(self, axis: Any) -> None:
-        self.scheduler = Scheduler()
+        self.scheduler = new_scheduler()
         self.segment = Segment("fuzz", 1_000_000, self.scheduler)
         network = SimNetwork(self.segment.port("drive")).connect()
         self.node = DriveNode("Z", NODE, network, self.scheduler, axis)

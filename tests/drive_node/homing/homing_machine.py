@@ -7,7 +7,7 @@ from axisrig.bench.drive.application.servo import Servo
 from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.time.clock import MS, US
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 UNITS_PER_MM = 2**20 / 10
 LOOK_NS = 125 * US
@@ -108,7 +108,7 @@ class Bench:
         **habits: object,
     ) -> None:
         switches = switches or {}
-        self.scheduler = Scheduler()
+        self.scheduler = new_scheduler()
         self.axis = Axis(start_mm, list(switches.values()), wall_mm)
         profile = DriveProfile(index_angle_deg=90.0, **habits)  # type: ignore[arg-type]
         self.emergencies: list[int] = []

@@ -22,6 +22,7 @@ Request = tuple[int, int, TimeNs, int, Frame]
 QueueKind = Literal["fifo", "mailbox"]
 StateCallback = Callable[[ErrorState], None]
 
+FOREIGN_THREAD: Final = "a simulated bus belongs to the thread that made it"
 QUEUES: Final = ("fifo", "mailbox")
 """A FIFO is what most drivers give; mailboxes send the lowest identifier first."""
 
@@ -45,6 +46,13 @@ class Wire(Protocol):
 
     def wake(self) -> None:
         """Take note of a new request."""
+        ...
+
+    @property
+    def request_data(
+        self,
+    ) -> Callable[[Callable[[Request], None], int, bytes | bytearray | list[int]], None]:
+        """Put an 11-bit data frame of up to 8 bytes into a transmit queue and take note of it."""
         ...
 
     def update_parts(self) -> None:
@@ -80,6 +88,7 @@ class Controller:
         self.segment = segment
         self.port_name = port_name
         self._scheduler = segment.scheduler
+        self._request_data = segment.request_data
         self._owner_thread = get_ident()
         self.pending: MutableSequence[Request]
         self.take: Callable[[], Request]
@@ -112,12 +121,14 @@ class Controller:
         if not 0 <= cob_id <= STANDARD_ID_MAX:
             self._send_extended(cob_id, data)
             return
-        size = len(data)
-        if size > DATA_BYTES_MAX:
-            raise ValueError(f"{size} data bytes in a classical CAN frame")
-        # A named tuple made without its constructor, which costs as much as the queue
-        frame: Frame = tuple.__new__(Frame, (cob_id, bytes(data), False, False, size))
-        self.request(cob_id << 21, frame)
+        if len(data) > DATA_BYTES_MAX:
+            raise ValueError(f"{len(data)} data bytes in a classical CAN frame")
+        if get_ident() != self._owner_thread:
+            raise RuntimeError(FOREIGN_THREAD)
+        if not self.takes_part:
+            self._lose()
+            return
+        self._request_data(self._push, cob_id, data)
 
     def request(self, key: int, frame: Frame) -> None:
         """Let a frame compete from this instant on; key: of `arbitration_key`.
@@ -126,7 +137,7 @@ class Controller:
         a foreign thread.
         """
         if get_ident() != self._owner_thread:
-            raise RuntimeError("a simulated bus belongs to the thread that made it")
+            raise RuntimeError(FOREIGN_THREAD)
         if not self.takes_part:
             self._lose()
             return

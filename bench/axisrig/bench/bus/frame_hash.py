@@ -2,10 +2,11 @@
 
 import hashlib
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.journal import Entry, Journal
+from axisrig.bench.bus.native import native
 from axisrig.kernel.time.clock import TimeNs
 
 EXTENDED, REMOTE, ERROR = 1, 2, 4
@@ -32,6 +33,7 @@ class FrameHash:
     def __init__(self, journal: Journal | None = None) -> None:
         self._hash = hashlib.sha256()
         self._names: dict[str, tuple[bytes, Callable[..., bytes]]] = {}
+        self._bytes: dict[str, bytes] = {}
         self._frames = 0
         self._journal = journal
         if journal is not None:
@@ -41,8 +43,14 @@ class FrameHash:
         """Add one frame."""
         self.take([(time_ns, segment, frame, is_error)])
 
-    def take(self, block: Sequence[Entry]) -> None:
+    def take(self, block: list[Entry]) -> None:
         """Add frames."""
+        self._frames += len(block)
+        if native is not None:
+            for name in {entry[1] for entry in block} - self._bytes.keys():
+                self._bytes[name] = _counted(name)
+            self._hash.update(native.hash_records(block, self._bytes))
+            return
         records: list[bytes] = []
         last = None
         for time_ns, segment, frame, is_error in block:
@@ -57,7 +65,6 @@ class FrameHash:
                 flags = EXTENDED * extended | REMOTE * remote | ERROR * is_error
             records.append(pack(time_ns, name, can_id, flags, dlc, data))
         self._hash.update(b"".join(records))
-        self._frames += len(block)
 
     @property
     def frames(self) -> int:
@@ -77,5 +84,11 @@ class FrameHash:
 
 def _codec(segment: str) -> tuple[bytes, Callable[..., bytes]]:
     """Return the name of a segment as it is hashed, and what packs the bytes of a frame there."""
+    name = _counted(segment)
+    return name, struct.Struct(f"<q{len(name)}sIBB8s").pack
+
+
+def _counted(segment: str) -> bytes:
+    """Return the name of a segment with its length before it."""
     text = segment.encode()
-    return bytes([len(text)]) + text, struct.Struct(f"<q{1 + len(text)}sIBB8s").pack
+    return bytes([len(text)]) + text

@@ -4,7 +4,7 @@ Hash and log files act on nothing, so they need not see a frame at its instant: 
 costs them a third of what the same frames cost one by one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.kernel.time.clock import TimeNs
@@ -15,7 +15,7 @@ Entry = tuple[TimeNs, str, Frame, bool]
 FrameObserver = Callable[[TimeNs, str, Frame, bool], None]
 """Called as observer(time_ns, segment, frame, is_error) at every end of frame."""
 
-BlockReader = Callable[[Sequence[Entry]], None]
+BlockReader = Callable[[list[Entry]], None]
 
 BLOCK_FRAMES = 2048
 """Half a second of one axis at 1 ms."""

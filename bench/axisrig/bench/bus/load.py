@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from axisrig.bench.bus.frame import Frame
+from axisrig.bench.bus.native import native
 from axisrig.kernel.time.clock import MS, S, TimeNs
 
 WINDOW_NS = MS
@@ -61,6 +62,16 @@ class LoadMeter:
         if not self.passed:
             return
         self._extend(self.passed[-1][1])
+        self._bits += (
+            self._add()
+            if native is None
+            else native.add_load(self.passed, self._busy_ns, self._worst_delay_ns, WINDOW_NS)
+        )
+        self._frames += len(self.passed)
+        self.passed.clear()
+
+    def _add(self) -> int:
+        """Add the frames in `passed` to windows and delays; return their bits."""
         windows, worst_ns, bits_sum = self._busy_ns, self._worst_delay_ns, 0
         window = border_ns = 0
         for start_ns, end_ns, bits, can_id, extended, delay_ns in self.passed:
@@ -75,9 +86,7 @@ class LoadMeter:
             key = can_id | EXTENDED_FLAG if extended else can_id
             if delay_ns >= worst_ns.get(key, 0):
                 worst_ns[key] = delay_ns
-        self._bits += bits_sum
-        self._frames += len(self.passed)
-        self.passed.clear()
+        return bits_sum
 
     def occupy(self, start_ns: TimeNs, end_ns: TimeNs, bits: int) -> None:
         """Add one occupation of the bus, a frame or an error frame with what it cut short."""

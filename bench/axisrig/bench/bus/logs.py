@@ -20,6 +20,7 @@ import can
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.journal import Entry
+from axisrig.bench.bus.native import native
 from axisrig.bench.files import named, naming
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import S, TimeNs
@@ -47,7 +48,7 @@ class BusLog:
         """Write one frame. Raises OSError with the name of the file."""
         raise NotImplementedError
 
-    def take(self, block: Sequence[Entry]) -> None:
+    def take(self, block: list[Entry]) -> None:
         """Write frames. Raises OSError with the name of the file."""
         for entry in block:
             self(*entry)
@@ -165,8 +166,11 @@ class BlfLog(MessageLog):
         self._blf = writer
         self._numbers = {name: number + 1 for name, number in channels.items()}
 
-    def take(self, block: Sequence[Entry]) -> None:
+    def take(self, block: list[Entry]) -> None:
         """Write frames. Raises OSError with the name of the file."""
+        if native is not None:
+            self._take_native(block)
+            return
         objects: list[bytes] = []
         head, pack, numbers = self._HEAD, self._OBJECT.pack, self._numbers
         for entry in block:
@@ -186,12 +190,23 @@ class BlfLog(MessageLog):
         self._put(objects)
         self._blf.stop_timestamp = block[-1][0] / S
 
+    def _take_native(self, block: list[Entry]) -> None:
+        first = 0
+        while first < len(block):
+            objects, after = native.blf_objects(block, first, self._numbers, self._HEAD)
+            self._put([objects])
+            if after < len(block):
+                self(*block[after])
+            first = after + 1
+        self._blf.stop_timestamp = block[-1][0] / S
+
     def _put(self, objects: list[bytes]) -> None:
         """Give objects to the writer, which puts each 128 KB of them into a container."""
         writer = self._blf
+        size = sum(map(len, objects))
         writer._buffer += objects
-        writer._buffer_size += self._OBJECT.size * len(objects)
-        writer.object_count += len(objects)
+        writer._buffer_size += size
+        writer.object_count += size // self._OBJECT.size
         with naming(self._path):
             for _ in range(writer._buffer_size // writer.max_container_size):
                 writer._flush()

@@ -107,12 +107,15 @@ class OutsideSegment(Segment):
 
     # --- to the outside --------------------------------------------------------------------------
 
-    def _arbitrate(self) -> None:
+    def _look(self) -> None:
+        """Let the line ask `arbitrate`, always."""
+
+    def arbitrate(self) -> None:
         """Send what the ports have requested, the lowest identifier first."""
         while True:
-            ready = [port for port in self._live if port.pending]
+            ready = [port for port in self._line.live if port.pending]
             if not ready:
-                self._idle = True
+                self._line.is_idle = True
                 return
             port = min(ready, key=lambda port: port.pending[0][0])
             frame = port.take()[4]
@@ -152,7 +155,7 @@ class OutsideSegment(Segment):
         self._meter.occupy(self.now_ns, self.now_ns + self._duration_ns[bits], bits)
 
     def _deliver(self, frame: Frame, sender: Controller | None) -> None:
-        for port in self._live:
+        for port in self._line.live:
             if port is not sender or port.receive_own_messages:
                 port.deliver(frame, self.now_ns, port is sender)
 

@@ -52,16 +52,16 @@ from axisrig.bench.bus.frame import (
     DATA_BYTES_MAX,
     IFS_BITS,
     TAIL_BITS,
-    Frame,
     FrameLengths,
     worst_case_bits,
 )
-from axisrig.bench.bus.journal import Journal
+from axisrig.bench.bus.journal import FrameObserver, Journal
+from axisrig.bench.bus.line import Line, bus_line
 from axisrig.bench.bus.load import LoadFigures
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.bench.bus.traffic import Traffic
 from axisrig.kernel.time.clock import Phase, S, TimeNs
-from axisrig.kernel.time.scheduler import Event, Scheduler
+from axisrig.kernel.time.scheduler import Scheduler
 
 _BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
 
@@ -91,11 +91,6 @@ class Segment(Traffic):
         self.scheduler = scheduler
         self.sequence = count()
         self.ports: tuple[Controller, ...] = ()
-        self._idle = True
-        self._free_ns: TimeNs = 0
-        # The ports that take part; whether they can acknowledge, and no fault looks at frames
-        self._live: tuple[Controller, ...] = ()
-        self._is_undisturbed = False
         self._suspended: tuple[Controller, ...] = ()
         self._suspended_until_ns: TimeNs = 0
         self._counts = ErrorCounts(bitrate, scheduler, automatic_recovery=automatic_recovery)
@@ -104,10 +99,10 @@ class Segment(Traffic):
         self._lengths = FrameLengths()
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
-        # What is on the wire: sender, request, start of frame, length up to and without the
-        # intermission, what is unusual about it.
-        self._wire: tuple[Controller, Request, TimeNs, int, Disturbance | None] | None = None
-        self._end: Event = []
+        self._line: Line = bus_line(
+            name, scheduler, self, self._journal, self._passed, self._duration_ns, self.sequence
+        )
+        self.request_data = self._line.request_data
         self._delayed = DelayedRequests(scheduler, self.wake)
         registry.register(self)
 
@@ -125,7 +120,7 @@ class Segment(Traffic):
     def add_fault(self, hook: FaultHook) -> None:
         """Ask `hook` about every attempt to send, after the hooks added before."""
         self._faults += (hook,)
-        self._is_undisturbed = False
+        self._look()
 
     def close(self) -> None:
         """Shut every port down and forget the name; without effect when closed."""
@@ -171,26 +166,40 @@ class Segment(Traffic):
 
     def update_parts(self) -> None:
         """Take note that a port has become silent or speaks again."""
-        self._live = tuple(port for port in self.ports if port.takes_part)
-        self._is_undisturbed = len(self._live) >= 2 and not self._faults
+        self._line.live = tuple(port for port in self.ports if port.takes_part)
         self._delayed.forget_silent()
+        self._look()
+
+    def _look(self) -> None:
+        """Look whether anything is odd; whatever may have changed that calls this."""
+        self._line.is_plain = len(self._line.live) >= 2 and not (
+            self._faults
+            or self._suspended
+            or self._recovery.missing
+            or self._counts.is_disturbed
+            or self._delayed.for_next
+        )
 
     def wake(self) -> None:
         """Take note of a new request; a bus at rest arbitrates at the end of this instant."""
-        if self._idle:
-            self._idle = False
-            now_ns, free_ns = self.scheduler.now_ns, self._free_ns
-            time_ns = free_ns if free_ns > now_ns else now_ns
-            self.scheduler.call_at(time_ns, Phase.ARBITRATION, self._arbitrate)
+        self._line.wake()
+
+    def observe(self, observer: FrameObserver) -> None:
+        """Call `observer(time_ns, name, frame, is_error)` at once for what `tap` would get."""
+        super().observe(observer)
+        self._line.observers = self._observers
 
     def recover(self, port: Controller) -> None:
         """Let `port`, which is bus-off, count recessive bits; it calls this."""
         now_ns = self.scheduler.now_ns
-        self._recovery.add(port, None if self._wire else max(now_ns, self._free_ns))
+        line = self._line
+        self._recovery.add(port, None if line.current else max(now_ns, line.free_ns))
+        self._look()
 
     def note_state(self, port: Controller, state: ErrorState) -> None:
         """Take note of a new error state of `port`; it calls this."""
         self._counts.note(port, state)
+        self._look()
 
     def cut(self, port: Controller) -> None:
         """End what `port` is sending, for it has no power any more; it calls this.
@@ -199,32 +208,33 @@ class Segment(Traffic):
         is out, nothing is missing.
         """
         self._recovery.remove(port)
-        if self._wire is None or self._wire[0] is not port:
+        line = self._line
+        if line.current is None or line.current[0] is not port:
             return
-        _, request, start_ns, bits, odd = self._wire
+        _, request, start_ns, bits, odd = line.current
         if odd is not None and odd.is_error:
             return
         now_ns = self.scheduler.now_ns
         sent = -(-(now_ns - start_ns) * self.bitrate // S)
         if sent <= bits - TAIL_BITS:
-            self.scheduler.cancel(self._end)
+            self.scheduler.cancel(line.end)
             sent += FLAG_BITS + FLAG_BITS + DELIMITER_BITS
-            self._wire = (port, request, start_ns, sent, Disturbance(is_error=True, is_cut=True))
+            cut = Disturbance(is_error=True, is_cut=True)
+            line.current = (port, request, start_ns, sent, cut)
             end_ns = start_ns + self._duration_ns[sent]
-            self._end = self.scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_error)
+            line.end = self.scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_error)
 
     # --- arbitration -----------------------------------------------------------------------------
 
-    def _arbitrate(self) -> None:
-        """Start the frame with the lowest arbitration field, or rest."""
-        scheduler = self.scheduler
-        suspended, now_ns = self._suspended, scheduler.now_ns
-        if suspended and now_ns >= self._suspended_until_ns:
+    def arbitrate(self) -> None:
+        """Start the frame with the lowest arbitration field, or rest; the line calls this."""
+        suspended = self._suspended
+        if suspended and self.scheduler.now_ns >= self._suspended_until_ns:
             suspended = self._suspended = ()
         while True:
             winner, lowest = None, 0
             rivals: tuple[Controller, ...] = ()
-            for port in self._live:
+            for port in self._line.live:
                 pending = port.pending
                 if pending and not (suspended and port in suspended):
                     key = pending[0][0]
@@ -234,27 +244,18 @@ class Segment(Traffic):
                         rivals += (port,)
             if winner is None:
                 self._rest()
-                return
-            if self._is_undisturbed and not rivals:
-                request = winner.take()
-                bits = self._lengths[request[4]] - IFS_BITS
-                self._suspended = ()
-                if self._recovery.missing:
-                    self._recovery.frame_begins(now_ns)
-                self._wire = (winner, request, now_ns, bits, None)
-                end_ns = now_ns + self._duration_ns[bits]
-                self._end = scheduler.call_at(end_ns, Phase.DELIVERY, self._end_of_frame)
-                return
-            if self._begin_oddly(winner, rivals):
-                return
+            elif not self._begin(winner, rivals):
+                continue
+            self._look()
+            return
 
     def _rest(self) -> None:
         """Wait for a request, or for the end of a suspended transmission."""
-        self._idle = True
+        self._line.is_idle = True
         if any(port.pending for port in self._suspended):
             self.scheduler.call_at(self._suspended_until_ns, Phase.ARBITRATION, self.wake)
 
-    def _begin_oddly(self, winner: Controller, rivals: tuple[Controller, ...]) -> bool:
+    def _begin(self, winner: Controller, rivals: tuple[Controller, ...]) -> bool:
         """Begin a frame that may be disturbed; return whether one began."""
         missed: Container[str] = ()
         if rivals:
@@ -284,11 +285,11 @@ class Segment(Traffic):
         elif isinstance(action, Drop):
             missed = action.at or [port.port_name for port in self.ports]
         elif isinstance(action, ErrorAtBit):
-            if is_noticed(action, self._live, (winner, *rivals)):
+            if is_noticed(action, self._line.live, (winner, *rivals)):
                 self._destroy(winner, request, partners, action.bit, action.seen_by)
                 return True
             missed = action.seen_by or ()
-        if len(self._live) == 1 + len(partners):
+        if len(self._line.live) == 1 + len(partners):
             bit = self._lengths[request[4]] - IFS_BITS - AFTER_ACK_BITS
             self._destroy(winner, request, partners, bit, None, is_unacknowledged=True)
             return True
@@ -314,7 +315,7 @@ class Segment(Traffic):
             end_ns = self.scheduler.now_ns + self._duration_ns[whole]
             deliver = partial(self._deliver_only, senders, request)
             self.scheduler.call_at(end_ns, Phase.DELIVERY, deliver)
-        if seen_by is not None and all(port.port_name in seen_by for port in self._live):
+        if seen_by is not None and all(port.port_name in seen_by for port in self._line.live):
             seen_by = None
         bits += FLAG_BITS if seen_by is None or is_late else SUPERPOSED_FLAG_BITS
         odd = Disturbance(
@@ -336,69 +337,47 @@ class Segment(Traffic):
         self._suspended = ()
         if self._recovery.missing:
             self._recovery.frame_begins(start_ns)
-        self._wire = (sender, request, start_ns, bits, odd)
-        end = self._end_of_error if odd is not None and odd.is_error else self._end_of_frame
-        self._end = scheduler.call_at(start_ns + self._duration_ns[bits], Phase.DELIVERY, end)
+        line = self._line
+        line.current = (sender, request, start_ns, bits, odd)
+        end = self._end_of_error if odd is not None and odd.is_error else line.end_of_frame
+        line.end = scheduler.call_at(start_ns + self._duration_ns[bits], Phase.DELIVERY, end)
 
     def _deliver_only(self, senders: Sequence[Controller], request: Request) -> None:
         """Deliver a frame whose sender sees an error in its very last bit, and will repeat it."""
-        if self._wire is None or self._wire[1] != request:
+        current = self._line.current
+        if current is None or current[1] != request:
             return  # cut short meanwhile
         frame, now_ns = request[4], self.scheduler.now_ns
-        self._meter.count_frame(frame[0], frame[2], self._wire[2] - request[2])
+        self._meter.count_frame(frame[0], frame[2], current[2] - request[2])
         self._record(frame, now_ns, is_error=False)
-        receivers = [port for port in self._live if port not in senders]
+        receivers = [port for port in self._line.live if port not in senders]
         self._counts.frame_passed(receivers, (), (), ())
         for port in receivers:
             port.deliver(frame, now_ns, False)
 
-    def _end_of_frame(self) -> None:
-        """Book the time of the frame on the wire, record and deliver it."""
-        assert self._wire is not None  # an end is planned only together with a start
-        sender, request, start_ns, bits, odd = self._wire
-        self._wire, bits = None, bits + IFS_BITS
-        free_ns = self._free_ns = start_ns + self._duration_ns[bits]
+    def end_of_frame(self) -> None:
+        """Book the time of the frame on the line, record and deliver it; the line calls this."""
+        line = self._line
+        current = line.current
+        assert current is not None  # an end is planned only together with a start
+        sender, request, start_ns, bits, odd = current
+        free_ns = start_ns + self._duration_ns[bits + IFS_BITS]
         if self._recovery.missing:
             self._recovery.frame_ended(free_ns)
-        frame, now_ns = request[4], self.scheduler.now_ns
-        self._passed.append((start_ns, free_ns, bits, frame[0], frame[2], start_ns - request[2]))
-        self._entries.append((now_ns, self.name, frame, False))
-        if len(self._entries) >= self._block_frames:
-            self._journal.drain()
-        for observer in self._observers:  # before anyone reacts to it
-            observer(now_ns, self.name, frame, False)
+        line.book(current, free_ns)
         if odd is not None or self._counts.is_disturbed:
             self._deliver_disturbed(sender, request, odd or Disturbance())
         else:
-            self._deliver_undisturbed(sender, frame)
+            line.deliver(sender, request[4])
         if self._delayed.for_next:
             self._delayed.release(sender)
-        self._go_on()
-
-    def _deliver_undisturbed(self, sender: Controller, frame: Frame) -> None:
-        """Deliver a frame that all get; the subscribers of a port as `Subscribers.give` does."""
-        can_id, data, extended, remote, _ = frame
-        is_plain, now_ns = not (extended or remote), self.scheduler.now_ns
-        timestamp_s = now_ns / S
-        for port in self._live:
-            direct = port.direct
-            if port is sender:
-                if port.receive_own_messages:
-                    port.deliver(frame, now_ns, True)
-            elif direct is None or not is_plain:
-                port.deliver(frame, now_ns, False)
-            else:
-                subscribers = direct.by_id.get(can_id)
-                if subscribers:
-                    copy = bytearray(data)
-                    for subscriber in subscribers:
-                        subscriber(can_id, copy, timestamp_s)
-                direct.heard[can_id] = None
+        self._look()
+        line.go_on()
 
     def _deliver_disturbed(self, sender: Controller, request: Request, odd: Disturbance) -> None:
         """Deliver a frame that not all get, or while error counts differ from 0."""
         senders = (sender, *(port for port, _ in odd.partners))
-        receivers, frame, now_ns = self._live, request[4], self.scheduler.now_ns
+        receivers, frame, now_ns = self._line.live, request[4], self.scheduler.now_ns
         if self._counts.is_disturbed:
             failed = (odd.action.seen_by or ()) if isinstance(odd.action, ErrorAtBit) else ()
             self._counts.frame_passed(receivers, senders, odd.missed, failed)
@@ -412,39 +391,33 @@ class Segment(Traffic):
         if isinstance(odd.action, Duplicate):
             self._delayed.send_later(sender, request, odd.action.after_ns)
 
-    def _go_on(self) -> None:
-        """Arbitrate when the bus is free, if anyone wants to send by now."""
-        for port in self._live:
-            if port.pending:
-                self.scheduler.call_at(self._free_ns, Phase.ARBITRATION, self._arbitrate)
-                return
-        self._idle = True
-
     def _end_of_error(self) -> None:
         """End an error frame; the destroyed frame competes again."""
-        assert self._wire is not None
-        sender, request, start_ns, bits, odd = self._wire
+        line = self._line
+        assert line.current is not None
+        sender, request, start_ns, bits, odd = line.current
         assert odd is not None
-        self._wire, bits = None, bits + IFS_BITS
-        self._free_ns = start_ns + self._duration_ns[bits]
-        self._meter.occupy(start_ns, self._free_ns, bits)
+        bits += IFS_BITS
+        line.current, line.free_ns = None, start_ns + self._duration_ns[bits]
+        self._meter.occupy(start_ns, line.free_ns, bits)
         if self._recovery.missing:
-            self._recovery.frame_ended(self._free_ns)
+            self._recovery.frame_ended(line.free_ns)
         self._meter.count_error()
         destroyed = request[4]._replace(data=b"", dlc=0, is_remote_frame=False)
         self._record(destroyed, self.scheduler.now_ns, is_error=True)
         senders = () if odd.is_cut else ((sender, request), *odd.partners)
         ports = [port for port, _ in senders]
         self._counts.frame_failed(
-            ports if odd.is_late else self._live,
+            ports if odd.is_late else self._line.live,
             senders,
             odd.seen_by,
             is_unacknowledged=odd.is_unacknowledged,
         )
         self._suspend(ports)
-        self._go_on()
+        self._look()
+        line.go_on()
 
     def _suspend(self, senders: Sequence[Controller]) -> None:
         """Let those who have just sent and are error passive wait longer than the others."""
         self._suspended = passive(senders)
-        self._suspended_until_ns = self._free_ns + self._duration_ns[SUSPEND_BITS]
+        self._suspended_until_ns = self._line.free_ns + self._duration_ns[SUSPEND_BITS]

@@ -53,7 +53,7 @@ from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Mess
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import Program
 from axisrig.kernel.time.clock import US, S, TimeNs
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 
 class SimulatedTimeoutError(Exception):
@@ -111,7 +111,7 @@ class Machine:
         with ExitStack() as guard:  # frees what was opened when building fails half way
             guard.callback(self._open.close)
             self.scheduler = (
-                master_scheduler(settings, self._hardware) if self._hardware else Scheduler()
+                master_scheduler(settings, self._hardware) if self._hardware else new_scheduler()
             )
             # In real time no block may hold a cycle up
             journal = Journal(1 if self._hardware else BLOCK_FRAMES)

@@ -8,15 +8,21 @@ instant and is refused.
 from collections.abc import Callable
 from heapq import heappop, heappush
 from itertools import count
-from typing import Any
+from typing import Any, TypeAlias, cast
 
 from axisrig.kernel.time.clock import TimeNs
 
-Event = list[Any]
-"""Handle of `call_at`: [time_ns, phase, sequence, action]; the action is None once cancelled.
+try:  # of the compiled build
+    from axisrig.kernel.time import _scheduler as native
+except ImportError:
+    native = None  # type: ignore[assignment]
 
-A plain list because it is its own heap entry: the sequence is unique, so comparing two entries
-never reaches the action.
+Event: TypeAlias = Any
+"""Handle of `call_at`; only the scheduler looks into it.
+
+Here it is the list [time_ns, phase, sequence, action]; the action is None once cancelled. A plain
+list because it is its own heap entry: the sequence is unique, so comparing two entries never
+reaches the action.
 """
 
 
@@ -118,3 +124,13 @@ class _Advancing:
 
     def __exit__(self, *_: object) -> None:
         self.is_on = False
+
+
+def new_scheduler() -> Scheduler:
+    """Make a simulated clock, in C where this build has it (`_scheduler.c`)."""
+    return cast(Scheduler, native.Scheduler()) if native is not None else Scheduler()
+
+
+def is_native(scheduler: Scheduler) -> bool:
+    """Whether a scheduler is the one in C."""
+    return native is not None and isinstance(scheduler, native.Scheduler)

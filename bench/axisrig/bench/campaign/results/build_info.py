@@ -8,7 +8,7 @@ from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-from axisrig.kernel.time import scheduler
+from axisrig.kernel.time import clock
 
 _MADE = frozenset({".pyc", ".so", ".pyd"})
 # The wheel has it from the documents; a checkout keeps it there
@@ -17,7 +17,7 @@ _FROM_DOCUMENTS = "axisrig/reports/glossary.csv"
 
 def is_compiled() -> bool:
     """Return whether the kernel runs as compiled extension modules."""
-    return Path(scheduler.__file__).suffix != ".py"
+    return Path(clock.__file__).suffix != ".py"
 
 
 def build_word() -> str:

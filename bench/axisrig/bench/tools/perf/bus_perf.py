@@ -21,7 +21,7 @@ from axisrig.bench.drive.dictionary.image import ProcessImage
 from axisrig.bench.drive.dictionary.profile import DriveProfile
 from axisrig.kernel.drives.mapping import Telegram, telegrams
 from axisrig.kernel.time.clock import MS
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 # A measurement is shorter than the slice of time that a busy machine gives, and the least counts.
 FRAMES = 200  # in one measurement
@@ -95,7 +95,7 @@ def _payloads() -> list[bytes]:
 @contextmanager
 def _segment() -> Iterator[Callable[[], None]]:
     """Send frames from one network through a segment into a callback of another."""
-    scheduler, payloads = Scheduler(), _payloads()
+    scheduler, payloads = new_scheduler(), _payloads()
     got = [0]
 
     def take(_can_id: int, _data: bytearray, _timestamp: float) -> None:

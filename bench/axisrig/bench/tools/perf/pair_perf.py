@@ -23,7 +23,7 @@ from axisrig.fmus import BuildError, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_description, load_fmu
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, TimeNs
-from axisrig.kernel.time.scheduler import Scheduler
+from axisrig.kernel.time.scheduler import new_scheduler
 
 AXIS, PROBE = "AxisRig.Drives.ServoAxis", "AxisRig.Sensors.TouchProbe"
 MOTION = ("position", "velocity")
@@ -100,7 +100,7 @@ def _slaves(axis_file: Path, probe_file: Path) -> Iterator[tuple[FmuSlave, FmuSl
 @contextmanager
 def _ours(axis_file: Path, probe_file: Path) -> Iterator[Run]:
     """Step with our slaves from events of a scheduler; rows go into series as a block."""
-    scheduler = Scheduler()
+    scheduler = new_scheduler()
     with _slaves(axis_file, probe_file) as (axis, probe):
         motion, results = Exchange(axis, MOTION), Exchange(probe, RESULTS)
         trajectory = Exchange(probe, TRAJECTORY)

@@ -12,7 +12,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any, NamedTuple
 
-from axisrig.bench.bus.segment import Segment
+from axisrig.bench.bus.line import BusLine
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
@@ -37,7 +37,7 @@ from axisrig.kernel.errors import UserError
 PARTS: dict[str, list[tuple[type, str]]] = {
     "kernel": [(Channel, "cycle")],
     "codec": [(AxisLink, "take"), (AxisLink, "send"), (CanopenSlave, "_cycle")],
-    "bus": [(Segment, "_arbitrate"), (Segment, "_end_of_frame"), (SimBus, "send_raw")],
+    "bus": [(BusLine, "arbitrate"), (BusLine, "end_of_frame"), (SimBus, "send_raw")],
     "fmu": [(Plant, "_step")],
     "recording": [(Recorder, "__call__")],
 }  # fmt: skip
