@@ -142,13 +142,32 @@ class PlantAxis:
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
 
+    def _remember_all(self, times_ns: Sequence[TimeNs], motions: list[list[float]]) -> None:
+        """Do `_remember` for each of these."""
+        total = 0.0
+        for motion in motions:
+            total += sum(motion)
+        if total - total != 0.0 or not motions:
+            for time_ns, motion in zip(times_ns, motions, strict=True):
+                self._remember(time_ns, motion)
+            return
+        self.motion = motions[-1]
+        self._times.extend(times_ns)
+        self._past.extend(motions)
+        if self._tells_stop:
+            for time_ns, motion in zip(times_ns, motions, strict=True):
+                if motion[STOP_FORCE] > 0.0:
+                    self._touched_ns = time_ns
+
     def _read(self) -> list[float]:
         self._outputs.read()
         values: list[float] = self._outputs.values[:]
         return self._filled(values)
 
     def _filled(self, values: list[float]) -> list[float]:
-        return self._completed(values) if self._rest is None else values + self._rest
+        if self._rest is None:
+            return self._completed(values)
+        return values + self._rest if self._rest else values
 
     def _completed(self, values: Sequence[float]) -> list[float]:
         """Put in what the FMU does not report, see `roles.csv`; derivatives only where needed."""
@@ -247,12 +266,12 @@ class PlantAxis:
     def _step_through(self, many: StepsInARow, ends_ns: Sequence[TimeNs]) -> None:
         """Step to each of these instants in one call, and keep where the axes are at each."""
         rows = many.take(ends_ns)
-        for time_ns, row in zip(ends_ns, rows, strict=False):
-            first = 0
-            for axis in self._stepped:
-                last = first + len(axis._known)
-                axis._remember(time_ns, axis._filled(row[first:last]))
-                first = last
+        reached_ns = ends_ns if len(rows) == len(ends_ns) else ends_ns[: len(rows)]
+        first = 0
+        for axis in self._stepped:
+            last = first + len(axis._known)
+            axis._remember_all(reached_ns, [axis._filled(row[first:last]) for row in rows])
+            first = last
         if len(rows) < len(ends_ns):
             many.refuse(ends_ns[len(rows)])
 

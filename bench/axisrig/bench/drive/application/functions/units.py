@@ -57,10 +57,11 @@ class Units:
             image.feed_shaft * image.encoder_increments * image.gear_motor,
         )
         self._factor = None if factor == 1 else factor
-        self._second_factor = Fraction(
+        second_factor = Fraction(
             image.feed * image.second_revolutions * image.gear_shaft,
             image.feed_shaft * image.second_increments * image.gear_motor,
         )
+        self._second_factor = None if second_factor == 1 else second_factor
         units_per_m = self.increments_per_m * float(factor)
         if units_per_m != self._units_per_m:
             self.forget_home()
@@ -70,12 +71,14 @@ class Units:
         """Return a position as the encoder and the bus give it."""
         units = round(position_m * self.increments_per_m)
         if self._factor is not None:
-            units = round(units * self._factor)
+            units = scaled(units, self._factor)
         return (units + self.origin_units + 0x8000_0000 & 0xFFFF_FFFF) - 0x8000_0000
 
     def second_units(self, position_m: float) -> int:
         """Return the value of the second encoder: with 60E6 and 60EB in the place of 608F."""
-        units = round(self.increments(position_m) * self._second_factor)
+        units = self.increments(position_m)
+        if self._second_factor is not None:
+            units = scaled(units, self._second_factor)
         return (units + 0x8000_0000 & U32_MAX) - 0x8000_0000
 
     def increments(self, position_m: float) -> int:
@@ -97,6 +100,15 @@ class Units:
     def metres(self, units: float) -> float:
         """Return a difference of positions in m, a velocity in m/s, an acceleration in m/s2."""
         return units / self._units_per_m
+
+
+def scaled(value: int, factor: Fraction) -> int:
+    """Return `round(value * factor)`, halves to the even number, without a new Fraction."""
+    denominator: int = factor.denominator
+    whole, rest = divmod(value * factor.numerator, denominator)
+    if 2 * rest > denominator or (2 * rest == denominator and whole & 1):
+        whole += 1
+    return whole
 
 
 def limit_i32(value: int) -> int:
