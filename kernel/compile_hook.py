@@ -1,8 +1,8 @@
 """Compiles the rooms that a run spends its time in, when `AXISRIG_COMPILE=1` builds a wheel.
 
 mypyc turns the modules into one C extension, `axisrig.kernel._compiled__mypyc`, and a small one for
-each module, as black and mypy ship. The line of a bus and the scheduler are there in C too, written by hand; these are extensions of
-their own. The sources stay in the wheel; without the variable, and for an
+each module, as black and mypy ship. The scheduler and the line of a bus are written in C as well,
+each an extension of its own. The sources stay in the wheel; without the variable, and for an
 editable installation, nothing is compiled and everything works the same, only slower.
 
 `pyproject.toml` names what is compiled.
