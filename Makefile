@@ -35,7 +35,7 @@ test: $(STAMP) lint
 # Then machines once more, compiled
 test-rest: $(STAMP) $(FAST_STAMP)
 	@$(PYTEST) --stage rest tests testplans
-	@$(FAST)/bin/python -m pytest -q -n $(JOBS) --dist worksteal --stage quick tests/machine tests/stepping tests/distance
+	@$(FAST)/bin/python -m pytest -q -n $(JOBS) --dist worksteal --stage quick tests/bus tests/machine tests/stepping tests/distance
 
 test-all: test test-rest
 

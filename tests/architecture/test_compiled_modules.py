@@ -71,6 +71,16 @@ def test_an_entry_that_does_not_exist_stops_the_build(
         _hook().compiled_modules(ROOT, {**_settings(), **change})
 
 
+def test_what_is_written_in_c_has_types_and_no_compiled_rival() -> None:
+    sources = [ROOT / source for source in _settings()["native"]]
+    assert {source.name for source in sources} == {
+        path.name for path in ROOT.glob("*/axisrig/**/_*.c")
+    }
+    for source in sources:
+        assert source.with_suffix(".pyi").exists()
+        assert not source.with_suffix(".py").exists()
+
+
 def test_class_variables_are_declared_as_such() -> None:
     plain = [
         f"{path}: {node.name}.{ast.unparse(target)}"

@@ -16,14 +16,14 @@ PLAN = Path(__file__).parents[2] / "testplans/latch_accuracy.csv"
 @pytest.mark.parametrize(
     ("file", "word"),
     [
-        ("a/scheduler.py", "interpreted"),
-        ("a/scheduler.cpython-311-x86_64-linux-gnu.so", "compiled"),
+        ("a/clock.py", "interpreted"),
+        ("a/clock.cpython-311-x86_64-linux-gnu.so", "compiled"),
     ],
 )
 def test_the_kernel_says_what_it_runs_as(
     file: str, word: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(build_info, "scheduler", SimpleNamespace(__file__=file))
+    monkeypatch.setattr(build_info, "clock", SimpleNamespace(__file__=file))
     assert build_info.build_word() == word
     assert build_info.is_compiled() is (word == "compiled")
 

@@ -9,7 +9,7 @@ from math import sqrt
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
-from axisrig.kernel.cosim.plant.curves import end_slope, hermite, peak
+from axisrig.kernel.cosim.plant.curves import end_slope, hermite, peak, two_before
 from axisrig.kernel.cosim.plant.demand import Control, ControlKind, Ramp, SampledDemand
 from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.time.clock import S, TimeNs
@@ -51,9 +51,8 @@ class PlantAxis:
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
     `tick` load position and velocity at both ends of the last step, `ticks` of each step of the
-    last `walk`. The last 4096 steps are kept,
-    so that the position at a latch can be looked up. fine_ns: longest step where a stop can be
-    touched, so that the force of the contact is known that closely; it moves nothing else.
+    last `walk`. The last 4096 steps are kept, so that the position at a latch can be looked up.
+    fine_ns: longest step where a stop can be touched, for the force of the contact alone.
     beside: the axis on the same FMU that steps it, None = this one does.
     second_encoder: returns what the second encoder of the drive sees, None = there is none.
     """
@@ -144,9 +143,7 @@ class PlantAxis:
 
     def _remember_all(self, times_ns: Sequence[TimeNs], motions: list[list[float]]) -> None:
         """Do `_remember` for each of these."""
-        total = 0.0
-        for motion in motions:
-            total += sum(motion)
+        total = sum(map(sum, motions))
         if total - total != 0.0 or not motions:
             for time_ns, motion in zip(times_ns, motions, strict=True):
                 self._remember(time_ns, motion)
@@ -161,8 +158,7 @@ class PlantAxis:
 
     def _read(self) -> list[float]:
         self._outputs.read()
-        values: list[float] = self._outputs.values[:]
-        return self._filled(values)
+        return self._filled(self._outputs.values[:])
 
     def _filled(self, values: list[float]) -> list[float]:
         if self._rest is None:
@@ -191,23 +187,10 @@ class PlantAxis:
 
     def _slope(self, index: int, now: float) -> float:
         """Return the slope of an output now, from now and two points of the past."""
-        points = [(time_ns, motion[index]) for time_ns, motion in self._points_before()]
-        return end_slope([(self.slave.time_ns, now), *points])
-
-    def _points_before(self) -> list[tuple[TimeNs, list[float]]]:
-        """Return up to two points of the past, the latest first, SLOPE_NS or more apart.
-
-        So far apart, because over 3 us the tolerance of an FMU's own integration would be speed.
-        """
-        points: list[tuple[TimeNs, list[float]]] = []
-        latest_ns = self.slave.time_ns - SLOPE_NS
-        for time_ns, motion in zip(reversed(self._times), reversed(self._past), strict=True):
-            if time_ns <= latest_ns:
-                points.append((time_ns, motion))
-                if len(points) > 1:
-                    break
-                latest_ns = time_ns - SLOPE_NS
-        return points
+        now_ns = self.slave.time_ns
+        # So far apart, because over 3 us the tolerance of an FMU's own integration would be speed
+        before = two_before(self._times, self._past, now_ns, SLOPE_NS)
+        return end_slope([(now_ns, now), *[(time_ns, motion[index]) for time_ns, motion in before]])
 
     def step_to(self, end_ns: TimeNs) -> None:
         """Step the FMU to `end_ns`, in fine steps where the stop can be touched.

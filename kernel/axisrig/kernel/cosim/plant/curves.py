@@ -42,6 +42,24 @@ def end_slope(points: Sequence[tuple[TimeNs, float]]) -> float:
     return slope + (slope - before) * h1 / (h0 + h1)
 
 
+def two_before(
+    times_ns: deque[TimeNs], rows: deque[list[float]], now_ns: TimeNs, apart_ns: TimeNs
+) -> list[tuple[TimeNs, list[float]]]:
+    """Return up to two rows with their instants, the latest first, so far apart or more.
+
+    The first of them is as far from `now_ns`.
+    """
+    found: list[tuple[TimeNs, list[float]]] = []
+    latest_ns = now_ns - apart_ns
+    for time_ns, row in zip(reversed(times_ns), reversed(rows), strict=True):
+        if time_ns <= latest_ns:
+            found.append((time_ns, row))
+            if len(found) > 1:
+                break
+            latest_ns = time_ns - apart_ns
+    return found
+
+
 def _vertex(places: Sequence[float], values: Sequence[float]) -> tuple[float, float]:
     """Return place and value of the vertex of the parabola through three points (Newton's form).
 
