@@ -48,6 +48,9 @@ FORCE_COLUMNS = {
 }
 
 
+pa.set_memory_pool(pa.system_memory_pool())  # the one it brings along keeps what was freed
+
+
 class MissingSignalError(KeyError):
     """A signal that was not recorded."""
 

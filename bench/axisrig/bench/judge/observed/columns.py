@@ -9,17 +9,20 @@ from axisrig.bench.record.series import Series
 
 Values = npt.NDArray[np.generic]
 
-KEPT_BYTES = 1_000_000
-"""So much of what was read is kept: some 30 columns of a block, which is 4 s at 1 ms."""
+KEPT_BYTES = 400_000
+"""So much of what was read is kept: a dozen columns of a block, which is 4 s at 1 ms."""
 
 
 class Columns:
-    """Reads columns of a series and keeps the blocks that were read last, KEPT_BYTES at most."""
+    """Reads columns of a series and keeps the blocks that were read last.
+
+    kept_bytes: size of these, KEPT_BYTES at most.
+    """
 
     def __init__(self, series: Series) -> None:
         self._series = series
         self._kept: OrderedDict[tuple[int, str], Values] = OrderedDict()
-        self._kept_bytes = 0
+        self.kept_bytes = 0
 
     def read(self, name: str, rows: slice) -> Values:
         """Return the values of a column in rows begin .. end - 1, shape (n,); not to be changed.
@@ -41,8 +44,8 @@ class Columns:
             self._kept.move_to_end(key)
             return self._kept[key]
         values = self._kept[key] = self._series.column(name, block)
-        self._kept_bytes += values.nbytes
-        while self._kept_bytes > KEPT_BYTES and len(self._kept) > 1:
+        self.kept_bytes += values.nbytes
+        while self.kept_bytes > KEPT_BYTES and len(self._kept) > 1:
             _, oldest = self._kept.popitem(last=False)
-            self._kept_bytes -= oldest.nbytes
+            self.kept_bytes -= oldest.nbytes
         return values
