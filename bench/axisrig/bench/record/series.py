@@ -1,4 +1,4 @@
-"""Time series of a run: written in blocks while it lasts, read back column by column.
+"""Time series of a run: written in blocks while it lasts, read back by columns and blocks.
 
 A row belongs to one SYNC. `time_ns` (int64) is its instant, `<axis>.<signal>_<unit>` and
 `<plant>.<signal>` are one value for each row. `<axis>.<field>_frame_ns` and
@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, Final, NamedTuple
 
@@ -47,6 +48,9 @@ FORCE_COLUMNS = {
 }
 
 
+pa.set_memory_pool(pa.system_memory_pool())  # the one it brings along keeps what was freed
+
+
 class MissingSignalError(KeyError):
     """A signal that was not recorded."""
 
@@ -78,20 +82,32 @@ class Series:
         """
         return [item.name for item in self._schema if not pa.types.is_list(item.type)]
 
-    def column(self, name: str) -> npt.NDArray[np.generic]:
-        """Return one value for each row, shape (n,).
+    @cached_property
+    def blocks(self) -> tuple[slice, ...]:
+        """Rows of each block that was written, in their order; of a run in memory its only one."""
+        if isinstance(self.source, Path):
+            begins, count = self._groups, self._file.metadata.num_rows
+        else:
+            begins, count = {0: 0} if self.source.num_rows else {}, self.source.num_rows
+        return tuple(slice(begin, end) for begin, end in pairwise([*begins, count]))
+
+    def column(self, name: str, block: slice | None = None) -> npt.NDArray[np.generic]:
+        """Return one value for each row, of one of the `blocks` or of all, shape (n,).
 
         Raises MissingSignalError for one that was not recorded.
         """
-        values: npt.NDArray[np.generic] = values_of(self._read([name]).column(0))
+        values: npt.NDArray[np.generic] = values_of(self._read([name], block).column(0))
         return values
 
-    def telegrams(self, axis: str, field: str) -> Telegrams:
-        """Return the cyclic values of a field (TARGET, ACTUAL, SECOND); empty without any."""
+    def telegrams(self, axis: str, field: str, block: slice | None = None) -> Telegrams:
+        """Return the cyclic values of a field (TARGET, ACTUAL, SECOND); empty without any.
+
+        Of the rows of one of the `blocks`, or of all.
+        """
         names = [f"{axis}.{field}_{part}" for part in (FRAME_NS, INCREMENTS)]
         if names[0] not in self._schema.names:
             return Telegrams(np.empty(0, np.int64), np.empty(0, np.int64))
-        table = self._read(names)
+        table = self._read(names, block)
         return Telegrams(*(_flat(table.column(place)) for place in (0, 1)))
 
     def table(self, names: Sequence[str] | None = None) -> pa.Table:
@@ -125,14 +141,27 @@ class Series:
             raise _damaged(self.source, "no column time_ns of whole numbers")
         return schema
 
-    def _read(self, names: Sequence[str]) -> pa.Table:
+    def _read(self, names: Sequence[str], block: slice | None = None) -> pa.Table:
         missing = set(names) - set(self._schema.names)
         if missing:
             raise MissingSignalError(min(missing))
         if not isinstance(self.source, Path):
             return self.source.select(list(names))
         with _readable(self.source):
-            return self._file.read(columns=list(names), use_threads=False).select(list(names))
+            if block is None:
+                table = self._file.read(columns=list(names), use_threads=False)
+            else:
+                number = self._groups[block.start]
+                table = self._file.read_row_group(number, list(names), use_threads=False)
+            return table.select(list(names))
+
+    @cached_property
+    def _groups(self) -> dict[int, int]:
+        """First row of a block -> number of its row group in the file."""
+        groups = self._file.metadata
+        sizes = [groups.row_group(number).num_rows for number in range(groups.num_row_groups)]
+        begins = np.cumsum([0, *sizes]).tolist()
+        return {begins[number]: number for number, size in enumerate(sizes) if size}
 
 
 class _readable:  # noqa: N801

@@ -1,6 +1,8 @@
 """The own discrete model walked along what the bus brought: what the offset had to be."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -32,32 +34,38 @@ def walk(truth: DistanceTruth) -> Walked:
     Behind a FREEZE in the same mode the filter has gone on; from INACTIVE it begins anew, and the
     first sensor value has none before it.
     """
-    count = len(truth.times_ns)
+    count = len(truth.observed)
     offset, asked = np.full(count, np.nan), np.full(count, np.nan)
     has_before = np.ones(count, dtype=bool)
     law, last = None, None
     for stretch in active(truth):
         begin = first_step(truth, stretch)
-        frozen = last is not None and bool(np.all(truth.state[last.end : stretch.begin] == FREEZE))
+        frozen = last is not None and _is_frozen(truth, last.end, stretch.begin)
         if law is not None and last is not None and frozen and last.mode == stretch.mode:
-            for row in range(last.end, begin):
-                law.listen(*_read(truth, law.mode, row))
+            for read in _read(truth, law.mode, last.end, begin):
+                law.listen(*read.values_mm)
             law.stand()
         else:
             law = _fresh(truth, stretch, begin)
             has_before[begin] = frozen
         end = stretch.end
-        if end < count and truth.state[end] == ERROR:
+        if any(time.begin == end and time.value == ERROR for time in truth.states):
             end += 1  # the cycle of the alarm
-        for row in range(begin, end):
-            law.override = float(truth.override[row])
-            turn = law.hold if truth.is_held[row] else law.walk
-            turn(*_read(truth, law.mode, row))
+        for row, read in enumerate(_read(truth, law.mode, begin, end), begin):
+            law.override = read.override
+            turn = law.hold if read.is_held else law.walk
+            turn(*read.values_mm)
             offset[row] = law.offset_mm
             # Nothing is watched while the offset is held
-            asked[row] = np.nan if truth.is_held[row] else law.asked_mm
+            asked[row] = np.nan if read.is_held else law.asked_mm
         last = stretch
     return Walked(offset, asked, has_before)
+
+
+def _is_frozen(truth: DistanceTruth, begin: int, end: int) -> bool:
+    """Whether the control was in FREEZE in each of the rows begin .. end - 1."""
+    inside = [time for time in truth.states if time.begin < end and begin < time.end]
+    return all(time.value == FREEZE for time in inside)
 
 
 def _fresh(truth: DistanceTruth, stretch: Stretch, begin: int) -> Law:
@@ -68,18 +76,33 @@ def _fresh(truth: DistanceTruth, stretch: Stretch, begin: int) -> Law:
         truth.period_ns,
         listed.limits,
         of_control(listed.control, truth.period_ns),
-        offset_mm=float(truth["offset_mm"][max(begin - 1, 0)]),
+        offset_mm=truth.observed.value(truth.axis, "offset_mm", max(begin - 1, 0)),
     )
 
 
-def _read(truth: DistanceTruth, mode: str, row: int) -> tuple[float, float, float, float]:
-    wanted = truth["set_pos_mm" if mode == SET_POS else "set_dist_mm"]
-    return (
-        float(truth["sensor_mm"][row]),
-        float(truth["actual_mm"][row]),
-        float(truth["set_mm"][row - 1]),
-        float(wanted[row]),
-    )
+class _Read(NamedTuple):
+    """What the law reads in a cycle: sensor, actual and last set position, wanted; override."""
+
+    values_mm: tuple[float, float, float, float]
+    override: float
+    is_held: bool
+
+
+def _read(truth: DistanceTruth, mode: str, begin: int, end: int) -> Iterator[_Read]:
+    """Yield what is read in rows begin .. end - 1."""
+    wanted = "set_pos_mm" if mode == SET_POS else "set_dist_mm"
+    for part, _, inside in truth.parts(slice(begin, end), before=1):
+        set_mm = part["set_mm"]
+        signals = (
+            part["sensor_mm"],
+            part["actual_mm"],
+            np.concatenate([set_mm[:1], set_mm[:-1]]),
+            part[wanted],
+            part.override,
+            part.is_held,
+        )
+        for *values, override, is_held in zip(*(s[inside].tolist() for s in signals), strict=True):
+            yield _Read((values[0], values[1], values[2], values[3]), override, is_held)
 
 
 def first_step(truth: DistanceTruth, stretch: Stretch) -> int:
@@ -87,13 +110,20 @@ def first_step(truth: DistanceTruth, stretch: Stretch) -> int:
 
     The row in which the program switches on shows the new state and no step yet.
     """
-    return stretch.begin if truth["delta_mm"][stretch.begin] != 0.0 else stretch.begin + 1
+    delta_mm = truth.observed.value(truth.axis, "delta_mm", stretch.begin)
+    return stretch.begin if delta_mm != 0.0 else stretch.begin + 1
 
 
 def due(truth: DistanceTruth, walked: Walked) -> Due | None:
     """Return the alarm that was due and the row of its cycle."""
-    asked = np.where(np.isnan(walked.asked_mm), 0.0, walked.asked_mm)
-    watched = ~np.isnan(walked.asked_mm)
-    sensor = truth["sensor_mm"]
-    change = np.diff(sensor, prepend=sensor[:1]) * walked.has_before
-    return first_due(sensor, change, asked, watched, truth.listed.limits, truth.period_ns)
+    for part, begin, inside in truth.parts(before=1):
+        rows = slice(begin, begin + inside.stop - inside.start)
+        watched = ~np.isnan(walked.asked_mm[rows])
+        asked = np.where(watched, walked.asked_mm[rows], 0.0)
+        sensor = part["sensor_mm"]
+        change = np.diff(sensor, prepend=sensor[:1])[inside] * walked.has_before[rows]
+        limits = truth.listed.limits
+        found = first_due(sensor[inside], change, asked, watched, limits, truth.period_ns)
+        if found is not None:
+            return Due(found.alarm, begin + found.row)
+    return None

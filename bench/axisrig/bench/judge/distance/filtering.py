@@ -8,7 +8,8 @@ import itertools
 import numpy as np
 
 from axisrig.bench.judge.distance.stretches import Stretch, active, runs_of
-from axisrig.bench.judge.distance.truth import ACTIVE_CONST_DIST, DistanceTruth
+from axisrig.bench.judge.distance.truth import DistanceTruth, gap_true_mm
+from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 
@@ -17,12 +18,18 @@ _RISE_MM = 0.1
 _LENGTH_MIN = 50
 
 
-def unfiltered_mm(truth: DistanceTruth, stretch: Stretch) -> Signal:
-    """Return what the filter got in a stretch."""
-    rows = stretch.rows
-    if truth.state[stretch.begin] == ACTIVE_CONST_DIST:
-        return truth["distance_cnc_mm"][rows]
-    return truth["surface_cnc_mm"][rows] - truth["set_pos_mm"][rows]
+def filtered_mm(truth: DistanceTruth, stretch: Stretch) -> tuple[Signal, Signal]:
+    """Return what the filter got in a stretch, and what it made of it."""
+    given = truth.gathered(_of_distance if stretch.mode != SET_POS else _of_surface, stretch.rows)
+    return given, truth.gathered(lambda part: part["filtered_mm"], stretch.rows)
+
+
+def _of_distance(truth: DistanceTruth) -> Signal:
+    return truth["distance_cnc_mm"]
+
+
+def _of_surface(truth: DistanceTruth) -> Signal:
+    return truth["surface_cnc_mm"] - truth["set_pos_mm"]
 
 
 def delay_cycles(truth: DistanceTruth) -> float:
@@ -33,7 +40,7 @@ def delay_cycles(truth: DistanceTruth) -> float:
     """
     best = (0.0, 0.0)
     for stretch in active(truth):
-        given, out = unfiltered_mm(truth, stretch), truth["filtered_mm"][stretch.rows]
+        given, out = filtered_mm(truth, stretch)
         flats = _flats(truth, stretch)
         for (begin, end), (top_begin, top_end) in itertools.pairwise(flats):
             # From the middle of one flat to the end of the next: the filter has settled in both
@@ -55,7 +62,7 @@ def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
     """
     given_parts, out_parts = [], []
     for stretch in active(truth):
-        given, out = unfiltered_mm(truth, stretch), truth["filtered_mm"][stretch.rows]
+        given, out = filtered_mm(truth, stretch)
         for begin, end in _flats(truth, stretch):
             rows = slice(begin + settling_cycles, end)
             if end - rows.start >= _LENGTH_MIN:
@@ -73,8 +80,6 @@ def noise_gain(truth: DistanceTruth, settling_cycles: int) -> tuple[float, int]:
 
 def _flats(truth: DistanceTruth, stretch: Stretch) -> list[tuple[int, int]]:
     """Rows of a stretch in which the true distance is constant, counted from its begin."""
-    if truth.gap_true_mm is None:
-        raise NoClosedFormError("no plant gives the distance")
-    gap = truth.gap_true_mm[stretch.rows]
+    gap = truth.gathered(gap_true_mm, stretch.rows)
     stands = np.abs(np.diff(gap, prepend=gap[:1])) <= _EVEN_MM
     return [(begin, end) for begin, end in runs_of(stands) if end - begin >= _LENGTH_MIN]

@@ -9,13 +9,16 @@ from collections.abc import Callable
 
 import numpy as np
 
-from axisrig.bench.judge.distance import expected_offset, filtering, stretches
+from axisrig.bench.judge.distance import expected_offset, filtering, passes, stretches
 from axisrig.bench.judge.distance.truth import (
     FREEZE,
+    NO_PLANT,
     STATE_WORDS,
     TURNING_OFF,
     DistanceTruth,
+    behind_mm,
     distance_truth,
+    surface_mm,
 )
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
@@ -138,7 +141,7 @@ def distance_stability(truth: DistanceTruth) -> Observation:
 def distance_error_um(truth: DistanceTruth) -> Observation:
     """Mean of the error that the loop sees at the SYNC, before the step of the cycle."""
     part, speed = stretches.steady(truth)
-    errors = truth["error_mm"][part.judged]
+    errors = truth.gathered(lambda some: some["error_mm"], part.judged)
     note = f"surface {speed:.4g} mm/s, last {len(errors)} of {part.end - part.begin} cycles"
     return Observation(float(np.mean(errors)) * UM, _increment_um(truth), f"{note}; an increment")
 
@@ -159,7 +162,7 @@ def distance_error_expected_um(truth: DistanceTruth) -> Observation:
 def distance_behind_um(truth: DistanceTruth) -> Observation:
     """By how much the tool is really behind the surface in the steady part, the plant's truth."""
     part, speed = stretches.steady(truth)
-    behind = _behind(truth)[part.judged]
+    behind = truth.gathered(behind_mm, part.judged)
     increment = _increment_um(truth)
     return Observation(
         float(np.mean(behind)) * UM, increment, f"surface {speed:.4g} mm/s; an increment"
@@ -179,26 +182,18 @@ def distance_behind_expected_um(truth: DistanceTruth) -> Observation:
     return Observation(following.ramp_lag_mm(loop, speed, control.kp, truth.period_ns) * UM)
 
 
-def _behind(truth: DistanceTruth) -> Signal:
-    if truth.behind_mm is None:
-        raise NoClosedFormError("no plant gives the distance")
-    return truth.behind_mm
-
-
 @_of_axis
 def distance_behind_um_max(truth: DistanceTruth) -> Observation:
     """Largest magnitude of it while the control was on."""
-    rows = truth.is_active
-    if not rows.any():
-        raise NoClosedFormError("distance control was never on")
-    return Observation(float(np.max(np.abs(_behind(truth)[rows]))) * UM)
+    return Observation(passes.most_while_on(truth, lambda part: np.abs(behind_mm(part))) * UM)
 
 
 @_of_axis
 def distance_behind_end_um(truth: DistanceTruth) -> Observation:
     """The same in the last cycle with the control on."""
     row = stretches.last_active(truth).end - 1
-    return Observation(float(_behind(truth)[row]) * UM, _increment_um(truth), "an increment")
+    (behind,) = truth.gathered(behind_mm, slice(row, row + 1))
+    return Observation(float(behind) * UM, _increment_um(truth), "an increment")
 
 
 @_of_axis
@@ -222,10 +217,10 @@ def _sines(truth: DistanceTruth) -> tuple[float, complex, complex]:
     # Behind the transient, and before a profile ends in the braking ramp of its axis
     length = stretch.end - stretch.begin
     settled = slice(stretch.begin + length // 2, stretch.end - length // 10)
-    if truth.surface_mm is None:
-        raise NoClosedFormError("no plant gives the distance")
-    frequency, _, surface = stretches.sine_parts(truth.surface_mm[settled], truth.period_s)
-    _, behind = stretches.fitted(_behind(truth)[settled], frequency, truth.period_s)
+    heights = truth.gathered(surface_mm, settled)
+    frequency, _, surface = stretches.sine_parts(heights, truth.period_s)
+    behinds = truth.gathered(behind_mm, settled)
+    _, behind = stretches.fitted(behinds, frequency, truth.period_s)
     return frequency, surface, behind
 
 
@@ -235,12 +230,10 @@ def _sines(truth: DistanceTruth) -> tuple[float, complex, complex]:
 @_of_axis
 def distance_settling_ms(truth: DistanceTruth) -> Observation:
     """From the largest error of the last time with the control on until it stays settled."""
-    return _settling(truth, _behind(truth))
-
-
-def _settling(truth: DistanceTruth, behind: Signal) -> Observation:
+    if not truth.has_surface:
+        raise NoClosedFormError(NO_PLANT)
     stretch = stretches.last_active(truth)
-    inside = np.abs(behind[stretch.rows])
+    inside = np.abs(truth.gathered(behind_mm, stretch.rows))
     begin = int(np.argmax(inside))
     band = max(SETTLED_MM, SETTLED_SHARE * float(inside[begin]))
     beyond = np.flatnonzero(inside > band)
@@ -255,7 +248,7 @@ def _settling(truth: DistanceTruth, behind: Signal) -> Observation:
 def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
     """How far the offset went past the surface it had to follow, after the largest error."""
     stretch = stretches.last_active(truth)
-    behind = _behind(truth)[stretch.rows]
+    behind = truth.gathered(behind_mm, stretch.rows)
     begin = int(np.argmax(np.abs(behind)))
     side = math.copysign(1.0, float(behind[begin]))
     return Observation(max(0.0, float(np.max(-side * behind[begin:]))), _increment_um(truth) / UM)
@@ -264,7 +257,8 @@ def distance_overshoot_mm(truth: DistanceTruth) -> Observation:
 @_of_axis
 def distance_overshoot_expected_mm(truth: DistanceTruth) -> Observation:
     """Closed form after plain clamps, without dead time: v^2/2a - v/K + a/2K^2."""
-    if np.any(truth.override[stretches.last_active(truth).rows] != 1.0):
+    rows = stretches.last_active(truth).rows
+    if any(np.any(part.override[inside] != 1.0) for part, _, inside in truth.parts(rows)):
         raise NoClosedFormError("an override of the axis scaled v_max")
     limit, control = truth.listed.limits, truth.listed.control
     value = limits.overshoot_mm(control.kp, truth.period_ns, limit.v_mm_s, limit.a_mm_s2)
@@ -278,42 +272,40 @@ def distance_overshoot_expected_mm(truth: DistanceTruth) -> Observation:
 @_of_axis
 def offset_end_mm(truth: DistanceTruth) -> Observation:
     """Offset at the end of the program."""
-    return Observation(float(truth["offset_mm"][-1]))
+    return Observation(truth.observed.value(truth.axis, "offset_mm", len(truth.observed) - 1))
 
 
 @_of_axis
 def offset_mm_max(truth: DistanceTruth) -> Observation:
     """Largest offset, away from the workpiece."""
-    return Observation(float(np.max(truth["offset_mm"])))
+    return Observation(passes.most(truth, lambda part: part["offset_mm"]))
 
 
 @_of_axis
 def offset_mm_min(truth: DistanceTruth) -> Observation:
     """Smallest offset, towards the workpiece."""
-    return Observation(float(np.min(truth["offset_mm"])))
+    return Observation(passes.most(truth, lambda part: part["offset_mm"], np.min))
 
 
 @_of_axis
 def offset_speed_mm_s_max(truth: DistanceTruth) -> Observation:
     """Largest speed of the offset."""
-    steps = np.abs(_offset_steps(truth))
-    return Observation(float(np.max(steps)) / truth.period_s)
+    most_mm = passes.most(truth, lambda part: np.abs(_offset_steps(part)))
+    return Observation(most_mm / truth.period_s)
 
 
 @_of_axis
 def offset_speed_down_mm_s_max(truth: DistanceTruth) -> Observation:
     """Largest speed of the offset towards the workpiece."""
-    return Observation(max(0.0, float(np.max(-_offset_steps(truth)))) / truth.period_s)
+    most_mm = passes.most(truth, lambda part: -_offset_steps(part))
+    return Observation(max(0.0, most_mm) / truth.period_s)
 
 
 @_of_axis
 def offset_acceleration_mm_s2_max(truth: DistanceTruth) -> Observation:
     """Largest change of the speed of the offset from cycle to cycle, while the control was on."""
-    changes = np.abs(np.diff(_offset_steps(truth), prepend=0.0))
-    rows = truth.is_active
-    if not rows.any():
-        raise NoClosedFormError("distance control was never on")
-    return Observation(float(np.max(changes[rows])) / truth.period_s**2)
+    most_mm = passes.most_while_on(truth, lambda p: np.abs(np.diff(_offset_steps(p), prepend=0.0)))
+    return Observation(most_mm / truth.period_s**2)
 
 
 def _offset_steps(truth: DistanceTruth) -> Signal:
@@ -327,35 +319,33 @@ def _offset_steps(truth: DistanceTruth) -> Signal:
 def offset_noise_um(truth: DistanceTruth) -> Observation:
     """Standard deviation of the offset in the steady part."""
     part, _ = stretches.steady(truth)
-    return Observation(
-        float(np.std(truth["offset_mm"][part.rows][-(part.end - part.begin) // 2 :])) * UM
-    )
+    offset = truth.gathered(lambda some: some["offset_mm"], part.rows)
+    return Observation(float(np.std(offset[-(part.end - part.begin) // 2 :])) * UM)
 
 
 @_of_axis
 def freeze_drift_um(truth: DistanceTruth) -> Observation:
     """Largest change of the offset during any one FREEZE."""
-    frozen = stretches.runs_of(truth.state == FREEZE)
+    frozen = [time for time in truth.states if time.value == FREEZE]
     if not frozen:
         raise NoClosedFormError("distance control was never frozen")
-    drifts = [float(np.ptp(truth["offset_mm"][begin:end])) for begin, end in frozen]
+    drifts = [passes.drift_mm(truth, slice(begin, end)) for begin, end, _ in frozen]
     return Observation(max(drifts) * UM, note=f"{len(drifts)} time(s) in FREEZE")
 
 
 @_of_axis
 def offset_held_drift_um(truth: DistanceTruth) -> Observation:
     """Largest change of the offset while feedhold or override 0 of the axis hold it."""
-    held = stretches.runs_of(truth.is_held)
-    if not held:
+    if not truth.held:
         raise NoClosedFormError("neither feedhold nor override of the axis held the offset")
-    drifts = [float(np.ptp(truth["offset_mm"][max(begin - 1, 0) : end])) for begin, end in held]
+    drifts = [passes.drift_mm(truth, slice(max(begin - 1, 0), end)) for begin, end, _ in truth.held]
     return Observation(max(drifts) * UM, note=f"held {len(drifts)} time(s)")
 
 
 @_of_axis
 def distance_state_end(truth: DistanceTruth) -> Observation:
     """State at the end of the program."""
-    return Observation(STATE_WORDS[int(truth.state[-1])])
+    return Observation(STATE_WORDS[truth.states[-1].value])
 
 
 # The filter
@@ -394,10 +384,15 @@ def distance_filter_noise_gain_expected(truth: DistanceTruth) -> Observation:
 def offset_model_error_um(truth: DistanceTruth) -> Observation:
     """Largest difference between the offset and that of the own model along the same values."""
     model = expected_offset.walk(truth).offset_mm
-    rows = ~np.isnan(model) & truth.is_active
-    if not rows.any():
+    found = []
+    for part, begin, inside in truth.parts():
+        expected = model[begin : begin + inside.stop - inside.start]
+        rows = ~np.isnan(expected) & part.is_active[inside]
+        if rows.any():
+            found.append(np.max(np.abs(part["offset_mm"][inside] - expected)[rows]))
+    if not found:
         raise NoClosedFormError("distance control was never on")
-    return Observation(float(np.max(np.abs(truth["offset_mm"] - model)[rows])) * UM)
+    return Observation(float(np.max(found)) * UM)
 
 
 @_of_axis
@@ -411,7 +406,7 @@ def distance_alarm_late_cycles(truth: DistanceTruth) -> Observation:
     time_ns, number = raised
     if same_cause(number) != same_cause(due.alarm):
         raise NoClosedFormError(f"due was {due.alarm}, raised {number}")
-    sync_ns = int(truth.times_ns[due.row]) // truth.period_ns * truth.period_ns
+    sync_ns = truth.observed.time_ns(due.row) // truth.period_ns * truth.period_ns
     late = (time_ns - truth.observed.facts.timing.offset_ns - sync_ns) / truth.period_ns
     return Observation(late, note=f"ID {number} due in the cycle of {sync_ns / 1e6:g} ms")
 
@@ -424,7 +419,7 @@ def distance_alarm_after_cycles(truth: DistanceTruth) -> Observation:
         raise NoClosedFormError("no alarm of sensor or offset came up")
     period_ns, offset_ns = truth.period_ns, truth.observed.facts.timing.offset_ns
     first = expected_offset.first_step(truth, stretches.active(truth)[0])
-    begin_ns = int(truth.times_ns[first]) // period_ns * period_ns
+    begin_ns = truth.observed.time_ns(first) // period_ns * period_ns
     return Observation((raised[0] - offset_ns - begin_ns) // period_ns, note=f"ID {raised[1]}")
 
 

@@ -1,12 +1,20 @@
 """Parts of a run that closed forms are about: control on, surface at constant speed, and so on."""
 
-import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from axisrig.bench.judge.distance.truth import DistanceTruth, Flags
+from axisrig.bench.judge.distance.truth import (
+    ACTIVE,
+    ACTIVE_CONST_DIST,
+    NO_PLANT,
+    DistanceTruth,
+    Flags,
+    surface_mm,
+)
 from axisrig.bench.oracles.distance.following import settling_cycles
 from axisrig.bench.oracles.distance.loop import Loop, growth
 from axisrig.bench.oracles.errors import NoClosedFormError
@@ -40,13 +48,11 @@ class Stretch:
 
 def active(truth: DistanceTruth) -> list[Stretch]:
     """Return the unbroken times in which the control followed, in order."""
-    found = []
-    for begin, end in runs_of(truth.is_active):
-        cuts = np.flatnonzero(np.diff(truth.state[begin:end])) + 1 + begin
-        edges = [begin, *cuts.tolist(), end]
-        for first, last in itertools.pairwise(edges):
-            found.append(Stretch(first, last, truth.mode_in(first)))
-    return found
+    return [
+        Stretch(begin, end, truth.mode_in(state))
+        for begin, end, state in truth.states
+        if state in (ACTIVE, ACTIVE_CONST_DIST)
+    ]
 
 
 def last_active(truth: DistanceTruth) -> Stretch:
@@ -69,18 +75,17 @@ def steady(truth: DistanceTruth) -> tuple[Stretch, float]:
     The longest such stretch; where the surface never moves so, the longest in which it is at rest.
     Raises NoClosedFormError.
     """
-    surface = truth.surface_mm
-    if surface is None:
-        raise NoClosedFormError("no plant gives the distance")
-    rise = np.diff(surface, prepend=surface[:1])
+    if not truth.has_surface:
+        raise NoClosedFormError(NO_PLANT)
     best: tuple[Stretch, float] | None = None
     for stretch in active(truth):
         # Row begin still has the step into the stretch
-        inside = rise[stretch.begin + 1 : stretch.end]
+        rows = slice(stretch.begin, stretch.end)
+        inside = np.diff(truth.gathered(surface_mm, rows))
         is_even = np.abs(np.diff(inside, prepend=inside[:1])) <= _EVEN_MM
         for first, last in runs_of(is_even):
             part = Stretch(stretch.begin + 1 + first, stretch.begin + 1 + last, stretch.mode)
-            per_cycle = float(np.median(rise[part.rows]))
+            per_cycle = float(np.median(inside[first:last]))
             speed = 0.0 if abs(per_cycle) <= _EVEN_MM else per_cycle / truth.period_s
             if best is None or _rank(part, speed) > _rank(*best):
                 best = part, speed
@@ -111,8 +116,8 @@ def must_settle(loop: Loop, kp: float, part: Stretch) -> None:
 def must_not_clamp(truth: DistanceTruth, part: Stretch) -> None:
     """Raise NoClosedFormError when v_max or a_max hold the offset back in the judged share."""
     limits = truth.listed.limits
-    steps = truth["step_mm"][part.judged]
-    if len(steps) and float(np.max(np.abs(steps - truth["delta_mm"][part.judged]))) > 1e-9:
+    steps = truth.gathered(lambda some: np.abs(some["step_mm"] - some["delta_mm"]), part.judged)
+    if len(steps) and float(np.max(steps)) > 1e-9:
         raise NoClosedFormError(f"the offset is clamped (v_max {limits.v_mm_s:g} mm/s, a_max)")
 
 
@@ -131,50 +136,88 @@ def envelope(truth: DistanceTruth, stretch: Stretch) -> Envelope:
     From the last event (surface, set value, start) on, as far as no clamp acts and the steps are
     above some increments of the sensor. Raises NoClosedFormError.
     """
-    steps = np.abs(truth["step_mm"])
     begin = _last_event(truth, stretch)
-    asked = np.abs(truth["delta_mm"])
-    clamped = np.flatnonzero(np.abs(steps - asked)[begin : stretch.end] > 1e-9)
-    if len(clamped) and clamped[-1] >= stretch.end - begin - 40:
-        first = int(clamped[0])
-        if first < 30:
+    clamped = _where(truth, slice(begin, stretch.end), _is_clamped)
+    if clamped is not None and clamped.last - begin >= stretch.end - begin - 40:
+        if clamped.first - begin < 30:
             return Envelope(math.inf, 0, "the clamps act all the time: a limit cycle")
-        end = begin + first
+        end = clamped.first
     else:
-        begin += int(clamped[-1]) + 1 if len(clamped) else 0
+        begin = clamped.last + 1 if clamped is not None else begin
         end = stretch.end
     floor = 6.0 * truth.listed.mm_per_increment * max(truth.listed.control.kp, 0.1)
-    above = np.flatnonzero(steps[begin:end] > floor)
-    if not len(above):
+    above = _where(truth, slice(begin, end), lambda some: np.abs(some["step_mm"]) > floor)
+    if above is None:
         return Envelope(0.0, 0, "nothing moves")
     # A filter and the dead cycles have to fill first
     first = begin + int(truth.listed.control.count) + truth.dead.dead + 3
-    end = begin + int(above[-1]) + 1
+    end = above.last + 1
     if end - first < 24:
         return Envelope(0.0, end - begin, f"died away within {end - begin} cycles")
-    return Envelope(_slope(steps[first:end]), end - first, "largest steps of both halves")
+    return Envelope(_slope(truth, first, end), end - first, "largest steps of both halves")
 
 
-def _slope(steps: Signal) -> float:
-    half = len(steps) // 2
-    early, late = steps[:half], steps[half : 2 * half]
-    at_early, at_late = int(np.argmax(early)), half + int(np.argmax(late))
-    ratio = float(late[at_late - half] / early[at_early])
+def _is_clamped(truth: DistanceTruth) -> Flags:
+    clamped: Flags = np.abs(np.abs(truth["step_mm"]) - np.abs(truth["delta_mm"])) > 1e-9
+    return clamped
+
+
+def _slope(truth: DistanceTruth, begin: int, end: int) -> float:
+    half = (end - begin) // 2
+    at_early, early = _largest_step(truth, slice(begin, begin + half))
+    at_late, late = _largest_step(truth, slice(begin + half, begin + 2 * half))
+    ratio = float(late / early)
     return float(ratio ** (1.0 / max(at_late - at_early, 1)))
 
 
+def _largest_step(truth: DistanceTruth, rows: slice) -> tuple[int, np.float64]:
+    """Return row and size of the first of the largest steps."""
+    found: list[tuple[int, np.float64]] = []
+    for part, begin, inside in truth.parts(rows):
+        steps = np.abs(part["step_mm"][inside])
+        at = int(np.argmax(steps))
+        found.append((begin + at, steps[at]))
+    return found[int(np.argmax([step for _, step in found]))]
+
+
+class _Found(NamedTuple):
+    """First and last row in which something holds."""
+
+    first: int
+    last: int
+
+
+def _where(
+    truth: DistanceTruth, rows: slice, holds: Callable[[DistanceTruth], Flags]
+) -> _Found | None:
+    """Return where something holds in some rows; None where it never does.
+
+    holds: of a part, which has a row before those that are asked for.
+    """
+    first = last = None
+    for part, begin, inside in truth.parts(rows, before=1):
+        found = np.flatnonzero(holds(part)[inside])
+        if len(found):
+            first = begin + int(found[0]) if first is None else first
+            last = begin + int(found[-1])
+    return None if first is None or last is None else _Found(first, last)
+
+
+def _changes_mm(values: Signal) -> Signal:
+    return np.diff(values, prepend=values[:1])
+
+
 def _last_event(truth: DistanceTruth, stretch: Stretch) -> int:
-    surface = truth.surface_mm
-    events = [stretch.begin]
-    if surface is not None:
-        moved = np.flatnonzero(np.abs(np.diff(surface[stretch.rows])) > _EVEN_MM)
-        events += [stretch.begin + int(moved[-1]) + 1] if len(moved) else []
+    # A change in a row is that from the row before; what was before the stretch does not count
+    rows, events = slice(stretch.begin + 1, stretch.end), [stretch.begin]
+    if truth.has_surface:
+        moved = _where(truth, rows, lambda part: np.abs(_changes_mm(surface_mm(part))) > _EVEN_MM)
+        events += [moved.last] if moved is not None else []
     for name in ("set_pos_mm", "set_dist_mm"):
-        values = truth[name][stretch.rows]
-        if np.isnan(values).any():
+        if _where(truth, stretch.rows, lambda part, name=name: np.isnan(part[name])):  # type: ignore[misc]
             continue  # not set
-        changed = np.flatnonzero(np.diff(values) != 0.0)
-        events += [stretch.begin + int(changed[-1]) + 1] if len(changed) else []
+        changed = _where(truth, rows, lambda part, name=name: _changes_mm(part[name]) != 0.0)  # type: ignore[misc]
+        events += [changed.last] if changed is not None else []
     last = max(events)
     # A surface that moves all the time has no last event
     return last if last < stretch.end - 30 else stretch.begin

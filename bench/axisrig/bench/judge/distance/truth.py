@@ -4,8 +4,11 @@ Row k of every signal belongs to the SYNC of cycle k: the state of the plant at 
 the kernel made of it in the cycle after it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -17,10 +20,11 @@ from axisrig.bench.oracles.distance.lists import Listed, as_written
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
 from axisrig.bench.oracles.distance.smoothing import Smoothing, none, of_control
+from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.bench.record.distance import DistanceRecord, PlcSensor
-from axisrig.bench.record.series import SECOND, TARGET, Signal, Times
-from axisrig.kernel.time.clock import S
+from axisrig.bench.record.series import SECOND, TARGET, Signal, Telegrams, Times
+from axisrig.kernel.time.clock import S, TimeNs
 
 Flags = npt.NDArray[np.bool_]
 
@@ -30,22 +34,91 @@ STATE_WORDS = ("INACTIVE", "ACTIVE", "FREEZE", "TURNING_OFF", "ACTIVE_CONST_DIST
 DEMAND_CYCLES = 2
 
 
+NO_PLANT = "no plant gives the distance"
+BEFORE = DEMAND_CYCLES + 1
+"""Rows before its own that a part needs for the distance wanted in them."""
+
+
+class TruthPart(NamedTuple):
+    """Rows of an axis that are looked at together; see `bench.judge.observed.observed.Part`."""
+
+    truth: "DistanceTruth"
+    begin: int
+    inside: slice
+
+
+class Unbroken(NamedTuple):
+    """Rows begin .. end - 1, in which something has one value."""
+
+    begin: int
+    end: int
+    value: int
+
+
+def unbroken(parts: Iterable[tuple[npt.NDArray[Any], int]]) -> list[Unbroken]:
+    """Return the unbroken times of each value; parts: values, shape (n,), and their first row."""
+    found: list[Unbroken] = []
+    for values, first in parts:
+        edges = [0, *(np.flatnonzero(np.diff(values)) + 1).tolist(), len(values)]
+        for begin, end in pairwise(edges):
+            if begin == end:
+                continue
+            time = Unbroken(first + begin, first + end, int(values[begin]))
+            if found and found[-1].end == time.begin and found[-1].value == time.value:
+                time = found.pop()._replace(end=time.end)
+            found.append(time)
+    return found
+
+
 @dataclass(frozen=True)
 class DistanceTruth:
-    """One axis of a finished run."""
+    """One axis of a finished run, or some rows of it.
+
+    whole: the run that rows are of, None for a whole one.
+    """
 
     axis: str
     observed: Observed
+    whole: "DistanceTruth | None" = None
 
     def __getitem__(self, name: str) -> Signal:
-        found = self._signals.get(name)
-        if found is None:
-            found = self._signals[name] = self.observed.column(self.axis, name)
-        return found
+        return self.observed.column(self.axis, name)
+
+    # Rows
+
+    def parts(self, rows: slice | None = None, before: int = 0) -> Iterator["TruthPart"]:
+        """Yield the signals of some rows of the run, or of all, as `Observed.parts`.
+
+        Those of the plant that come from a set position need `before` of BEFORE at least.
+        """
+        for observed, begin, inside in self.observed.parts(rows, before):
+            truth = (
+                self if observed is self.observed else replace(self, observed=observed, whole=self)
+            )
+            yield TruthPart(truth, begin, inside)
+
+    def gathered(
+        self, signal: Callable[["DistanceTruth"], Signal], rows: slice | None = None
+    ) -> Signal:
+        """Return a signal in some rows of the run, or all, shape (n,); it alone is held whole."""
+        parts = [signal(truth)[inside] for truth, _, inside in self.parts(rows, BEFORE)]
+        return parts[0] if len(parts) == 1 else np.concatenate([np.empty(0), *parts])
 
     @cached_property
-    def _signals(self) -> dict[str, Signal]:
-        return {}
+    def states(self) -> list[Unbroken]:
+        """Unbroken times in one state."""
+        return unbroken((truth.state[inside], begin) for truth, begin, inside in self.parts())
+
+    @cached_property
+    def held(self) -> list[Unbroken]:
+        """Unbroken times in which feedhold or override of the axis hold the offset."""
+        flags = ((truth.is_held[inside], begin) for truth, begin, inside in self.parts())
+        return [time for time in unbroken(flags) if time.value]
+
+    @property
+    def was_on(self) -> bool:
+        """Whether the control has ever followed."""
+        return any(time.value in (ACTIVE, ACTIVE_CONST_DIST) for time in self.states)
 
     @cached_property
     def record(self) -> AxisRecord:
@@ -89,6 +162,8 @@ class DistanceTruth:
     @cached_property
     def listed(self) -> Listed:
         """What the lists and the plan say."""
+        if self.whole is not None:
+            return self.whole.listed
         return as_written(dict(self.record.written))
 
     @cached_property
@@ -121,6 +196,11 @@ class DistanceTruth:
         out = offset if self.listed.is_optimized else np.concatenate([offset[:1], offset[:-1]])
         return self["set_mm"] - out
 
+    @property
+    def has_surface(self) -> bool:
+        """Whether a plant gives the distance, and with it the surface."""
+        return self.observed.has(self.record.sensor, "distance_true_mm")
+
     @cached_property
     def surface_mm(self) -> Signal | None:
         """Height of the workpiece below the tool, of the plant's truth."""
@@ -131,9 +211,16 @@ class DistanceTruth:
         """Gap at which the sensor value is 0: by ref_offset (s = -g - ref_offset), or after REF
         what the sensor gave beside the sensor value.
         """
-        is_referenced = self.control.is_referenced and self.is_active.any()
-        if is_referenced and self.gap_told_mm is not None:
-            return float(np.median((self.gap_told_mm + self["sensor_mm"])[self.is_active]))
+        if self.whole is not None:
+            return self.whole.zero_mm
+        is_referenced = self.control.is_referenced and self.was_on
+        if is_referenced and self.observed.has(self.record.sensor, "distance_mm"):
+            told = [
+                (part.gap_told_mm[inside] + part["sensor_mm"][inside])[part.is_active[inside]]
+                for part, _, inside in self.parts()
+                if part.gap_told_mm is not None
+            ]
+            return float(np.median(np.concatenate(told)))
         return -self.listed.ref_offset_mm
 
     @cached_property
@@ -189,21 +276,17 @@ class DistanceTruth:
     def measured_dead(self, quiet_increments: int = 0) -> Measured:
         """Return dead cycles as frames show them; raises NotMeasurableError."""
         start_ns = self._control_ns
-        heard = [
-            [Told(*sent) for sent in zip(*(part.tolist() for part in sent_in), strict=True)]
-            for sent_in in (self.observed.telegrams(self.axis, f) for f in (TARGET, SECOND))
-        ]
-        # The last value before counts too: one that is sent when it changes is old
-        since = [sum(told.time_ns < start_ns for told in one) for one in heard]
         targets, sensor = (
-            one[max(first - 1, 0) :] for one, first in zip(heard, since, strict=True)
+            _changes(self.observed.telegrams(self.axis, field), start_ns)
+            for field in (TARGET, SECOND)
         )
         return measured(targets, sensor, self.period_ns, quiet_increments)
 
-    @cached_property
+    @property
     def _control_ns(self) -> int:
-        rows = np.flatnonzero(self.is_active)
-        return int(self.times_ns[rows[0]]) if len(rows) else int(self.times_ns[-1])
+        """SYNC of the first row in which the control follows, without one of the last row."""
+        on = (time.begin for time in self.states if time.value in (ACTIVE, ACTIVE_CONST_DIST))
+        return self.observed.time_ns(next(on, len(self.observed) - 1))
 
     # The loop
 
@@ -255,11 +338,32 @@ class DistanceTruth:
             return 0.0
         return (1.0 - self.values.number("feed_forward")) / gain
 
-    def mode_in(self, row: int) -> str:
-        """Return the mode of the loop in a row."""
-        if self.state[row] != ACTIVE_CONST_DIST:
+    def mode_in(self, state: int) -> str:
+        """Return the mode of the loop in a state."""
+        if state != ACTIVE_CONST_DIST:
             return SET_POS
         return BOTH if self.listed.uses_both else CONST_DIST
+
+
+def gap_true_mm(truth: DistanceTruth) -> Signal:
+    """Return the true distance; raises NoClosedFormError without a plant for it."""
+    if truth.gap_true_mm is None:
+        raise NoClosedFormError(NO_PLANT)
+    return truth.gap_true_mm
+
+
+def surface_mm(truth: DistanceTruth) -> Signal:
+    """Return the height of the workpiece; raises NoClosedFormError without a plant for it."""
+    if truth.surface_mm is None:
+        raise NoClosedFormError(NO_PLANT)
+    return truth.surface_mm
+
+
+def behind_mm(truth: DistanceTruth) -> Signal:
+    """Return by how much the tool is too near; raises NoClosedFormError without a plant for it."""
+    if truth.behind_mm is None:
+        raise NoClosedFormError(NO_PLANT)
+    return truth.behind_mm
 
 
 def distance_truth(observed: Observed, axis: str | None) -> DistanceTruth | None:
@@ -270,9 +374,34 @@ def distance_truth(observed: Observed, axis: str | None) -> DistanceTruth | None
 
 def distance_truths(observed: Observed) -> list[DistanceTruth]:
     """Return the signals of each axis whose distance control was ever on."""
-    return [truth for truth in observed.once(_truths).values() if truth.state.any()]
+    truths = observed.once(_truths).values()
+    return [truth for truth in truths if any(time.value != INACTIVE for time in truth.states)]
 
 
 def _truths(observed: Observed) -> dict[str, DistanceTruth]:
     axes = [name for name in observed.axes if observed.has(name, "offset_mm")]
     return {name: DistanceTruth(name, observed) for name in axes}
+
+
+def _changes(blocks: Iterable[Telegrams], start_ns: TimeNs) -> Iterator[Told]:
+    """Yield the values of a field from an instant on that differ from the one before.
+
+    The last one before the instant comes first: one that is sent when it changes is old.
+    """
+    last: Told | None = None
+    has_begun = False
+    for frame_ns, increments in blocks:
+        first = int(np.searchsorted(frame_ns, start_ns))
+        if first:
+            last = Told(int(frame_ns[first - 1]), int(increments[first - 1]))
+        for time_ns, value in zip(
+            frame_ns[first:].tolist(), increments[first:].tolist(), strict=True
+        ):
+            if last is not None and not has_begun:
+                yield last
+            has_begun = True
+            if last is None or value != last.value:
+                last = Told(time_ns, value)
+                yield last
+    if last is not None and not has_begun:
+        yield last

@@ -116,11 +116,11 @@ def _stand(observed: Observed, seen: Touch, axis: str) -> tuple[float, float]:
     That is the drive's lag, and v/Kv where the FMU gives the gain of its position loop.
     """
     index = observed.index_at(seen.end_ns)
-    rest_mm = abs(float(observed.column(axis, "drive_lag_mm")[index]))
+    rest_mm = abs(observed.value(axis, "drive_lag_mm", index))
     plant = observed.plant_of(axis)
     if plant is not None and plant.kv_per_s:
-        rest_mm += abs(float(observed.column(axis, "velocity_mm_s")[index])) / plant.kv_per_s
-    return float(observed.column(axis, "truth_mm")[index]), rest_mm
+        rest_mm += abs(observed.value(axis, "velocity_mm_s", index)) / plant.kv_per_s
+    return observed.value(axis, "truth_mm", index), rest_mm
 
 
 # The contact in it
@@ -146,7 +146,7 @@ def contact_velocity_mm_s(
 
 
 def _speed_mm_s(observed: Observed, time_ns: TimeNs, axis: str) -> float:
-    return float(observed.column(axis, "velocity_mm_s")[observed.index_at(time_ns)])
+    return observed.value(axis, "velocity_mm_s", observed.index_at(time_ns))
 
 
 @_of_contact
@@ -209,15 +209,15 @@ def overtravel_mm(observed: Observed, seen: Touch, contact: Contact, axis: str) 
     place = contact_mm(observed, seen, contact, axis)
     if not isinstance(place.value, float):
         return place
-    truth_mm = observed.column(axis, "truth_mm")[observed.between(contact.time_ns, seen.end_ns)]
-    if not len(truth_mm):
+    away_mm = [
+        np.max(np.abs(part.observed.column(axis, "truth_mm", part.inside) - place.value))
+        for part in observed.parts(observed.between(contact.time_ns, seen.end_ns))
+        if part.inside.start < part.inside.stop
+    ]
+    if not away_mm:
         return Observation(None, note="the run ended before the next SYNC")
     _, rest_mm = _stand(observed, seen, axis)
-    return Observation(
-        float(np.max(np.abs(truth_mm - place.value))),
-        rest_mm,
-        REST,
-    )
+    return Observation(float(np.max(away_mm)), rest_mm, REST)
 
 
 # Probes

@@ -1,12 +1,13 @@
 """A recording as judges look things up in it."""
 
-from collections.abc import Callable, Mapping
+from bisect import bisect_left, bisect_right
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
-from typing import Any, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
+from axisrig.bench.judge.observed.columns import Columns
 from axisrig.bench.plan.checks import Metric
 from axisrig.bench.record.axes import AxisRecord, PlantRecord, ProbeRecord
 from axisrig.bench.record.facts import Facts
@@ -25,12 +26,36 @@ from axisrig.kernel.time.clock import TimeNs
 Made = TypeVar("Made")
 
 
-class Observed:
-    """A finished run: its facts and its series. Columns are read when they are asked for."""
+class Part(NamedTuple):
+    """Rows of a run that are looked at together.
 
-    def __init__(self, facts: Facts, series: Series) -> None:
+    observed: these with some before them. begin: the first of them, counted from the begin of the
+    run. inside: their place in the columns of `observed`.
+    """
+
+    observed: "Observed"
+    begin: int
+    inside: slice
+
+
+class Observed:
+    """A finished run, or some rows of it: its facts and its series.
+
+    Columns are read when they are asked for. A metric that needs one pass only takes `parts`, so
+    that a long run needs no more memory than a short one.
+    """
+
+    def __init__(
+        self,
+        facts: Facts,
+        series: Series,
+        rows: slice | None = None,
+        columns: Columns | None = None,
+    ) -> None:
+        """Look at a run; rows: at these alone. columns: of the whole run, as far as it is read."""
         self.facts, self.series = facts, series
-        self._columns: dict[str, Signal] = {}
+        self._columns = columns or Columns(series)
+        self._rows = rows
         self._made: dict[Any, Any] = {}
 
     def once(self, make: Callable[["Observed"], Made]) -> Made:
@@ -40,13 +65,63 @@ class Observed:
         made: Made = self._made[make]
         return made
 
+    # Rows
+
+    @cached_property
+    def rows(self) -> slice:
+        """The rows that this is about, counted from the begin of the run."""
+        blocks = self.series.blocks
+        return self._rows or slice(0, blocks[-1].stop if blocks else 0)
+
+    def __len__(self) -> int:
+        return int(self.rows.stop - self.rows.start)
+
+    def parts(self, rows: slice | None = None, before: int = 0) -> Iterator[Part]:
+        """Yield some rows of the run, or all, in their order and in parts of a block at most.
+
+        before: so many rows before its own each part has besides, as far as there are any.
+        """
+        begin, end, _ = (rows or slice(None)).indices(len(self))
+        if len(self.series.blocks) <= 1:
+            yield Part(self, begin, slice(begin, end))
+            return
+        for block in self.series.blocks:
+            own = slice(max(begin, block.start), min(end, block.stop))
+            if own.start < own.stop:
+                first = max(own.start - before, 0)
+                part = Observed(self.facts, self.series, slice(first, own.stop), self._columns)
+                yield Part(part, own.start, slice(own.start - first, own.stop - first))
+
+    def index_at(self, time_ns: TimeNs) -> int:
+        """Return the row of the last SYNC at or before an instant."""
+        return max(self._rows_until(time_ns, bisect_right) - 1, 0)
+
+    def between(self, begin_ns: TimeNs, end_ns: TimeNs) -> slice:
+        """Return the rows in an interval, its ends included."""
+        begin = self._rows_until(begin_ns, bisect_left)
+        return slice(begin, max(self._rows_until(end_ns, bisect_right), begin))
+
+    def _rows_until(self, time_ns: TimeNs, bisect: Callable[..., int]) -> int:
+        """Return how many rows are before an instant, or at or before it with bisect_right."""
+        blocks = self.series.blocks
+        number = bisect(blocks, time_ns, key=lambda block: self.time_ns(block.start))
+        if number == 0:
+            return 0
+        block = blocks[number - 1]
+        inside: int = bisect(self._columns.read(TIME, block), time_ns)
+        return int(block.start) + inside
+
     # Series
 
     @cached_property
     def times_ns(self) -> Times:
         """SYNC instants of the rows, shape (n,)."""
-        times: Times = self.series.column(TIME).astype(np.int64)
+        times: Times = self._columns.read(TIME, self.rows)  # type: ignore[assignment]
         return times
+
+    def time_ns(self, row: int) -> TimeNs:
+        """Return the SYNC instant of a row of the run."""
+        return int(self._columns.read(TIME, slice(row, row + 1))[0])
 
     @cached_property
     def _names(self) -> frozenset[str]:
@@ -65,31 +140,26 @@ class Observed:
         """Whether a signal of an axis, or of a sensor, was recorded."""
         return self._stored(axis, name)[0] in self._names
 
-    def column(self, axis: str, name: str) -> Signal:
-        """Return one recorded signal, shape (n,), in the unit of its name.
+    def column(self, axis: str, name: str, rows: slice | None = None) -> Signal:
+        """Return one recorded signal, shape (n,), in the unit of its name; not to be changed.
 
-        An axis that turns is a slide with 1 mm for 1 degree. Raises MissingSignalError for one
-        that was not recorded.
+        rows: of these, all without. An axis that turns is a slide with 1 mm for 1 degree. Raises
+        MissingSignalError for one that was not recorded.
         """
         stored, arm_m = self._stored(axis, name)
-        key = f"{axis}.{name}"
-        if key not in self._columns:
-            values: Signal = self.series.column(stored)  # type: ignore[assignment]
-            self._columns[key] = values if arm_m is None else values / arm_m
-        return self._columns[key]
+        begin, end, _ = (rows or slice(None)).indices(len(self))
+        first = self.rows.start
+        values: Signal = self._columns.read(stored, slice(first + begin, first + end))  # type: ignore[assignment]
+        return values if arm_m is None else values / arm_m
 
-    def telegrams(self, axis: str, field: str) -> Telegrams:
-        """Return the cyclic values of a field as the bus brought them."""
-        return self.series.telegrams(axis, field)
+    def value(self, axis: str, name: str, row: int) -> float:
+        """Return one recorded signal in a row; as `column`."""
+        return float(self.column(axis, name, slice(row, row + 1))[0])
 
-    def index_at(self, time_ns: TimeNs) -> int:
-        """Return the row of the last SYNC at or before an instant."""
-        return max(int(np.searchsorted(self.times_ns, time_ns, side="right")) - 1, 0)
-
-    def between(self, begin_ns: TimeNs, end_ns: TimeNs) -> npt.NDArray[np.bool_]:
-        """Return which rows lie in an interval, its ends included."""
-        inside: npt.NDArray[np.bool_] = (self.times_ns >= begin_ns) & (self.times_ns <= end_ns)
-        return inside
+    def telegrams(self, axis: str, field: str) -> Iterator[Telegrams]:
+        """Yield the cyclic values of a field as the bus brought them, block by block."""
+        for block in self.series.blocks:
+            yield self.series.telegrams(axis, field, block)
 
     # Axes and plants
 
@@ -143,13 +213,17 @@ class Observed:
 
         By its true positions, outside by those that its drive reports.
         """
-        inside = self.between(run.begin_ns, run.end_ns or self.facts.end_ns)
+        rows = self.between(run.begin_ns, run.end_ns or self.facts.end_ns)
         columns = {a: "actual_mm" if self.axes[a].is_outside else "truth_mm" for a in run.axes}
-        travels = {
-            axis: float(np.ptp(self.column(axis, column)[inside])) if inside.any() else 0.0
-            for axis, column in columns.items()
-        }
+        travels = {axis: self._travel_mm(axis, column, rows) for axis, column in columns.items()}
         return max(travels, key=lambda axis: travels[axis])
+
+    def _travel_mm(self, axis: str, column: str, rows: slice) -> float:
+        if rows.start == rows.stop:
+            return 0.0
+        parts = [part.observed.column(axis, column, part.inside) for part in self.parts(rows)]
+        most, least = np.max([np.max(p) for p in parts]), np.min([np.min(p) for p in parts])
+        return float(most - least)
 
     # What a metric is about
 

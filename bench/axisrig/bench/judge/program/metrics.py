@@ -93,13 +93,18 @@ def queueing_us_max(observed: Observed, axis: str | None) -> Observation:
 
 def _largest(column: str) -> MetricFunction:
     def largest(observed: Observed, axis: str | None) -> Observation:
-        if not len(observed.times_ns):
+        if not len(observed):
             return Observation(None, note="the program ended before its first cycle")
         axes = [axis] if axis else list(observed.axes)
         rows = slice(observed.index_at(observed.facts.end_ns) + 1)
-        return Observation(
-            max(float(np.max(np.abs(observed.column(a, column)[rows]))) for a in axes)
-        )
+        found = {
+            name: [
+                np.max(np.abs(part.observed.column(name, column, part.inside)))
+                for part in observed.parts(rows)
+            ]
+            for name in axes
+        }
+        return Observation(max(float(np.max(parts)) for parts in found.values()))
 
     return largest
 

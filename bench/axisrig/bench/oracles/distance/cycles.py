@@ -7,8 +7,9 @@ in cycle k + 2 or k + 3, one or two cycles later than in a loop without dead tim
 Sources: docs/architecture.md, "One order"; P-AXIS-00509.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from itertools import islice
 
 from axisrig.kernel.time.clock import TimeNs
 
@@ -78,30 +79,64 @@ class NotMeasurableError(Exception):
     """The frames do not show dead cycles; the text says why."""
 
 
+class _Heard:
+    """Values in the order of the bus, read on as far as they are asked for."""
+
+    def __init__(self, told: Iterable[Told]) -> None:
+        self._coming = iter(told)
+        self._told: list[Told] = []
+
+    def __getitem__(self, index: int) -> Told:
+        return self._told[index]
+
+    def has(self, index: int) -> bool:
+        """Whether there are so many; they are read then."""
+        missing = index + 1 - len(self._told)
+        self._told += islice(self._coming, max(missing, 0))
+        return index < len(self._told)
+
+    def first_change(self, from_ns: TimeNs, quiet: int) -> int | None:
+        """Return the first value at or after an instant that differs from the one before it."""
+        index = 1
+        while self.has(index):
+            now, before = self._told[index], self._told[index - 1]
+            if now.time_ns >= from_ns and abs(now.value - before.value) > quiet:
+                return index
+            index += 1
+        return None
+
+
 def measured(
-    targets: Sequence[Told], sensor: Sequence[Told], period_ns: TimeNs, quiet_increments: int = 0
+    targets: Iterable[Told], sensor: Iterable[Told], period_ns: TimeNs, quiet_increments: int = 0
 ) -> Measured:
     """Find the dead cycles around the first answer to a step of the sensor value.
 
-    targets: 607A of each cycle, sensor: 60E4, both in order. quiet_increments: changes of the
-    sensor value up to this are none (noise). The set position must be constant before the step and
-    the sensor value between the step and the answer. Raises NotMeasurableError.
+    targets: 607A of each cycle, sensor: 60E4, both in order and read as far as needed; values that
+    repeat the one before may be left out. quiet_increments: changes of the sensor value up to this
+    are none (noise). The set position must be constant before the step and the sensor value between
+    the step and the answer. Raises NotMeasurableError.
     """
-    seen = _first_change(sensor, 0, quiet_increments)
+    return _measured(_Heard(targets), _Heard(sensor), period_ns, quiet_increments)
+
+
+def _measured(
+    targets: _Heard, sensor: _Heard, period_ns: TimeNs, quiet_increments: int
+) -> Measured:
+    seen = sensor.first_change(0, quiet_increments)
     if seen is None:
         raise NotMeasurableError("the sensor value never changed by more than its noise")
-    sent = _first_change(targets, sensor[seen].time_ns, 0)
+    sent = targets.first_change(sensor[seen].time_ns, 0)
     if sent is None:
         raise NotMeasurableError("no set position answered the sensor value")
     sent_ns = targets[sent].time_ns
-    if _first_change(targets, 0, 0) != sent:  # else the change is an answer itself
+    if targets.first_change(0, 0) != sent:  # else the change is an answer itself
         raise NotMeasurableError(
             "the set position was not constant before the sensor value changed: no step"
         )
-    shown = _first_change(sensor, sent_ns, quiet_increments)
+    shown = sensor.first_change(sent_ns, quiet_increments)
     if shown is None:
         raise NotMeasurableError("no sensor value showed the set position")
-    between = [told for told in sensor[seen + 1 :] if told.time_ns < sent_ns]
+    between = [told for at in range(seen + 1, shown) if (told := sensor[at]).time_ns < sent_ns]
     if any(abs(told.value - sensor[seen].value) > quiet_increments for told in between):
         raise NotMeasurableError("the sensor value went on changing: no step")
     step, back = (sensor[at].value - sensor[at - 1].value for at in (seen, shown))
@@ -113,14 +148,3 @@ def measured(
     reaction = sent_ns // period_ns - seen_ns // period_ns
     way = shown_ns // period_ns - sent_ns // period_ns
     return Measured(seen_ns, sent_ns, shown_ns, DeadCycles(reaction, way))
-
-
-def _first_change(told: Sequence[Told], from_ns: TimeNs, quiet: int) -> int | None:
-    """Return the first value at or after an instant that differs from the one before it."""
-    for index in range(1, len(told)):
-        if (
-            told[index].time_ns >= from_ns
-            and abs(told[index].value - told[index - 1].value) > quiet
-        ):
-            return index
-    return None

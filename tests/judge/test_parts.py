@@ -1,0 +1,126 @@
+"""A run in parts: what judges find does not depend on the blocks of its trace."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.recordings import facts
+
+from axisrig.bench.campaign.results.writer import RunFiles
+from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.judge.distance.truth import unbroken
+from axisrig.bench.judge.observed.columns import KEPT_BYTES, Columns
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import TOPICS
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.bench.record.series import Series, SeriesWriter, column_of
+
+ROOT = Path(__file__).parents[2]
+MS = 1_000_000
+STEP_NS = 3
+
+
+def series(path: Path | None, sizes: Sequence[int]) -> Series:
+    """Rows at 0, 3, 6 ... ns in blocks of these sizes, Z at the number of the row."""
+    writer, begin = SeriesWriter(path), 0
+    for size in sizes:
+        row = np.arange(begin, begin + size, dtype=np.int64)
+        writer.add({"time_ns": column_of(row * STEP_NS), "Z.truth_mm": column_of(row * 1.0)})
+        begin += size
+    return writer.close()
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    sizes=st.lists(st.integers(0, 9), min_size=1, max_size=5),
+    begin=st.integers(0, 40),
+    length=st.integers(0, 40),
+    before=st.integers(0, 12),
+    at_ns=st.integers(-5, 140),
+    is_kept=st.booleans(),
+)
+def test_parts_are_the_rows_in_their_order(
+    sizes: list[int],
+    begin: int,
+    length: int,
+    before: int,
+    at_ns: int,
+    is_kept: bool,
+    tmp_path_factory: pytest.TempPathFactory,
+) -> None:
+    folder = tmp_path_factory.mktemp("parts")
+    found = series(folder / "a.parquet" if is_kept else None, sizes)
+    observed = Observed(facts(axes={"Z": AxisRecord("can1", 1, 10_000.0)}), found)
+    count = sum(sizes)
+    times, wanted = np.arange(count) * STEP_NS, np.arange(count)[begin : begin + length]
+    assert len(observed) == count
+    rows: list[float] = []
+    for part, first, inside in observed.parts(slice(begin, begin + length), before):
+        values = part.column("Z", "truth_mm")
+        assert values.tolist() == (part.times_ns / STEP_NS).tolist()
+        assert part.column("Z", "truth_mm", inside).tolist() == values[inside].tolist()
+        assert inside.start == inside.stop or values[inside][0] == first
+        assert inside.start >= min(before, first)
+        rows += values[inside].tolist()
+    assert rows == wanted.tolist()
+    assert observed.column("Z", "truth_mm", slice(begin, begin + length)).tolist() == rows
+    assert observed.index_at(at_ns) == max(int(np.searchsorted(times, at_ns, "right")) - 1, 0)
+    inside = observed.between(at_ns, at_ns + length)
+    mask = (times >= at_ns) & (times <= at_ns + length)
+    assert list(range(count))[inside] == np.flatnonzero(mask).tolist()
+    assert [observed.value("Z", "truth_mm", row) for row in range(count)] == [*range(count)]
+
+
+@given(values=st.lists(st.integers(0, 2), max_size=30), size=st.integers(1, 9))
+def test_unbroken_times_do_not_end_with_a_block(values: list[int], size: int) -> None:
+    blocks = [(np.array(values[at : at + size]), at) for at in range(0, len(values), size)]
+    told = unbroken(blocks)
+    assert [time.value for time in told for _ in range(time.begin, time.end)] == values
+    assert all(one.value != other.value for one, other in pairwise(told))
+
+
+def test_what_is_kept_of_a_long_run_does_not_grow(tmp_path: Path) -> None:
+    found = series(tmp_path / "a.parquet", [4096] * 20)
+    columns = Columns(found)
+    for block in found.blocks:
+        columns.read("Z.truth_mm", block)
+    assert columns.kept_bytes <= KEPT_BYTES
+
+
+@pytest.mark.parametrize(
+    ("plan", "case"),
+    [
+        ("distance_control", "p-2-plain-above"),
+        ("distance_control", "profile-sine"),
+        ("latch_accuracy", "f600"),
+    ],
+)
+def test_every_metric_is_the_same_in_blocks_of_any_size(
+    plan: str, case: str, tmp_path: Path
+) -> None:
+    """The reference is the same run with a trace of one block."""
+    (row,) = [c for c in read_plan(ROOT / "testplans" / f"{plan}.csv").cases if c.case == case]
+    result = run_case(row, RunFiles(trace=tmp_path / "run.parquet"))
+    assert result.facts is not None
+    table = pq.read_table(tmp_path / "run.parquet")
+    told = []
+    for rows in (table.num_rows, 97, 512):
+        path = tmp_path / f"{rows}.parquet"
+        pq.write_table(table, path, row_group_size=rows)
+        observed = Observed(result.facts, Series(path))
+        told.append(
+            {
+                (name, axis): repr(metric(observed, axis))
+                for topic in TOPICS
+                for name, metric in topic.metrics.items()
+                for axis in (None, *observed.axes)
+            }
+        )
+    assert len(Series(tmp_path / "97.parquet").blocks) > 3
+    assert told[0] == told[1] == told[2]
