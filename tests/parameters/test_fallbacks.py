@@ -199,3 +199,18 @@ def test_a_rotary_axis_knows_that_it_is_one() -> None:
     assert not axis.is_rotary
     axis.load("kenngr.achs_typ", "ACHSTYP_ROTATOR", HERE)
     assert axis.is_rotary
+
+
+def test_a_later_setting_acts_on_what_was_asked_before() -> None:
+    """Resolved values are kept only until something is set, be it another link of the chain."""
+    asked = f"{STOP}.pos_lag_limit"
+    parameters = ParameterSet("axis")
+    assert parameters.get(asked) == 0
+    parameters.set("kenngr.fixed_stop_pos_lag_limit", "9", HERE)
+    assert parameters.get(asked) == 9
+    parameters.load(f"{DETECT}.pos_lag_limit", "8", HERE)
+    assert parameters.get(asked) == 8
+    parameters.correct(f"{DETECT}.pos_lag_limit", 6)
+    assert parameters.get(asked) == 6
+    parameters.set(asked, "7", HERE)
+    assert parameters.get(asked) == 7

@@ -11,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from results_setup import TEXT, add, left, rows, run_case, write
 
+from axisrig.bench.campaign.results import writer as writer_module
 from axisrig.bench.campaign.results.folder import recover
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.stored import read_results
@@ -106,6 +107,28 @@ def test_what_was_made_of_the_earlier_rows_goes_at_once(plan: Plan, tmp_path: Pa
     with ResultsWriter(out, [plan], {"axisrig": "1"}):
         assert not (out / "junit.xml").exists()
         assert not (out / "report.html").exists()
+
+
+def test_a_new_folder_gets_its_manifest_at_the_start_and_at_the_end(
+    plan: Plan, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And no place for runs that replace others: none does."""
+    written: list[str] = []
+    real = writer_module.write_whole
+
+    def noted(path: Path, text: str) -> None:
+        written.append(path.name)
+        real(path, text)
+
+    monkeypatch.setattr(writer_module, "write_whole", noted)
+    out = tmp_path / "out"
+    with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
+        assert manifest(out)["finished"] is False
+        for case in plan.cases:
+            add(writer, case)
+        assert not (out / ".new").exists()
+    assert manifest(out)["finished"] is True
+    assert written.count("manifest.json") == 2
 
 
 def test_files_of_the_earlier_run_go_with_it(plan: Plan, tmp_path: Path) -> None:

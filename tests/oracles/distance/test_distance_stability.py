@@ -58,6 +58,9 @@ def test_p_control(dead: int, limit: float, aperiodic: float | None) -> None:
     loop = Loop(CONST_DIST, dead)
     assert p_limit(dead) == pytest.approx(limit, abs=5e-4)
     assert kp_limit(loop) == pytest.approx(p_limit(dead), rel=1e-7)
+    assert (
+        kp_limit(Loop(CONST_DIST, dead)) == kp_limit(loop) != kp_limit(Loop(CONST_DIST, dead + 1))
+    )
     if aperiodic is not None:
         assert aperiodic_limit(dead) == pytest.approx(aperiodic, abs=5e-4)
     dominant = max(poles(loop, aperiodic_limit(dead) * 0.999), key=abs, default=0j)

@@ -189,6 +189,7 @@ class Table:
         self._by_path = {
             path: parameter for parameter in self.parameters for path in names(parameter)
         }
+        self._found: dict[str, tuple[Parameter, str]] = {}
 
     def find(self, path: str) -> tuple[Parameter, str]:
         """Return the row for `path` and its present path with the indices of `path`.
@@ -196,6 +197,12 @@ class Table:
         An older path without index means index 0. Raises KeyError if no row has this path, or
         not this index.
         """
+        found = self._found.get(path)
+        if found is None:
+            found = self._found[path] = self._find(path)
+        return found
+
+    def _find(self, path: str) -> tuple[Parameter, str]:
         parameter = self._by_path[INDEX.sub("[i]", path)]
         indices = [int(index) for index in INDEX.findall(path)]
         if "[i]" in path:

@@ -52,6 +52,8 @@ class ParameterSet:
         self._origins: dict[str, Origin] = {}
         self._written: dict[str, str] = {}
         self._corrected: dict[str, Corrected] = {}
+        # What was resolved since the last setting: every run of a case asks for the same
+        self._resolved: dict[str, Resolved] = {}
 
     def set(self, path: str, text: str, origin: Origin | str) -> None:
         """Set one parameter from its written value; a later setting replaces an earlier one.
@@ -122,11 +124,13 @@ class ParameterSet:
             value = corrected
         self._values[key], self._origins[key] = value, origin
         self._written[key] = path
+        self._resolved.clear()
 
     def correct(self, path: str, value: Value) -> None:
         """Replace a value as the control does at start-up; the place of the setting stays."""
         _, key = self._table.find(path)
         self._values[key] = value
+        self._resolved.clear()
 
     def corrected(self) -> list[Corrected]:
         """Return the settings that were out of range, in the order of their keys."""
@@ -162,6 +166,12 @@ class ParameterSet:
 
         Raises KeyError for a path that the table does not hold.
         """
+        found = self._resolved.get(path)
+        if found is None:
+            found = self._resolved[path] = self._resolve(path)
+        return found
+
+    def _resolve(self, path: str) -> Resolved:
         parameter, key = self._table.find(path)
         value = self._values.get(key, parameter.default)
         own = Resolved(value, key, parameter, self._origins.get(key))

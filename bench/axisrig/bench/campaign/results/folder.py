@@ -103,9 +103,9 @@ class ResultsFolder:
             for path in sorted(new.glob(f"*{_COMMIT}")):
                 self._carry_out(path)
         shutil.rmtree(new, ignore_errors=True)
-        for name in FOLDERS:
-            (new / name).mkdir(parents=True, exist_ok=True)
         self._replaced = frozenset(self.cases)
+        for name in FOLDERS if self._replaced else ():
+            (new / name).mkdir(parents=True, exist_ok=True)
 
     def path_of(self, kind: str, run: str, suffix: str) -> Path:
         """Return where a file of a run is to be written; kind: one of `FOLDERS`."""

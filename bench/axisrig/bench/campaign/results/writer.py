@@ -166,6 +166,7 @@ class ResultsWriter:
         self._keeps_runs = not is_judged_again
         self._carried += [] if self._keeps_runs else [RECORDING]
         self._written: set[str] = set()
+        self._manifest_text = ""
         refuse_folder(folder, plans, is_fresh=is_fresh)
         with ExitStack() as held:
             if not is_held:
@@ -299,7 +300,10 @@ class ResultsWriter:
         substituted = {run: text for run, text in found.items() if text}
         manifest = self._history.manifest(cases, self._written)
         manifest |= {"drive_substituted": substituted}
-        write_whole(self.folder / "manifest.json", json_text(manifest))
+        text = json_text(manifest)
+        if text != self._manifest_text:
+            write_whole(self.folder / "manifest.json", text)
+            self._manifest_text = text
 
 
 def build_manifest(

@@ -4,7 +4,7 @@ What changes while the drive runs is in the process image, the rest here. Source
 object dictionary and abort codes.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 
 from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.dictionary.defaults import default_values
@@ -55,9 +55,11 @@ class ObjectStore:
         """Every object of the drive that has a value."""
         return [row for key, row in self._rows.items() if self._profile.has_object(*key)]
 
-    def own(self, owner: Owner, indices: Iterable[int]) -> None:
-        """Let `owner` answer for these objects."""
-        self._owners.update(dict.fromkeys(indices, owner))
+    def own(self, owner: Owner, indices: Collection[int]) -> None:
+        """Let `owner` answer for those of these objects that the drive has."""
+        for index in self._indices:
+            if index in indices:
+                self._owners[index] = owner
 
     def restore(self, node_id: int, first: int, last: int) -> None:
         """Give the objects `first` to `last` their defaults for node number `node_id`.

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.machine.recording.rows import Rows
 from axisrig.bench.record.series import column_of
 from axisrig.kernel.channel import Channel
 
@@ -38,18 +39,21 @@ class DistanceTrace:
     """
 
     def __init__(self) -> None:
-        self._rows: dict[str, list[tuple[float, ...]]] = {}
-        self._states: dict[str, list[int]] = {}
-        self._held: dict[str, list[bool]] = {}
+        self._rows: dict[str, Rows] = {}
 
     def note(self, channel: Channel) -> None:
         """Keep one cycle."""
         for name, axis in channel.distance.axes.items():
             control, is_known = axis.control, axis.sensor_mm is not None
             told = (control.sensor_mm, control.distance_mm, control.surface_mm)
-            self._rows.setdefault(name, []).append(
+            rows = self._rows.get(name)
+            if rows is None:
+                rows = self._rows[name] = Rows(len(DISTANCE_CONTROL_COLUMNS))
+            rows.add(
                 (
                     control.offset_mm,
+                    control.state,
+                    axis.is_held,
                     *(told if is_known else (math.nan, math.nan, math.nan)),
                     control.filtered_mm,
                     control.error_mm,
@@ -60,20 +64,13 @@ class DistanceTrace:
                     axis.override * 100.0,
                 )
             )
-            self._states.setdefault(name, []).append(int(control.state))
-            self._held.setdefault(name, []).append(axis.is_held)
 
     def take_columns(self) -> dict[str, pa.Array]:
         """Return the columns by name, axis after axis, of the cycles since the last call."""
         columns: dict[str, pa.Array] = {}
         for name, rows in self._rows.items():
-            values = np.array(rows, dtype=np.float64).reshape(len(rows), len(VALUE_COLUMNS))
-            found = {
-                column: column_of(values[:, place]) for place, column in enumerate(VALUE_COLUMNS)
-            }
-            found[STATE_COLUMN] = column_of(np.array(self._states[name], dtype=np.int8))
-            found[HELD_COLUMN] = column_of(np.array(self._held[name], dtype=np.int8))
-            columns |= {f"{name}.{column}": found[column] for column in DISTANCE_CONTROL_COLUMNS}
-            for kept in (rows, self._states[name], self._held[name]):
-                kept.clear()
+            found = zip(DISTANCE_CONTROL_COLUMNS, rows.take_columns(), strict=True)
+            for column, values in found:
+                kind = np.int8 if column in (STATE_COLUMN, HELD_COLUMN) else np.float64
+                columns[f"{name}.{column}"] = column_of(values.astype(kind))
         return columns

@@ -15,6 +15,7 @@ import pyarrow as pa
 from axisrig.bench.drive.application.servo import Servo
 from axisrig.bench.machine.recording.distance_trace import DistanceTrace
 from axisrig.bench.machine.recording.lag import largest_lag
+from axisrig.bench.machine.recording.rows import Rows
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.record.series import (
     FORCE_COLUMNS,
@@ -120,11 +121,12 @@ class Recorder:
         self._signals = [probe.signal for probe in probes.values()]
         self._probe_names = list(probes)
         self._has_plant = any(axis is not None for axis in self._axes)
-        self._times: list[int] = []
-        self._rows: list[tuple[float, ...]] = []
-        self._levels: list[tuple[bool, ...]] = []
+        self._widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
         self._sensors = list(plant.distances.items())
-        self._distances: list[list[tuple[float, ...]]] = []
+        self._times: list[int] = []
+        self._rows = Rows(sum(self._widths))
+        self._levels = Rows(len(self._signals))
+        self._distances = Rows(len(self._sensors) * len(DISTANCE_COLUMNS))
         self._controls = DistanceTrace()
         self._before: tuple[int, tuple[float, ...]] | None = None
         self._columns: dict[str, list[str]] = {}
@@ -148,10 +150,13 @@ class Recorder:
             peak_n = axis.stop_force_peak_n(self._last_ns(at_ns), at_ns)
             row += (link.set_mm, link.actual_mm, link.lag_mm, *motion, peak_n)
         self._times.append(time_ns)
-        self._rows.append(tuple(row))
-        self._levels.append(tuple([signal.level for signal in self._signals]))
+        self._rows.add(row)
+        self._levels.add([signal.level for signal in self._signals])
         if self._sensors:
-            self._distances.append([self._told(sensor, time_ns) for _, sensor in self._sensors])
+            told: list[float] = []
+            for _, sensor in self._sensors:
+                told += self._told(sensor, time_ns)
+            self._distances.add(told)
         self._controls.note(channel)
         if len(self._times) == BLOCK_ROWS:
             self._write()
@@ -189,23 +194,19 @@ class Recorder:
         """Write the rows that have come since the last block."""
         times = np.array(self._times, dtype=np.int64)
         columns: dict[str, pa.Array] = {TIME: column_of(times)}
-        widths = [len(KERNEL_COLUMNS) + (0 if axis is None else TOLD) for axis in self._axes]
-        values = np.array(self._rows, dtype=np.float64).reshape(len(self._rows), sum(widths))
-        starts = [0, *np.cumsum(widths)]
-        for axis, begin, end in zip(self._recorded, starts[:-1], starts[1:], strict=True):
-            columns |= self._of_axis(axis, int(begin), values[:, begin:end].T)
-        levels = np.array(self._levels, dtype=np.int8).reshape(
-            len(self._levels), len(self._probe_names)
-        )
-        for index, name in enumerate(self._probe_names):
-            columns[f"{name}.signal"] = column_of(levels[:, index])
+        values, begin = self._rows.take_columns(), 0
+        for axis, width in zip(self._recorded, self._widths, strict=True):
+            columns |= self._of_axis(axis, begin, values[begin : begin + width])
+            begin += width
+        levels = self._levels.take_columns().astype(np.int8)
+        for name, level in zip(self._probe_names, levels, strict=True):
+            columns[f"{name}.signal"] = column_of(level)
         columns |= self._controls.take_columns() | self._distance_columns()
         columns |= self._telegrams.take_columns(times, is_last=is_last)
-        if len(times):
-            self._before = int(times[-1]), self._rows[-1]
+        if self._times:
+            self._before = self._times[-1], tuple(values[:, -1].tolist())
         self._has_block = True
-        for rows in (self._times, self._rows, self._levels, self._distances):
-            rows.clear()
+        self._times.clear()
         self._writer.add(columns)
 
     def _of_axis(self, axis: RecordedAxis, begin: int, place: Floats) -> dict[str, pa.Array]:
@@ -254,11 +255,11 @@ class Recorder:
 
     def _distance_columns(self) -> dict[str, pa.Array]:
         columns: dict[str, pa.Array] = {}
-        shape = (len(self._distances), len(self._sensors), len(DISTANCE_COLUMNS))
-        values = np.array(self._distances, dtype=np.float64).reshape(shape)
-        for number, (name, sensor) in enumerate(self._sensors):
-            for place, (column, role) in enumerate(DISTANCE_COLUMNS.items()):
+        values = iter(self._distances.take_columns())
+        for name, sensor in self._sensors:
+            for column, role in DISTANCE_COLUMNS.items():
+                told = next(values)
                 if sensor.roles.has(role):
                     kind = np.float64 if column.endswith("_mm") else np.int8
-                    columns[f"{name}.{column}"] = column_of(values[:, number, place].astype(kind))
+                    columns[f"{name}.{column}"] = column_of(told.astype(kind))
         return columns

@@ -25,7 +25,8 @@ class Filtering:
     """A linear filter sample by sample, filled with its first value."""
 
     def __init__(self, smoothing: Smoothing) -> None:
-        self._above, self._below = smoothing.numerator, smoothing.denominator
+        self._above = [float(one) for one in smoothing.numerator]
+        self._below = [float(one) for one in smoothing.denominator]
         self._inputs: deque[float] | None = None
         self._outputs: deque[float] = deque()
 
@@ -35,10 +36,12 @@ class Filtering:
             self._inputs = deque([value] * len(self._above), maxlen=len(self._above))
             self._outputs = deque([value] * len(self._below), maxlen=len(self._below))
         self._inputs.appendleft(value)
-        answer = sum(b * x for b, x in zip(self._above, self._inputs, strict=True))
-        past = list(self._outputs)[: len(self._below) - 1]
-        answer -= sum(a * y for a, y in zip(self._below[1:], past, strict=True))
-        answer = float(answer / self._below[0])
+        answer = past = 0.0
+        for b, x in zip(self._above, self._inputs, strict=True):
+            answer += b * x
+        for a, y in zip(self._below[1:], self._outputs, strict=False):
+            past += a * y
+        answer = (answer - past) / self._below[0]
         self._outputs.appendleft(answer)
         return answer
 

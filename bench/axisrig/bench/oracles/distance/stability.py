@@ -6,6 +6,7 @@ of Kuruklis (J. Math. Anal. Appl. 188, 1994) and of Levin and May.
 """
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -77,6 +78,13 @@ def kp_limit(loop: Loop) -> float:
     0.0 for a loop that no kp keeps stable. Searched up to 20; inf where none is found.
     """
     start, gain = polynomials(loop)
+    return _limit_of(start.tobytes(), gain.tobytes())
+
+
+@lru_cache(maxsize=1024)
+def _limit_of(start_bytes: bytes, gain_bytes: bytes) -> float:
+    """Search once for equal loops: runs with the same law ask again and again."""
+    start, gain = np.frombuffer(start_bytes), np.frombuffer(gain_bytes)
 
     def is_reached(kp: float) -> bool:
         return largest(roots_at(start, gain, kp)) >= _EDGE

@@ -15,7 +15,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, ClassVar, NoReturn
 
-import numpy as np
 from fmpy.model_description import ModelDescription, ModelVariable
 
 from axisrig.kernel.cosim.fmi.binding import prototype
@@ -69,7 +68,7 @@ class Exchange:
                 allowed=slave.TYPES,
             )
         word, ctype = kind
-        count = sum(int(np.prod(v.shape or ())) for v in variables)
+        count = sum(math.prod(v.shape or ()) for v in variables)
         self.values: Any = (ctype * count)()
         self.references: list[int] = [v.valueReference for v in variables]
         self._references = (ctypes.c_uint32 * len(names))(*self.references)
@@ -145,6 +144,7 @@ class FmuSlave(ABC):
         self._states: list[FmuState] = []
         self._is_final = True  # no state was saved yet that could be restored
         self._alone = (folder, str(description.coSimulation.modelIdentifier))
+        self._functions: dict[tuple[str, tuple[Any, ...]], Any] = {}
         self._load(folder)
         self.pointer = int(self._fmu.component)
         self._limit_logging()
@@ -213,6 +213,12 @@ class FmuSlave(ABC):
 
         What is returned for a function that the library lacks raises UserError when it is called.
         """
+        known = self._functions.get((name, signature))
+        if known is None:
+            known = self._functions[name, signature] = self._bound(name, signature)
+        return known
+
+    def _bound(self, name: str, signature: tuple[Any, ...]) -> Any:
         found = getattr(self._fmu.dll, name)
         if isinstance(found, Missing):
             return found
