@@ -62,10 +62,17 @@ def _first(annotation: Any) -> Any:
     return get_args(annotation)[0] if isinstance(annotation, UnionType) else annotation
 
 
-@cache
-def prototype(signature: tuple[Any, ...]) -> Any:
-    """Return the type of a function that returns a status and keeps the interpreter lock.
+def with_signature(function: Any, signature: tuple[Any, ...]) -> Any:
+    """Return a function of a library that returns a status, to be called without a conversion.
 
-    ctypes would make a new one each time. signature: ctypes types of the arguments.
+    signature: ctypes types of the arguments. The interpreter lock is kept during a call.
     """
+    address = ctypes.cast(function, ctypes.c_void_p).value
+    assert address is not None
+    return _prototype(signature)(address)
+
+
+@cache
+def _prototype(signature: tuple[Any, ...]) -> Any:
+    """Return the type of such a function; ctypes would make a new one each time."""
     return ctypes.PYFUNCTYPE(ctypes.c_int, *signature)

@@ -17,7 +17,7 @@ from typing import Any, ClassVar, NoReturn
 
 from fmpy.model_description import ModelDescription, ModelVariable
 
-from axisrig.kernel.cosim.fmi.binding import prototype
+from axisrig.kernel.cosim.fmi.binding import with_signature
 from axisrig.kernel.cosim.fmi.journal import watched
 from axisrig.kernel.cosim.fmi.library import (
     DISCARD,
@@ -215,16 +215,11 @@ class FmuSlave(ABC):
         """
         known = self._functions.get((name, signature))
         if known is None:
-            known = self._functions[name, signature] = self._bound(name, signature)
+            known = getattr(self._fmu.dll, name)
+            if not isinstance(known, Missing):
+                known = self._watched(name, with_signature(known, signature))
+            self._functions[name, signature] = known
         return known
-
-    def _bound(self, name: str, signature: tuple[Any, ...]) -> Any:
-        found = getattr(self._fmu.dll, name)
-        if isinstance(found, Missing):
-            return found
-        address = ctypes.cast(found, ctypes.c_void_p).value
-        assert address is not None
-        return self._watched(name, prototype(signature)(address))
 
     @property
     def fmpy(self) -> Any:
