@@ -209,10 +209,7 @@ class FmuSlave(ABC):
             self.messages.append(LogMessage(self.time_ns, status, word, text))
 
     def function(self, name: str, signature: tuple[Any, ...]) -> Any:
-        """Return the library function `name` with `signature`, keeping the interpreter lock.
-
-        What is returned for a function that the library lacks raises UserError when it is called.
-        """
+        """Return a function of the library, bound once; one that is missing raises UserError."""
         known = self._functions.get((name, signature))
         if known is None:
             known = getattr(self._fmu.dll, name)
