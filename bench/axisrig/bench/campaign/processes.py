@@ -193,7 +193,23 @@ class _Crew:
         return Path(mkdtemp(prefix="notes-", dir=self._folder))
 
     def look(self) -> None:
-        """Hand out what is to be done, wait for news, and take what has ended."""
+        """Hand out what is to be done, wait for news, take what has ended; hand out more.
+
+        Who asked for the answers has work with them: nobody waits for that.
+        """
+        self._hand_out()
+        news = [item for w in self._workers for item in (w.pipe, w.process.sentinel)]
+        wait(news, _LOOK_S)
+        for worker in list(self._workers):
+            if worker.number is not None:
+                self._hear(worker)
+        self._hand_out()
+        for worker in [w for w in self._workers if w.number is None]:
+            if self._next == len(self.tasks) or worker.process.exitcode is not None:
+                self._dismiss(worker)
+
+    def _hand_out(self) -> None:
+        """Give every free process a task."""
         while self._next < len(self.tasks) and (worker := self._free(self._next)) is not None:
             note = self._notes / str(self._next)
             journal.create(note)
@@ -201,14 +217,6 @@ class _Crew:
             if worker.order(self._next, order):
                 self._next += 1
             else:
-                self._dismiss(worker)
-        news = [item for w in self._workers for item in (w.pipe, w.process.sentinel)]
-        wait(news, _LOOK_S)
-        for worker in list(self._workers):
-            if worker.number is not None:
-                self._hear(worker)
-        for worker in [w for w in self._workers if w.number is None]:
-            if self._next == len(self.tasks) or worker.process.exitcode is not None:
                 self._dismiss(worker)
 
     def _free(self, number: int) -> _Worker | None:
