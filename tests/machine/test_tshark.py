@@ -8,6 +8,7 @@ import os
 import shutil
 import subprocess
 from collections import Counter
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -63,19 +64,22 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path, Seen]:
     segment.observe(lambda time_ns, name, frame, is_error: seen.append((time_ns, frame, is_error)))
     tool = segment.port("tool")
     tool.attach_data(lambda *_: None)
-    at = partial(machine.scheduler.call_at, phase=Phase.APPLICATION)
+
+    def at(time_ns: int, action: Callable[[], object]) -> None:
+        machine.scheduler.call_at(time_ns, Phase.APPLICATION, action)
+
     guard = can.Message(
         arbitration_id=0x700 + NODE, is_extended_id=False, is_remote_frame=True, dlc=1
     )
     upload_of_nothing = bytes([0x40, 0x34, 0x12, 0x00, 0, 0, 0, 0])
     long_name = bytes([0x40, 0x08, 0x10, 0x00, 0, 0, 0, 0])
-    at(300 * MS + 5_000, action=lambda: tool.send_raw(0x600 + NODE, upload_of_nothing))
-    at(320 * MS + 5_000, action=lambda: tool.send_raw(0x600 + NODE, long_name))
+    at(300 * MS + 5_000, lambda: tool.send_raw(0x600 + NODE, upload_of_nothing))
+    at(320 * MS + 5_000, lambda: tool.send_raw(0x600 + NODE, long_name))
     for at_ms, command in ((322, 0x60), (324, 0x70), (326, 0x60)):  # 19 letters in segments of 7
         segment_request = bytes([command]) + bytes(7)
-        at(at_ms * MS + 5_000, action=partial(tool.send_raw, 0x600 + NODE, segment_request))
-    at(330 * MS + 5_000, action=lambda: tool.send(guard))
-    at(340 * MS + 5_000, action=lambda: tool.send_raw(0x200 + NODE, b"\x0f"))  # RPDO too short
+        at(at_ms * MS + 5_000, partial(tool.send_raw, 0x600 + NODE, segment_request))
+    at(330 * MS + 5_000, lambda: tool.send(guard))
+    at(340 * MS + 5_000, lambda: tool.send_raw(0x200 + NODE, b"\x0f"))  # RPDO too short
 
     def destroy(frame: Frame, _port: object, attempt: int) -> ErrorAtBit | None:
         is_due = 250 * MS <= machine.scheduler.now_ns < 251 * MS and attempt == 0

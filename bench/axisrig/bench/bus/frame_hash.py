@@ -47,8 +47,8 @@ class FrameHash:
         """Add frames."""
         self._frames += len(block)
         if native is not None:
-            for name in {entry[1] for entry in block} - self._bytes.keys():
-                self._bytes[name] = _counted(name)
+            for new in {entry[1] for entry in block} - self._bytes.keys():
+                self._bytes[new] = _counted(new)
             self._hash.update(native.hash_records(block, self._bytes))
             return
         records: list[bytes] = []

@@ -1,8 +1,11 @@
 """What this room has in C (`_line.c`); None where this build has nothing compiled."""
 
-try:
-    from axisrig.bench.bus import _line as native
-except ImportError:
-    native = None  # type: ignore[assignment]
+from typing import Any
 
-__all__ = ["native"]
+native: Any  # both ways through what asks for it are checked
+try:
+    from axisrig.bench.bus import _line
+
+    native = _line
+except ImportError:
+    native = None

@@ -12,10 +12,13 @@ from typing import Any, TypeAlias, cast
 
 from axisrig.kernel.time.clock import TimeNs
 
+native: Any  # both ways through what asks for it are checked
 try:  # of the compiled build
-    from axisrig.kernel.time import _scheduler as native
+    from axisrig.kernel.time import _scheduler
+
+    native = _scheduler
 except ImportError:
-    native = None  # type: ignore[assignment]
+    native = None
 
 Event: TypeAlias = Any
 """Handle of `call_at`; only the scheduler looks into it.
@@ -43,7 +46,7 @@ class Scheduler:
         """Whether an action is being run, that is whether waiting is refused."""
         return self._advancing.is_on
 
-    def call_at(self, time_ns: TimeNs, phase: int, action: Callable[[], object]) -> Event:
+    def call_at(self, time_ns: TimeNs, phase: int, action: Callable[[], object], /) -> Event:
         """Run `action` at `time_ns` in `phase`; return the handle that `cancel` takes.
 
         An earlier phase of the current instant is allowed: it runs next.
