@@ -201,8 +201,8 @@ def test_nothing_that_is_kept_grows_with_the_run() -> None:
         for index in range(1000):
             sender.send_raw(index, b"")
             segment.scheduler.run_until(segment.now_ns + MS)
-            assert len(segment._entries) < 100
-            assert len(segment._passed) < 100
+            assert len(segment.journal.entries) < 100
+            assert len(segment.passed) < 100
 
 
 def test_remembered_lengths_are_exact_and_bounded() -> None:

@@ -35,11 +35,12 @@ def _built(source: Path, folder: Path) -> None:
 
 @pytest.fixture(scope="session")
 def native(tmp_path_factory: pytest.TempPathFactory) -> SimpleNamespace:
-    """Return the extensions: `scheduler`, `line`."""
+    """Return the extensions: `scheduler`, `line`, `records`."""
     found: dict[str, ModuleType] = {}
     for name, package, path in (
         ("scheduler", axisrig.kernel.time, "kernel/axisrig/kernel/time/_scheduler.c"),
         ("line", axisrig.bench.bus, "bench/axisrig/bench/bus/_line.c"),
+        ("records", axisrig.bench.bus, "bench/axisrig/bench/bus/_records.c"),
     ):
         folder = tmp_path_factory.mktemp(name)
         module = f"{package.__name__}.{Path(path).stem}"

@@ -8,7 +8,7 @@ without power and bus-off. Whatever a participant, a record or the load can see 
 import random
 from collections.abc import Callable
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
 import can
@@ -31,9 +31,9 @@ END_NS = 40 * MS
 
 def _use(monkeypatch: pytest.MonkeyPatch, native: SimpleNamespace | None) -> None:
     """Let all that is made from now on be in C, or in Python."""
-    extension: ModuleType | None = native.line if native else None
-    for module in (line, frame_hash, load, logs):
-        monkeypatch.setattr(module, "native", extension)
+    monkeypatch.setattr(line, "native_line", native.line if native else None)
+    for module in (frame_hash, load, logs):
+        monkeypatch.setattr(module, "native_records", native.records if native else None)
     monkeypatch.setattr(scheduler_module, "native", native.scheduler if native else None)
 
 
@@ -305,11 +305,11 @@ def test_the_functions_refuse_what_is_no_frame(native: SimpleNamespace) -> None:
         with pytest.raises(TypeError):
             native.line.frame_bits(frame)
         with pytest.raises(TypeError):
-            native.line.hash_records([(0, "bus", frame, False)], {"bus": b"\x03bus"})
+            native.records.hash_records([(0, "bus", frame, False)], {"bus": b"\x03bus"})
     entry = (0, "bus", Frame(1, b"", False, False, 0), False)
     with pytest.raises(KeyError):
-        native.line.hash_records([entry], {})
+        native.records.hash_records([entry], {})
     with pytest.raises(KeyError):
-        native.line.blf_objects([entry], 0, {}, bytes(24))
+        native.records.blf_objects([entry], 0, {}, bytes(24))
     with pytest.raises(ValueError, match="head"):
-        native.line.blf_objects([entry], 0, {"bus": 1}, b"")
+        native.records.blf_objects([entry], 0, {"bus": 1}, b"")

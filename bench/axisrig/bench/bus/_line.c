@@ -1,6 +1,6 @@
-/* `axisrig.bench.bus.line.BusLine` in C, and records of blocks of frames, for the compiled build.
+/* `axisrig.bench.bus.line.BusLine` in C, for the compiled build.
 
-   The line goes from frame to frame by itself while nothing is odd; all else it leaves to its
+   The line goes from frame to frame by itself while nothing disturbs it; all else it leaves to its
    segment, in Python. Members, order of events and values are those of the Python class: the tests
    drive both with the same random traffic, and compare every shipped run.
 
@@ -9,11 +9,11 @@
 
 #define PY_SSIZE_T_CLEAN
 #include <_scheduler.h>
-#include <stdint.h>
 #include <structmember.h>
 
-enum { IFS_BITS = 3, TAIL_BITS = 10, CRC_BITS = 15, CRC_POLYNOMIAL = 0x4599, DATA_BYTES_MAX = 8 };
-#define EXTENDED_FLAG 0x80000000u
+#include "_frame.h"
+
+enum { IFS_BITS = 3, TAIL_BITS = 10, CRC_BITS = 15, CRC_POLYNOMIAL = 0x4599 };
 
 static const AxisrigScheduler *scheduler_api;
 static PyTypeObject *frame_type;          /* axisrig.bench.bus.frame.Frame */
@@ -22,30 +22,6 @@ static PyObject *text_drain, *text_pending, *text_take, *text_direct, *text_by_i
 static PyObject *text_receive_own_messages, *text_deliver;
 
 /* --- length of a frame ----------------------------------------------------------------------- */
-
-typedef struct {
-    long long can_id;
-    const unsigned char *data;
-    int size, extended, remote, dlc;
-} Fields;
-
-static int read_frame(PyObject *frame, Fields *fields)
-{
-    if (!PyTuple_Check(frame) || PyTuple_GET_SIZE(frame) != 5
-        || !PyBytes_Check(PyTuple_GET_ITEM(frame, 1))
-        || PyBytes_GET_SIZE(PyTuple_GET_ITEM(frame, 1)) > DATA_BYTES_MAX) {
-        PyErr_SetString(PyExc_TypeError, "no frame");
-        return -1;
-    }
-    PyObject *data = PyTuple_GET_ITEM(frame, 1);
-    fields->can_id = PyLong_AsLongLong(PyTuple_GET_ITEM(frame, 0));
-    fields->data = (const unsigned char *)PyBytes_AS_STRING(data);
-    fields->size = (int)PyBytes_GET_SIZE(data);
-    fields->extended = PyObject_IsTrue(PyTuple_GET_ITEM(frame, 2));
-    fields->remote = PyObject_IsTrue(PyTuple_GET_ITEM(frame, 3));
-    fields->dlc = (int)PyLong_AsLong(PyTuple_GET_ITEM(frame, 4));
-    return PyErr_Occurred() ? -1 : 0;
-}
 
 /* Last bit on the wire, how often it was there in a row, check sum, bits with stuff bits. */
 typedef struct {
@@ -104,16 +80,16 @@ typedef struct {
 
 typedef struct {
     PyObject_HEAD
-    PyObject *name, *scheduler, *odd, *journal, *entries, *passed, *sequence;
+    PyObject *segment, *name, *scheduler, *journal, *entries, *passed, *observers, *sequence;
     PyObject *arbitrate, *end_of_frame; /* bound methods of this line, for the scheduler */
     PyObject *live;                     /* tuple of ports; `queues` has theirs, in that order */
     Queue *queues;
     Py_ssize_t queue_count;
     long long *duration_ns;
     Py_ssize_t duration_count, block_frames;
-    PyObject *observers, *current, *end;
+    PyObject *current, *end;
     long long free_ns;
-    char is_idle, is_plain;
+    char is_idle, is_undisturbed;
 } Line;
 
 static long long now_of(const Line *self)
@@ -131,7 +107,7 @@ static PyObject *done(PyObject *result)
 
 static PyObject *ask_segment(Line *self, const char *method)
 {
-    return done(PyObject_CallMethod(self->odd, method, NULL));
+    return done(PyObject_CallMethod(self->segment, method, NULL));
 }
 
 static int duration_of(const Line *self, long bits, long long *ns)
@@ -239,7 +215,7 @@ static int first_key(const Queue *queue, long long *key)
 
 static PyObject *line_arbitrate(Line *self, PyObject *Py_UNUSED(none))
 {
-    if (!self->is_plain)
+    if (!self->is_undisturbed)
         return ask_segment(self, "arbitrate");
     Py_ssize_t winner = -1;
     long long lowest = 0, key = 0;
@@ -317,15 +293,15 @@ static int book(Line *self, PyObject *current, long long free_ns)
             goto end;
         Py_DECREF(drained);
     }
-    PyObject *observers = Py_NewRef(self->observers);
     status = 0;
-    for (Py_ssize_t i = 0; status == 0 && i < PyTuple_GET_SIZE(observers); i++) {
+    for (Py_ssize_t i = 0; status == 0 && i < PyList_GET_SIZE(self->observers); i++) {
+        PyObject *observer = Py_NewRef(PyList_GET_ITEM(self->observers, i));
         PyObject *args[] = {now, self->name, frame, Py_False};
-        PyObject *seen = PyObject_Vectorcall(PyTuple_GET_ITEM(observers, i), args, 4, NULL);
+        PyObject *seen = PyObject_Vectorcall(observer, args, 4, NULL);
         status = seen ? 0 : -1;
         Py_XDECREF(seen);
+        Py_DECREF(observer);
     }
-    Py_DECREF(observers);
 end:
     Py_XDECREF(now);
     Py_XDECREF(passed);
@@ -380,7 +356,8 @@ static int give(PyObject *direct, PyObject *frame, PyObject *timestamp_s)
 
 static int deliver(Line *self, PyObject *sender, PyObject *frame)
 {
-    int is_plain = PyTuple_GET_ITEM(frame, 2) == Py_False && PyTuple_GET_ITEM(frame, 3) == Py_False;
+    int is_standard_data =
+        PyTuple_GET_ITEM(frame, 2) == Py_False && PyTuple_GET_ITEM(frame, 3) == Py_False;
     long long now_ns = now_of(self);
     PyObject *now = PyLong_FromLongLong(now_ns);
     PyObject *timestamp_s = PyFloat_FromDouble((double)now_ns / 1e9);
@@ -398,7 +375,7 @@ static int deliver(Line *self, PyObject *sender, PyObject *frame)
         PyObject *direct = PyObject_GetAttr(port, text_direct);
         if (!direct)
             status = -1;
-        else if (direct == Py_None || !is_plain)
+        else if (direct == Py_None || !is_standard_data)
             status = hand_over(port, frame, now, Py_False);
         else
             status = give(direct, frame, timestamp_s);
@@ -441,7 +418,7 @@ static PyObject *line_end_of_frame(Line *self, PyObject *Py_UNUSED(none))
     PyObject *current = self->current;
     if (!is_current(current))
         return NULL;
-    if (!self->is_plain || PyTuple_GET_ITEM(current, 4) != Py_None)
+    if (!self->is_undisturbed || PyTuple_GET_ITEM(current, 4) != Py_None)
         return ask_segment(self, "end_of_frame");
     long long start_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(current, 2)), span_ns;
     long bits = PyLong_AsLong(PyTuple_GET_ITEM(current, 3));
@@ -534,29 +511,20 @@ static int line_set_live(Line *self, PyObject *live, void *Py_UNUSED(closure))
     return 0;
 }
 
-static int line_init(Line *self, PyObject *args, PyObject *kwargs)
+/* Sets `*place` to an attribute of an object, which must be of a type; NULL = of any type. */
+static int take(PyObject **place, PyObject *object, const char *name, PyTypeObject *type)
 {
-    PyObject *name, *scheduler, *odd, *journal, *passed, *durations, *sequence;
-    if ((kwargs && PyDict_GET_SIZE(kwargs))
-        || !PyArg_ParseTuple(args, "UO!OOO!O!O:BusLine", &name, scheduler_api->type, &scheduler, &odd,
-                             &journal, &PyList_Type, &passed, &PyList_Type, &durations, &sequence))
-        return -1;
-    if (self->name) {
-        PyErr_SetString(PyExc_TypeError, "a line is made once");
-        return -1;
+    PyObject *found = PyObject_GetAttrString(object, name);
+    if (found && type && !PyObject_TypeCheck(found, type)) {
+        PyErr_Format(PyExc_TypeError, "%s is no %s", name, type->tp_name);
+        Py_CLEAR(found);
     }
-    PyObject *block = PyObject_GetAttrString(journal, "block_frames");
-    if (!block)
-        return -1;
-    self->block_frames = PyLong_AsSsize_t(block);
-    Py_DECREF(block);
-    self->entries = PyObject_GetAttrString(journal, "entries");
-    if (!self->entries || PyErr_Occurred())
-        return -1;
-    if (!PyList_Check(self->entries)) {
-        PyErr_SetString(PyExc_TypeError, "journal.entries is a list");
-        return -1;
-    }
+    Py_XSETREF(*place, found);
+    return found ? 0 : -1;
+}
+
+static int take_durations(Line *self, PyObject *durations)
+{
     self->duration_count = PyList_GET_SIZE(durations);
     self->duration_ns = PyMem_Malloc((size_t)self->duration_count * sizeof(long long) + 1);
     if (!self->duration_ns) {
@@ -568,26 +536,47 @@ static int line_init(Line *self, PyObject *args, PyObject *kwargs)
         if (PyErr_Occurred())
             return -1;
     }
-    self->name = Py_NewRef(name);
-    self->scheduler = Py_NewRef(scheduler);
-    self->odd = Py_NewRef(odd);
-    self->journal = Py_NewRef(journal);
-    self->passed = Py_NewRef(passed);
-    self->sequence = Py_NewRef(sequence);
+    return 0;
+}
+
+static int line_init(Line *self, PyObject *args, PyObject *kwargs)
+{
+    PyObject *segment, *durations, *block = NULL;
+    if ((kwargs && PyDict_GET_SIZE(kwargs))
+        || !PyArg_ParseTuple(args, "OO!:BusLine", &segment, &PyList_Type, &durations))
+        return -1;
+    if (self->segment) {
+        PyErr_SetString(PyExc_TypeError, "a line is made once");
+        return -1;
+    }
+    if (take(&self->name, segment, "name", &PyUnicode_Type) < 0
+        || take(&self->scheduler, segment, "scheduler", scheduler_api->type) < 0
+        || take(&self->sequence, segment, "sequence", NULL) < 0
+        || take(&self->passed, segment, "passed", &PyList_Type) < 0
+        || take(&self->observers, segment, "observers", &PyList_Type) < 0
+        || take(&self->journal, segment, "journal", NULL) < 0
+        || take(&self->entries, self->journal, "entries", &PyList_Type) < 0
+        || take(&block, self->journal, "block_frames", &PyLong_Type) < 0)
+        return -1;
+    self->block_frames = PyLong_AsSsize_t(block);
+    Py_DECREF(block);
+    if (PyErr_Occurred() || take_durations(self, durations) < 0)
+        return -1;
+    self->segment = Py_NewRef(segment);
     self->current = Py_NewRef(Py_None);
     self->end = Py_NewRef(Py_None);
     self->is_idle = 1;
     self->live = PyTuple_New(0);
-    self->observers = PyTuple_New(0);
-    self->arbitrate = PyObject_GetAttrString((PyObject *)self, "arbitrate");
-    self->end_of_frame = PyObject_GetAttrString((PyObject *)self, "end_of_frame");
-    return self->live && self->observers && self->arbitrate && self->end_of_frame ? 0 : -1;
+    if (!self->live || take(&self->arbitrate, (PyObject *)self, "arbitrate", NULL) < 0
+        || take(&self->end_of_frame, (PyObject *)self, "end_of_frame", NULL) < 0)
+        return -1;
+    return 0;
 }
 
 static int line_traverse(Line *self, visitproc visit, void *arg)
 {
     Py_VISIT(self->scheduler);
-    Py_VISIT(self->odd);
+    Py_VISIT(self->segment);
     Py_VISIT(self->journal);
     Py_VISIT(self->entries);
     Py_VISIT(self->passed);
@@ -609,7 +598,7 @@ static int line_clear(Line *self)
 {
     Py_CLEAR(self->name);
     Py_CLEAR(self->scheduler);
-    Py_CLEAR(self->odd);
+    Py_CLEAR(self->segment);
     Py_CLEAR(self->journal);
     Py_CLEAR(self->entries);
     Py_CLEAR(self->passed);
@@ -632,35 +621,18 @@ static void line_dealloc(Line *self)
     Py_TYPE(self)->tp_free((PyObject *)self);
 }
 
-/* The tuple of observers; anything else is refused, for `book` goes through it. */
-static PyObject *line_get_observers(Line *self, void *Py_UNUSED(closure))
-{
-    return Py_NewRef(self->observers);
-}
-
-static int line_set_observers(Line *self, PyObject *observers, void *Py_UNUSED(closure))
-{
-    if (!observers || !PyTuple_Check(observers)) {
-        PyErr_SetString(PyExc_TypeError, "observers is a tuple");
-        return -1;
-    }
-    Py_XSETREF(self->observers, Py_NewRef(observers));
-    return 0;
-}
-
 static PyMemberDef line_members[] = {
     {"current", T_OBJECT, offsetof(Line, current), 0, "The frame on the line, or None."},
     {"end", T_OBJECT, offsetof(Line, end), 0, "The event of its end."},
     {"free_ns", T_LONGLONG, offsetof(Line, free_ns), 0, "End of the last intermission."},
     {"is_idle", T_BOOL, offsetof(Line, is_idle), 0, "Whether nothing is on the line or planned."},
-    {"is_plain", T_BOOL, offsetof(Line, is_plain), 0, "Whether nothing is odd."},
+    {"is_undisturbed", T_BOOL, offsetof(Line, is_undisturbed), 0,
+     "Whether nothing disturbs the line."},
     {NULL},
 };
 
 static PyGetSetDef line_getset[] = {
     {"live", (getter)line_get_live, (setter)line_set_live, "The ports that take part.", NULL},
-    {"observers", (getter)line_get_observers, (setter)line_set_observers,
-     "Called at every end of frame.", NULL},
     {NULL},
 };
 
@@ -693,202 +665,17 @@ static PyTypeObject LineType = {
     .tp_methods = line_methods,
 };
 
-/* --- records of a block ---------------------------------------------------------------------- */
-
-static void put(unsigned char **place, unsigned long long value, int bytes)
-{
-    for (int i = 0; i < bytes; i++)
-        *(*place)++ = (unsigned char)(value >> 8 * i);
-}
-
-/* The fields of entry `i` of a block: its time, its segment, whether it is an error frame. */
-static int read_entry(PyObject *block, Py_ssize_t i, long long *time_ns, PyObject **segment,
-                      Fields *fields, int *is_error)
-{
-    PyObject *entry = PyList_GET_ITEM(block, i);
-    if (!PyTuple_Check(entry) || PyTuple_GET_SIZE(entry) != 4) {
-        PyErr_SetString(PyExc_TypeError, "no entry of a journal");
-        return -1;
-    }
-    *time_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(entry, 0));
-    *segment = PyTuple_GET_ITEM(entry, 1);
-    *is_error = PyObject_IsTrue(PyTuple_GET_ITEM(entry, 3));
-    return PyErr_Occurred() ? -1 : read_frame(PyTuple_GET_ITEM(entry, 2), fields);
-}
-
-/* Puts the data of a frame, filled up to 8 bytes. */
-static void put_data(unsigned char **place, const Fields *fields)
-{
-    memset(*place, 0, DATA_BYTES_MAX);
-    memcpy(*place, fields->data, (size_t)fields->size);
-    *place += DATA_BYTES_MAX;
-}
-
-/* hash_records(block, names): names: segment -> bytes of its name, with their length before it */
-static PyObject *hash_records(PyObject *Py_UNUSED(module), PyObject *args)
-{
-    PyObject *block, *names, *segment;
-    if (!PyArg_ParseTuple(args, "O!O!:hash_records", &PyList_Type, &block, &PyDict_Type, &names))
-        return NULL;
-    Py_ssize_t count = PyList_GET_SIZE(block);
-    unsigned char *bytes = PyMem_Malloc((size_t)count * (22 + 256) + 1), *place = bytes;
-    if (!bytes)
-        return PyErr_NoMemory();
-    for (Py_ssize_t i = 0; i < count; i++) {
-        long long time_ns;
-        Fields frame;
-        int is_error;
-        if (read_entry(block, i, &time_ns, &segment, &frame, &is_error) < 0)
-            goto failed;
-        PyObject *name = PyDict_GetItemWithError(names, segment);
-        if (!name || !PyBytes_Check(name) || PyBytes_GET_SIZE(name) > 256) {
-            if (!PyErr_Occurred())
-                PyErr_Format(PyExc_KeyError, "segment %R", segment);
-            goto failed;
-        }
-        put(&place, (unsigned long long)time_ns, 8);
-        memcpy(place, PyBytes_AS_STRING(name), (size_t)PyBytes_GET_SIZE(name));
-        place += PyBytes_GET_SIZE(name);
-        put(&place, (unsigned long long)frame.can_id, 4);
-        put(&place, (unsigned)(frame.extended | frame.remote << 1 | is_error << 2), 1);
-        put(&place, (unsigned)frame.dlc, 1);
-        put_data(&place, &frame);
-    }
-    PyObject *result = PyBytes_FromStringAndSize((char *)bytes, place - bytes);
-    PyMem_Free(bytes);
-    return result;
-failed:
-    PyMem_Free(bytes);
-    return NULL;
-}
-
-/* blf_objects(block, first, numbers, head): data and remote frames from entry `first` on, up to an
-   error frame. Returns their bytes, and the number of the entry after them.
-   Source: can/io/blf.py of python-can: head of 24 bytes, then time, channel, flags, dlc, identifier,
-   data. */
-static PyObject *blf_objects(PyObject *Py_UNUSED(module), PyObject *args)
-{
-    enum { HEAD = 24, OBJECT = 48, REMOTE = 0x80 };
-    PyObject *block, *numbers, *segment;
-    Py_ssize_t first, head_size;
-    const char *head;
-    if (!PyArg_ParseTuple(args, "O!nO!y#:blf_objects", &PyList_Type, &block, &first, &PyDict_Type,
-                          &numbers, &head, &head_size))
-        return NULL;
-    Py_ssize_t count = PyList_GET_SIZE(block), i;
-    if (first < 0 || first > count || head_size != HEAD) {
-        PyErr_SetString(PyExc_ValueError, "first entry or head of an object");
-        return NULL;
-    }
-    unsigned char *bytes = PyMem_Malloc((size_t)(count - first) * OBJECT + 1), *place = bytes;
-    if (!bytes)
-        return PyErr_NoMemory();
-    for (i = first; i < count; i++) {
-        long long time_ns;
-        Fields frame;
-        int is_error;
-        if (read_entry(block, i, &time_ns, &segment, &frame, &is_error) < 0)
-            goto failed;
-        if (is_error)
-            break;
-        PyObject *number = PyDict_GetItemWithError(numbers, segment);
-        long channel = number ? PyLong_AsLong(number) : -1;
-        if (channel < 0) {
-            if (!PyErr_Occurred())
-                PyErr_Format(PyExc_KeyError, "segment %R", segment);
-            goto failed;
-        }
-        memcpy(place, head, HEAD);
-        place += HEAD;
-        /* Over seconds as a float and back, as python-can does */
-        put(&place, (unsigned long long)((double)time_ns / 1e9 * 1e9), 8);
-        put(&place, (unsigned long long)channel, 2);
-        put(&place, frame.remote ? REMOTE : 0, 1);
-        put(&place, (unsigned)frame.dlc, 1);
-        put(&place, (unsigned long long)frame.can_id | (frame.extended ? EXTENDED_FLAG : 0), 4);
-        put_data(&place, &frame);
-    }
-    PyObject *result = Py_BuildValue("(y#n)", (char *)bytes, place - bytes, i);
-    PyMem_Free(bytes);
-    return result;
-failed:
-    PyMem_Free(bytes);
-    return NULL;
-}
-
-/* add_load(passed, busy_ns, worst_delay_ns, window_ns): busy_ns: array("Q") of windows, long enough;
-   worst_delay_ns: identifier (bit 31 set on 29-bit ones) -> ns. Returns the bits of all frames. */
-static PyObject *add_load(PyObject *Py_UNUSED(module), PyObject *args)
-{
-    PyObject *passed, *windows, *worst;
-    long long window_ns, bits_sum = 0;
-    if (!PyArg_ParseTuple(args, "O!OO!L:add_load", &PyList_Type, &passed, &windows, &PyDict_Type,
-                          &worst, &window_ns))
-        return NULL;
-    Py_buffer view;
-    if (PyObject_GetBuffer(windows, &view, PyBUF_WRITABLE | PyBUF_FORMAT | PyBUF_ND) < 0)
-        return NULL;
-    if (view.itemsize != 8 || strcmp(view.format, "Q") || window_ns <= 0) {
-        PyErr_SetString(PyExc_TypeError, "busy_ns is an array of 8-byte integers");
-        goto failed;
-    }
-    uint64_t *busy_ns = view.buf;
-    long long count = view.len / view.itemsize;
-    for (Py_ssize_t i = 0; i < PyList_GET_SIZE(passed); i++) {
-        PyObject *one = PyList_GET_ITEM(passed, i);
-        if (!PyTuple_Check(one) || PyTuple_GET_SIZE(one) != 6) {
-            PyErr_SetString(PyExc_TypeError, "passed holds tuples of six");
-            goto failed;
-        }
-        long long start_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 0));
-        long long end_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 1));
-        bits_sum += PyLong_AsLongLong(PyTuple_GET_ITEM(one, 2));
-        int extended = PyObject_IsTrue(PyTuple_GET_ITEM(one, 4));
-        long long delay_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 5));
-        if (PyErr_Occurred())
-            goto failed;
-        if (start_ns < 0 || end_ns <= start_ns || (end_ns - 1) / window_ns >= count) {
-            PyErr_SetString(PyExc_IndexError, "a frame outside the windows");
-            goto failed;
-        }
-        while (start_ns < end_ns) {
-            long long window = start_ns / window_ns, border_ns = (window + 1) * window_ns;
-            long long until_ns = end_ns < border_ns ? end_ns : border_ns;
-            busy_ns[window] += (uint64_t)(until_ns - start_ns);
-            start_ns = until_ns;
-        }
-        PyObject *key = Py_NewRef(PyTuple_GET_ITEM(one, 3));
-        if (extended)
-            Py_SETREF(key, PyLong_FromLongLong(PyLong_AsLongLong(key) | EXTENDED_FLAG));
-        PyObject *known = key ? PyDict_GetItemWithError(worst, key) : NULL;
-        int status = PyErr_Occurred() ? -1 : 0;
-        if (status == 0 && delay_ns >= (known ? PyLong_AsLongLong(known) : 0))
-            status = PyDict_SetItem(worst, key, PyTuple_GET_ITEM(one, 5));
-        Py_XDECREF(key);
-        if (status < 0)
-            goto failed;
-    }
-    PyBuffer_Release(&view);
-    return PyLong_FromLongLong(bits_sum);
-failed:
-    PyBuffer_Release(&view);
-    return NULL;
-}
-
 /* --- module ---------------------------------------------------------------------------------- */
 
 static PyMethodDef functions[] = {
     {"frame_bits", frame_bits, METH_O, "Exact length of a frame, with the intermission."},
-    {"hash_records", hash_records, METH_VARARGS, "Bytes of a block for the frame hash."},
-    {"blf_objects", blf_objects, METH_VARARGS, "Objects of a BLF file for a block."},
-    {"add_load", add_load, METH_VARARGS, "Add frames to the windows of a load meter."},
     {NULL},
 };
 
 static PyModuleDef module = {
     PyModuleDef_HEAD_INIT,
     .m_name = "axisrig.bench.bus._line",
-    .m_doc = "The line of a segment, and records of blocks of frames, in C.",
+    .m_doc = "The line of a segment in C.",
     .m_size = -1,
     .m_methods = functions,
 };

@@ -1,16 +1,19 @@
 """Record of the traffic: a hash over every frame."""
 
 import hashlib
-import struct
-from collections.abc import Callable
+from struct import Struct
+from typing import Final
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.journal import Entry, Journal
-from axisrig.bench.bus.native import native
+from axisrig.bench.bus.native import native_records
 from axisrig.kernel.time.clock import TimeNs
 
 EXTENDED, REMOTE, ERROR = 1, 2, 4
 """Bits of the flags in `FrameHash`."""
+
+_TIME: Final = Struct("<q")
+_FRAME: Final = Struct("<IBB8s")
 
 
 class FrameHash:
@@ -32,8 +35,7 @@ class FrameHash:
 
     def __init__(self, journal: Journal | None = None) -> None:
         self._hash = hashlib.sha256()
-        self._names: dict[str, tuple[bytes, Callable[..., bytes]]] = {}
-        self._bytes: dict[str, bytes] = {}
+        self._names: dict[str, bytes] = {}
         self._frames = 0
         self._journal = journal
         if journal is not None:
@@ -46,24 +48,20 @@ class FrameHash:
     def take(self, block: list[Entry]) -> None:
         """Add frames."""
         self._frames += len(block)
-        if native is not None:
-            for new in {entry[1] for entry in block} - self._bytes.keys():
-                self._bytes[new] = _counted(new)
-            self._hash.update(native.hash_records(block, self._bytes))
+        names = self._names
+        for new in {entry[1] for entry in block} - names.keys():
+            names[new] = _with_length(new)
+        if native_records is not None:
+            self._hash.update(native_records.hash_records(block, names))
             return
         records: list[bytes] = []
-        last = None
+        time_of, frame_of = _TIME.pack, _FRAME.pack
         for time_ns, segment, frame, is_error in block:
-            if segment is not last:
-                last = segment
-                if segment not in self._names:
-                    self._names[segment] = _codec(segment)
-                name, pack = self._names[segment]
             can_id, data, extended, remote, dlc = frame
             flags = 0
             if extended or remote or is_error:
                 flags = EXTENDED * extended | REMOTE * remote | ERROR * is_error
-            records.append(pack(time_ns, name, can_id, flags, dlc, data))
+            records += (time_of(time_ns), names[segment], frame_of(can_id, flags, dlc, data))
         self._hash.update(b"".join(records))
 
     @property
@@ -82,13 +80,7 @@ class FrameHash:
             self._journal.drain()
 
 
-def _codec(segment: str) -> tuple[bytes, Callable[..., bytes]]:
-    """Return the name of a segment as it is hashed, and what packs the bytes of a frame there."""
-    name = _counted(segment)
-    return name, struct.Struct(f"<q{len(name)}sIBB8s").pack
-
-
-def _counted(segment: str) -> bytes:
-    """Return the name of a segment with its length before it."""
+def _with_length(segment: str) -> bytes:
+    """Return the name of a segment as it is hashed."""
     text = segment.encode()
     return bytes([len(text)]) + text

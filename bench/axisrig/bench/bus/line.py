@@ -1,17 +1,19 @@
 """The line of a segment: what is on it, and the frames that nothing disturbs.
 
-While nothing is odd (`is_plain`) a line goes from frame to frame by itself; else it asks its
-segment, which knows the rest: faults, error counts, collisions, recovery.
+While nothing disturbs it (`is_undisturbed`) a line goes from frame to frame by itself; else it asks
+its segment, which knows the rest: faults, error counts, collisions, recovery.
+
+The compiled build has the same class in C (`_line.c`): same members, same events.
 """
 
 from collections.abc import Callable, Iterator
-from typing import Any, Protocol, cast
+from typing import Any, Protocol
 
 from axisrig.bench.bus.controller import Controller, Request
 from axisrig.bench.bus.disturbance import Disturbance
 from axisrig.bench.bus.frame import IFS_BITS, Frame, FrameLengths
 from axisrig.bench.bus.journal import FrameObserver, Journal
-from axisrig.bench.bus.native import native
+from axisrig.bench.bus.native import native_line
 from axisrig.kernel.time.clock import Phase, S, TimeNs
 from axisrig.kernel.time.scheduler import Event, Scheduler, is_native
 
@@ -23,34 +25,47 @@ Passed = tuple[TimeNs, TimeNs, int, int, bool, TimeNs]
 """What the load is made of: `axisrig.bench.bus.load.LoadMeter.passed`."""
 
 
-class Odd(Protocol):
-    """Who goes on when something is odd: the segment."""
+class LineOwner(Protocol):
+    """The segment, as its line sees it.
+
+    sequence: numbers the requests. The others are as of `axisrig.bench.bus.traffic.Traffic`; lists
+    stay the same ones.
+    """
+
+    name: str
+    scheduler: Scheduler
+    sequence: Iterator[int]
+    journal: Journal
+    passed: list[Passed]
+    observers: list[FrameObserver]
+
+    def record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
+        """Give a frame to the records before anyone reacts to it."""
+        ...
 
     def arbitrate(self) -> None:
-        """Start the next frame, or rest."""
+        """Start the next frame, or rest, on a line that something disturbs."""
         ...
 
     def end_of_frame(self) -> None:
-        """End the frame on the line."""
+        """End the frame on the line, which something disturbs."""
         ...
 
 
 class Line(Protocol):
     """The line of one segment, in Python or C; times in ns.
 
-    live: the ports that take part. observers: called at every end of frame. current: what is on the
-    line, None between two frames. end: its event. is_idle: nothing is on the line, and no
-    arbitration is planned. free_ns: when the intermission of the last frame ends. is_plain:
-    two ports or more take part, no fault looks at frames, no error count differs from 0, nobody
-    recovers or waits after a frame of its own.
+    live: the ports that take part. current: what is on the line, None between two frames. end: its
+    event. is_idle: nothing is on the line, and no arbitration is planned. free_ns: when the
+    intermission of the last frame ends. is_undisturbed: two ports or more take part, no fault looks
+    at frames, no error count differs from 0, nobody recovers or waits after a frame of its own.
     """
 
     live: tuple[Controller, ...]
-    observers: tuple[FrameObserver, ...]
     current: Current | None
     end: Event
     is_idle: bool
-    is_plain: bool
+    is_undisturbed: bool
     free_ns: TimeNs
 
     def wake(self) -> None:
@@ -87,32 +102,18 @@ class Line(Protocol):
 class BusLine:
     """`Line` in Python.
 
-    name: of the segment. passed: takes what the load is made of. duration_ns: time of so many bits.
-    sequence: numbers the requests.
+    segment: whose line it is. duration_ns: time of so many bits.
     """
 
-    def __init__(
-        self,
-        name: str,
-        scheduler: Scheduler,
-        odd: Odd,
-        journal: Journal,
-        passed: list[Passed],
-        duration_ns: list[TimeNs],
-        sequence: Iterator[int],
-    ) -> None:
-        self._sequence = sequence
-        self._name, self._scheduler, self._odd = name, scheduler, odd
-        self._journal, self._entries, self._passed = journal, journal.entries, passed
-        self._block_frames = journal.block_frames
-        self._lengths = FrameLengths()
+    def __init__(self, segment: LineOwner, duration_ns: list[TimeNs]) -> None:
+        self._segment, self._scheduler = segment, segment.scheduler
         self._duration_ns = duration_ns
+        self._lengths = FrameLengths()
         self.live: tuple[Controller, ...] = ()
-        self.observers: tuple[FrameObserver, ...] = ()
         self.current: Current | None = None
-        self.end: Event = []
+        self.end: Event = None
         self.is_idle = True
-        self.is_plain = False
+        self.is_undisturbed = False
         self.free_ns: TimeNs = 0
 
     def wake(self) -> None:
@@ -129,13 +130,13 @@ class BusLine:
         """As of `Line`."""
         # A named tuple made without its constructor, which costs as much as the queue
         frame: Frame = tuple.__new__(Frame, (can_id, bytes(data), False, False, len(data)))
-        push((can_id << 21, next(self._sequence), self._scheduler.now_ns, 0, frame))
+        push((can_id << 21, next(self._segment.sequence), self._scheduler.now_ns, 0, frame))
         self.wake()
 
     def arbitrate(self) -> None:
         """As of `Line`."""
-        if not self.is_plain:
-            self._odd.arbitrate()
+        if not self.is_undisturbed:
+            self._segment.arbitrate()
             return
         winner, lowest, is_collision = None, 0, False
         for port in self.live:
@@ -149,7 +150,7 @@ class BusLine:
         if winner is None:
             self.is_idle = True
         elif is_collision:
-            self._odd.arbitrate()
+            self._segment.arbitrate()
         else:
             request = winner.take()
             bits = self._lengths[request[4]] - IFS_BITS
@@ -163,45 +164,35 @@ class BusLine:
         current = self.current
         assert current is not None  # an end is planned only together with a start
         sender, request, start_ns, bits, odd = current
-        if odd is not None or not self.is_plain:
-            self._odd.end_of_frame()
+        if odd is not None or not self.is_undisturbed:
+            self._segment.end_of_frame()
             return
         self.book(current, start_ns + self._duration_ns[bits + IFS_BITS])
         self.deliver(sender, request[4])
         self.go_on()
 
+    def book(self, current: Current, free_ns: TimeNs) -> None:
+        """As of `Line`."""
+        _, request, start_ns, bits, _ = current
+        self.current, self.free_ns = None, free_ns
+        frame, delay_ns = request[4], start_ns - request[2]
+        passed = (start_ns, free_ns, bits + IFS_BITS, frame[0], frame[2], delay_ns)
+        self._segment.passed.append(passed)
+        self._segment.record(frame, self._scheduler.now_ns, is_error=False)
+
     def deliver(self, sender: Controller, frame: Frame) -> None:
-        """As of `Line`; the subscribers of a port as `Subscribers.give` does."""
+        """As of `Line`."""
         now_ns = self._scheduler.now_ns
         can_id, data, extended, remote, _ = frame
-        is_plain, timestamp_s = not (extended or remote), now_ns / S
         for port in self.live:
             direct = port.direct
             if port is sender:
                 if port.receive_own_messages:
                     port.deliver(frame, now_ns, True)
-            elif direct is None or not is_plain:
+            elif direct is None or extended or remote:
                 port.deliver(frame, now_ns, False)
             else:
-                subscribers = direct.by_id.get(can_id)
-                if subscribers:
-                    copy = bytearray(data)
-                    for subscriber in subscribers:
-                        subscriber(can_id, copy, timestamp_s)
-                direct.heard[can_id] = None
-
-    def book(self, current: Current, free_ns: TimeNs) -> None:
-        """As of `Line`."""
-        _, request, start_ns, bits, _ = current
-        self.current, self.free_ns = None, free_ns
-        frame, now_ns = request[4], self._scheduler.now_ns
-        delay_ns = start_ns - request[2]
-        self._passed.append((start_ns, free_ns, bits + IFS_BITS, frame[0], frame[2], delay_ns))
-        self._entries.append((now_ns, self._name, frame, False))
-        if len(self._entries) >= self._block_frames:
-            self._journal.drain()
-        for observer in self.observers:
-            observer(now_ns, self._name, frame, False)
+                direct.give(can_id, data, now_ns / S)
 
     def go_on(self) -> None:
         """As of `Line`."""
@@ -212,15 +203,9 @@ class BusLine:
         self.is_idle = True
 
 
-def bus_line(
-    name: str,
-    scheduler: Scheduler,
-    odd: Odd,
-    journal: Journal,
-    passed: list[Passed],
-    duration_ns: list[TimeNs],
-    sequence: Iterator[int],
-) -> Line:
-    """Make the line of a segment, in C where this build has it (`_line.c`)."""
-    kind: Any = native.BusLine if native is not None and is_native(scheduler) else BusLine
-    return cast(Line, kind(name, scheduler, odd, journal, passed, duration_ns, sequence))
+def line_class(scheduler: Scheduler) -> Any:
+    """Return the class of lines for segments on a scheduler: in C where both are, else `BusLine`.
+
+    It is called as `BusLine` and makes a `Line`.
+    """
+    return native_line.BusLine if native_line is not None and is_native(scheduler) else BusLine

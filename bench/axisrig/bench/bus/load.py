@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from axisrig.bench.bus.frame import Frame
-from axisrig.bench.bus.native import native
+from axisrig.bench.bus.native import native_records
 from axisrig.kernel.time.clock import MS, S, TimeNs
 
 WINDOW_NS = MS
@@ -62,11 +62,11 @@ class LoadMeter:
         if not self.passed:
             return
         self._extend(self.passed[-1][1])
-        self._bits += (
-            self._add()
-            if native is None
-            else native.add_load(self.passed, self._busy_ns, self._worst_delay_ns, WINDOW_NS)
-        )
+        if native_records is None:
+            self._bits += self._add()
+        else:
+            windows, worst_ns = self._busy_ns, self._worst_delay_ns
+            self._bits += native_records.add_load(self.passed, windows, worst_ns, WINDOW_NS)
         self._frames += len(self.passed)
         self.passed.clear()
 

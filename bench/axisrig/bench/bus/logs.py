@@ -20,7 +20,7 @@ import can
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.journal import Entry
-from axisrig.bench.bus.native import native
+from axisrig.bench.bus.native import native_records
 from axisrig.bench.files import named, naming
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import S, TimeNs
@@ -168,7 +168,7 @@ class BlfLog(MessageLog):
 
     def take(self, block: list[Entry]) -> None:
         """Write frames. Raises OSError with the name of the file."""
-        if native is not None:
+        if native_records is not None:
             self._take_native(block)
             return
         objects: list[bytes] = []
@@ -193,7 +193,7 @@ class BlfLog(MessageLog):
     def _take_native(self, block: list[Entry]) -> None:
         first = 0
         while first < len(block):
-            objects, after = native.blf_objects(block, first, self._numbers, self._HEAD)
+            objects, after = native_records.blf_objects(block, first, self._numbers, self._HEAD)
             self._put([objects])
             if after < len(block):
                 self(*block[after])

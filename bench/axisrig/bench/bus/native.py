@@ -1,11 +1,13 @@
-"""What this room has in C (`_line.c`); None where this build has nothing compiled."""
+"""What this room has in C (`_line.c`, `_records.c`); None where this build has nothing compiled."""
 
 from typing import Any
 
-native: Any  # both ways through what asks for it are checked
+# Of any type, so that both ways through what asks for them are checked
+native_line: Any
+native_records: Any
 try:
-    from axisrig.bench.bus import _line
+    from axisrig.bench.bus import _line, _records
 
-    native = _line
+    native_line, native_records = _line, _records
 except ImportError:
-    native = None
+    native_line = native_records = None

@@ -107,7 +107,7 @@ class OutsideSegment(Segment):
 
     # --- to the outside --------------------------------------------------------------------------
 
-    def _look(self) -> None:
+    def _update_undisturbed(self) -> None:
         """Let the line ask `arbitrate`, always."""
 
     def arbitrate(self) -> None:
@@ -141,7 +141,7 @@ class OutsideSegment(Segment):
     def _pass_on(self, frame: Frame, sender: Controller) -> None:
         """Give a frame of a port to the records, and to the other ports of this process."""
         self._count(frame)
-        self._record(frame, self.now_ns, is_error=False)
+        self.record(frame, self.now_ns, is_error=False)
         if len(self.ports) > 1:
             self.scheduler.call_at(
                 self.now_ns, Phase.DELIVERY, partial(self._deliver, frame, sender)
@@ -197,10 +197,10 @@ class OutsideSegment(Segment):
         if is_error:
             self._meter.count_error()
             empty = frame._replace(data=b"", dlc=0, is_remote_frame=False)
-            self._record(empty, self.now_ns, is_error=True)
+            self.record(empty, self.now_ns, is_error=True)
             return
         self._count(frame)
-        self._record(frame, self.now_ns, is_error=False)
+        self.record(frame, self.now_ns, is_error=False)
         self._deliver(frame, None)
 
 

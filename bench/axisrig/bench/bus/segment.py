@@ -55,8 +55,8 @@ from axisrig.bench.bus.frame import (
     FrameLengths,
     worst_case_bits,
 )
-from axisrig.bench.bus.journal import FrameObserver, Journal
-from axisrig.bench.bus.line import Line, bus_line
+from axisrig.bench.bus.journal import Journal
+from axisrig.bench.bus.line import Line, line_class
 from axisrig.bench.bus.load import LoadFigures
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.bench.bus.traffic import Traffic
@@ -99,9 +99,7 @@ class Segment(Traffic):
         self._lengths = FrameLengths()
         # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
         self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
-        self._line: Line = bus_line(
-            name, scheduler, self, self._journal, self._passed, self._duration_ns, self.sequence
-        )
+        self._line: Line = line_class(scheduler)(self, self._duration_ns)
         self.request_data = self._line.request_data
         self._delayed = DelayedRequests(scheduler, self.wake)
         registry.register(self)
@@ -120,7 +118,7 @@ class Segment(Traffic):
     def add_fault(self, hook: FaultHook) -> None:
         """Ask `hook` about every attempt to send, after the hooks added before."""
         self._faults += (hook,)
-        self._look()
+        self._update_undisturbed()
 
     def close(self) -> None:
         """Shut every port down and forget the name; without effect when closed."""
@@ -168,11 +166,11 @@ class Segment(Traffic):
         """Take note that a port has become silent or speaks again."""
         self._line.live = tuple(port for port in self.ports if port.takes_part)
         self._delayed.forget_silent()
-        self._look()
+        self._update_undisturbed()
 
-    def _look(self) -> None:
-        """Look whether anything is odd; whatever may have changed that calls this."""
-        self._line.is_plain = len(self._line.live) >= 2 and not (
+    def _update_undisturbed(self) -> None:
+        """Note whether anything disturbs the line; whatever may have changed that calls this."""
+        self._line.is_undisturbed = len(self._line.live) >= 2 and not (
             self._faults
             or self._suspended
             or self._recovery.missing
@@ -184,22 +182,17 @@ class Segment(Traffic):
         """Take note of a new request; a bus at rest arbitrates at the end of this instant."""
         self._line.wake()
 
-    def observe(self, observer: FrameObserver) -> None:
-        """Call `observer(time_ns, name, frame, is_error)` at once for what `tap` would get."""
-        super().observe(observer)
-        self._line.observers = self._observers
-
     def recover(self, port: Controller) -> None:
         """Let `port`, which is bus-off, count recessive bits; it calls this."""
         now_ns = self.scheduler.now_ns
         line = self._line
         self._recovery.add(port, None if line.current else max(now_ns, line.free_ns))
-        self._look()
+        self._update_undisturbed()
 
     def note_state(self, port: Controller, state: ErrorState) -> None:
         """Take note of a new error state of `port`; it calls this."""
         self._counts.note(port, state)
-        self._look()
+        self._update_undisturbed()
 
     def cut(self, port: Controller) -> None:
         """End what `port` is sending, for it has no power any more; it calls this.
@@ -246,7 +239,7 @@ class Segment(Traffic):
                 self._rest()
             elif not self._begin(winner, rivals):
                 continue
-            self._look()
+            self._update_undisturbed()
             return
 
     def _rest(self) -> None:
@@ -349,7 +342,7 @@ class Segment(Traffic):
             return  # cut short meanwhile
         frame, now_ns = request[4], self.scheduler.now_ns
         self._meter.count_frame(frame[0], frame[2], current[2] - request[2])
-        self._record(frame, now_ns, is_error=False)
+        self.record(frame, now_ns, is_error=False)
         receivers = [port for port in self._line.live if port not in senders]
         self._counts.frame_passed(receivers, (), (), ())
         for port in receivers:
@@ -371,7 +364,7 @@ class Segment(Traffic):
             line.deliver(sender, request[4])
         if self._delayed.for_next:
             self._delayed.release(sender)
-        self._look()
+        self._update_undisturbed()
         line.go_on()
 
     def _deliver_disturbed(self, sender: Controller, request: Request, odd: Disturbance) -> None:
@@ -404,7 +397,7 @@ class Segment(Traffic):
             self._recovery.frame_ended(line.free_ns)
         self._meter.count_error()
         destroyed = request[4]._replace(data=b"", dlc=0, is_remote_frame=False)
-        self._record(destroyed, self.scheduler.now_ns, is_error=True)
+        self.record(destroyed, self.scheduler.now_ns, is_error=True)
         senders = () if odd.is_cut else ((sender, request), *odd.partners)
         ports = [port for port, _ in senders]
         self._counts.frame_failed(
@@ -414,7 +407,7 @@ class Segment(Traffic):
             is_unacknowledged=odd.is_unacknowledged,
         )
         self._suspend(ports)
-        self._look()
+        self._update_undisturbed()
         line.go_on()
 
     def _suspend(self, senders: Sequence[Controller]) -> None:

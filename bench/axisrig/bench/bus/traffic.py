@@ -15,16 +15,15 @@ class Traffic:
     """Gives every frame of a segment to its journal and its observers, and adds up the load.
 
     name: of the segment. journal: takes every frame at its end, for records that may see it later.
+    observers: called at every end of frame. passed: of the load (`LoadMeter`).
     """
 
     def __init__(self, name: str, bitrate: int, journal: Journal) -> None:
         self.name = name
-        self._observers: tuple[FrameObserver, ...] = ()
-        self._journal = journal
-        self._entries = journal.entries
-        self._block_frames = journal.block_frames
+        self.observers: list[FrameObserver] = []
+        self.journal = journal
         self._meter = LoadMeter(bitrate)
-        self._passed = self._meter.passed
+        self.passed = self._meter.passed
         journal.add(self._settle)
 
     def _settle(self, _block: Sequence[Entry]) -> None:
@@ -45,16 +44,17 @@ class Traffic:
 
     def observe(self, observer: FrameObserver) -> None:
         """Call `observer(time_ns, name, frame, is_error)` at once for what `tap` would get."""
-        self._observers += (observer,)
+        self.observers.append(observer)
 
     def busy_bits(self, window_ns: TimeNs) -> list[int]:
         """Return the busy bits of each window since 0; `window_ns` is a multiple of 1 ms."""
         return self._meter.busy_bits(window_ns)
 
-    def _record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
+    def record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
         """Give a frame to the records before anyone reacts to it."""
-        self._entries.append((time_ns, self.name, frame, is_error))
-        if len(self._entries) >= self._block_frames:
-            self._journal.drain()
-        for observer in self._observers:
+        journal = self.journal
+        journal.entries.append((time_ns, self.name, frame, is_error))
+        if len(journal.entries) >= journal.block_frames:
+            journal.drain()
+        for observer in self.observers:
             observer(time_ns, self.name, frame, is_error)

@@ -36,7 +36,7 @@ class Clock(Protocol):
         """Return the current simulated time."""
         ...
 
-    def call_at(self, time_ns: TimeNs, phase: int, action: Callable[[], None]) -> object:
+    def call_at(self, time_ns: TimeNs, phase: int, action: Callable[[], None], /) -> object:
         """Call `action` at `time_ns` (not before now) in `phase`; return a handle."""
         ...
 
