@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 import pytest
-from tests.architecture.test_architecture import FOLDERS, ROOT, Function, package_of, trees
+from tests.architecture.sources import FOLDERS, ROOT, Function, package_of, trees
 
 
 def _files(*suffixes: str) -> list[Path]:

@@ -1,24 +1,12 @@
-"""CONTRIBUTING prints the rooms and limits that the architecture test enforces."""
+"""CONTRIBUTING prints the rooms and limits that the architecture tests enforce."""
 
-import importlib.util
 from pathlib import Path
-from types import ModuleType
 
-import pytest
+from tests.architecture import test_architecture as rules
+from tests.architecture import test_every_module as limits_of
 
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "CONTRIBUTING.md").read_text("utf-8")
-
-
-@pytest.fixture(scope="module")
-def rules() -> ModuleType:
-    path = ROOT / "tests" / "architecture" / "test_architecture.py"
-    spec = importlib.util.spec_from_file_location("architecture_rules", path)
-    assert spec
-    assert spec.loader
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def printed(root: str) -> list[list[str]]:
@@ -26,7 +14,7 @@ def printed(root: str) -> list[list[str]]:
     return [group.strip().split(", ") for group in line.removeprefix(f"    {root}").split("|")]
 
 
-def test_the_rooms_are_in_the_order_that_is_enforced(rules: ModuleType) -> None:
+def test_the_rooms_are_in_the_order_that_is_enforced() -> None:
     for root in ("kernel", "bench"):
         other = {"axisrig.reports": "(reports)"} if root == "bench" else {}
         groups = [
@@ -37,11 +25,12 @@ def test_the_rooms_are_in_the_order_that_is_enforced(rules: ModuleType) -> None:
         assert printed(root) == groups
 
 
-def test_the_rooms_of_the_exporter(rules: ModuleType) -> None:
+def test_the_rooms_of_the_exporter() -> None:
     rooms = [name.rpartition(".")[2] for name in rules.FMUS_ORDER if not name.endswith("errors")]
     assert printed("fmus") == [[room] for room in rooms]
 
 
-def test_the_limits_are_those_of_the_test(rules: ModuleType) -> None:
-    limits = f"at most {rules.MODULE_LINES_MAX} lines, a function {rules.FUNCTION_LINES_MAX}"
+def test_the_limits_are_those_of_the_test() -> None:
+    lines, of_function = limits_of.MODULE_LINES_MAX, limits_of.FUNCTION_LINES_MAX
+    limits = f"at most {lines} lines, a function {of_function}"
     assert limits in PAGE

@@ -1,13 +1,16 @@
 """Results of runs that were never run, and a folder written with them."""
 
 import csv
-from collections.abc import Sequence
+import json
+import os
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 from tests.recordings import facts, kept
 
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
@@ -15,6 +18,10 @@ from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import Case, Plan
 from axisrig.bench.record.axes import AxisRecord, Edge, Latch, ProbeRecord
 from axisrig.bench.record.facts import Facts, MessageRecord
+
+PlanWriter = Callable[..., Path]
+
+posix = pytest.mark.skipif(os.name != "posix", reason="forks")
 
 TEXT = (
     "case,program,rig,title,requirement,set:Z.edge,check:latch_error_um:Z,check:lag_mm_max:Z\n"
@@ -81,3 +88,14 @@ def write(
 def rows(path: Path) -> list[dict[str, str]]:
     with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
+
+
+def contents(folder: Path) -> dict[str, bytes]:
+    """Every file but the manifest."""
+    paths = [p for p in folder.rglob("*") if p.is_file() and p.name != "manifest.json"]
+    return {p.relative_to(folder).as_posix(): p.read_bytes() for p in paths}
+
+
+def manifest(folder: Path) -> dict[str, object]:
+    content: dict[str, object] = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    return content

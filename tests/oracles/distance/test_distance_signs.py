@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from axisrig.bench.oracles.distance.cycles import NotMeasurableError, Told, measured, predicted
+from axisrig.bench.oracles.distance.cycles import NotMeasurableError, Sent, measured, predicted
 from axisrig.bench.oracles.distance.lists import Control, Limits, as_written
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.model import Law, Rig, simulate
@@ -79,12 +79,12 @@ def test_dead_cycles_from_frames(is_optimized: bool, age: int) -> None:
     rig = Rig(expected.reaction, skew_cycles=age, increment_mm=increment)
     course = simulate(Law("CONST_DIST", Control(0.2), PERIOD_NS), rig, surface, 5.0, 5.0)
     sensor = [
-        Told(k * PERIOD_NS + 300_000, round(value / increment))
+        Sent(k * PERIOD_NS + 300_000, round(value / increment))
         for k, value in enumerate(course.sensor_mm)
     ]
     sent = np.concatenate([np.zeros(expected.reaction), course.offset_mm])[: len(surface)]
     targets = [
-        Told(k * PERIOD_NS + 700_000, round((5.0 + value) / increment))
+        Sent(k * PERIOD_NS + 700_000, round((5.0 + value) / increment))
         for k, value in enumerate(sent)
     ]
     found = measured(targets, sensor, PERIOD_NS)
@@ -95,11 +95,11 @@ def test_dead_cycles_from_frames(is_optimized: bool, age: int) -> None:
 
 
 def test_frames_that_show_no_step() -> None:
-    still = [Told(k * PERIOD_NS, 5) for k in range(5)]
+    still = [Sent(k * PERIOD_NS, 5) for k in range(5)]
     with pytest.raises(NotMeasurableError, match="never changed"):
         measured(still, still, PERIOD_NS)
-    moving = [Told(k * PERIOD_NS, 3 * k) for k in range(9)]
-    answer = [Told(k * PERIOD_NS + 7, 0 if k < 4 else 1) for k in range(9)]
+    moving = [Sent(k * PERIOD_NS, 3 * k) for k in range(9)]
+    answer = [Sent(k * PERIOD_NS + 7, 0 if k < 4 else 1) for k in range(9)]
     with pytest.raises(NotMeasurableError, match="no step"):
         measured(answer, moving, PERIOD_NS)
     with pytest.raises(NotMeasurableError, match="no set position"):
@@ -146,15 +146,15 @@ def test_the_clamp_of_the_deviation_tells_what_was_asked() -> None:
 
 def test_frames_of_a_ramp_and_of_noise_show_no_step() -> None:
     """The value that follows the answer has to come back, and the first one to come from rest."""
-    ramp = [Told(k * PERIOD_NS, max(0, k - 5)) for k in range(12)]
-    answer = [Told(k * PERIOD_NS + 7, max(0, k - 5)) for k in range(12)]
+    ramp = [Sent(k * PERIOD_NS, max(0, k - 5)) for k in range(12)]
+    answer = [Sent(k * PERIOD_NS + 7, max(0, k - 5)) for k in range(12)]
     with pytest.raises(NotMeasurableError, match="went on changing: no step"):
         measured(answer, ramp, PERIOD_NS)
-    noise = [Told(k * PERIOD_NS, k % 2) for k in range(12)]
-    answering = [Told(k * PERIOD_NS + 7, 0 if k < 3 else (-1) ** k) for k in range(12)]
-    turning = [Told(k * PERIOD_NS, 0 if k < 5 else (-1) ** k) for k in range(12)]
+    noise = [Sent(k * PERIOD_NS, k % 2) for k in range(12)]
+    answering = [Sent(k * PERIOD_NS + 7, 0 if k < 3 else (-1) ** k) for k in range(12)]
+    turning = [Sent(k * PERIOD_NS, 0 if k < 5 else (-1) ** k) for k in range(12)]
     with pytest.raises(NotMeasurableError, match="was not constant before the sensor value"):
         measured(answering, turning, PERIOD_NS)
-    at_once = [Told(k * PERIOD_NS + 7, 0 if k < 1 else 1) for k in range(12)]
+    at_once = [Sent(k * PERIOD_NS + 7, 0 if k < 1 else 1) for k in range(12)]
     with pytest.raises(NotMeasurableError, match="was not constant before its change: no step"):
         measured(at_once, noise, PERIOD_NS)

@@ -278,26 +278,26 @@ def offset_end_mm(truth: DistanceTruth) -> Observation:
 @_of_axis
 def offset_mm_max(truth: DistanceTruth) -> Observation:
     """Largest offset, away from the workpiece."""
-    return Observation(passes.most(truth, lambda part: part["offset_mm"]))
+    return Observation(passes.extreme(truth, lambda part: part["offset_mm"]))
 
 
 @_of_axis
 def offset_mm_min(truth: DistanceTruth) -> Observation:
     """Smallest offset, towards the workpiece."""
-    return Observation(passes.most(truth, lambda part: part["offset_mm"], np.min))
+    return Observation(passes.extreme(truth, lambda part: part["offset_mm"], np.min))
 
 
 @_of_axis
 def offset_speed_mm_s_max(truth: DistanceTruth) -> Observation:
     """Largest speed of the offset."""
-    most_mm = passes.most(truth, lambda part: np.abs(_offset_steps(part)))
+    most_mm = passes.extreme(truth, lambda part: np.abs(_offset_steps(part)))
     return Observation(most_mm / truth.period_s)
 
 
 @_of_axis
 def offset_speed_down_mm_s_max(truth: DistanceTruth) -> Observation:
     """Largest speed of the offset towards the workpiece."""
-    most_mm = passes.most(truth, lambda part: -_offset_steps(part))
+    most_mm = passes.extreme(truth, lambda part: -_offset_steps(part))
     return Observation(max(0.0, most_mm) / truth.period_s)
 
 

@@ -10,12 +10,12 @@ from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.record.series import Signal
 
 
-def most(
+def extreme(
     truth: DistanceTruth,
     signal: Callable[[DistanceTruth], Signal],
     pick: Callable[[Any], np.float64] = np.max,
 ) -> float:
-    """Return the largest value of a signal in the run, or another that is picked."""
+    """Return the largest value of a signal in the run; with `np.min` the smallest."""
     parts = truth.parts(before=BEFORE)
     return float(pick([pick(signal(part)[inside]) for part, _, inside in parts]))
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
-from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, Told, measured, predicted
+from axisrig.bench.oracles.distance.cycles import DeadCycles, Measured, Sent, measured, predicted
 from axisrig.bench.oracles.distance.lists import Listed, as_written
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop
 from axisrig.bench.oracles.distance.model import first_order_drive
@@ -215,12 +215,12 @@ class DistanceTruth:
             return self.whole.zero_mm
         is_referenced = self.control.is_referenced and self.was_on
         if is_referenced and self.observed.has(self.record.sensor, "distance_mm"):
-            told = [
+            zeros = [
                 (part.gap_told_mm[inside] + part["sensor_mm"][inside])[part.is_active[inside]]
                 for part, _, inside in self.parts()
                 if part.gap_told_mm is not None
             ]
-            return float(np.median(np.concatenate(told)))
+            return float(np.median(np.concatenate(zeros)))
         return -self.listed.ref_offset_mm
 
     @cached_property
@@ -383,17 +383,17 @@ def _truths(observed: Observed) -> dict[str, DistanceTruth]:
     return {name: DistanceTruth(name, observed) for name in axes}
 
 
-def _changes(blocks: Iterable[Telegrams], start_ns: TimeNs) -> Iterator[Told]:
+def _changes(blocks: Iterable[Telegrams], start_ns: TimeNs) -> Iterator[Sent]:
     """Yield the values of a field from an instant on that differ from the one before.
 
     The last one before the instant comes first: one that is sent when it changes is old.
     """
-    last: Told | None = None
+    last: Sent | None = None
     has_begun = False
     for frame_ns, increments in blocks:
         first = int(np.searchsorted(frame_ns, start_ns))
         if first:
-            last = Told(int(frame_ns[first - 1]), int(increments[first - 1]))
+            last = Sent(int(frame_ns[first - 1]), int(increments[first - 1]))
         for time_ns, value in zip(
             frame_ns[first:].tolist(), increments[first:].tolist(), strict=True
         ):
@@ -401,7 +401,7 @@ def _changes(blocks: Iterable[Telegrams], start_ns: TimeNs) -> Iterator[Told]:
                 yield last
             has_begun = True
             if last is None or value != last.value:
-                last = Told(time_ns, value)
+                last = Sent(time_ns, value)
                 yield last
     if last is not None and not has_begun:
         yield last

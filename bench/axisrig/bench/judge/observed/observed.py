@@ -1,13 +1,14 @@
 """A recording as judges look things up in it."""
 
 from bisect import bisect_left, bisect_right
+from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
-from axisrig.bench.judge.observed.columns import Columns
 from axisrig.bench.plan.checks import Metric
 from axisrig.bench.record.axes import AxisRecord, PlantRecord, ProbeRecord
 from axisrig.bench.record.facts import Facts
@@ -24,6 +25,48 @@ from axisrig.bench.record.series import (
 from axisrig.kernel.time.clock import TimeNs
 
 Made = TypeVar("Made")
+Values = npt.NDArray[np.generic]
+
+KEPT_BYTES = 400_000
+"""So much of what was read is kept: a dozen columns of a block, which is 4 s at 1 ms."""
+
+
+class Columns:
+    """Reads columns of a series and keeps the blocks that were read last.
+
+    kept_bytes: size of these, KEPT_BYTES at most.
+    """
+
+    def __init__(self, series: Series) -> None:
+        self._series = series
+        self._kept: OrderedDict[tuple[int, str], Values] = OrderedDict()
+        self.kept_bytes = 0
+
+    def read(self, name: str, rows: slice) -> Values:
+        """Return the values of a column in rows begin .. end - 1, shape (n,); not to be changed.
+
+        Raises MissingSignalError for one that was not recorded.
+        """
+        parts = [
+            self._block(block, name)[max(rows.start - block.start, 0) : rows.stop - block.start]
+            for block in self._series.blocks
+            if block.start < rows.stop and rows.start < block.stop
+        ]
+        if len(parts) == 1:
+            return parts[0]
+        return np.concatenate(parts) if parts else self._series.column(name)[:0]
+
+    def _block(self, block: slice, name: str) -> Values:
+        key = block.start, name
+        if key in self._kept:
+            self._kept.move_to_end(key)
+            return self._kept[key]
+        values = self._kept[key] = self._series.column(name, block)
+        self.kept_bytes += values.nbytes
+        while self.kept_bytes > KEPT_BYTES and len(self._kept) > 1:
+            _, oldest = self._kept.popitem(last=False)
+            self.kept_bytes -= oldest.nbytes
+        return values
 
 
 class Part(NamedTuple):

@@ -45,7 +45,7 @@ class DistanceTrace:
         """Keep one cycle."""
         for name, axis in channel.distance.axes.items():
             control, is_known = axis.control, axis.sensor_mm is not None
-            told = (control.sensor_mm, control.distance_mm, control.surface_mm)
+            heights = (control.sensor_mm, control.distance_mm, control.surface_mm)
             rows = self._rows.get(name)
             if rows is None:
                 rows = self._rows[name] = Rows(len(DISTANCE_CONTROL_COLUMNS))
@@ -54,7 +54,7 @@ class DistanceTrace:
                     control.offset_mm,
                     control.state,
                     axis.is_held,
-                    *(told if is_known else (math.nan, math.nan, math.nan)),
+                    *(heights if is_known else (math.nan, math.nan, math.nan)),
                     control.filtered_mm,
                     control.error_mm,
                     control.delta_mm,

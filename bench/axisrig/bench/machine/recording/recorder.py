@@ -153,10 +153,10 @@ class Recorder:
         self._rows.add(row)
         self._levels.add([signal.level for signal in self._signals])
         if self._sensors:
-            told: list[float] = []
+            reported: list[float] = []
             for _, sensor in self._sensors:
-                told += self._told(sensor, time_ns)
-            self._distances.add(told)
+                reported += self._reported(sensor, time_ns)
+            self._distances.add(reported)
         self._controls.note(channel)
         if len(self._times) == BLOCK_ROWS:
             self._write()
@@ -168,7 +168,7 @@ class Recorder:
         return otherwise_ns if self._before is None else self._before[0]
 
     @staticmethod
-    def _told(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
+    def _reported(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
         """Return the values of DISTANCE_COLUMNS at the SYNC."""
         distance_m, true_m, is_valid, is_touching = sensor.told_at(time_ns)
         true_m = math.nan if true_m is None else true_m
@@ -258,8 +258,8 @@ class Recorder:
         values = iter(self._distances.take_columns())
         for name, sensor in self._sensors:
             for column, role in DISTANCE_COLUMNS.items():
-                told = next(values)
+                reported = next(values)
                 if sensor.roles.has(role):
                     kind = np.float64 if column.endswith("_mm") else np.int8
-                    columns[f"{name}.{column}"] = column_of(told.astype(kind))
+                    columns[f"{name}.{column}"] = column_of(reported.astype(kind))
         return columns

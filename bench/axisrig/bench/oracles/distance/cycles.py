@@ -50,7 +50,7 @@ def predicted(*, is_optimized: bool, sensor_age_cycles: int = 0, every: int = 1)
 
 
 @dataclass(frozen=True)
-class Told:
+class Sent:
     """One value on the bus: end of its frame, increments."""
 
     time_ns: TimeNs
@@ -82,24 +82,24 @@ class NotMeasurableError(Exception):
 class _Heard:
     """Values in the order of the bus, read on as far as they are asked for."""
 
-    def __init__(self, told: Iterable[Told]) -> None:
-        self._coming = iter(told)
-        self._told: list[Told] = []
+    def __init__(self, values: Iterable[Sent]) -> None:
+        self._coming = iter(values)
+        self._read: list[Sent] = []
 
-    def __getitem__(self, index: int) -> Told:
-        return self._told[index]
+    def __getitem__(self, index: int) -> Sent:
+        return self._read[index]
 
     def has(self, index: int) -> bool:
         """Whether there are so many; they are read then."""
-        missing = index + 1 - len(self._told)
-        self._told += islice(self._coming, max(missing, 0))
-        return index < len(self._told)
+        missing = index + 1 - len(self._read)
+        self._read += islice(self._coming, max(missing, 0))
+        return index < len(self._read)
 
     def first_change(self, from_ns: TimeNs, quiet: int) -> int | None:
         """Return the first value at or after an instant that differs from the one before it."""
         index = 1
         while self.has(index):
-            now, before = self._told[index], self._told[index - 1]
+            now, before = self._read[index], self._read[index - 1]
             if now.time_ns >= from_ns and abs(now.value - before.value) > quiet:
                 return index
             index += 1
@@ -107,7 +107,7 @@ class _Heard:
 
 
 def measured(
-    targets: Iterable[Told], sensor: Iterable[Told], period_ns: TimeNs, quiet_increments: int = 0
+    targets: Iterable[Sent], sensor: Iterable[Sent], period_ns: TimeNs, quiet_increments: int = 0
 ) -> Measured:
     """Find the dead cycles around the first answer to a step of the sensor value.
 
@@ -136,8 +136,8 @@ def _measured(
     shown = sensor.first_change(sent_ns, quiet_increments)
     if shown is None:
         raise NotMeasurableError("no sensor value showed the set position")
-    between = [told for at in range(seen + 1, shown) if (told := sensor[at]).time_ns < sent_ns]
-    if any(abs(told.value - sensor[seen].value) > quiet_increments for told in between):
+    between = [one for at in range(seen + 1, shown) if (one := sensor[at]).time_ns < sent_ns]
+    if any(abs(one.value - sensor[seen].value) > quiet_increments for one in between):
         raise NotMeasurableError("the sensor value went on changing: no step")
     step, back = (sensor[at].value - sensor[at - 1].value for at in (seen, shown))
     if sensor[seen].time_ns - sensor[0].time_ns < (QUIET_CYCLES - 0.5) * period_ns:

@@ -1,0 +1,23 @@
+"""Processes that run rows: who gets the next one, and when."""
+
+import time
+from pathlib import Path
+
+from axisrig.bench.campaign.processes import run_apart
+
+WAIT_S = 20.0
+
+
+def _begin(folder: Path, number: int) -> int:
+    (folder / str(number)).touch()
+    return number
+
+
+def test_the_next_row_begins_while_the_results_of_the_last_are_worked_on(tmp_path: Path) -> None:
+    results = run_apart(_begin, [[tmp_path, n] for n in range(3)], jobs=1, is_fresh=False)
+    assert next(results) == 0
+    end_s = time.monotonic() + WAIT_S
+    while not (tmp_path / "1").exists() and time.monotonic() < end_s:  # nobody asks for its answer
+        time.sleep(0.01)
+    assert (tmp_path / "1").exists()
+    assert list(results) == [1, 2]
