@@ -23,11 +23,18 @@ static PyObject *text_receive_own_messages, *text_deliver;
 
 /* --- length of a frame ----------------------------------------------------------------------- */
 
-/* Last bit on the wire, how often it was there in a row, check sum, bits with stuff bits. */
+/* Last bit on the wire and how often it was there in a row, as 4 * bit + times - 1; bits with stuff
+   bits; check sum in the lowest 15 bits. */
 typedef struct {
-    int last, run, bits;
+    int state, bits;
     unsigned crc;
 } Coder;
+
+/* After the start of frame, one dominant bit; it leaves the check sum at 0. */
+static const Coder BEGIN = {.state = 0, .bits = 1};
+
+static unsigned char stuffed_by[8][256], state_after[8][256];
+static unsigned short crc_of[256];
 
 static void send_bits(Coder *coder, unsigned value, int width)
 {
@@ -35,22 +42,42 @@ static void send_bits(Coder *coder, unsigned value, int width)
         int bit = (int)(value >> place & 1);
         coder->crc = (coder->crc << 1)
                      ^ ((coder->crc >> (CRC_BITS - 1) & 1) ^ (unsigned)bit ? CRC_POLYNOMIAL : 0);
-        coder->run = bit == coder->last ? coder->run + 1 : 1;
-        coder->last = bit;
         coder->bits++;
-        if (coder->run == 5) { /* the bit that is stuffed begins a new row */
-            coder->last = 1 - bit;
-            coder->run = 1;
+        if (coder->state >> 2 != bit)
+            coder->state = 4 * bit;
+        else if ((coder->state & 3) < 3)
+            coder->state++;
+        else { /* the fifth: the bit that is stuffed begins a new row */
+            coder->state = 4 * (1 - bit);
             coder->bits++;
         }
     }
 }
 
+/* As `send_bits` of 8 bits. */
+static void send_byte(Coder *coder, unsigned byte)
+{
+    coder->crc = coder->crc << 8 ^ crc_of[(coder->crc >> (CRC_BITS - 8) ^ byte) & 0xFF];
+    coder->bits += 8 + stuffed_by[coder->state][byte];
+    coder->state = state_after[coder->state][byte];
+}
+
+static void fill_tables(void)
+{
+    for (unsigned byte = 0; byte < 256; byte++)
+        for (int state = 0; state < 8; state++) {
+            Coder coder = {.state = state};
+            send_bits(&coder, byte, 8);
+            stuffed_by[state][byte] = (unsigned char)(coder.bits - 8);
+            state_after[state][byte] = (unsigned char)coder.state;
+            crc_of[byte] = (unsigned short)(coder.crc & 0x7FFF);
+        }
+}
+
 /* Source: Robert Bosch GmbH, CAN Specification 2.0 (1991), part A 3.1.1 and 5, part B. */
 static int frame_length(const Fields *frame)
 {
-    Coder coder = {.last = -1};
-    send_bits(&coder, 0, 1);
+    Coder coder = BEGIN;
     if (frame->extended) {
         send_bits(&coder, (unsigned)(frame->can_id >> 18) << 2 | 3, 13);
         send_bits(&coder, (unsigned)(frame->can_id & 0x3FFFF) << 1 | (unsigned)frame->remote, 19);
@@ -59,8 +86,10 @@ static int frame_length(const Fields *frame)
     }
     send_bits(&coder, (unsigned)frame->dlc, 6); /* with the two reserved bits */
     for (int i = 0; i < frame->size; i++)
-        send_bits(&coder, frame->data[i], 8);
-    send_bits(&coder, coder.crc & 0x7FFF, CRC_BITS);
+        send_byte(&coder, frame->data[i]);
+    unsigned crc = coder.crc & 0x7FFF;
+    send_byte(&coder, crc >> 7);
+    send_bits(&coder, crc & 0x7F, 7);
     return coder.bits + TAIL_BITS + IFS_BITS;
 }
 
@@ -95,6 +124,24 @@ typedef struct {
 static long long now_of(const Line *self)
 {
     return scheduler_api->now_ns(self->scheduler);
+}
+
+/* Makes a tuple and takes over the references; NULL with an exception when one of them is NULL. */
+static PyObject *tuple_of(PyObject *const *items, Py_ssize_t count)
+{
+    int is_whole = 1;
+    for (Py_ssize_t i = 0; i < count; i++)
+        is_whole &= items[i] != NULL;
+    PyObject *made = is_whole ? PyTuple_New(count) : NULL;
+    for (Py_ssize_t i = 0; i < count; i++) {
+        if (made)
+            PyTuple_SET_ITEM(made, i, items[i]);
+        else
+            Py_XDECREF(items[i]);
+    }
+    if (!made && !PyErr_Occurred())
+        PyErr_SetString(PyExc_RuntimeError, "a part of a request or frame is missing");
+    return made;
 }
 
 static PyObject *done(PyObject *result)
@@ -176,14 +223,16 @@ static PyObject *line_request_data(Line *self, PyObject *const *args, Py_ssize_t
     PyTuple_SET_ITEM(frame, 2, Py_NewRef(Py_False));
     PyTuple_SET_ITEM(frame, 3, Py_NewRef(Py_False));
     PyTuple_SET_ITEM(frame, 4, PyLong_FromSsize_t(size));
-    PyObject *number = PyIter_Next(self->sequence);
-    PyObject *request =
-        number ? Py_BuildValue("(LNLiN)", can_id << 21, number, now_of(self), 0, frame) : NULL;
-    if (!request) {
-        if (!number)
-            Py_DECREF(frame);
+    PyObject *items[] = {
+        PyLong_FromLongLong(can_id << 21),
+        PyIter_Next(self->sequence),
+        PyLong_FromLongLong(now_of(self)),
+        PyLong_FromLong(0), /* the attempt */
+        frame,
+    };
+    PyObject *request = tuple_of(items, 5);
+    if (!request)
         return NULL;
-    }
     PyObject *pushed = PyObject_CallOneArg(args[0], request);
     Py_DECREF(request);
     if (!pushed)
@@ -254,7 +303,10 @@ static PyObject *line_arbitrate(Line *self, PyObject *Py_UNUSED(none))
         return NULL;
     }
     int bits = frame_length(&fields) - IFS_BITS;
-    PyObject *current = Py_BuildValue("(NNLiO)", port, request, now_ns, bits, Py_None);
+    PyObject *items[] = {
+        port, request, PyLong_FromLongLong(now_ns), PyLong_FromLong(bits), Py_NewRef(Py_None),
+    };
+    PyObject *current = tuple_of(items, 5);
     if (!current || duration_of(self, bits, &span_ns) < 0) {
         Py_XDECREF(current);
         return NULL;
@@ -279,9 +331,15 @@ static int book(Line *self, PyObject *current, long long free_ns)
     Py_XSETREF(self->current, Py_NewRef(Py_None));
     self->free_ns = free_ns;
     PyObject *now = PyLong_FromLongLong(now_of(self));
-    PyObject *passed = Py_BuildValue("(OLlOOL)", PyTuple_GET_ITEM(current, 2), free_ns,
-                                     bits + IFS_BITS, PyTuple_GET_ITEM(frame, 0),
-                                     PyTuple_GET_ITEM(frame, 2), start_ns - requested_ns);
+    PyObject *items[] = {
+        Py_NewRef(PyTuple_GET_ITEM(current, 2)),
+        PyLong_FromLongLong(free_ns),
+        PyLong_FromLong(bits + IFS_BITS),
+        Py_NewRef(PyTuple_GET_ITEM(frame, 0)),
+        Py_NewRef(PyTuple_GET_ITEM(frame, 2)),
+        PyLong_FromLongLong(start_ns - requested_ns),
+    };
+    PyObject *passed = tuple_of(items, 6);
     PyObject *entry = now ? PyTuple_Pack(4, now, self->name, frame, Py_False) : NULL;
     int status = -1;
     if (!passed || !entry || PyList_Append(self->passed, passed) < 0
@@ -719,6 +777,7 @@ static int find_partners(void)
 
 PyMODINIT_FUNC PyInit__line(void)
 {
+    fill_tables();
     if (find_partners() < 0 || PyType_Ready(&LineType) < 0)
         return NULL;
     PyObject *made = PyModule_Create(&module);
