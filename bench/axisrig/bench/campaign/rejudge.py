@@ -28,6 +28,7 @@ from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
+from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case, Plan, default_seed, read_plan
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.series import Series
@@ -181,5 +182,6 @@ def _judge(run: StoredRun, case: Case) -> CaseResult:
         return result
     series = Series(run.trace)
     verdict, checks = judged(Observed(facts, series), case.checks)
+    verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
     return CaseResult(case, verdict, checks, 0.0, facts, series, stopped)

@@ -20,6 +20,7 @@ from axisrig.bench.judge.topics import STOPPED, judged
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.printed import printed_log
@@ -113,6 +114,7 @@ def _run_case(
         machine.close()
     wall_s = stopwatch() - started
     verdict, checks = judged(Observed(facts, series), case.checks)
+    verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
     return CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
 

@@ -25,6 +25,7 @@ from axisrig.bench.plan.assignment import (
 from axisrig.bench.plan.checks import Check, parse_check
 from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
 from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
+from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -48,7 +49,8 @@ class Case:
     file, line: place of the row. places: column -> place of its cell, set cells only.
     overridden: input columns whose values come from the command line.
     swept: columns whose cells hold several values -> the value of this run.
-    notes: columns `note:` -> cell. folder: of the plan, which is not that of an included table.
+    expected: metrics of checks that must fail. notes: columns `note:` -> cell.
+    folder: of the plan, which is not that of an included table.
     """
 
     plan: str
@@ -69,6 +71,7 @@ class Case:
     places: Mapping[str, Place]
     overridden: frozenset[str] = frozenset()
     swept: Mapping[str, str] = field(default_factory=dict)
+    expected: tuple[str, ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
     folder: Path = Path()
 
@@ -273,6 +276,12 @@ class _Row:
             return None
         if not any(check.name == "alarms" for check in checks):
             checks.append(parse_check("alarms", "none", "no alarm unless a row expects it"))
+        expected: tuple[str, ...] = ()
+        if "expect" in texts:
+            try:
+                expected = parse_expectation(self._row.cells["expect"], checks)
+            except UserError as error:
+                self._refuse(error)
         return Case(
             plan=self._plan,
             case=name,
@@ -291,6 +300,7 @@ class _Row:
             line=self._row.place.line,
             places=self._places,
             swept=variant.swept,
+            expected=expected,
             notes={column: texts[column] for column in self._notes if column in texts},
             folder=self._folder,
         )
@@ -356,7 +366,7 @@ def expanded_text(plan: Plan) -> str:
     inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
     notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
     checks = list(dict.fromkeys(f"check:{c.metric}" for case in plan.cases for c in case.checks))
-    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed"]
+    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed", "expect"]
     text = io.StringIO(newline="")
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*columns, *notes, *inputs, *checks])
@@ -369,6 +379,7 @@ def expanded_text(plan: Plan) -> str:
             case.requirement,
             *(path_from(case.folder, path) for path in (case.program, case.rig)),
             str(case.seed),
+            f"fail:{' '.join(case.expected)}" if case.expected else "",
         ]
         cells = {**case.notes, **case.inputs, **conditions}
         table.writerow([*own, *(_literal(cells.get(c, "")) for c in (*notes, *inputs, *checks))])

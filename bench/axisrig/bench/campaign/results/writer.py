@@ -48,7 +48,7 @@ from axisrig.bench.record.series import Series
 from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.kernel.errors import UserError
 
-_NOT_CARRIED = frozenset({"case", "seed", "repeats", "expand", "samples"})
+_NOT_CARRIED = frozenset({"case", "seed", "repeats", "expand", "samples", "expect"})
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
 
@@ -166,6 +166,8 @@ class ResultsWriter:
         self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
         self._keeps_runs = not is_judged_again
         self._carried += [] if self._keeps_runs else [RECORDING]
+        if any(case.expected for case in _cases(plans)):
+            self._carried.append("expected")
         self._written: set[str] = set()
         self._manifest_text = ""
         refuse_folder(folder, plans, is_fresh=is_fresh)
@@ -222,7 +224,8 @@ class ResultsWriter:
             or CheckResult(check, None, 0.0, Verdict.ERROR, "the bench did not judge this check")
             for check in case.checks
         ]
-        verdict = worst([result.verdict, *(item.verdict for item in checks)])
+        free = [item.verdict for item in checks if item.check.metric not in case.expected]
+        verdict = worst([result.verdict, *free])
         if self._keeps_runs:
             self._write_run(result)
         rows = [
@@ -297,7 +300,8 @@ class ResultsWriter:
         carried = {column: inputs.get(column, "") for column in self._carried}
         later = [result.drive_substituted, " ".join(result.unproved_latches)]
         known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
-        return dict(known) | carried
+        expected = {"expected": f"fail:{' '.join(case.expected)}"} if case.expected else {}
+        return dict(known) | carried | expected
 
     def _write_manifest(self) -> None:
         cases = self._rows.cases
