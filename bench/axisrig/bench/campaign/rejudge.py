@@ -181,7 +181,7 @@ def _judge(run: StoredRun, case: Case) -> CaseResult:
         result.log = list(recording.log)
         return result
     series = Series(run.trace)
-    verdict, checks = judged(Observed(facts, series), case.checks)
+    verdict, checks = judged(Observed(facts, series), case.checks, module=case.module)
     verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
     return CaseResult(case, verdict, checks, 0.0, facts, series, stopped)

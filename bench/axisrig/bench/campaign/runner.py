@@ -113,7 +113,7 @@ def _run_case(
     finally:
         machine.close()
     wall_s = stopwatch() - started
-    verdict, checks = judged(Observed(facts, series), case.checks)
+    verdict, checks = judged(Observed(facts, series), case.checks, module=case.module)
     verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
     return CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)

@@ -334,26 +334,31 @@ def plot_limits(check: Check) -> list[dict[str, object]]:
     ]
 
 
-def parse_check(metric: str, condition: str, reference: str) -> Check:
+def parse_check(
+    metric: str, condition: str, reference: str, own: Mapping[str, Metric] | None = None
+) -> Check:
     """Read a `check:` column: the metric in its header and the condition in its cell.
 
+    own: metrics of the user, by name.
     Raises UserError for an unknown metric, with the nearest names, and for a bad condition.
     """
     match = _METRIC.fullmatch(metric)
-    definition = known_metrics().get(match["name"] if match else metric)
+    known = {**known_metrics(), **own} if own else known_metrics()
+    definition = known.get(match["name"] if match else metric)
     if match is None or definition is None:
-        close = nearest(metric.partition(":")[0], known_metrics())
+        close = nearest(metric.partition(":")[0], known)
         raise UserError(
             "unknown metric",
             value=metric,
-            allowed=close or known_metrics(),
+            allowed=close or known,
             hint="`axisrig metrics` lists them all",
         )
     axis, block = _subject(metric, definition, match)
     wanted = parse_condition(condition, definition.type)
     if definition.words:
         _check_word(wanted.expected[0], definition)
-    return Check(metric, wanted, reference, axis, block)
+    defined = definition if own and definition.name in own else None
+    return Check(metric, wanted, reference, axis, block, defined)
 
 
 def _check_word(word: str, definition: Metric) -> None:

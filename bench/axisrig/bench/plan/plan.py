@@ -26,6 +26,7 @@ from axisrig.bench.plan.checks import Check, parse_check
 from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
 from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
 from axisrig.bench.plan.expectation import parse_expectation
+from axisrig.bench.plan.own_metrics import OwnModule, own_module
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -49,8 +50,8 @@ class Case:
     file, line: place of the row. places: column -> place of its cell, set cells only.
     overridden: input columns whose values come from the command line.
     swept: columns whose cells hold several values -> the value of this run.
-    expected: metrics of checks that must fail. notes: columns `note:` -> cell.
-    folder: of the plan, which is not that of an included table.
+    module: metrics of the user. expected: metrics of checks that must fail.
+    notes: columns `note:` -> cell. folder: of the plan, which is not that of an included table.
     """
 
     plan: str
@@ -71,6 +72,7 @@ class Case:
     places: Mapping[str, Place]
     overridden: frozenset[str] = frozenset()
     swept: Mapping[str, str] = field(default_factory=dict)
+    module: OwnModule | None = None
     expected: tuple[str, ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
     folder: Path = Path()
@@ -190,6 +192,12 @@ class _Row:
         self._row = row
         self._mistakes = mistakes
         self._is_good = True
+        self._module: OwnModule | None = None
+        if "module" in row.cells:
+            try:
+                self._module = own_module(row.cells["module"])
+            except UserError as error:
+                self._refuse(error)
         forms = {column: find_form(column) for column in row.cells}
         kinds = {column: form for column, form in forms.items() if form is not None}
         self._inputs = [column for column, form in kinds.items() if form.is_input]
@@ -300,6 +308,7 @@ class _Row:
             line=self._row.place.line,
             places=self._places,
             swept=variant.swept,
+            module=self._module,
             expected=expected,
             notes={column: texts[column] for column in self._notes if column in texts},
             folder=self._folder,
@@ -328,7 +337,9 @@ class _Row:
     def _check(self, column: str, text: str) -> Check | None:
         place = self._row.cells[column].place
         try:
-            return parse_check(column.partition(":")[2], text, f"{place.file.name}:{place.line}")
+            own = None if self._module is None else self._module.metrics
+            metric, reference = column.partition(":")[2], f"{place.file.name}:{place.line}"
+            return parse_check(metric, text, reference, own)
         except UserError as error:
             self._refuse(place.error_from(error))
         return None
@@ -366,7 +377,7 @@ def expanded_text(plan: Plan) -> str:
     inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
     notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
     checks = list(dict.fromkeys(f"check:{c.metric}" for case in plan.cases for c in case.checks))
-    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed", "expect"]
+    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed", "expect", "module"]
     text = io.StringIO(newline="")
     table = csv.writer(text, lineterminator="\n")
     table.writerow([*columns, *notes, *inputs, *checks])
@@ -380,6 +391,7 @@ def expanded_text(plan: Plan) -> str:
             *(path_from(case.folder, path) for path in (case.program, case.rig)),
             str(case.seed),
             f"fail:{' '.join(case.expected)}" if case.expected else "",
+            "" if case.module is None else case.module.text_in(case.folder),
         ]
         cells = {**case.notes, **case.inputs, **conditions}
         table.writerow([*own, *(_literal(cells.get(c, "")) for c in (*notes, *inputs, *checks))])

@@ -277,6 +277,7 @@ class ResultsWriter:
     def _case_row(self, result: CaseResult, verdict: Verdict) -> dict[str, str]:
         case = result.case
         inputs = {
+            "module": "" if case.module is None else case.module.text_in(case.folder),
             "program": _as_written(case, case.program),
             "rig": _as_written(case, case.rig),
             "title": case.title,
@@ -360,12 +361,17 @@ def _started(case: Case) -> list[Path]:
     return [case.program.parent / file for file in files]
 
 
+def _module(case: Case) -> list[Path]:
+    """The file with metrics of the user."""
+    return [] if case.module is None or case.module.path is None else [case.module.path]
+
+
 def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
     """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
     files = {
         (_as_written(case, path), path)
         for case in cases
-        for path in (case.program, *_started(case), case.rig)
+        for path in (case.program, *_started(case), case.rig, *_module(case))
     }
     included = {(case.folder, case.file) for case in cases if case.file.stem != case.plan}
     files |= {(_from_folder(path, folder), path) for folder, path in included}

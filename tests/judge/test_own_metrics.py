@@ -1,0 +1,142 @@
+"""Metrics of the user: read by name, called with the recording, errors with their line."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+import pytest
+from tests.recordings import MS, facts, kept
+
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import judged
+from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.axes import AxisRecord
+from axisrig.kernel.errors import UserError
+
+ROWS, PEAK_MM = 101, 0.25
+
+
+@pytest.fixture(scope="module")
+def recording() -> Observed:
+    """Z lags by a triangle of 0.25 mm."""
+    row = np.arange(ROWS)
+    columns = {
+        "time_ns": row.astype(np.int64) * MS,
+        "Z.set_mm": 0.01 * row,
+        "Z.actual_mm": 0.01 * row - PEAK_MM * (1.0 - np.abs(row - 50) / 50.0),
+    }
+    left = facts(axes={"Z": AxisRecord("can1", 1, 10_000.0)}, sim_ns=ROWS * MS)
+    return Observed(left, kept(pa.table(columns)))
+
+
+def _case(folder: Path, module: str, check: str, condition: str, name: str = "own.py") -> Case:
+    for file in ("a.nc", "a.toml"):
+        (folder / file).touch()
+    (folder / "own.py").write_text(module, encoding="utf-8")
+    text = f"case,program,rig,module,{check}\na,a.nc,a.toml,{name},{condition}\n"
+    (folder / "plan.csv").write_text(text, encoding="utf-8")
+    (case,) = read_plan(folder / "plan.csv").cases
+    return case
+
+
+GOOD = '''
+"""Lags."""
+import numpy as np
+
+
+def _lag(recording):
+    return recording.column("Z", "set_mm") - recording.column("Z", "actual_mm")
+
+
+def metric_lag_peak(recording):
+    """Largest lag."""
+    return np.max(_lag(recording)), "mm", 0.001
+
+
+def metric_word(recording):
+    return "slow", "", 0.0
+
+
+def metric_nothing(recording):
+    return None, "mm", 0.0
+'''
+
+
+@pytest.mark.parametrize(
+    ("metric", "condition", "verdict", "value"),
+    [
+        ("lag_peak", "<= 0.3", Verdict.PASS, PEAK_MM),
+        ("lag_peak", "<= 0.2", Verdict.FAIL, PEAK_MM),
+        ("lag_peak", "<= 0.2505", Verdict.INCONCLUSIVE, PEAK_MM),
+        ("word", "== slow", Verdict.PASS, "slow"),
+        ("word", "== fast", Verdict.FAIL, "slow"),
+        ("nothing", "<= 1", Verdict.FAIL, None),
+    ],
+)
+def test_it_is_judged_as_any_other(
+    tmp_path: Path,
+    recording: Observed,
+    metric: str,
+    condition: str,
+    verdict: Verdict,
+    value: object,
+) -> None:
+    case = _case(tmp_path, GOOD, f"check:{metric}", condition)
+    _, checks = judged(recording, case.checks[:1], module=case.module)
+    (result,) = checks
+    assert result.verdict is verdict
+    assert result.value == (pytest.approx(value) if isinstance(value, float) else value)
+    if metric == "lag_peak":
+        assert (result.check.unit, result.uncertainty) == ("mm", 0.001)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("x = 1\n    return 1 / 0, 'mm', 0.0", "own.py:3: ZeroDivisionError"),
+        ("return 1.0", "TypeError: it returns 1.0, not value, unit, uncertainty"),
+        ("return [1], 'mm', 0.0", "the value is"),
+        ("return 1, None, 0.0", "the unit is None"),
+        ("return 1, 'mm', -1.0", "the uncertainty is -1.0"),
+        ("return 1, 'mm', None", "the uncertainty is None"),
+        ("import sys; sys.exit(3)", "own.py:2: SystemExit: 3"),
+        ("return recording.column('Q', 'set_mm'), 'mm', 0.0", "own.py:2: "),
+    ],
+)
+def test_what_it_raises_is_an_error_with_its_line(
+    tmp_path: Path, recording: Observed, body: str, words: str
+) -> None:
+    case = _case(tmp_path, f"def metric_mine(recording):\n    {body}\n", "check:mine", "< 1")
+    verdict, (result, _) = judged(recording, case.checks, module=case.module)
+    assert (verdict, result.verdict) == (Verdict.ERROR, Verdict.ERROR)
+    assert words in result.note
+
+
+def test_a_module_that_fails_when_it_is_loaded(tmp_path: Path, recording: Observed) -> None:
+    module = "import nothing_like_this\n\n\ndef metric_mine(recording):\n    return 1, '', 0\n"
+    case = _case(tmp_path, module, "check:mine", "< 1")
+    _, (result, _) = judged(recording, case.checks, module=case.module)
+    assert (result.verdict, result.note.partition(": ")[0]) == (Verdict.ERROR, "own.py:1")
+
+
+@pytest.mark.parametrize(
+    ("module", "check", "name", "words"),
+    [
+        ("def metric_mine(r): ...", "check:min", "own.py", "did you mean: mine"),
+        ("def metric_mine(r): ...", "check:mine:Z", "own.py", "cannot be asked for like this"),
+        ("def mine(r): ...", "check:mine", "own.py", "the module has no metric"),
+        ("def metric_alarms(r): ...", "check:alarms", "own.py", "axisrig has a metric"),
+        ("def metric_mine(r)", "check:mine", "own.py", "own.py:1.*cannot be read"),
+        ("def metric_mine(r): ...", "check:mine", "owm.py", "near it: own.py"),
+        ("def metric_mine(r): ...", "check:mine", "somewhere", "no entry point"),
+    ],
+)
+def test_what_a_plan_refuses(
+    tmp_path: Path, module: str, check: str, name: str, words: str
+) -> None:
+    with pytest.raises(UserError) as caught:
+        _case(tmp_path, module, check, "< 1", name)
+    texts = [str(error) for error in (caught.value, *caught.value.further)]
+    assert any(re.search(words, text) for text in texts), texts
