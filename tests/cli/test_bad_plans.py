@@ -87,7 +87,7 @@ def test_table_is_rejected(place: Path, rejected: Reject, text: str, fragments: 
         ("plan.csv", bytes(range(256)), ["plan.csv:2", "UTF-8"]),
         ("plan.csv", "title\nMüll\n".encode("latin-1"), ["plan.csv:2", "UTF-8"]),
         ("plan.csv", "case\n".encode("utf-16"), ["plan.csv:1", "UTF-8"]),
-        ("plan.csv", b"case,program\0\na,b\n", ["plan.csv:1:2:", r"'program\x00'"]),
+        ("plan.csv", f"{HEADER},title\0\n{ROW},t\n".encode(), ["plan.csv:1:5:", r"'title\x00'"]),
         ("plan.xlsx", b"PK\x03\x04rest", ["plan.xlsx", "cannot be read"]),
         ("plan.ods", b"", ["plan.ods", "cannot be read"]),
         ("plan.txt", b"case", ["plan.txt", "'.txt'", ".csv, .xlsx, .ods"]),

@@ -122,6 +122,7 @@ class _Reader:
                     "the plan has no case", file=table.path, hint="add a row below the header"
                 )
             )
+        has_all = all(form.column in (*forms, *outer) for form in column_forms() if form.required)
         if CASE_COLUMN not in forms:
             return
         defaults = dict(outer)
@@ -141,7 +142,9 @@ class _Reader:
             self._columns.update(dict.fromkeys(c for c in cells if c not in ASSIGNING))
             for form in column_forms():
                 if form.required and form.column not in (CASE_COLUMN if name else "", *cells):
-                    known = form.column in table.numbers
+                    known = form.column in forms
+                    if not known and form.column not in outer and not has_all:
+                        continue  # the header has been reported
                     at = table.place(row, form.column if known else CASE_COLUMN, via)
                     at = replace(at, header=form.column)
                     self._mistakes.add(at.error("the value is missing"))

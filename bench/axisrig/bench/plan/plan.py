@@ -263,7 +263,7 @@ class _Row:
         texts = variant.texts
         run = f"{self._plan}-{name}" + (f"-{variant.label}" if variant.swept else "")
         run += f"-{variant.number:03}" if variant.number else ""
-        if len(run) > _RUN_MAX:
+        if len(run) > _RUN_MAX and _NAME.fullmatch(name):
             self._refuse(
                 self._row.place.error(
                     f"the id of the run has more than {_RUN_MAX} characters", value=run
