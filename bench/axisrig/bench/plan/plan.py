@@ -20,6 +20,7 @@ from axisrig.bench.plan.assignment import (
     parse_column,
 )
 from axisrig.bench.plan.checks import Check, parse_check
+from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check, split_statistics
 from axisrig.bench.plan.table import Row, Table, read_table
 from axisrig.kernel.errors import UserError, nearest
 
@@ -40,6 +41,8 @@ class Case:
     repeat: 0 when the row asks for one run, else counted from 1.
     file, line: place of the row. columns: column -> its number in the file, from 1.
     overridden: input columns whose values come from the command line.
+    sampled: statistics of the case to which the run gives values. runs: of the row of results that
+    is over several runs, the ids of these; empty for a run.
     """
 
     plan: str
@@ -59,6 +62,8 @@ class Case:
     line: int
     columns: Mapping[str, int]
     overridden: frozenset[str] = frozenset()
+    sampled: tuple[StatisticCheck, ...] = ()
+    runs: tuple[str, ...] = ()
 
     def assignments(self) -> tuple[Assignment, ...]:
         """Give the inputs taken apart, in the order of the columns."""
@@ -98,6 +103,7 @@ class Plan:
 
     name: the stem of the file. columns: headers in the order of the file.
     cases: one per run, in the order of the rows, repeats expanded. notes: what is not read.
+    statistics: one per row of results that is over several runs of a case.
     """
 
     name: str
@@ -105,16 +111,27 @@ class Plan:
     columns: tuple[str, ...]
     cases: tuple[Case, ...]
     notes: tuple[str, ...] = ()
+    statistics: tuple[Case, ...] = ()
+
+    @property
+    def rows(self) -> tuple[Case, ...]:
+        """All rows of results, each of statistics after the last of its runs."""
+        after = {case.runs[-1]: case for case in self.statistics}
+        pairs = ((case, after.get(case.run)) for case in self.cases)
+        return tuple(row for pair in pairs for row in pair if row is not None)
 
     def with_inputs(self, assignments: Sequence[Assignment]) -> "Plan":
         """Set inputs of every case, over what the cells say (`--set` of the command line)."""
         extra = {item.column: item.value for item in assignments}
         columns = (*self.columns, *(name for name in extra if name not in self.columns))
-        cases = tuple(
-            replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
-            for case in self.cases
+        cases, statistics = (
+            tuple(
+                replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
+                for case in group
+            )
+            for group in (self.cases, self.statistics)
         )
-        return replace(self, columns=columns, cases=cases)
+        return replace(self, columns=columns, cases=cases, statistics=statistics)
 
 
 def default_seed(run: str) -> int:
@@ -150,7 +167,8 @@ def read_plan(path: Path) -> Plan:
                     f"the case makes the same run as line {first}", row, "case", value=case.run
                 )
             cases.append(case)
-    return Plan(path.stem, path, tuple(table.columns), tuple(cases), tuple(table.notes))
+    runs, statistics = split_statistics(cases)
+    return Plan(path.stem, path, tuple(table.columns), runs, tuple(table.notes), statistics)
 
 
 def _check_columns(table: Table) -> dict[str, ColumnForm]:
@@ -240,7 +258,7 @@ def _checks(table: Table, row: Row, forms: Mapping[str, ColumnForm]) -> tuple[Ch
         if form.kind == "check" and row.cells[column]:
             metric = column.partition(":")[2]
             try:
-                checks.append(parse_check(metric, row.cells[column], reference))
+                checks.append(parse_any_check(metric, row.cells[column], reference))
             except UserError as error:
                 raise table.error_from(error, row, column) from None
     if not any(check.name == "alarms" for check in checks):
