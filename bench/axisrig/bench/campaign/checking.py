@@ -61,10 +61,9 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     for case in plan.cases:
         prepare(case)
     lines = [f"  {_titled(case)}" for case in plan.cases]
-    lines += [
-        f"  {row.run}  statistics over {len(row.runs)} runs: {', '.join(c.metric for c in row.checks)}"
-        for row in plan.statistics
-    ]
+    for row in plan.statistics:
+        asked = ", ".join(check.metric for check in row.checks)
+        lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
     lines += [f"note: {note}" for note in plan.notes]
     return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
 
