@@ -60,7 +60,7 @@ def test_any_order_of_ending_gives_the_same_bytes(plan: Plan, tmp_path: Path) ->
     one = write(tmp_path / "one", plan, [0, 1, 2])
     two = write(tmp_path / "two", plan, [2, 0, 1])
     names = sorted(p.relative_to(one) for p in one.rglob("*") if p.is_file())
-    assert len(names) == 4 + 3 * 2
+    assert len(names) == 5 + 3 * 2
     for name in names:
         assert (one / name).read_bytes() == (two / name).read_bytes(), name
 

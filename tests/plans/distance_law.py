@@ -7,6 +7,7 @@ k + 3 without optimized scheduling: n = 1 or 2 dead cycles beside a loop that se
 
 import csv
 import functools
+import io
 import math
 import tomllib
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+
+from axisrig.bench.plan.plan import expanded_text, read_plan
 
 PLANS = Path(__file__).parents[2] / "testplans"
 Polynomial = npt.NDArray[np.float64]
@@ -25,9 +28,9 @@ HEIGHT = 30.0  # of the workpiece in every rig
 
 
 def rows() -> dict[str, dict[str, str]]:
-    """Return the plan by case."""
-    with (PLANS / "distance_control.csv").open(encoding="utf-8", newline="") as file:
-        return {row["case"]: row for row in csv.DictReader(file)}
+    """Return the plan by case, a column for each input and check."""
+    text = expanded_text(read_plan(PLANS / "distance_control.csv"))
+    return {row["case"]: row for row in csv.DictReader(io.StringIO(text))}
 
 
 def _merged(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:

@@ -27,7 +27,7 @@ def _case(run: str = "latch-slow", tags: tuple[str, ...] = (), title: str = "") 
         repeat=0,
         file=Path("latch.csv"),
         line=2,
-        columns={},
+        places={},
     )
 
 

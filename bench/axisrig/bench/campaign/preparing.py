@@ -82,7 +82,7 @@ def forget() -> None:
 
 
 def _key(case: Case) -> Hashable:
-    place = (case.file, case.line, case.case, tuple(case.columns.items()), case.overridden)
+    place = (case.file, case.line, case.case, tuple(case.places), case.overridden)
     return (*place, case.rig, case.program, tuple(case.inputs.items()), case.checks, case.sampled)
 
 

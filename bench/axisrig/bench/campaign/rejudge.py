@@ -29,6 +29,7 @@ from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
+from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case, Plan, default_seed, read_plan
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.series import Series
@@ -195,6 +196,7 @@ def _judge(run: StoredRun, case: Case) -> CaseResult:
     series = Series(run.trace)
     observed = Observed(facts, series)
     verdict, checks = judged(observed, case.checks)
+    verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
     samples = sampled(observed, case.sampled)
     return CaseResult(case, verdict, checks, 0.0, facts, series, stopped, samples=samples)

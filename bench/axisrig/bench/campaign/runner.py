@@ -20,6 +20,7 @@ from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.printed import printed_log
@@ -114,6 +115,7 @@ def _run_case(
     wall_s = stopwatch() - started
     observed = Observed(facts, series)
     verdict, checks = judged(observed, case.checks)
+    verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
     result = CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
     result.samples = sampled(observed, case.sampled)

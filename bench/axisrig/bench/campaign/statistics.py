@@ -8,6 +8,7 @@ from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.statistics.verdict import Reading, RunSample, judge_statistic
 from axisrig.bench.judge.topics import sampled
+from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case, Plan
 from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict, worst
@@ -86,7 +87,8 @@ def judged_row(
         assert isinstance(check, StatisticCheck)
         samples = [_sample(case, check, results.get(case.run)) for case in runs]
         found.append(judge_statistic(check, samples))
-    return CaseResult(row, worst(item.verdict for item in found), found)
+    verdict, checks = met(row.expected, worst(item.verdict for item in found), found)
+    return CaseResult(row, verdict, checks)
 
 
 def _sample(case: Case, check: StatisticCheck, result: CaseResult | None) -> RunSample:

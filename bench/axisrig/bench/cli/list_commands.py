@@ -1,10 +1,11 @@
 """The commands that list what plans, rigs and this installation have."""
 
+from pathlib import Path
 from typing import Annotated, Literal
 
 import typer
 
-from axisrig.bench.cli.options import rejecting
+from axisrig.bench.cli.options import SetOption, rejecting
 from axisrig.bench.cli.params_command import params
 
 
@@ -105,3 +106,23 @@ def doctor() -> None:
 
 
 LISTINGS = (metrics, drives, faults, objects, params, errors, explain, language, doctor)
+
+plan_app = typer.Typer(no_args_is_help=True, help="Plans as they are meant.")
+
+
+@plan_app.callback()
+def _group() -> None:
+    """Keep `expand` a word of its own while it is the only command."""
+
+
+@plan_app.command()
+@rejecting
+def expand(
+    plan: Annotated[Path, typer.Argument(help="Plan: CSV, XLSX, ODS or Parquet.")],
+    assignments: SetOption = None,
+) -> None:
+    """Print a plan with a row for each run: defaults, included tables, lists; a plan itself."""
+    from axisrig.bench.plan.plan import expanded_text, parse_assignment, read_plan
+
+    changes = [parse_assignment(text) for text in assignments or []]
+    print(expanded_text(read_plan(plan).with_inputs(changes)), end="")

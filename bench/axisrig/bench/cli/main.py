@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from axisrig.bench.cli.fmu_commands import build, fmu_app
-from axisrig.bench.cli.list_commands import LISTINGS
+from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
     CALL_LIMIT_S,
     EXIT_REJECTED,
@@ -62,6 +62,7 @@ app = typer.Typer(
 )
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
+app.add_typer(plan_app, name="plan")
 for command in (*LISTINGS, *TOOLS, perf):
     app.command()(command)
 
@@ -106,7 +107,7 @@ def _logs(path: Path | None) -> list[Path]:
 @app.command()
 @rejecting
 def run(
-    plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX or ODS tables.")],
+    plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables.")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
     jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,

@@ -1,34 +1,42 @@
 """Test plans: a table whose rows are cases, read and checked whole before anything runs.
 
-A plan is CSV (UTF-8, separator comma or semicolon), XLSX or ODS (first sheet). `columns.csv`
-declares the columns; an empty cell is a value that is not set. A row without a `check:alarms`
-cell is checked for `alarms == none`, so that an alarm nobody expects fails the case.
+A plan is CSV (UTF-8, separator comma or semicolon), XLSX or ODS (first sheet), or Parquet.
+`columns.csv` declares the columns; an empty cell is a value that is not set. `composition` gives
+rows their defaults and included tables, `expansion` makes runs of cells with several values. A row
+without a check of `alarms` is checked for `alarms == none`, so that an alarm nobody expects fails
+the case.
 """
 
+import csv
+import io
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import cache
 from pathlib import Path
 from zlib import crc32
 
 from axisrig.bench.plan.assignment import (
     Assignment,
-    ColumnForm,
-    column_forms,
     find_form,
     parse_assignment,
     parse_column,
 )
 from axisrig.bench.plan.checks import Check, parse_check
+from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
+from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
+from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check, split_statistics
-from axisrig.bench.plan.table import Row, Table, read_table
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.bench.plan.table import Cell, Place
+from axisrig.kernel.errors import UserError
 
 __all__ = ["Assignment", "Case", "Plan", "parse_assignment", "read_plan"]
 
 _NAME = re.compile(r"[A-Za-z0-9_.-]{1,60}")
+_RUN_MAX = 200
 _SEED_MAX = 2**32 - 1
 _REPEATS_MAX = 999
+_FILES = ("program", "rig")
 
 
 @dataclass(frozen=True)
@@ -37,10 +45,13 @@ class Case:
 
     run: id, unique in a results folder, the same on every repeat, safe as a file name.
     index: place of the run in its plan, from 0. program, rig: existing files.
-    inputs: input column -> cell, set cells only, in the order of the columns.
-    repeat: 0 when the row asks for one run, else counted from 1.
-    file, line: place of the row. columns: column -> its number in the file, from 1.
+    inputs: input column -> value, set ones only, in the order of the columns.
+    repeat: 0 when the row asks for one run, else counted from 1, over samples and repeats.
+    file, line: place of the row. places: column -> place of its cell, set cells only.
     overridden: input columns whose values come from the command line.
+    swept: columns whose cells hold several values -> the value of this run.
+    expected: metrics of checks that must fail. notes: columns `note:` -> cell.
+    folder: of the plan, which is not that of an included table.
     sampled: statistics of the case to which the run gives values. runs: of the row of results that
     is over several runs, the ids of these; empty for a run.
     """
@@ -60,8 +71,12 @@ class Case:
     repeat: int
     file: Path
     line: int
-    columns: Mapping[str, int]
+    places: Mapping[str, Place]
     overridden: frozenset[str] = frozenset()
+    swept: Mapping[str, str] = field(default_factory=dict)
+    expected: tuple[str, ...] = ()
+    notes: Mapping[str, str] = field(default_factory=dict)
+    folder: Path = Path()
     sampled: tuple[StatisticCheck, ...] = ()
     runs: tuple[str, ...] = ()
 
@@ -86,11 +101,13 @@ class Case:
                 allowed=allowed,
                 hint=hint,
             )
+        place = self.places.get(column)
+        words = f"column {column!r}" if place is None else place.words
         return UserError(
-            f"{message} (case {self.case!r}, column {column!r})",
-            file=self.file,
-            line=self.line if column in self.columns else None,
-            column=self.columns.get(column),
+            f"{message} (case {self.case!r}, {words})",
+            file=self.file if place is None else place.file,
+            line=None if place is None else place.line,
+            column=None if place is None else place.column,
             value=value,
             allowed=allowed,
             hint=hint,
@@ -101,8 +118,9 @@ class Case:
 class Plan:
     """A checked plan.
 
-    name: the stem of the file. columns: headers in the order of the file.
-    cases: one per run, in the order of the rows, repeats expanded. notes: what is not read.
+    name: the stem of the file. columns: in the order of the file, those of assignments where their
+    cells are, then those of included tables.
+    cases: one per run, in the order of the rows, all expanded. notes: what is not read.
     statistics: one per row of results that is over several runs of a case.
     """
 
@@ -123,6 +141,14 @@ class Plan:
     def with_inputs(self, assignments: Sequence[Assignment]) -> "Plan":
         """Set inputs of every case, over what the cells say (`--set` of the command line)."""
         extra = {item.column: item.value for item in assignments}
+        for case in self.cases:
+            for column in case.swept.keys() & extra.keys():
+                raise UserError(
+                    f"--set {column}: the plan gives this column several values"
+                    f" (case {case.case!r}, {case.places[column].words})",
+                    value=extra[column],
+                    hint="choose runs with -k",
+                )
         columns = (*self.columns, *(name for name in extra if name not in self.columns))
         cases, statistics = (
             tuple(
@@ -142,153 +168,252 @@ def default_seed(run: str) -> int:
 def read_plan(path: Path) -> Plan:
     """Read and check a plan.
 
-    Raises UserError, with file, line and column, for the first thing that is wrong: a table that
-    cannot be read, an unknown or doubled column, a missing or bad value, a doubled case.
+    Raises UserError, with file, line and column, for everything that is wrong, the first by its
+    place with the others in `further`: a table that cannot be read, an unknown or doubled column,
+    a missing or bad value, a doubled case, a cell that cannot be expanded.
     """
-    table = read_table(path)
+    mistakes = Mistakes()
     if not _NAME.fullmatch(path.stem):
-        raise UserError(
-            "the name of the plan becomes part of file names",
-            file=path,
-            value=path.stem,
-            allowed="letters, digits, _ . -",
+        mistakes.add(
+            UserError(
+                "the name of the plan becomes part of file names",
+                file=path,
+                value=path.stem,
+                allowed="letters, digits, _ . -",
+            )
         )
-    forms = _check_columns(table)
-    if not table.rows:
-        raise UserError("the plan has no case", file=path, hint="add a row below the header")
+    composed = compose(path, mistakes)
     cases: list[Case] = []
-    lines: dict[str, int] = {}
-    for row in table.rows:
-        for case in _read_row(table, row, forms, len(cases)):
-            # File systems that ignore case would let the second one overwrite the first.
-            first = lines.setdefault(case.run.casefold(), row.line)
-            if first != row.line:
-                raise table.error(
-                    f"the case makes the same run as line {first}", row, "case", value=case.run
-                )
-            cases.append(case)
+    places: dict[str, Place] = {}
+    for row in composed.rows:
+        with mistakes.kept():
+            for case in _Row(path, row, mistakes).cases(len(cases)):
+                # File systems that ignore case would let the second one overwrite the first
+                first = places.setdefault(case.run.casefold(), row.place)
+                if first != row.place:
+                    where = f"line {first.line}"
+                    where += "" if first.file == row.place.file else f" of {first.file}"
+                    raise row.place.error(f"the case makes the same run as {where}", value=case.run)
+                cases.append(case)
+    mistakes.refuse(path)
     runs, statistics = split_statistics(cases)
-    return Plan(path.stem, path, tuple(table.columns), runs, tuple(table.notes), statistics)
+    return Plan(path.stem, path, composed.columns, runs, composed.notes, statistics)
 
 
-def _check_columns(table: Table) -> dict[str, ColumnForm]:
-    """Find the declaration of each column. Raises UserError for unknown, doubled, missing ones."""
-    forms: dict[str, ColumnForm] = {}
-    for column in table.columns:
-        form = find_form(column)
-        if form is None:
-            close = nearest(column, [form.column for form in column_forms()])
-            raise table.header_error(
-                "unknown column",
-                column,
-                allowed=close or [form.column for form in column_forms()],
+class _Row:
+    """A row on its way to its runs; what is wrong with single cells is kept in `mistakes`."""
+
+    def __init__(self, path: Path, row: MeantRow, mistakes: Mistakes) -> None:
+        self._plan, self._folder = path.stem, path.parent
+        self._row = row
+        self._mistakes = mistakes
+        self._is_good = True
+        forms = {column: find_form(column) for column in row.cells}
+        kinds = {column: form for column, form in forms.items() if form is not None}
+        self._inputs = [column for column, form in kinds.items() if form.is_input]
+        self._checks = [column for column, form in kinds.items() if form.kind == "check"]
+        self._notes = [column for column, form in kinds.items() if form.kind == "note"]
+        # A value of a cell is read once, however many runs have it
+        self._file_of = cache(self._file)
+        self._check_of = cache(self._check)
+        self._is_value = cache(self._is_number)
+
+    def cases(self, index: int) -> list[Case]:
+        """Make the runs; none where a cell is wrong. index: place of the first in the plan."""
+        name = self._row.text("case")
+        if name and not _NAME.fullmatch(name):
+            self._refuse(
+                self._row.place.error(
+                    "the name of the case becomes part of file names",
+                    value=name,
+                    allowed="letters, digits, _ . -; * gives defaults, include takes a table",
+                )
             )
-        if column in forms:
-            raise table.header_error("the column is given twice", column)
-        forms[column] = form
-    for form in column_forms():
-        if form.required and form.column not in forms:
-            raise UserError(
-                f"column {form.column!r} is missing",
-                file=table.path,
-                line=table.header_line,
-                hint=f"it holds the {form.meaning}",
+        repeats = self._integer("repeats", 1, _REPEATS_MAX) or 1
+        samples = self._integer("samples", 1, RUNS_MAX)
+        try:
+            count, expanded = variants(
+                self._row,
+                [*_FILES, "seed", *self._inputs],
+                self._checks,
+                repeats=repeats,
+                samples=samples,
+                seed=self._row.text("seed"),
             )
-    return forms
+        except UserError as error:
+            self._refuse(error)
+            self._look_at_each_cell()
+            return []
+        if index + count > RUNS_MAX:
+            raise self._row.place.error(
+                f"the plan has more than {RUNS_MAX} runs", value=index + count
+            )
+        found = [self._case(name, index + at, variant) for at, variant in enumerate(expanded)]
+        return [case for case in found if case is not None] if self._is_good else []
 
+    def _look_at_each_cell(self) -> None:
+        """Find what else is wrong in a row that cannot be expanded."""
+        for column in [*_FILES, *self._inputs, *self._checks]:
+            cell = self._row.cells.get(column)
+            is_condition = column in self._checks
+            if cell is None or ("[" in cell.text and is_condition):
+                continue
+            with self._mistakes.kept():
+                pattern = parse_cell(cell, is_condition=is_condition)
+                if pattern.lists or pattern.drawn:
+                    continue
+                if column in _FILES:
+                    self._file_of(column, cell.text)
+                elif is_condition:
+                    self._check_of(column, cell.text)
+                else:
+                    self._is_value(column, cell.text)
 
-def _read_row(table: Table, row: Row, forms: Mapping[str, ColumnForm], index: int) -> list[Case]:
-    """Read one row into its runs."""
-    for column, form in forms.items():
-        if form.required and not row.cells[column]:
-            raise table.error("the value is missing", row, column)
-    name = row.cells["case"]
-    if not _NAME.fullmatch(name):
-        raise table.error(
-            "the name of the case becomes part of file names",
-            row,
-            "case",
-            value=name,
-            allowed="letters, digits, _ . -",
-        )
-    repeats = _integer(table, row, "repeats", 1, _REPEATS_MAX) or 1
-    seed = _integer(table, row, "seed", 0, _SEED_MAX)
-    inputs = {c: row.cells[c] for c, form in forms.items() if form.is_input and row.cells[c]}
-    for column, value in inputs.items():
-        _check_unit_value(table, row, parse_column(column, value))
-    base = f"{table.path.stem}-{name}"
-    runs = [base] if repeats == 1 else [f"{base}-{count:03}" for count in range(1, repeats + 1)]
-    return [
-        Case(
-            plan=table.path.stem,
+    def _case(self, name: str, index: int, variant: Variant) -> Case | None:
+        texts = variant.texts
+        run = f"{self._plan}-{name}" + (f"-{variant.label}" if variant.swept else "")
+        run += f"-{variant.number:03}" if variant.number else ""
+        if len(run) > _RUN_MAX:
+            self._refuse(
+                self._row.place.error(
+                    f"the id of the run has more than {_RUN_MAX} characters", value=run
+                )
+            )
+        files = [self._file_of(column, texts.get(column, "")) for column in _FILES]
+        seed = default_seed(run)
+        if (given := self._seed(texts.get("seed", ""))) is not None:
+            seed = (given + max(variant.number - 1, 0)) % (_SEED_MAX + 1)
+        inputs = {column: texts[column] for column in self._inputs if column in texts}
+        for column, (mean, deviation) in variant.drawn.items():
+            inputs[column] = draw(column, mean, deviation, seed)
+        for column, text in inputs.items():
+            self._is_value(column, text)
+        read = [self._check_of(c, texts[c]) for c in self._checks if c in texts]
+        checks = [check for check in read if check is not None]
+        if not name or None in files or len(checks) < len(read):
+            return None
+        if not any(check.name == "alarms" for check in checks):
+            checks.append(parse_check("alarms", "none", "no alarm unless a row expects it"))
+        expected: tuple[str, ...] = ()
+        if "expect" in texts:
+            try:
+                expected = parse_expectation(self._row.cells["expect"], checks)
+            except UserError as error:
+                self._refuse(error)
+        return Case(
+            plan=self._plan,
             case=name,
             run=run,
-            index=index + count,
-            program=_existing(table, row, "program"),
-            rig=_existing(table, row, "rig"),
+            index=index,
+            program=files[0] or Path(),
+            rig=files[1] or Path(),
             inputs=inputs,
-            checks=_checks(table, row, forms),
-            title=row.cells.get("title", ""),
-            tags=tuple(row.cells.get("tags", "").split()),
-            requirement=row.cells.get("requirement", ""),
-            seed=default_seed(run) if seed is None else (seed + count) % (_SEED_MAX + 1),
-            repeat=0 if repeats == 1 else count + 1,
-            file=table.path,
-            line=row.line,
-            columns=table.numbers,
+            checks=tuple(checks),
+            title=texts.get("title", ""),
+            tags=tuple(texts.get("tags", "").split()),
+            requirement=texts.get("requirement", ""),
+            seed=seed,
+            repeat=variant.number,
+            file=self._row.place.file,
+            line=self._row.place.line,
+            places=self._places,
+            swept=variant.swept,
+            expected=expected,
+            notes={column: texts[column] for column in self._notes if column in texts},
+            folder=self._folder,
         )
-        for count, run in enumerate(runs)
-    ]
 
+    @property
+    def _places(self) -> Mapping[str, Place]:
+        return {column: cell.place for column, cell in self._row.cells.items()}
 
-def _check_unit_value(table: Table, row: Row, assignment: Assignment) -> None:
-    """A value with a unit must be a number."""
-    if assignment.unit:
-        try:
-            assignment.si()
-        except UserError as error:
-            raise table.error_from(error, row, assignment.column) from None
+    def _refuse(self, error: UserError) -> None:
+        self._is_good = False
+        self._mistakes.add(error)
 
+    def _cell(self, column: str, text: str) -> Cell:
+        return Cell(text, self._row.cells[column].place)
 
-def _checks(table: Table, row: Row, forms: Mapping[str, ColumnForm]) -> tuple[Check, ...]:
-    """The checks of a row, with the one for alarms added where the row has none."""
-    reference = f"{table.path.name}:{row.line}"
-    checks = []
-    for column, form in forms.items():
-        if form.kind == "check" and row.cells[column]:
-            metric = column.partition(":")[2]
+    def _file(self, column: str, text: str) -> Path | None:
+        """The file of a cell; None for one that is missing, which is kept."""
+        if text:
             try:
-                checks.append(parse_any_check(metric, row.cells[column], reference))
+                return existing(self._cell(column, text), column)
             except UserError as error:
-                raise table.error_from(error, row, column) from None
-    if not any(check.name == "alarms" for check in checks):
-        checks.append(parse_check("alarms", "none", "no alarm unless a row expects it"))
-    return tuple(checks)
-
-
-def _existing(table: Table, row: Row, column: str) -> Path:
-    """The file a cell names, relative to the folder of the plan."""
-    path = table.path.parent / row.cells[column]
-    if not path.is_file():
-        folder = path.parent
-        beside = [item.name for item in folder.iterdir()] if folder.is_dir() else []
-        close = nearest(path.name, beside)
-        raise table.error(
-            f"there is no such {column} file",
-            row,
-            column,
-            value=row.cells[column],
-            hint=f"near it: {', '.join(close)}" if close else f"looked in {folder}",
-        )
-    return path
-
-
-def _integer(table: Table, row: Row, column: str, lowest: int, highest: int) -> int | None:
-    text = row.cells.get(column, "")
-    if not text:
+                self._refuse(error)
         return None
-    if not re.fullmatch("[0-9]{1,10}", text) or not lowest <= int(text) <= highest:
-        raise table.error(
-            "not an integer in the range", row, column, value=text, allowed=f"{lowest} to {highest}"
-        )
-    return int(text)
+
+    def _check(self, column: str, text: str) -> Check | None:
+        place = self._row.cells[column].place
+        try:
+            return parse_any_check(
+                column.partition(":")[2], text, f"{place.file.name}:{place.line}"
+            )
+        except UserError as error:
+            self._refuse(place.error_from(error))
+        return None
+
+    def _is_number(self, column: str, text: str) -> None:
+        """A value with a unit must be a number."""
+        assignment = parse_column(column, text)
+        if assignment.unit:
+            try:
+                assignment.si()
+            except UserError as error:
+                self._refuse(self._row.cells[column].place.error_from(error))
+
+    def _seed(self, text: str) -> int | None:
+        return self._whole("seed", text, 0, _SEED_MAX)
+
+    def _integer(self, column: str, lowest: int, highest: int) -> int | None:
+        return self._whole(column, self._row.text(column), lowest, highest)
+
+    def _whole(self, column: str, text: str, lowest: int, highest: int) -> int | None:
+        if not text:
+            return None
+        if not re.fullmatch("[0-9]{1,10}", text) or not lowest <= int(text) <= highest:
+            self._refuse(
+                self._row.cells[column].place.error(
+                    "not an integer in the range", value=text, allowed=f"{lowest} to {highest}"
+                )
+            )
+            return None
+        return int(text)
+
+
+def expanded_text(plan: Plan) -> str:
+    """Write a plan with a row for each run, as CSV: a plan itself, with the same ids and seeds.
+
+    Statistics over several runs are left out, for each run is a case of its own there.
+    """
+    inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
+    notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
+    checks = list(dict.fromkeys(f"check:{c.metric}" for case in plan.cases for c in case.checks))
+    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed", "expect"]
+    text = io.StringIO(newline="")
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*columns, *notes, *inputs, *checks])
+    for case in plan.cases:
+        conditions = {f"check:{check.metric}": check.condition.text for check in case.checks}
+        own = [
+            case.run.removeprefix(f"{plan.name}-"),
+            case.title,
+            " ".join(case.tags),
+            case.requirement,
+            *(path_from(case.folder, path) for path in (case.program, case.rig)),
+            str(case.seed),
+            f"fail:{' '.join(case.expected)}" if case.expected else "",
+        ]
+        cells = {**case.notes, **case.inputs, **conditions}
+        table.writerow([*own, *(_literal(cells.get(c, "")) for c in (*notes, *inputs, *checks))])
+    return text.getvalue()
+
+
+def _literal(text: str) -> str:
+    """A value as a cell that stands for nothing else."""
+    return text.replace("[", "[[")
+
+
+def path_from(folder: Path, path: Path) -> str:
+    """A file as a cell of a plan in `folder` names it."""
+    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()

@@ -1,5 +1,6 @@
-"""The cells of a workbook as text."""
+"""The cells of a workbook, or of a Parquet file, as text."""
 
+import math
 import warnings
 from pathlib import Path
 
@@ -30,6 +31,34 @@ def read_sheets(path: Path) -> dict[str, list[list[str]]]:
     except Exception as error:  # calamine raises a class of its own for each kind of damage
         raise UserError("the workbook cannot be read", file=path, hint=str(error)) from None
     return {name: _grid(frame) for name, frame in frames.items()}
+
+
+def read_parquet(path: Path) -> list[list[str]]:
+    """Read the cells of a Parquet file, below the names of its columns.
+
+    What has no value is empty, a number is written as Python writes it, a whole one without a
+    decimal point. Raises UserError for a damaged file.
+    """
+    try:
+        frame = pd.read_parquet(path)
+    except Exception as error:  # pyarrow raises a class of its own for each kind of damage
+        raise UserError("the Parquet file cannot be read", file=path, hint=str(error)) from None
+    columns = [frame[name].tolist() for name in frame.columns]
+    rows = zip(*columns, strict=True)
+    return [[str(name) for name in frame.columns], *([_text(cell) for cell in row] for row in rows)]
+
+
+def _text(cell: object) -> str:
+    if cell is None or cell is pd.NA or cell is pd.NaT:
+        return ""
+    if isinstance(cell, float):
+        if math.isnan(cell):
+            return ""
+        return str(int(cell)) if cell.is_integer() and abs(cell) < _WHOLE_MAX else repr(cell)
+    return str(cell).strip()
+
+
+_WHOLE_MAX = 2.0**53
 
 
 def _grid(frame: pd.DataFrame) -> list[list[str]]:

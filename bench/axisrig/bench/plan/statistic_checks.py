@@ -214,13 +214,18 @@ def split_statistics(cases: Iterable["Case"]) -> tuple[tuple["Case", ...], tuple
     """
     runs: list[Case] = []
     statistics: list[Case] = []
-    for _, group in groupby(cases, key=lambda case: case.case):
+    for _, group in groupby(cases, key=lambda case: (case.case, case.file, case.line)):
         members = list(group)
         asked = [check for check in members[0].checks if isinstance(check, StatisticCheck)]
         if asked:
             members, of_case = _split(members)
             statistics += of_case
         runs += members
+    names = {case.run.casefold() for case in runs}
+    for row in statistics:
+        if row.run.casefold() in names:
+            raise row.error("the row of its statistics has the id of a run", "case", value=row.run)
+        names.add(row.run.casefold())
     return tuple(runs), tuple(statistics)
 
 
@@ -238,10 +243,12 @@ def _split(members: Sequence["Case"]) -> tuple[list["Case"], list["Case"]]:
     if len(members) == 1:
         return [replace(first, checks=tuple(found.values()))], []
     sampled = tuple(check for check in found.values() if isinstance(check, StatisticCheck))
+    asked = {check.metric for check in sampled}
     runs = [
         replace(
             case,
             checks=tuple(c for c in case.checks if not isinstance(c, StatisticCheck)),
+            expected=tuple(name for name in case.expected if name not in asked),
             sampled=sampled,
         )
         for case in members
@@ -256,7 +263,9 @@ def _split(members: Sequence["Case"]) -> tuple[list["Case"], list["Case"]]:
         run=f"{first.plan}-{first.case}",
         inputs=common,
         checks=sampled,
+        expected=tuple(name for name in first.expected if name in asked),
         repeat=0,
+        swept={},
         runs=tuple(case.run for case in members),
     )
     return runs, [whole]

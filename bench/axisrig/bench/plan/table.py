@@ -6,12 +6,71 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import NamedTuple
 
 from axisrig.kernel.errors import UserError
 
-SUFFIXES = (".csv", ".xlsx", ".ods")
+SUFFIXES = (".csv", ".xlsx", ".ods", ".parquet")
 CASE_COLUMN = "case"
 """A column that every plan has: a sheet with it is a plan."""
+
+
+COMMENT = "#"
+"""First sign of a row that is a comment."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a cell is, for messages.
+
+    file, line, column: of the cell, counted from 1. header: its column. name: of the assignment,
+    in a cell that holds several. via: rows that include the table, as `plan.csv:7`, the innermost
+    first.
+    """
+
+    file: Path
+    line: int
+    column: int
+    header: str
+    name: str = ""
+    via: tuple[str, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """The column in words, with the assignment in it and the rows that include the table."""
+        name = f", {self.name!r}" if self.name else ""
+        via = "".join(f", included by {row}" for row in self.via)
+        return f"column {self.header!r}{name}{via}"
+
+    def error(
+        self,
+        message: str,
+        *,
+        value: object = None,
+        allowed: Iterable[object] | str | None = None,
+        hint: str | None = None,
+    ) -> UserError:
+        """Make the error that points at the cell."""
+        return UserError(
+            f"{message} ({self.words})",
+            file=self.file,
+            line=self.line,
+            column=self.column,
+            value=value,
+            allowed=allowed,
+            hint=hint,
+        )
+
+    def error_from(self, error: UserError) -> UserError:
+        """Give an error without a place this one."""
+        return self.error(error.message, value=error.value, allowed=error.allowed, hint=error.hint)
+
+
+class Cell(NamedTuple):
+    """Text of a cell, or of one assignment in it, and where it is."""
+
+    text: str
+    place: Place
 
 
 @dataclass(frozen=True)
@@ -24,7 +83,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Table:
-    """A table as text; rows without any content are left out. notes: what is not read."""
+    """A table as text; comments and rows without content are left out. notes: what is not read."""
 
     path: Path
     header_line: int
@@ -37,32 +96,9 @@ class Table:
         """Column -> its number in the file, from 1."""
         return {column: number for number, column in enumerate(self.columns, start=1)}
 
-    def error(
-        self,
-        message: str,
-        row: Row,
-        column: str,
-        *,
-        value: object = None,
-        allowed: str | None = None,
-        hint: str | None = None,
-    ) -> UserError:
-        """Make the error that points at a cell."""
-        return UserError(
-            f"{message} (column {column!r})",
-            file=self.path,
-            line=row.line,
-            column=self.numbers[column],
-            value=value,
-            allowed=allowed,
-            hint=hint,
-        )
-
-    def error_from(self, error: UserError, row: Row, column: str) -> UserError:
-        """Give an error without a place the place of a cell."""
-        return self.error(
-            error.message, row, column, value=error.value, allowed=error.allowed, hint=error.hint
-        )
+    def place(self, row: Row, column: str, via: tuple[str, ...] = ()) -> Place:
+        """Give the place of a cell."""
+        return Place(self.path, row.line, self.numbers[column], column, via=via)
 
     def header_error(
         self, message: str, column: str, *, allowed: Sequence[str] | None = None
@@ -80,10 +116,11 @@ class Table:
 
 
 def read_table(path: Path) -> Table:
-    """Read a CSV (UTF-8, comma or semicolon), or the first sheet of an XLSX or ODS file.
+    """Read a CSV (UTF-8, comma or semicolon), the first sheet of XLSX or ODS, or a Parquet file.
 
-    Raises UserError when there is no such file, it is no table with a header, a cell of it has no
-    value, or a further sheet looks like a table that should have been read.
+    A row whose first cell with content begins with `#` and is in the first column or in `case` is
+    a comment. Raises UserError when there is no such file, it is no table with a header, a cell of
+    it has no value, or a further sheet looks like a table that should have been read.
     """
     if path.suffix.lower() not in SUFFIXES:
         raise UserError("not a table", file=path, value=path.suffix, allowed=SUFFIXES)
@@ -92,6 +129,10 @@ def read_table(path: Path) -> Table:
     notes: list[str] = []
     if path.suffix.lower() == ".csv":
         grid = _read_csv(path)
+    elif path.suffix.lower() == ".parquet":
+        from axisrig.bench.plan.sheets import read_parquet  # noqa: PLC0415 - takes long to load
+
+        grid = read_parquet(path)
     else:
         from axisrig.bench.plan.sheets import read_sheets  # noqa: PLC0415 - takes long to load
 
@@ -99,7 +140,9 @@ def read_table(path: Path) -> Table:
         grid = sheets.pop(next(iter(sheets)))
         notes = _further_sheets(path, sheets)
     lines = _lines(grid)
-    filled = [(line, cells) for line, cells in zip(lines, grid, strict=True) if any(cells)]
+    filled = _without_comments(
+        [(line, cells) for line, cells in zip(lines, grid, strict=True) if any(cells)]
+    )
     if not filled:
         raise UserError("the table is empty", file=path, line=1)
     header_line, header = filled[0]
@@ -119,6 +162,20 @@ def read_table(path: Path) -> Table:
                 column=len(header) + 1,
             )
     return Table(path, header_line, header, rows, notes)
+
+
+def _without_comments(rows: Sequence[tuple[int, list[str]]]) -> list[tuple[int, list[str]]]:
+    """Leave comments out; the first row that is none is the header."""
+    kept: list[tuple[int, list[str]]] = []
+    case = 0
+    for line, cells in rows:
+        first = next(number for number, cell in enumerate(cells) if cell)
+        if cells[first].startswith(COMMENT) and first in (0, case):
+            continue
+        if not kept and CASE_COLUMN in cells:
+            case = cells.index(CASE_COLUMN)
+        kept.append((line, cells))
+    return kept
 
 
 def _lines(grid: Sequence[Sequence[str]]) -> list[int]:
@@ -153,7 +210,8 @@ def _read_csv(path: Path) -> list[list[str]]:
                 return grid
             if cells and cells[-1].endswith(_END):
                 break
-            if width and len(cells) > width:
+            is_comment = bool(cells) and cells[0].lstrip().startswith(COMMENT)
+            if width and len(cells) > width and not is_comment:
                 raise UserError(
                     f"the row has {len(cells)} cells and the header {width}",
                     file=path,
@@ -161,7 +219,8 @@ def _read_csv(path: Path) -> list[list[str]]:
                     hint="write a cell that contains the separator in quotes",
                 )
             grid.append([*(cell.strip() for cell in cells), *[""] * (width - len(cells))])
-            width = width or (len(cells) if any(grid[-1]) else 0)
+            if not width and not is_comment and any(grid[-1]):
+                width = len(cells)
             begin = reader.line_num + 1
     except csv.Error:  # a cell of more than 131072 signs
         pass
@@ -188,7 +247,8 @@ def _ended(lines: Iterable[str]) -> Iterator[str]:
 
 def _separator(text: str) -> str:
     """Comma or semicolon: the one that splits the first line with content into more cells."""
-    header = next((line for line in text.splitlines() if line.strip()), "")
+    lines = (line.strip() for line in text.splitlines())
+    header = next((line for line in lines if line and line[0] != COMMENT), "")
     counts = {sep: len(next(csv.reader([header], delimiter=sep), [])) for sep in ",;"}
     return max(counts, key=lambda sep: counts[sep])
 

@@ -30,6 +30,8 @@ from axisrig.bench.files import append, beside, json_text, write_whole
 from axisrig.kernel.errors import UserError
 
 FOLDERS = ("traces", "runs", "bus")
+PLANS = "plans"
+"""Folder for the plans as they were meant, a row for each run."""
 JUDGED = "judged"
 """Folder for verdicts made anew from the recordings of this one (`rejudge`)."""
 _MADE = ("junit.xml", "report.html")
@@ -56,7 +58,7 @@ def refuse_foreign(folder: Path) -> None:
 
 def clear(folder: Path) -> None:
     """Remove the results of a folder that this process holds, the manifest last."""
-    for name in (_NEW, JUDGED, *FOLDERS):
+    for name in (_NEW, JUDGED, PLANS, *FOLDERS):
         shutil.rmtree(folder / name, ignore_errors=True)
     for name in _FILES:
         (folder / name).unlink(missing_ok=True)

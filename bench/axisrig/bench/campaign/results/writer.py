@@ -2,6 +2,7 @@
 
     results.csv            one row per check
     cases.csv              one row per run, with every input column of the plan
+    plans/<plan>.csv       the plan as it was meant: a row for each run
     traces/<run>.parquet   time series (`bench.record.series`), written by the run itself
     runs/<run>.json        all else that a run leaves (`bench.record.facts`)
     bus/<run>.blf          every frame; or .log, .asc, .pcap
@@ -25,7 +26,7 @@ from typing import Self
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
-from axisrig.bench.campaign.results.folder import ResultsFolder, clear, refuse_foreign
+from axisrig.bench.campaign.results.folder import PLANS, ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
 from axisrig.bench.campaign.results.lock import FolderLock
@@ -42,14 +43,14 @@ from axisrig.bench.files import json_text, naming, sha256_of, write_whole
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.statistics.verdict import Reading
 from axisrig.bench.plan.checks import CheckResult, value_text
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.plan import Case, Plan, expanded_text, path_from
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import Facts, run_text
 from axisrig.bench.record.series import Series
 from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.kernel.errors import UserError
 
-_NOT_CARRIED = frozenset({"case", "seed", "repeats"})
+_NOT_CARRIED = frozenset({"case", "seed", "repeats", "expand", "samples", "expect"})
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
 
@@ -170,6 +171,8 @@ class ResultsWriter:
         self._keeps_runs = not is_judged_again
         self._carried += [] if self._keeps_runs else [RECORDING]
         self._carried += [RUNS] if any(plan.statistics for plan in plans) else []
+        if any(case.expected for case in _cases(plans)):
+            self._carried.append("expected")
         self._written: set[str] = set()
         self._manifest_text = ""
         refuse_folder(folder, plans, is_fresh=is_fresh)
@@ -184,6 +187,9 @@ class ResultsWriter:
             if not (folder / "manifest.json").exists():
                 self._write_manifest()  # a folder without one is somebody else's
             self._rows.open()
+            (folder / PLANS).mkdir(exist_ok=True)
+            for plan in plans:
+                write_whole(folder / PLANS / f"{plan.name}.csv", expanded_text(plan))
             self._history.found(self._rows.cases)
             self._write_manifest()
             self._rows.drop_files(self._history.asked)
@@ -223,7 +229,8 @@ class ResultsWriter:
             or CheckResult(check, None, 0.0, Verdict.ERROR, "the bench did not judge this check")
             for check in case.checks
         ]
-        verdict = worst([result.verdict, *(item.verdict for item in checks)])
+        free = [item.verdict for item in checks if item.check.metric not in case.expected]
+        verdict = worst([result.verdict, *free])
         if self._keeps_runs and not case.runs:
             self._write_run(result)
         rows = [
@@ -282,6 +289,7 @@ class ResultsWriter:
             "requirement": case.requirement,
             RECORDING: result.recording,
             RUNS: str(len(case.runs)) if case.runs else "",
+            **case.notes,
             **case.inputs,
         }
         own = [
@@ -298,7 +306,8 @@ class ResultsWriter:
         carried = {column: inputs.get(column, "") for column in self._carried}
         later = [result.drive_substituted, " ".join(result.unproved_latches)]
         known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
-        return dict(known) | carried
+        expected = {"expected": f"fail:{' '.join(case.expected)}"} if case.expected else {}
+        return dict(known) | carried | expected
 
     def _write_manifest(self) -> None:
         cases = self._rows.cases
@@ -364,7 +373,9 @@ def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
         for case in cases
         for path in (case.program, *_started(case), case.rig)
     }
-    for folder, rig in {(case.file.parent, case.rig) for case in cases}:
+    included = {(case.folder, case.file) for case in cases if case.file.stem != case.plan}
+    files |= {(_from_folder(path, folder), path) for folder, path in included}
+    for folder, rig in {(case.folder, case.rig) for case in cases}:
         files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
     return {name: sha256_of(path) for name, path in sorted(files)}
 
@@ -381,9 +392,8 @@ def _is_carried(column: str) -> bool:
 
 
 def _as_written(case: Case, path: Path) -> str:
-    """A file as the cell of the plan names it."""
-    folder = case.file.parent
-    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
+    """A file as a cell of the plan names it."""
+    return path_from(case.folder, path)
 
 
 def _check_row(case: Case, item: CheckResult) -> list[str]:

@@ -1,0 +1,397 @@
+"""Cells that stand for several values, and the runs that a row with such cells stands for.
+
+    [a | b]                 a list, also as a part of a cell; `[[` writes a bracket
+    300 .. 3000 step 300    both ends, decimal
+    log(1, 100, 5)          five values with equal ratios, both ends
+    lhs(0.1, 0.5)           Latin hypercube over all such cells of the row, `samples` points
+    sobol(0.1, 0.5)         Sobol sequence, likewise
+    normal(10, 0.2)         mean and standard deviation; one draw for each run, from its seed
+
+Several in a row are a product, the last column fastest; with `expand` = `zip` the first value of
+each goes with the first of the others. The points of `lhs` and `sobol` are one list of its own.
+"""
+
+import hashlib
+import math
+import re
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Context, Decimal, localcontext
+from itertools import product
+from zlib import crc32
+
+from axisrig.bench.plan.composition import EMPTY, MeantRow
+from axisrig.bench.plan.table import Cell
+
+RUNS_MAX = 100_000
+FORMS = "[a | b], 300 .. 3000 step 300, log(1, 100, 5), lhs(0, 1), sobol(0, 1), normal(0, 1)"
+
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_RANGE_BEGIN = re.compile(rf"\s*{_NUMBER}\s*\.\.(?!\.)")
+_RANGE = re.compile(rf"({_NUMBER})\s*\.\.\s*({_NUMBER})(?:\s+step\s+({_NUMBER}))?")
+_CALL = re.compile(r"(log|lhs|sobol|normal)\s*\((.*)\)", re.DOTALL)
+_ARGUMENTS = {"log": 3, "lhs": 2, "sobol": 2, "normal": 2}
+_DIGITS = 10
+"""Digits of values that are no ends: as many as a cell can show, more than any input needs."""
+_LABEL_MAX, _LABEL_CUT, _HASH_DIGITS = 60, 40, 8
+_UNSAFE = re.compile(r"[^A-Za-z0-9.+-]")
+
+
+@dataclass(frozen=True)
+class Pattern:
+    """A cell taken apart: texts and the lists between them, or one function of a sample.
+
+    parts: texts, and tuples of values; of a range or `log(...)` one tuple. drawn: `lhs`, `sobol`
+    or `normal` with its arguments in place of parts.
+    """
+
+    cell: Cell
+    parts: tuple[str | tuple[str, ...], ...] = ()
+    drawn: tuple[str, float, float] | None = None
+
+    @property
+    def lists(self) -> list[tuple[str, ...]]:
+        """The lists of the cell, in their order."""
+        return [part for part in self.parts if isinstance(part, tuple)]
+
+    def filled(self, values: Sequence[str]) -> str:
+        """Write the cell with one value for each list."""
+        rest = iter(values)
+        text = "".join(part if isinstance(part, str) else next(rest) for part in self.parts)
+        return "" if text == EMPTY else text
+
+
+@dataclass(frozen=True)
+class Variant:
+    """One run of a row, without its id.
+
+    texts: the cells by column, those with content. swept: column -> its value, of those that hold
+    lists. label: their values, as the id of the run shows them. number: counted from 1 over samples
+    and repeats; 0 where the row asks for one. drawn: column -> mean and standard deviation.
+    """
+
+    texts: Mapping[str, str]
+    swept: Mapping[str, str]
+    label: str
+    number: int
+    drawn: Mapping[str, tuple[float, float]]
+
+
+def parse_cell(cell: Cell, *, is_condition: bool = False) -> Pattern:
+    """Take a cell apart. is_condition: only lists hold.
+
+    Raises UserError with the place of the cell for a form that cannot be read.
+    """
+    text = cell.text
+    if is_condition:
+        return Pattern(cell, _lists(cell))
+    if _RANGE_BEGIN.match(text):
+        return Pattern(cell, (_range(cell),))
+    if (match := _CALL.fullmatch(text)) is not None:
+        name, arguments = match[1], [part.strip() for part in match[2].split(",")]
+        if len(arguments) != _ARGUMENTS[name] or not all(
+            re.fullmatch(_NUMBER, argument) for argument in arguments
+        ):
+            raise cell.place.error(
+                f"{name} needs {_ARGUMENTS[name]} numbers", value=text, allowed=FORMS
+            )
+        if name == "log":
+            return Pattern(cell, (_log(cell, *arguments),))
+        first, second = float(arguments[0]), float(arguments[1])
+        if not math.isfinite(first) or not math.isfinite(second):
+            raise cell.place.error("the number is too large", value=text)
+        if name == "normal" and second < 0.0:
+            raise cell.place.error("the standard deviation is negative", value=text)
+        if name != "normal" and first >= second:
+            raise cell.place.error("the lower limit is not below the upper one", value=text)
+        return Pattern(cell, drawn=(name, first, second))
+    return Pattern(cell, _lists(cell))
+
+
+def _lists(cell: Cell) -> tuple[str | tuple[str, ...], ...]:
+    """Split a cell into texts and lists."""
+    text, parts, plain, at = cell.text, list[str | tuple[str, ...]](), "", 0
+    while at < len(text):
+        if text.startswith("[[", at):
+            plain, at = plain + "[", at + 2
+        elif text[at] == "[":
+            end = text.find("]", at)
+            if end < 0:
+                raise cell.place.error(
+                    "the list is not closed", value=text, hint="[[ writes a bracket"
+                )
+            parts += [plain, _values(cell, text[at + 1 : end])]
+            plain, at = "", end + 1
+        else:
+            plain, at = plain + text[at], at + 1
+    return (*parts, plain)
+
+
+def _values(cell: Cell, text: str) -> tuple[str, ...]:
+    values = tuple(value.strip() for value in text.split("|"))
+    if not any(values):
+        raise cell.place.error("the list is empty", value=cell.text, allowed=FORMS)
+    if not all(values):
+        raise cell.place.error(
+            "a value of the list is missing", value=cell.text, hint=f"{EMPTY} leaves the cell empty"
+        )
+    for value in values:
+        if "[" in value or _RANGE_BEGIN.match(value) or _CALL.fullmatch(value):
+            raise cell.place.error("a list holds plain values", value=value, allowed=FORMS)
+    twice = [value for value in values if values.count(value) > 1]
+    if twice:
+        raise cell.place.error("a value is twice in the list", value=twice[0])
+    return values
+
+
+def _range(cell: Cell) -> tuple[str, ...]:
+    """Give the values of `a .. b step s`, both ends."""
+    match = _RANGE.fullmatch(cell.text)
+    if match is None:
+        raise cell.place.error("the range cannot be read", value=cell.text, allowed=FORMS)
+    if match[3] is None:
+        raise cell.place.error(
+            "a range of values needs a step",
+            value=cell.text,
+            hint=f"{cell.text} step ...; without it it is a condition, which belongs in check:",
+        )
+    first, last, step = (Decimal(part) for part in match.groups())
+    if step == 0 or (last - first) * step < 0:
+        raise cell.place.error(
+            "the step does not lead from the first value to the last", value=cell.text
+        )
+    count = (last - first) / step
+    if count != count.to_integral_value():
+        nearest_end = first + step * count.to_integral_value("ROUND_FLOOR")
+        raise cell.place.error(
+            "the range does not end with a whole step",
+            value=cell.text,
+            hint=f"the last step before it ends at {_plain(nearest_end)}",
+        )
+    if count >= RUNS_MAX:
+        raise cell.place.error(_too_many(int(count) + 1), value=cell.text)
+    return tuple(_plain(first + step * number) for number in range(int(count) + 1))
+
+
+def _log(cell: Cell, first: str, last: str, count: str) -> tuple[str, ...]:
+    """Give values with equal ratios, both ends; 10 digits inside."""
+    low, high = Decimal(first), Decimal(last)
+    if low <= 0 or high <= 0 or low == high:
+        raise cell.place.error(
+            "the ends of log(...) are two different numbers above 0", value=cell.text
+        )
+    if not re.fullmatch(r"\d{1,6}", count) or not 2 <= int(count) <= RUNS_MAX:
+        raise cell.place.error(
+            "log(...) needs a whole number of values, 2 or more", value=cell.text
+        )
+    inside = int(count) - 1
+    with localcontext(Context(prec=40)):  # the same digits on every machine
+        ratio = (high.ln() - low.ln()) / inside
+        values = [(low.ln() + ratio * number).exp() for number in range(1, inside)]
+    rounding = Context(prec=_DIGITS)
+    return (_plain(low), *(_plain(rounding.plus(value)) for value in values), _plain(high))
+
+
+def _plain(value: Decimal) -> str:
+    """Write a number without trailing zeros and without an exponent where it is of some size."""
+    if value == 0:
+        return "0"
+    value = value.normalize()
+    return f"{value:f}" if -_DIGITS <= value.adjusted() <= _DIGITS else f"{value}"
+
+
+def number_text(value: float) -> str:
+    """Write a drawn value with ten digits."""
+    return _plain(Context(prec=_DIGITS).create_decimal(value))
+
+
+def variants(
+    row: MeantRow,
+    expandable: Sequence[str],
+    conditions: Sequence[str],
+    *,
+    repeats: int,
+    samples: int | None,
+    seed: str,
+) -> tuple[int, Iterator[Variant]]:
+    """Expand a row: how many runs it stands for, and these.
+
+    expandable: columns that may hold any form. conditions: columns whose cells are conditions.
+    samples: the cell, None without one. seed: of `lhs` and `sobol`, the cell.
+    Raises UserError with the place for what cannot be expanded, also for more than RUNS_MAX runs.
+    """
+    is_zip = _is_zip(row)
+    patterns = {c: parse_cell(row.cells[c]) for c in expandable if c in row.cells}
+    checks = {c: _condition(row.cells[c], is_zip=is_zip) for c in conditions if c in row.cells}
+    every = {**patterns, **checks}
+    listed = {column: pattern for column, pattern in every.items() if pattern.lists}
+    lists = [values for pattern in listed.values() for values in pattern.lists]
+    if is_zip:
+        _same_length(listed)
+        combinations: Iterator[tuple[str, ...]] = zip(*lists, strict=True) if lists else iter([()])
+        count = len(lists[0]) if lists else 1
+    else:
+        combinations, count = product(*lists), math.prod(len(values) for values in lists)
+    if checks.keys() & listed.keys() and not patterns.keys() & listed.keys():
+        column = next(c for c in listed if c in checks)
+        raise row.cells[column].place.error(
+            "the list of a condition goes with a list of values, and the row has none",
+            value=row.cells[column].text,
+        )
+    sampled = {c: p for c, p in patterns.items() if p.drawn and p.drawn[0] != "normal"}
+    points = _points(row, sampled, samples, seed)
+    total = count * len(points) * repeats
+    if total > RUNS_MAX:
+        place = max(listed or every, key=lambda c: len(every[c].lists), default="case")
+        raise row.cells[place].place.error(_too_many(total), value=row.cells[place].text)
+    made = _each(row, every, listed, list(combinations), points, repeats)
+    return total, made
+
+
+def _each(
+    row: MeantRow,
+    every: Mapping[str, Pattern],
+    listed: Mapping[str, Pattern],
+    combinations: Sequence[tuple[str, ...]],
+    points: Sequence[Mapping[str, str]],
+    repeats: int,
+) -> Iterator[Variant]:
+    fixed = {column: cell.text for column, cell in row.cells.items()}
+    fixed |= {c: p.filled(()) for c, p in every.items() if not p.lists and not p.drawn}
+    drawn = {c: p.drawn[1:] for c, p in every.items() if p.drawn and p.drawn[0] == "normal"}
+    filled = [_filled(listed, values) for values in combinations]
+    inputs = [{c: t for c, t in one.items() if not c.startswith("check:")} for one in filled]
+    labels = _labels(inputs)
+    is_counted = len(points) > 1 or repeats > 1 or any(points)
+    for texts, swept, label in zip(filled, inputs, labels, strict=True):
+        for index, (point, _) in enumerate(product(points, range(repeats)), start=1):
+            both = {**fixed, **texts, **point}
+            number = index if is_counted else 0
+            yield Variant({c: t for c, t in both.items() if t}, swept, label, number, drawn)
+
+
+def _filled(listed: Mapping[str, Pattern], values: tuple[str, ...]) -> dict[str, str]:
+    rest = iter(values)
+    return {c: p.filled([next(rest) for _ in p.lists]) for c, p in listed.items()}
+
+
+def _labels(swept: Sequence[Mapping[str, str]]) -> list[str]:
+    """Give each combination of values its text in ids; long and equal ones get a hash."""
+    plain = ["-".join(_UNSAFE.sub("_", text or EMPTY) for text in one.values()) for one in swept]
+    # File systems that ignore case would let one run overwrite the other
+    folded = [text.casefold() for text in plain]
+    counts: dict[str, int] = {}
+    for text in folded:
+        counts[text] = counts.get(text, 0) + 1
+    return [
+        text
+        if len(text) <= _LABEL_MAX and counts[fold] == 1
+        else f"{text[:_LABEL_CUT]}-{_hash(one)}"
+        for text, fold, one in zip(plain, folded, swept, strict=True)
+    ]
+
+
+def _hash(swept: Mapping[str, str]) -> str:
+    text = "\n".join(f"{column}={value}" for column, value in swept.items())
+    return hashlib.sha256(text.encode()).hexdigest()[:_HASH_DIGITS]
+
+
+def _is_zip(row: MeantRow) -> bool:
+    cell = row.cells.get("expand")
+    if cell is not None and cell.text not in ("product", "zip"):
+        raise cell.place.error(
+            "lists cannot go together like this", value=cell.text, allowed=("product", "zip")
+        )
+    return cell is not None and cell.text == "zip"
+
+
+def _condition(cell: Cell, *, is_zip: bool) -> Pattern:
+    """Take a condition apart; a bracket is a list only where lists go together."""
+    if not is_zip and "|" not in cell.text:
+        return Pattern(cell, (cell.text.replace("[[", "["),))
+    pattern = parse_cell(cell, is_condition=True)
+    if pattern.lists and not is_zip:
+        raise cell.place.error(
+            "a list in a condition needs `zip` in the column `expand`",
+            value=cell.text,
+            hint="then the first limit goes with the first value; [[ writes a bracket",
+        )
+    return pattern
+
+
+def _same_length(listed: Mapping[str, Pattern]) -> None:
+    lengths = [
+        (len(values), pattern.cell) for pattern in listed.values() for values in pattern.lists
+    ]
+    for length, cell in lengths:
+        if length != lengths[0][0]:
+            raise cell.place.error(
+                f"the list has {length} values and that of"
+                f" {lengths[0][1].place.name or lengths[0][1].place.header} {lengths[0][0]}",
+                value=cell.text,
+                hint="with `zip` all lists of a row have the same length",
+            )
+
+
+def _points(
+    row: MeantRow, sampled: Mapping[str, Pattern], samples: int | None, seed: str
+) -> list[dict[str, str]]:
+    """Give the points of `lhs` and `sobol`; one without any value where there are none."""
+    if not sampled:
+        if samples is not None:
+            raise row.cells["samples"].place.error(
+                "no cell of the row is lhs(...) or sobol(...)", value=str(samples)
+            )
+        return [{}]
+    first = next(iter(sampled.values())).cell
+    for column, value in (("samples", samples), ("seed", seed or None)):
+        if value is None:
+            raise first.place.error(
+                "lhs(...) and sobol(...) need the columns samples and seed",
+                value=first.text,
+                hint=f"{column} is missing",
+            )
+    if not seed.isdecimal():
+        raise row.cells["seed"].place.error(
+            "with lhs(...) or sobol(...) the seed is one number", value=seed
+        )
+    assert samples is not None
+    columns = []
+    for kind in ("lhs", "sobol"):
+        of_kind = {c: p.drawn for c, p in sampled.items() if p.drawn and p.drawn[0] == kind}
+        columns += _scaled(kind, of_kind, samples, int(seed))
+    in_order = {c: values for wanted in sampled for c, values in columns if c == wanted}
+    return [
+        dict(zip(in_order, point, strict=True)) for point in zip(*in_order.values(), strict=True)
+    ]
+
+
+def _scaled(
+    kind: str, limits: Mapping[str, tuple[str, float, float]], samples: int, seed: int
+) -> list[tuple[str, list[str]]]:
+    """Draw `samples` points of one kind (scipy.stats.qmc), a list of texts for each column."""
+    if not limits:
+        return []
+    from scipy.stats import qmc  # noqa: PLC0415 - takes half a second
+
+    make = qmc.LatinHypercube if kind == "lhs" else qmc.Sobol
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # Sobol without a power of 2: less balanced, not wrong
+        unit = make(d=len(limits), seed=seed).random(samples)
+    return [
+        (column, [number_text(low + (high - low) * float(u)) for u in unit[:, at]])
+        for at, (column, (_, low, high)) in enumerate(limits.items())
+    ]
+
+
+def draw(column: str, mean: float, deviation: float, seed: int) -> str:
+    """Draw a value of `normal(mean, deviation)`; each column has a sequence of its own."""
+    import numpy as np  # noqa: PLC0415 - a plan without it reads without numpy
+
+    generator = np.random.default_rng([seed, crc32(column.encode())])
+    return number_text(mean + deviation * float(generator.standard_normal()))
+
+
+def _too_many(count: int) -> str:
+    return f"{count} runs are more than {RUNS_MAX}"

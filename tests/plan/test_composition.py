@@ -1,0 +1,295 @@
+"""Defaults, included tables, assignments in one cell, comments, and all mistakes at once."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.kernel.errors import UserError
+
+PlanWriter = Callable[..., Path]
+
+HEAD = "case,program,rig"
+ROW = "probe.nc,machine.toml"
+
+
+def _inputs(cases: tuple[Case, ...]) -> dict[str, dict[str, str]]:
+    return {case.case: dict(case.inputs) for case in cases}
+
+
+def _checks(case: Case) -> dict[str, str]:
+    return {check.metric: check.condition.text for check in case.checks}
+
+
+def test_defaults_last_until_the_next_ones(write_plan: PlanWriter) -> None:
+    plan = read_plan(
+        write_plan(
+            f"{HEAD},tags,set:Z.a,set:Z.b,check:latch_mm:Z\n"
+            f"first,{ROW},,,,\n"
+            f"*,{ROW},demo,1,2,<= 3\n"
+            "second,,,,,,\n"
+            "third,,,other,5,-,-\n"
+            f"*,{ROW},,,7,\n"
+            "fourth,,,,,,\n"
+        )
+    )
+    assert _inputs(plan.cases) == {
+        "first": {},
+        "second": {"set:Z.a": "1", "set:Z.b": "2"},
+        "third": {"set:Z.a": "5"},
+        "fourth": {"set:Z.b": "7"},
+    }
+    assert [case.tags for case in plan.cases] == [(), ("demo",), ("other",), ()]
+    assert [case.run for case in plan.cases][1] == "probing-second"
+    assert [_checks(case).get("latch_mm:Z") for case in plan.cases] == [None, "<= 3", None, None]
+    assert plan.cases[1].checks[0].reference == "probing.csv:3"
+
+
+def test_cells_with_several_assignments(write_plan: PlanWriter) -> None:
+    plan = read_plan(
+        write_plan(
+            f"{HEAD},inputs,set:Z.c,checks,check:alarms\n"
+            f"a,{ROW},set:Z.a=1 ;; plc:V.E.B=0; 1 at=M50,5,"
+            '"latch_mm:Z=<= 3\ncheck:latch_mm:X== 4",none\n'
+            f"*,{ROW},set:Z.a=1 ;; set:Z.b=2,3,latch_mm:Z=<= 3 ;; alarms=none,\n"
+            "b,,,set:Z.b=4 ;; set:Z.d=5,,latch_mm:Z=-,\n"
+            "c,,,-,-,-,\n"
+            "d,,,set:Z.c=9,,,50059\n"
+        )
+    )
+    a, b, c, d = plan.cases
+    assert a.inputs == {"set:Z.a": "1", "plc:V.E.B": "0; 1 at=M50", "set:Z.c": "5"}
+    assert _checks(a) == {"latch_mm:Z": "<= 3", "latch_mm:X": "== 4", "alarms": "none"}
+    assert b.inputs == {"set:Z.a": "1", "set:Z.b": "4", "set:Z.d": "5", "set:Z.c": "3"}
+    assert list(b.inputs) == ["set:Z.a", "set:Z.b", "set:Z.d", "set:Z.c"]
+    assert _checks(b) == {"alarms": "none"}
+    assert c.inputs == {}
+    assert d.inputs["set:Z.c"] == "9"
+    assert _checks(d) == {"latch_mm:Z": "<= 3", "alarms": "50059"}
+    assert plan.columns == (
+        *HEAD.split(","),
+        *("set:Z.c", "check:alarms"),
+        *("set:Z.a", "plc:V.E.B", "check:latch_mm:Z", "check:latch_mm:X", "set:Z.b", "set:Z.d"),
+    )
+
+
+def test_lists_in_assignments_are_expanded(write_plan: PlanWriter) -> None:
+    plan = read_plan(
+        write_plan(f"{HEAD},inputs\na,{ROW},set:Z.a=[1 | 2] ;; set:Z.b=10 .. 20 step 10\n")
+    )
+    assert [case.run for case in plan.cases] == [
+        f"probing-a-{a}-{b}" for a in (1, 2) for b in (10, 20)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("cell", "words"),
+    [
+        ("set:Z.a", "the assignment has no value"),
+        ("set:Z.a=", "the assignment has no value"),
+        ("set:Z.b=1", "set:Z.b is given twice"),
+        ("set:Z.a=1 ;; set:Z.a=2", "set:Z.a is given twice"),
+        ("V.E.B=1", "cannot be assigned"),
+        ("check:alarms=none", "cannot be assigned"),
+        ("plant:p.x_mm=long", "not a number"),
+    ],
+)
+def test_assignments_that_are_wrong_name_the_cell(
+    write_plan: PlanWriter, cell: str, words: str
+) -> None:
+    path = write_plan(f"{HEAD},set:Z.b,inputs\na,{ROW},7,{cell}\n")
+    with pytest.raises(UserError, match=words) as caught:
+        read_plan(path)
+    assert (caught.value.line, caught.value.column) == (2, 5)
+    assert "column 'inputs'" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "condition"),
+    [
+        ("latch_mm:Z=3", "3"),
+        ("latch_mm:Z = 1 .. 2", "1 .. 2"),
+        ("check:latch_mm:Z=<= 3", "<= 3"),
+        ("latch_mm:Z <= 3", "<= 3"),
+        ("latch_mm:Z>3", ">3"),
+        ("latch_mm:Z == 3", "== 3"),
+        ("latch_mm:Z= == 3", "== 3"),
+        ("latch_mm:Z===3", "==3"),
+        ("latch_mm:Z != 3", "!= 3"),
+    ],
+)
+def test_a_check_may_be_written_as_it_is_read(
+    write_plan: PlanWriter, text: str, condition: str
+) -> None:
+    (case,) = read_plan(write_plan(f"{HEAD},checks\na,{ROW},{text}\n")).cases
+    assert _checks(case)["latch_mm:Z"] == condition
+
+
+def _include(folder: Path) -> Path:
+    """A plan that includes a table in a subfolder, with defaults for it."""
+    sub = folder / "parts"
+    (sub / "nc").mkdir(parents=True)
+    (sub / "nc" / "touch.nc").write_text("N10 M30\n", encoding="utf-8")
+    (folder / "machine.toml").write_text("[machine]\n", encoding="utf-8")
+    (folder / "probe.nc").write_text("N10 M30\n", encoding="utf-8")
+    (sub / "slow.csv").write_text(
+        "case,program,set:Z.a,plc:V.E.B,check:latch_mm:Z\n"
+        "*,,1,,\n"
+        "x,nc/touch.nc,,[5 | 6],<= 3\n"
+        "y,nc/touch.nc,2,,\n",
+        encoding="utf-8",
+    )
+    (folder / "main.csv").write_text(
+        f"{HEAD},inputs,checks\n"
+        f"first,{ROW},,\n"
+        "include,parts/slow.csv,machine.toml,set:Z.a=9 ;; set:Z.c=3,alarms=50059\n"
+        f"last,{ROW},,\n",
+        encoding="utf-8",
+    )
+    return folder / "main.csv"
+
+
+def test_included_rows_carry_the_name_of_the_plan(tmp_path: Path) -> None:
+    plan = read_plan(_include(tmp_path))
+    assert [case.run for case in plan.cases] == [
+        "main-first",
+        "main-x-5",
+        "main-x-6",
+        "main-y",
+        "main-last",
+    ]
+    x, y = plan.cases[1], plan.cases[3]
+    assert x.program == tmp_path / "parts" / "nc" / "touch.nc"
+    assert x.rig == tmp_path / "machine.toml"  # a default is relative to where it is written
+    assert x.inputs == {"set:Z.a": "1", "plc:V.E.B": "5", "set:Z.c": "3"}
+    assert y.inputs == {"set:Z.a": "2", "set:Z.c": "3"}
+    assert [_checks(case)["alarms"] for case in (x, y)] == ["50059", "50059"]
+    assert x.checks[0].reference == "slow.csv:3"
+    assert plan.cases[-1].inputs == {}
+
+
+def test_errors_in_an_included_table_name_both_files(tmp_path: Path) -> None:
+    path = _include(tmp_path)
+    sub = tmp_path / "parts" / "slow.csv"
+    text = sub.read_text(encoding="utf-8")
+    sub.write_text(text.replace("<= 3", "about 3"), encoding="utf-8")
+    with pytest.raises(UserError, match=r"not a condition.*included by main.csv:3") as caught:
+        read_plan(path)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (str(sub), 3, 5)
+    sub.write_text(text.replace("plc:V.E.B", "plc"), encoding="utf-8")
+    with pytest.raises(UserError, match=r"unknown column.*included by main.csv:3"):
+        read_plan(path)
+    sub.write_text("", encoding="utf-8")
+    with pytest.raises(UserError, match=r"empty.*included by main.csv:3"):
+        read_plan(path)
+    sub.write_text("case,program,rig\ninclude,../main.csv,\n", encoding="utf-8")
+    with pytest.raises(UserError, match="includes itself"):
+        read_plan(path)
+    sub.unlink()
+    with pytest.raises(UserError, match="no such table file") as caught:
+        read_plan(path)
+    assert (caught.value.file, caught.value.line, caught.value.column) == (str(path), 3, 2)
+
+
+def test_an_included_row_that_makes_the_same_run_is_refused(tmp_path: Path) -> None:
+    path = _include(tmp_path)
+    text = path.read_text(encoding="utf-8").replace("last,", "y,")
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(UserError, match=r"same run as line 4 of .*slow.csv"):
+        read_plan(path)
+
+
+def test_comments_and_notes(write_plan: PlanWriter) -> None:
+    plan = read_plan(
+        write_plan(
+            "# probes of the new batch, and what, they, are, for\n"
+            f"{HEAD},note:serial number,title\n"
+            "# one, two\n"
+            f"a,{ROW},P-17,#1 of two\n"
+            "#b,x,y,z\n"
+        )
+    )
+    (case,) = plan.cases
+    assert (case.line, case.title, case.notes) == (4, "#1 of two", {"note:serial number": "P-17"})
+    moved = "title,case,program,rig\n,# no case,,\n#,a,,\nx,a,probe.nc,machine.toml\n"
+    assert [case.line for case in read_plan(write_plan(moved)).cases] == [4]
+
+
+def test_a_parquet_file_reads_like_the_csv(write_plan: PlanWriter, tmp_path: Path) -> None:
+    write_plan("")
+    rows = {
+        "case": ["a", "b"],
+        "program": ["probe.nc"] * 2,
+        "rig": ["machine.toml"] * 2,
+        "seed": [7, None],
+        "plant:p.x_mm": [2.5, 3.0],
+        "check:latch_mm:Z": ["66 .. 67", None],
+    }
+    path = tmp_path / "probing.parquet"
+    pd.DataFrame(rows).to_parquet(path)
+    a, b = read_plan(path).cases
+    assert (a.seed, a.inputs, b.inputs) == (7, {"plant:p.x_mm": "2.5"}, {"plant:p.x_mm": "3"})
+    assert _checks(a) == {"latch_mm:Z": "66 .. 67", "alarms": "none"}
+    path.write_bytes(b"no parquet")
+    with pytest.raises(UserError, match="cannot be read"):
+        read_plan(path)
+
+
+def test_all_mistakes_come_at_once_in_the_order_of_their_places(write_plan: PlanWriter) -> None:
+    path = write_plan(
+        f"{HEAD},chek:latch_mm,repeats,plc:V.E.A,check:latch_mm:Z\n"
+        f"a b,{ROW},,0,[1,about\n"
+        f"b,prob.nc,,,,,\n"
+        f"c,{ROW},,,,latch\n"
+        f"c,{ROW},,,,\n"
+    )
+    with pytest.raises(UserError) as caught:
+        read_plan(path)
+    errors = [caught.value, *caught.value.further]
+    assert [(error.line, error.column) for error in errors] == [
+        *[(1, 4), (2, 1), (2, 5), (2, 6), (2, 7), (3, 2), (3, 3), (4, 7)]
+    ]
+    assert "near it: probe.nc" in str(errors[5])
+
+
+def test_a_row_that_cannot_be_expanded_is_read_to_its_end(write_plan: PlanWriter) -> None:
+    path = write_plan(
+        f"{HEAD},plc:V.E.A,plant:p.x_mm,check:latch_mm:Z,check:latch_eror_um\n"
+        "a,prob.nc,machine.toml,300 .. 900,long,about,3\n"
+    )
+    with pytest.raises(UserError) as caught:
+        read_plan(path)
+    errors = [caught.value, *caught.value.further]
+    assert [(error.line, error.column) for error in errors] == [
+        *[(2, 2), (2, 4), (2, 5), (2, 6), (2, 7)]
+    ]
+    assert "latch_error_um" in str(errors[4])
+
+
+def test_a_mistake_in_a_default_is_reported_once(write_plan: PlanWriter) -> None:
+    path = write_plan(f"{HEAD},check:latch_mm:Z\n*,{ROW},about\na,,,\nb,,,\n")
+    with pytest.raises(UserError) as caught:
+        read_plan(path)
+    assert (caught.value.line, caught.value.further) == (2, ())
+
+
+def test_the_examples_of_the_page_are_plans(tmp_path: Path) -> None:
+    page = Path(__file__).parents[2] / "docs" / "plans.md"
+    blocks = re.findall(r"```\n(case,.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+    assert len(blocks) == 2
+    (tmp_path / "more").mkdir()
+    for name in ("probe-z.nc", "probe-z.toml", "more/edge.nc"):
+        (tmp_path / name).touch()
+    edges = tmp_path / "more" / "edges.csv"
+    edges.write_text("case,program\nrising,edge.nc\n", encoding="utf-8")
+    found = []
+    for block in blocks:
+        (tmp_path / "page.csv").write_text(block, encoding="utf-8")
+        found.append([case.run for case in read_plan(tmp_path / "page.csv").cases])
+    assert found == [
+        ["page-feeds-60", "page-feeds-600", "page-feeds-3000"],
+        ["page-slow", "page-fast", "page-rising"],
+    ]
