@@ -132,6 +132,29 @@ def test_several_runs_get_a_row_after_the_last_of_them(read: Read) -> None:
     assert plan.cases[0].sampled == row.checks
 
 
+def test_runs_of_a_sweep_are_one_case(read: Read) -> None:
+    header = '"check:slope(latch_error_um:Z; plc:V.E.FEED)",checks,expect'
+    checks = '"mean(latch_error_um) <= 0 ;; cpk(latch_error_um; <= 5) = > 1"'
+    expected = '"fail:cpk(latch_error_um; <= 5)"'
+    plan = read(header, f"a,a.nc,r.toml,,[300 | 600 | 900],,> 1,{checks},{expected}")
+    (row,) = plan.statistics
+    assert [case.run for case in plan.rows] == ["p-a-300", "p-a-600", "p-a-900", "p-a"]
+    assert [check.metric for check in row.checks] == [
+        "slope(latch_error_um:Z; plc:V.E.FEED)",
+        "mean(latch_error_um)",
+        "cpk(latch_error_um; <= 5)",
+    ]
+    assert row.expected == ("cpk(latch_error_um; <= 5)",)
+    assert [case.expected for case in plan.cases] == [(), (), ()]
+    assert row.inputs == {}
+
+
+def test_a_row_of_statistics_has_an_id_of_its_own(read: Read) -> None:
+    rows = ("a,a.nc,r.toml,,[300 | 600],,<= 1", "A,a.nc,r.toml,,600,,")
+    with pytest.raises(UserError, match="has the id of a run"):
+        read("check:mean(latch_error_um)", *rows)
+
+
 def test_cpk_takes_the_limits_of_the_row(read: Read) -> None:
     (row,) = read("check:cpk(latch_error_um)", "a,a.nc,r.toml,2,600,-1 .. 2,> 1").statistics
     (check,) = row.checks

@@ -80,6 +80,18 @@ def test_the_slope_over_the_feed_is_the_delay() -> None:
     assert _cell(row, name) == [delay_ms, round(WIDE * of_slope, 4)]
 
 
+def test_the_slope_over_the_column_is_the_delay_for_each_mm_min() -> None:
+    row = ROWS["sweep"]
+    assert row["plc:V.E.FEED"] == "200 .. 1200 step 200"
+    feeds = range(200, 1201, 200)
+    width = math.fsum((feed - 700.0) ** 2 for feed in feeds) ** 0.5
+    of_slope = Q_UM / 12.0**0.5 / width
+    delay_ms = float(row["drive:servo.input_delay_us"]) / 1e3
+    name = "slope(latch_error_um:Z; plc:V.E.FEED)"
+    assert _cell(row, name) == [round(-delay_ms / 60.0, 6), round(WIDE * of_slope, 6)]
+    assert _cell(row, "count(latch_error_um)") == [len(feeds)]
+
+
 def test_equal_runs_count_once() -> None:
     row = ROWS["equal"]
     assert float(row["drive:servo.input_jitter_us"]) == 0.0

@@ -265,7 +265,6 @@ def _split(members: Sequence["Case"]) -> tuple[list["Case"], list["Case"]]:
         checks=sampled,
         expected=tuple(name for name in first.expected if name in asked),
         repeat=0,
-        swept={},
         runs=tuple(case.run for case in members),
     )
     return runs, [whole]

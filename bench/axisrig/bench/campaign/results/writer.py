@@ -292,6 +292,8 @@ class ResultsWriter:
             **case.notes,
             **case.inputs,
         }
+        if case.runs:  # its runs differ in these
+            inputs |= dict.fromkeys(case.swept, "")
         own = [
             case.plan,
             case.case,
