@@ -1,5 +1,6 @@
 """Statistics over several runs of a case: judged as soon as the last of these has ended."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
@@ -33,13 +34,15 @@ class CaseStatistics:
         rows = [row for plan in plans for row in plan.statistics]
         if rows and not is_fresh and is_results_folder(folder):
             self._stored = {run.run: run for run in read_results(folder).runs}
-        self._open = {case.run for case in cases}
-        self._samples: dict[str, CaseResult | StoredRun] = {}
+        self._called = {case.run for case in cases}
+        self._samples: dict[str, CaseResult] = {}
         self.due = [row for row in rows if self._is_due(row)]
+        self._row_of = {run: row for row in self.due for run in row.runs if run in self._called}
+        self._left = Counter(row.run for row in self._row_of.values())
 
     def _is_due(self, row: Case) -> bool:
-        known = all(run in self._open or self._is_kept(run) for run in row.runs)
-        is_new = any(run in self._open for run in row.runs) or row.run not in self._stored
+        known = all(run in self._called or self._is_kept(run) for run in row.runs)
+        is_new = any(run in self._called for run in row.runs) or row.run not in self._stored
         return known and is_new
 
     def _is_kept(self, run: str) -> bool:
@@ -53,32 +56,30 @@ class CaseStatistics:
     def kept(self) -> Iterator[CaseResult]:
         """Yield the rows all of whose runs the folder has."""
         for row in self.due:
-            if not any(run in self._open for run in row.runs):
+            if not self._left[row.run]:
                 yield self._judged(row)
 
     def after(self, result: CaseResult) -> Iterator[CaseResult]:
         """Yield the row that a result completes, if it does."""
-        run = result.case.run
-        self._open.discard(run)
-        for row in self.due:
-            if run in row.runs:
-                self._samples[run] = result
-                if not any(other in self._open for other in row.runs):
-                    yield self._judged(row)
+        row = self._row_of.get(result.case.run)
+        if row is not None:
+            self._samples[result.case.run] = result
+            self._left[row.run] -= 1
+            if not self._left[row.run]:
+                yield self._judged(row)
 
     def _judged(self, row: Case) -> CaseResult:
-        found = {run: self._samples.pop(run, None) or self._stored.get(run) for run in row.runs}
-        samples = {
-            run: _of_stored(left, self._by_run[run]) if isinstance(left, StoredRun) else left
-            for run, left in found.items()
-        }
+        samples = {}
+        for run in row.runs:
+            if run in self._samples:
+                samples[run] = self._samples.pop(run)
+            elif run in self._stored:
+                samples[run] = _of_stored(self._stored[run], self._by_run[run])
         return judged_row(row, [self._by_run[run] for run in row.runs], samples)
 
 
-def judged_row(
-    row: Case, runs: Sequence[Case], results: Mapping[str, CaseResult | None]
-) -> CaseResult:
-    """Judge the statistics of a case. results: of its runs, None or left out where one is missing.
+def judged_row(row: Case, runs: Sequence[Case], results: Mapping[str, CaseResult]) -> CaseResult:
+    """Judge the statistics of a case. results: of its runs, without those that are missing.
 
     runs: of the case, in their order.
     """
@@ -105,7 +106,7 @@ def _sample(case: Case, check: StatisticCheck, result: CaseResult | None) -> Run
     return RunSample(case.run, tuple(values or ()), missing, inputs, result.frame_log_sha256)
 
 
-def _of_stored(stored: StoredRun, case: Case) -> CaseResult | None:
+def _of_stored(stored: StoredRun, case: Case) -> CaseResult:
     """Return the values of a run that the folder has, read from its recording."""
     facts = stored.recording.facts
     if facts is None or stored.trace is None:

@@ -35,9 +35,9 @@ def metrics_table() -> str:
 def _statistics() -> list[str]:
     """Describe the statistics of a metric: form, formula, uncertainty, source."""
     lines = [
-        "A column check:<statistic>(<metric>) asks for a statistic of a metric over all runs of",
-        "a case and all measurement runs of their programs; `; last` at the end takes the last",
-        "measurement run of each. u is the largest uncertainty of a single value.",
+        "A column check:<statistic>(<metric>) asks for a statistic of a metric over all",
+        "runs of a case and all measurement runs of their programs; `; last` at the end",
+        "takes the last one of each. u is the largest uncertainty of a single value.",
         "",
     ]
     for row in known_statistics().values():
