@@ -10,10 +10,12 @@ from xml.etree import ElementTree
 
 import pytest
 
+from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import no_values
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.statistics.section import statistics_views
 
 Call = Callable[..., tuple[int, str, str]]
 HEAD = "case,program,rig,repeats,drive:servo.input_jitter_us,plc:V.E.FEED,check:latch_error_um"
@@ -74,6 +76,15 @@ def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, pl
     assert [case.get("name") for case in suite] == [
         *("drawn-001", "drawn-002", "drawn", "equal-001", "equal-002", "equal"),
     ]
+
+    # What a report shows is the sample that was judged
+    (view, other) = statistics_views(read_results(place / "all"))
+    assert (view["run"], view["metric"], view["unit"]) == ("plan-drawn", "latch_error_um", "um")
+    assert [value for _, value in view["values"]] == pytest.approx(single)
+    assert (view["lower"], view["upper"], view["mean"]["value"]) == (
+        *(-3.0, 3.0, pytest.approx(sum(single) / 2)),
+    )
+    assert (other["n"], other["equal"]) == (1, ["plan-equal-002"])
 
     # The same from recordings, without a simulation
     code, _, _ = axisrig("judge", "all", "--plan", plan)

@@ -144,6 +144,8 @@ def test_what_cannot_be_said_is_refused_in_words() -> None:
         cp([1.0, 1.0], 0.0, 2.0)
     with pytest.raises(UserError, match="without spread"):
         type_1([1.0, 1.0], 0.0, 2.0)
+    with pytest.raises(UserError, match="too many values"):
+        normality([*range(5001)])
     with pytest.raises(UserError, match="two different values of x"):
         line([1.0, 1.0, 1.0], [1.0, 2.0, 3.0])
     with pytest.raises(UserError, match="two or more parts"):

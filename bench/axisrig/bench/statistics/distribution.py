@@ -12,6 +12,7 @@ from axisrig.kernel.errors import UserError
 RISK = 0.05
 """Of a test that finds something where there is nothing, two-sided."""
 BINS_MAX = 100
+SHAPIRO_MAX = 5000
 
 
 @dataclass(frozen=True)
@@ -101,11 +102,18 @@ def normality(values: Sample) -> float:
     """Return the p-value of Shapiro and Wilk's test: small where a sample is not normal.
 
     Source: ISO 5479; Royston 1995 (AS R94, scipy.stats.shapiro). Raises UserError for fewer than 3
-    values, and where all are equal.
+    values, for more than SHAPIRO_MAX, which the approximation does not reach, and where all are
+    equal.
     """
     from scipy.stats import shapiro  # noqa: PLC0415 - takes long to load
 
     found = numbers(values, 3)
+    if len(found) > SHAPIRO_MAX:
+        raise UserError(
+            "too many values for the test of normality",
+            value=len(found),
+            allowed=f"to {SHAPIRO_MAX}",
+        )
     if np.all(found == found[0]):
         raise UserError("all values are equal: nothing can be said of their distribution")
     return float(shapiro((found - np.mean(found)) / np.ptp(found)).pvalue)

@@ -89,13 +89,26 @@ def _summary(
     lower, upper = (_limit(rows, end) for end in ("lower", "upper"))
     return {
         "unit": first.get("unit", ""),
-        "lower": lower,
-        "upper": upper,
-        "values": [(row["run"], value) for row, value in zip(counted, sample, strict=True)],
-        "n": len(sample),
-        "is_small": len(sample) < FEW,
+        **describe([row["run"] for row in counted], sample, lower, upper),
         "equal": equal,
         "missing": [row["run"] for row in members if row["run"] not in values],
+        "columns": dict(_columns(columns, counted, sample)),
+    }
+
+
+def describe(
+    names: Sequence[str], sample: Sequence[float], lower: float | None, upper: float | None
+) -> dict[str, Any]:
+    """Return the statistics of a sample as plain data; as `statistics_data` has them.
+
+    names: of the values, such as the ids of their runs. lower, upper: limits, None where open.
+    """
+    return {
+        "lower": lower,
+        "upper": upper,
+        "values": list(zip(names, sample, strict=True)),
+        "n": len(sample),
+        "is_small": len(sample) < FEW,
         "mean": _asked(lambda: asdict(mean(sample))),
         "spread": _asked(lambda: asdict(spread(sample))),
         "cp": _asked(lambda: asdict(cp(sample, _given(lower), _given(upper)))),
@@ -103,12 +116,11 @@ def _summary(
         "histogram": _asked(lambda: asdict(histogram(sample))),
         "normal_plot": _asked(lambda: asdict(normal_plot(sample))),
         "normality_p": _asked(lambda: normality(sample)),
-        "outlier": _asked(lambda: _ratio(counted, grubbs(sample))),
-        "first_sample": _asked(lambda: _ratio(counted, first_apart(sample))),
+        "outlier": _asked(lambda: _ratio(names, grubbs(sample))),
+        "first_sample": _asked(lambda: _ratio(names, first_apart(sample))),
         "drift": _asked(
             lambda: asdict(line(range(1, len(sample) + 1), sample).slope) | asdict(trend(sample))
         ),
-        "columns": dict(_columns(columns, counted, sample)),
     }
 
 
@@ -120,12 +132,11 @@ def _asked(make: Callable[[], Any]) -> Any:
         return None
 
 
-def _ratio(counted: Sequence[Row], away: Distance) -> dict[str, Any] | None:
-    """Say which run is the farthest, and whether it is apart."""
+def _ratio(names: Sequence[str], away: Distance) -> dict[str, Any] | None:
+    """Say which value is asked about, and whether it is apart."""
     if not math.isfinite(away.ratio):
         return None
-    run = counted[away.index]["run"]
-    return {"run": run, "ratio": away.ratio, "is_apart": away.ratio > 1.0}
+    return {"run": names[away.index], "ratio": away.ratio, "is_apart": away.ratio > 1.0}
 
 
 def _limit(rows: Mapping[str, Row], end: str) -> float | None:

@@ -1,5 +1,6 @@
 """Samples of runs, and the judgement of a statistic over them."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from numbers import Real
@@ -96,6 +97,24 @@ def judge_statistic(check: StatisticCheck, samples: Sequence[RunSample]) -> Chec
     small = f"small sample (fewer than {row.few})" if n < row.few else ""
     note = "; ".join(text for text in (words, small, result.words) if text)
     return judge(check, result.value, result.uncertainty, note)
+
+
+def counted_values(samples: Sequence[RunSample]) -> tuple[list[str], list[float], list[str]]:
+    """Return what counts of the values of runs: their names, the values, and equal runs.
+
+    names: run and touch. equal: ids of runs that repeat an earlier one exactly. Values that are no
+    finite numbers are left out.
+    """
+    counted, equal = _distinct(samples)
+    names: list[str] = []
+    values: list[float] = []
+    for sample in counted:
+        for reading in sample.readings:
+            value = reading.metric.value
+            if isinstance(value, Real) and math.isfinite(value):
+                names.append(f"{sample.run}, touch {reading.touch}")
+                values.append(float(value))
+    return names, values, equal
 
 
 def _open(check: StatisticCheck, note: str) -> CheckResult:
