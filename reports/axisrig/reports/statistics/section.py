@@ -133,7 +133,7 @@ def _block(view: Mapping[str, Any]) -> str:
     title = f'<p class="note">{escape(view["title"])}</p>' if view["title"] else ""
     drawn = "".join(drawings(view, words))
     return (
-        f"<h4>{head}</h4>{title}<p>{escape('; '.join(said))}</p>"
+        f"<h3>{head}</h3>{title}<p>{escape('; '.join(said))}</p>"
         f"{drawn and f'<figure>{drawn}</figure>'}<ul>{rows}</ul>"
     )
 
