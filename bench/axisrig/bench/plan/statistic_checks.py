@@ -32,7 +32,6 @@ RUN, TOUCH = "run", "touch"
 """Columns that every case has: the number of the run, and of the touch within it, from 1."""
 
 _CALL = re.compile(r"(?P<name>\w+)\s*\((?P<arguments>.*)\)")
-_NEEDS_TWO = ("column", "part", "operator", "group")
 _HINT = "`axisrig metrics` lists them all"
 
 
