@@ -125,6 +125,10 @@ def test_a_slope_is_over_a_column_of_the_runs_or_over_another_metric() -> None:
     over = judge_statistic(asked("slope(latch_error_um; plc:V.E.FEED)", "== 2"), runs)
     assert over.value == pytest.approx(2.0)
     assert over.check.unit == "um/(plc:V.E.FEED)"
+    words = [replace(run, inputs={"plc:V.E.FEED": "fast"}) for run in runs]
+    open_ = judge_statistic(asked("slope(latch_error_um; plc:V.E.FEED)"), words)
+    assert open_.verdict is Verdict.INCONCLUSIVE
+    assert "holds no number" in open_.note
     zero = judge_statistic(asked("intercept(latch_error_um; plc:V.E.FEED)"), runs)
     assert zero.value == pytest.approx(1.1)
     beside = [sample("a", [1.0, 3.0, 5.0], sides=[0.0, 1.0, 2.0])]

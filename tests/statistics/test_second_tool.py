@@ -1,6 +1,7 @@
 """Statistics against scipy as a second tool, closed forms, and what holds for every sample."""
 
 import math
+from contextlib import suppress
 from itertools import product
 
 import numpy as np
@@ -144,6 +145,10 @@ def test_what_cannot_be_said_is_refused_in_words() -> None:
         cp([1.0, 1.0], 0.0, 2.0)
     with pytest.raises(UserError, match="without spread"):
         type_1([1.0, 1.0], 0.0, 2.0)
+    with pytest.raises(UserError, match="too large"):
+        spread([1e200, 1.0])
+    with pytest.raises(UserError, match="not finite"):
+        gage_study([[[1.0, 2.0], [3.0, math.nan]]] * 2)
     with pytest.raises(UserError, match="too many values"):
         normality([*range(5001)])
     with pytest.raises(UserError, match="two different values of x"):
@@ -152,6 +157,23 @@ def test_what_cannot_be_said_is_refused_in_words() -> None:
         gage_study([[[1.0, 2.0]]])
     with pytest.raises(UserError, match="must be positive"):
         type_1([1.0, 2.0], 0.0, 0.0)
+
+
+@pytest.mark.filterwarnings("error")
+@settings(max_examples=60, deadline=None)
+@given(
+    values=st.lists(
+        st.one_of(st.floats(-1e150, 1e150), st.sampled_from([0.0, 5e-324, 1e-170, 1.0, 1e150])),
+        min_size=3,
+        max_size=6,
+    )
+)
+def test_any_numbers_give_numbers_or_a_refusal(values: list[float]) -> None:
+    for function in (mean, spread, normality, grubbs, first_apart, trend, histogram, normal_plot):
+        with suppress(UserError):
+            function(values)  # type: ignore[operator]
+    with suppress(UserError):
+        line(range(len(values)), values)
 
 
 @settings(max_examples=40, deadline=None)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from axisrig.bench.statistics.estimates import Numbers, Sample, numbers, t_quantile
+from axisrig.bench.statistics.estimates import Numbers, Sample, is_flat, numbers, t_quantile
 from axisrig.kernel.errors import UserError
 
 RISK = 0.05
@@ -70,12 +70,12 @@ def histogram(values: Sample) -> Histogram:
     """
     found = numbers(values, 1)
     low, high = float(np.min(found)), float(np.max(found))
-    if low == high:
+    if is_flat(found):
         return Histogram((low, high), (len(found),))
     quarters = np.percentile(found, [25.0, 75.0])
     width = 2.0 * float(quarters[1] - quarters[0]) * len(found) ** (-1.0 / 3.0)
-    bins = math.ceil((high - low) / width) if width > 0.0 else math.ceil(1 + math.log2(len(found)))
-    counts, edges = np.histogram(found, bins=min(max(bins, 1), BINS_MAX), range=(low, high))
+    wanted = (high - low) / width if width > 0.0 else 1.0 + math.log2(len(found))
+    counts, edges = np.histogram(found, math.ceil(min(wanted, BINS_MAX)), range=(low, high))
     return Histogram(tuple(map(float, edges)), tuple(map(int, counts)))
 
 
@@ -94,7 +94,7 @@ def normal_plot(values: Sample) -> NormalPlot:
     places[-1] = 0.5 ** (1.0 / n)
     places[0] = 1.0 - places[-1]
     quantiles = np.asarray(ndtri(places), dtype=np.float64)
-    correlation = 0.0 if found[0] == found[-1] else float(np.corrcoef(quantiles, found)[0, 1])
+    correlation = 0.0 if is_flat(found) else float(np.corrcoef(quantiles, found)[0, 1])
     return NormalPlot(tuple(map(float, quantiles)), tuple(map(float, found)), correlation)
 
 
@@ -114,7 +114,7 @@ def normality(values: Sample) -> float:
             value=len(found),
             allowed=f"to {SHAPIRO_MAX}",
         )
-    if np.all(found == found[0]):
+    if is_flat(found):
         raise UserError("all values are equal: nothing can be said of their distribution")
     return float(shapiro((found - np.mean(found)) / np.ptp(found)).pvalue)
 
@@ -130,7 +130,7 @@ def grubbs(values: Sample) -> Distance:
     n = len(found)
     t = t_quantile(n - 2, 1.0 - RISK / n)
     critical = (n - 1) / n**0.5 * (t**2 / (n - 2 + t**2)) ** 0.5
-    if np.all(found == found[0]):
+    if is_flat(found):
         return Distance(0, 0.0, critical)
     away = np.abs(found - np.mean(found))
     index = int(np.argmax(away))
@@ -148,8 +148,8 @@ def first_apart(values: Sample) -> Distance:
     found = numbers(values, 3)
     first, others = found[0], found[1:]
     m = len(others)
-    if np.all(others == others[0]):
-        return Distance(0, 0.0 if first == others[0] else math.inf, 1.0)
+    if is_flat(others):
+        return Distance(0, 0.0 if is_flat(found) else math.inf, 1.0)
     width = t_quantile(m - 1, 1.0 - RISK) * float(np.std(others, ddof=1)) * (1.0 + 1.0 / m) ** 0.5
     return Distance(0, abs(float(first - np.mean(others))), width)
 
@@ -163,7 +163,7 @@ def trend(values: Sample) -> Trend:
     from scipy.stats import kendalltau  # noqa: PLC0415 - takes long to load
 
     found = numbers(values, 3)
-    if np.all(found == found[0]):
+    if is_flat(found):
         return Trend(0.0, 1.0)
     test = kendalltau(np.arange(len(found)), found)
     return Trend(float(test.statistic), float(test.pvalue))
@@ -184,7 +184,7 @@ def variance_share(values: Sample, groups: Sequence[object]) -> float:
     if len(names) < 2:
         raise UserError("all values are of one group", value=names[0])
     away = found - np.mean(found)
-    if np.all(found == found[0]):
+    if is_flat(found):
         raise UserError("all values are equal: there is no variance to share")
     member = np.array([names.index(group) for group in groups])
     counts = np.bincount(member)
@@ -205,7 +205,7 @@ def standardized_coefficients(values: Sample, columns: Sequence[Sample]) -> tupl
     sides = [numbers(column, len(columns) + 2) for column in columns]
     if any(len(side) != len(found) for side in sides):
         raise UserError("each value needs one of each column", value=len(found))
-    if any(np.all(side == side[0]) for side in (found, *sides)):
+    if any(is_flat(side) for side in (found, *sides)):
         raise UserError("values and columns must vary")
     scaled = np.column_stack([(side - np.mean(side)) / np.std(side, ddof=1) for side in sides])
     target = (found - np.mean(found)) / np.std(found, ddof=1)

@@ -14,6 +14,8 @@ from axisrig.kernel.errors import UserError
 
 CONFIDENCE = 0.95
 """Of all bounds, two-sided."""
+LARGEST, SMALLEST = 1e150, 1e-150
+"""Values may be so large, differences so small: squares of them are numbers still."""
 
 Sample = Sequence[float]
 Numbers = npt.NDArray[np.float64]
@@ -55,14 +57,23 @@ class Line:
 def numbers(values: Sample, least: int) -> Numbers:
     """Return the values as an array, shape (n,).
 
-    Raises UserError for fewer than `least` values, and for one that is not finite.
+    Raises UserError for fewer than `least` values, and for one that is not finite or above LARGEST.
     """
     found: Numbers = np.asarray(values, dtype=np.float64)
     if found.ndim != 1 or len(found) < least:
         raise UserError("too few values", value=found.size, allowed=f"{least} or more")
     if not np.all(np.isfinite(found)):
         raise UserError("a value is not finite", value=found[~np.isfinite(found)][0])
+    if np.any(np.abs(found) > LARGEST):
+        raise UserError(
+            "a value is too large", value=np.max(np.abs(found)), allowed=f"to {LARGEST}"
+        )
     return found
+
+
+def is_flat(found: Numbers) -> bool:
+    """Whether all values are equal, or differ by less than SMALLEST."""
+    return float(np.ptp(found)) < SMALLEST
 
 
 def standard_deviation(values: Sample) -> float:
@@ -71,7 +82,7 @@ def standard_deviation(values: Sample) -> float:
     Raises UserError as `numbers` does, for fewer than 2 values.
     """
     found = numbers(values, 2)
-    return 0.0 if np.all(found == found[0]) else float(np.std(found, ddof=1))
+    return 0.0 if is_flat(found) else float(np.std(found, ddof=1))
 
 
 def t_quantile(degrees: int, confidence: float = CONFIDENCE) -> float:
@@ -194,7 +205,7 @@ def line(x: Sample, y: Sample) -> Line:
     middle = float(np.mean(across))
     apart = across - middle
     width = float(apart @ apart)
-    if width == 0.0 or np.all(across == across[0]):
+    if is_flat(across):
         raise UserError("a line needs two different values of x", value=float(across[0]))
     high = float(np.mean(up))
     slope = float(apart @ (up - high)) / width

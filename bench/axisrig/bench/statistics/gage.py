@@ -11,6 +11,7 @@ from axisrig.bench.statistics.estimates import (
     cp_of,
     cpk_of,
     mean,
+    numbers,
     standard_deviation,
 )
 from axisrig.kernel.errors import UserError
@@ -132,6 +133,7 @@ def gage_study(values: npt.ArrayLike, *, is_pooled: bool | None = None) -> GageS
     x = np.asarray(values, dtype=np.float64)
     if x.ndim != 3 or min(x.shape) < 2:
         raise UserError("needs two or more parts, operators and repeats", value=x.shape)
+    numbers(x.ravel().tolist(), x.size)
     p, o, r = x.shape
     x = x - np.mean(x)
     of_parts, of_operators, cells = np.mean(x, (1, 2)), np.mean(x, (0, 2)), np.mean(x, 2)

@@ -105,7 +105,11 @@ def _bias_p(sample: Collected) -> Found:
 
 
 def _line(sample: Collected, name: str) -> Found:
-    found = line([float(place) for place in sample.sides[0]], sample.values)
+    try:
+        places = [float(place) for place in sample.sides[0]]
+    except ValueError as error:
+        raise UserError(f"the column holds no number: {error}") from error
+    found = line(places, sample.values)
     words = f"r^2 {found.r_squared:.4g}, s about the line {found.residual_spread:.3g}"
     if name == "slope":
         return Found(found.slope.value, found.slope.bound, words)
