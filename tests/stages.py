@@ -3,7 +3,8 @@
 `--stage quick` is `make test`, `--stage rest` what it leaves out; `make test-all` runs both. The
 quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
 a parametrized test stay. Of a shipped plan it keeps rows that check all its metrics, and of the
-rows that check the same the one that simulates least (`plans/simulated.csv`).
+rows that check the same the one that simulates least (`plans/simulated.csv`); statistics over
+several runs are left out.
 """
 
 import csv
@@ -17,7 +18,7 @@ from typing import Any
 
 import pytest
 
-from axisrig.bench.campaign.pytest_plugin import CaseItem
+from axisrig.bench.campaign.pytest_plugin import CaseItem, StatisticItem
 from axisrig.bench.plan.plan import Case
 
 SIMULATED = Path(__file__).parent / "plans" / "simulated.csv"
@@ -125,6 +126,8 @@ class Stages:
 def _is_quick(item: pytest.Item, shown: set[str], counts: Counter[str]) -> bool:
     if isinstance(item, CaseItem):
         return item.case.run in shown
+    if isinstance(item, StatisticItem):
+        return False  # it needs every run of its case
     mark = item.get_closest_marker("long")
     if mark is None:
         return True

@@ -17,7 +17,10 @@ ORDER: tuple[tuple[str, ...], ...] = (
     ("axisrig.kernel.cosim",),
     ("axisrig.kernel.channel",),
     ("axisrig.bench.files",),
-    ("axisrig.bench.bus", "axisrig.bench.plan", "axisrig.bench.oracles"),
+    (
+        *("axisrig.bench.bus", "axisrig.bench.plan", "axisrig.bench.oracles"),
+        "axisrig.bench.statistics",
+    ),
     ("axisrig.bench.drive",),
     ("axisrig.bench.rig",),
     ("axisrig.bench.record",),
@@ -29,7 +32,10 @@ ORDER: tuple[tuple[str, ...], ...] = (
     ("axisrig.bench.cli",),
 )
 # These know nothing of each other
-STRANGERS = ("axisrig.bench.bus", "axisrig.bench.plan", "axisrig.bench.oracles")
+STRANGERS = (
+    *("axisrig.bench.bus", "axisrig.bench.plan", "axisrig.bench.oracles"),
+    "axisrig.bench.statistics",
+)
 # Packages that hold nothing of their own but what lies in their rooms
 EMPTY = ("axisrig.kernel", "axisrig.bench")
 # The rooms of the exporter, the same way

@@ -140,3 +140,9 @@ def test_what_a_plan_refuses(
         _case(tmp_path, module, check, "< 1", name)
     texts = [str(error) for error in (caught.value, *caught.value.further)]
     assert any(re.search(words, text) for text in texts), texts
+
+
+def test_a_statistic_takes_it_as_any_other(tmp_path: Path, recording: Observed) -> None:
+    case = _case(tmp_path, GOOD, "check:mean(lag_peak)", "<= 0.3")
+    _, (result, _) = judged(recording, case.checks, module=case.module)
+    assert result.value == pytest.approx(PEAK_MM)

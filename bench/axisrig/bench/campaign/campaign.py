@@ -20,6 +20,7 @@ from axisrig.bench.campaign.results.writer import (
     refuse_folder,
 )
 from axisrig.bench.campaign.runner import Stopwatch, prepare_all, run_cases
+from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
@@ -105,8 +106,7 @@ def run_campaign(  # noqa: PLR0913
     cases = [case for part in parts for case in part.cases]
     if not cases:
         raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
-    real = real_cases(cases)
-    if real:
+    if real := real_cases(cases):
         refuse_processes(jobs, is_isolated or timeout_s is not None)
     folder = out or _default_folder(plans, assignments)
     refuse_folder(folder, plans, is_fresh=is_fresh)
@@ -115,13 +115,14 @@ def run_campaign(  # noqa: PLR0913
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
+        statistics = CaseStatistics(plans, cases, folder, is_fresh=is_fresh)
+        runs = [case.run for case in (*cases, *statistics.due)]
         results: list[CaseResult] = []
         failure = report = None
         with (
             suppress(KeyboardInterrupt),
             outside.open_hardware() if real and outside else nullcontext() as hardware,
         ):
-            runs = [case.run for case in cases]
             writer = ResultsWriter(
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
@@ -135,12 +136,12 @@ def run_campaign(  # noqa: PLR0913
                 call_limit_s=call_limit_s,
                 hardware=hardware,
             )
-            failure = _write(running, writer, results, len(cases))
+            failure = _write(running, writer, results, len(runs), statistics)
         try:
             report = build_report(folder) if build_report else None
         except OSError as error:
             failure = failure or error
-    return Campaign(folder, results, len(cases), failure, report)
+    return Campaign(folder, results, len(runs), failure, report)
 
 
 def _prepared(
@@ -154,13 +155,17 @@ def _prepared(
 
 
 def _write(
-    running: Iterator[CaseResult], writer: ResultsWriter, results: list[CaseResult], count: int
+    running: Iterator[CaseResult],
+    writer: ResultsWriter,
+    results: list[CaseResult],
+    count: int,
+    statistics: CaseStatistics,
 ) -> OSError | None:
     """Write the results as they come and add them to `results`; return why it ended early."""
     try:
         with closing(running), writer, _progress() as progress:  # type: ignore[type-var]
             task = progress.add_task("", total=count)
-            for result in running:
+            for result in _with_statistics(running, statistics):
                 writer.add(result)
                 results.append(result)
                 progress.console.print(_line(result))
@@ -168,6 +173,16 @@ def _write(
     except OSError as error:
         return error
     return None
+
+
+def _with_statistics(
+    running: Iterator[CaseResult], statistics: CaseStatistics
+) -> Iterator[CaseResult]:
+    """Yield results, each row of statistics after the last run that it is over."""
+    yield from statistics.kept()
+    for result in running:
+        yield result
+        yield from statistics.after(result)
 
 
 def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:

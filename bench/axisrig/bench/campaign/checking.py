@@ -61,6 +61,9 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     for case in plan.cases:
         prepare(case)
     lines = [f"  {_titled(case)}" for case in plan.cases]
+    for row in plan.statistics:
+        asked = ", ".join(check.metric for check in row.checks)
+        lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
     lines += [f"note: {note}" for note in plan.notes]
     return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
 

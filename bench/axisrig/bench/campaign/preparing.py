@@ -83,7 +83,7 @@ def forget() -> None:
 
 def _key(case: Case) -> Hashable:
     place = (case.file, case.line, case.case, tuple(case.places), case.overridden)
-    return (*place, case.rig, case.program, tuple(case.inputs.items()), case.checks)
+    return (*place, case.rig, case.program, tuple(case.inputs.items()), case.checks, case.sampled)
 
 
 def _keep(case: Case, prepared: Prepared, files: Sequence[Path], content: object) -> None:
@@ -152,7 +152,7 @@ def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program])
         for part in program.blocks
         if isinstance(part.statement, Command) and part.statement.name.startswith("MSG")
     ]
-    for check in case.checks:
+    for check in (*case.checks, *case.sampled):
         column = f"check:{check.metric}"
         if check.axis is not None and check.axis not in axes:
             raise case.error("the rig has no such axis", column, value=check.axis, allowed=axes)

@@ -6,7 +6,8 @@ marginal passes, everything else fails with what its checks say. A row whose rig
 FMU runs in a process of its own, as in `axisrig run`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import no_stopwatch, run_cases
+from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import Case, read_plan
 from axisrig.bench.plan.table import SUFFIXES
@@ -54,31 +56,41 @@ def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginMa
 class PlanFile(pytest.File):
     """A plan; its rows are the items."""
 
-    def collect(self) -> Iterator["CaseItem"]:
+    def collect(self) -> Iterator["RowItem"]:
         """Yield the rows; a plan that cannot be read is a collection error with its message."""
         try:
             plan = read_plan(self.path)
         except UserError as error:
             raise self.CollectError(str(error)) from error
-        for case in plan.cases:
-            yield CaseItem.from_parent(self, name=case.run, case=case)
+        by_run = {case.run: case for case in plan.cases}
+        sampled: dict[str, CaseResult] = {}
+        for case in plan.rows:
+            if case.runs:
+                runs = [by_run[run] for run in case.runs]
+                yield StatisticItem.from_parent(
+                    self, name=case.run, case=case, sampled=sampled, runs=runs
+                )
+            else:
+                yield CaseItem.from_parent(self, name=case.run, case=case, sampled=sampled)
 
 
-class CaseItem(pytest.Item):
-    """One row of a plan."""
+class RowItem(pytest.Item):
+    """One row of the results of a plan."""
 
-    def __init__(self, *, case: Case, **kwargs: Any) -> None:
+    def __init__(self, *, case: Case, sampled: dict[str, CaseResult], **kwargs: Any) -> None:
+        """Take a row. sampled: results of runs that statistics are over, shared by a plan."""
         super().__init__(**kwargs)
         self.case = case
+        self._sampled = sampled
         for tag in case.tags:
             self.keywords[tag] = True
 
-    def runtest(self) -> None:
-        """Run the case and judge it."""
+    def run_case(self, case: Case) -> CaseResult:
+        """Run a case; what it gives to statistics is kept for them."""
         call_limit_s = self.config.getoption("axisrig_call_timeout", default=None)
-        rigs = [self.case.rig]
+        rigs = [case.rig]
         (result,) = run_cases(
-            [self.case],
+            [case],
             lambda _: RunFiles(),
             jobs=1,
             timeout_s=None,
@@ -86,10 +98,22 @@ class CaseItem(pytest.Item):
             apart=foreign_rigs(rigs) if call_limit_s is None else rigs,
             call_limit_s=call_limit_s or CALL_LIMIT_S,
         )
+        if case.sampled:
+            self._sampled[case.run] = replace(result, series=None)
+        return result
+
+    def finish(self, result: CaseResult) -> None:
+        """Report a result. Raises CaseFailedError for one that is worse than marginal."""
         self.user_properties += [
             ("verdict", result.verdict.word),
-            ("seed", str(self.case.seed)),
-            ("frame_log_sha256", result.frame_log_sha256),
+            *(
+                [("runs", str(len(self.case.runs)))]
+                if self.case.runs
+                else [
+                    ("seed", str(self.case.seed)),
+                    ("frame_log_sha256", result.frame_log_sha256),
+                ]
+            ),
             *((check.check.metric, value_text(check.value)) for check in result.checks),
         ]
         if result.verdict > Verdict.MARGINAL:
@@ -110,6 +134,30 @@ class CaseItem(pytest.Item):
     def reportinfo(self) -> tuple[Path, int, str]:
         """Point at the row."""
         return self.case.file, self.case.line - 1, self.case.run
+
+
+class CaseItem(RowItem):
+    """One run of a plan."""
+
+    def runtest(self) -> None:
+        """Run the case and judge it."""
+        self.finish(self.run_case(self.case))
+
+
+class StatisticItem(RowItem):
+    """The statistics over the runs of a case; runs that this process has not run yet run here."""
+
+    def __init__(self, *, runs: Sequence[Case], **kwargs: Any) -> None:
+        """Take a row of statistics. runs: of its case, in their order."""
+        super().__init__(**kwargs)
+        self._runs = runs
+
+    def runtest(self) -> None:
+        """Judge the statistics."""
+        for case in self._runs:
+            if case.run not in self._sampled:
+                self.run_case(case)
+        self.finish(judged_row(self.case, self._runs, self._sampled))
 
 
 def _line(check: CheckResult) -> str:

@@ -24,9 +24,10 @@ from axisrig.bench.campaign.results.writer import (
     file_hashes,
     no_values,
 )
+from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import STOPPED, judged
+from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
 from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case, Plan, default_seed, read_plan
@@ -89,7 +90,7 @@ def rejudge(
     for name in FOLDERS:
         (into / name).rmdir()  # the recordings are in the folder above
     used = {result.recording for result in results}
-    left = [run.run for run in stored.runs if run.run not in used]
+    left = [r.run for r in stored.runs if r.run not in used and not r.is_statistic]
     return Rejudged(into, results, left, build_report(into) if build_report else None)
 
 
@@ -101,23 +102,35 @@ def _new_folder(folder: Path, plan: Plan) -> Path:
 
 
 def _judged(stored: StoredResults, plan: Plan) -> Iterator[CaseResult]:
-    """Judge each row of a plan by its recording."""
-    for case in plan.cases:
-        try:
-            run = _recording_of(stored.runs, case)
-            _check_is_same(run, case, stored.manifest.get("files", {}))
-        except UserError as error:
-            yield no_values(case, Verdict.ERROR, f"{NOT_RUN}: {error}")
+    """Judge each row of a plan by its recording, and the statistics over several."""
+    by_run = {case.run: case for case in plan.cases}
+    results: dict[str, CaseResult] = {}
+    for case in plan.rows:
+        if case.runs:
+            yield judged_row(case, [by_run[run] for run in case.runs], results)
             continue
-        result = _judge(run, case)
-        result.recording = run.run
+        result = results[case.run] = _judged_run(stored, case)
         yield result
+
+
+def _judged_run(stored: StoredResults, case: Case) -> CaseResult:
+    """Judge a run by its recording."""
+    try:
+        run = _recording_of(stored.runs, case)
+        _check_is_same(run, case, stored.manifest.get("files", {}))
+    except UserError as error:
+        return no_values(case, Verdict.ERROR, f"{NOT_RUN}: {error}")
+    result = _judge(run, case)
+    result.recording = run.run
+    return result
 
 
 def _recording_of(runs: Sequence[StoredRun], case: Case) -> StoredRun:
     """Return the run of the same case, of the plan of this name before that of any other."""
     own = _name(case.run, case.plan)
-    found = [run for run in runs if _name(run.run, run.case["plan"]) == own]
+    found = [
+        run for run in runs if _name(run.run, run.case["plan"]) == own and not run.is_statistic
+    ]
     of_plan = [run for run in found if run.case["plan"] == case.plan]
     chosen = of_plan or found
     if not chosen:
@@ -181,7 +194,9 @@ def _judge(run: StoredRun, case: Case) -> CaseResult:
         result.log = list(recording.log)
         return result
     series = Series(run.trace)
-    verdict, checks = judged(Observed(facts, series), case.checks, module=case.module)
+    observed = Observed(facts, series)
+    verdict, checks = judged(observed, case.checks, module=case.module)
     verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
-    return CaseResult(case, verdict, checks, 0.0, facts, series, stopped)
+    samples = sampled(observed, case.sampled, module=case.module)
+    return CaseResult(case, verdict, checks, 0.0, facts, series, stopped, samples=samples)

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.campaign.results.stored import RUNS, read_results
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.assignment import INPUT_KINDS
@@ -50,6 +50,14 @@ def _recorded(folder: Path, run: str) -> Mapping[str, str]:
     if run not in rows:
         raise UserError(
             "the folder has no such run", file=folder, value=run, allowed=nearest(run, rows) or rows
+        )
+    if rows[run].get(RUNS):
+        raise UserError(
+            "this row holds statistics over several runs",
+            file=folder,
+            value=run,
+            allowed=[name for name in rows if name.startswith(f"{run}-")],
+            hint="replay one of its runs",
         )
     return rows[run]
 

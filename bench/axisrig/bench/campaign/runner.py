@@ -16,7 +16,7 @@ from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.files import DISK_FULL
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import STOPPED, judged
+from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
@@ -113,10 +113,13 @@ def _run_case(
     finally:
         machine.close()
     wall_s = stopwatch() - started
-    verdict, checks = judged(Observed(facts, series), case.checks, module=case.module)
+    observed = Observed(facts, series)
+    verdict, checks = judged(observed, case.checks, module=case.module)
     verdict, checks = met(case.expected, verdict, checks)
     stopped = STOPPED if facts.is_stopped else None
-    return CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
+    result = CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
+    result.samples = sampled(observed, case.sampled, module=case.module)
+    return result
 
 
 def prepare_all(

@@ -4,8 +4,9 @@ A new topic is a folder with `metrics` and `findings` (and `truth` where it comp
 TOPICS.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 from axisrig.bench.judge.distance.findings import distance_blocks, distance_events
@@ -22,8 +23,15 @@ from axisrig.bench.judge.observed.turned import TORQUE, in_newton_metres, turned
 from axisrig.bench.judge.own_metrics import judged_by_own
 from axisrig.bench.judge.program.findings import log_lines, program_events
 from axisrig.bench.judge.program.metrics import PROGRAM_METRICS, printed
+from axisrig.bench.judge.statistics.verdict import (
+    Reading,
+    RunSample,
+    judge_statistic,
+    readings,
+)
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
+from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import MissingSignalError
@@ -38,8 +46,16 @@ TOPICS: tuple[Topic, ...] = (
 )
 
 
-def observe(observed: Observed, check: Check, topics: Sequence[Topic] = TOPICS) -> Observation:
-    """Return what a check asks for."""
+def observe(
+    observed: Observed,
+    check: Check,
+    topics: Sequence[Topic] = TOPICS,
+    module: OwnModule | None = None,
+) -> Observation:
+    """Return what a check asks for. module: metrics of the user."""
+    if module is not None and check.name in module.metrics:
+        own = judged_by_own(observed, check, module)
+        return Observation(own.value, own.uncertainty, own.note)
     if check.name == "msg":
         return printed(observed, check)
     if check.axis is not None and check.axis not in observed.axes:
@@ -73,6 +89,10 @@ def judged(
             found.append(judged_by_own(observed, check, module))
             continue
         try:
+            if isinstance(check, StatisticCheck):
+                values = readings(observed, check, partial(observe, topics=topics, module=module))
+                found.append(judge_statistic(check, [RunSample("", values)]))
+                continue
             seen = observe(observed, check, topics)
         except MissingSignalError as error:
             found.append(CheckResult(check, None, 0.0, Verdict.ERROR, str(error)))
@@ -82,6 +102,27 @@ def judged(
         )
     verdicts = [result.verdict for result in found]
     return worst([*verdicts, Verdict.ABORTED] if observed.facts.is_stopped else verdicts), found
+
+
+def sampled(
+    observed: Observed,
+    checks: Sequence[StatisticCheck],
+    topics: Sequence[Topic] = TOPICS,
+    module: OwnModule | None = None,
+) -> Mapping[str, tuple[Reading, ...]]:
+    """Return the values that a run gives to the statistics of its case, by the check's metric.
+
+    module: metrics of the user. Those that need a signal that was not recorded are left out.
+    """
+    found = {}
+    for check in checks:
+        try:
+            found[check.metric] = readings(
+                observed, check, partial(observe, topics=topics, module=module)
+            )
+        except MissingSignalError:
+            continue
+    return found
 
 
 def events(observed: Observed, topics: Sequence[Topic] = TOPICS) -> list[Event]:

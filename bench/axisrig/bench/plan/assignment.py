@@ -23,7 +23,7 @@ _PLACES = {
     "key": r"(?P<name>\S+)",
     "event": r"(?P<name>\S+)",
     "kind": r"(?P<name>\S+)",
-    "metric": r"(?P<name>\S+)",
+    "metric": r"(?P<name>\S(?:.*\S)?)",
     "name": r"(?P<name>.+)",
 }
 

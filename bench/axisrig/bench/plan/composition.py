@@ -26,7 +26,9 @@ ASSIGNING = {"inputs": "", "checks": "check:"}
 """Columns that hold assignments, and what the names of their columns begin with."""
 _INCLUDED_FILE = "program"
 # A sign of equality comes before the condition, unless it begins with a comparison of its own
-_CHECK = re.compile(r"\s*([^<>=!]+?)\s*(?:=\s*(?!=[^=])|(?=[<>=!]))(.*?)\s*", re.DOTALL)
+_CHECK = re.compile(
+    r"\s*([^<>=!(]+?(?:\([^()]*\))?)\s*(?:=\s*(?!=[^=])|(?=[<>=!]))(.*?)\s*", re.DOTALL
+)
 _SEPARATOR = re.compile(r"\s+;;(?:\s+|$)|\s*\n\s*")
 
 

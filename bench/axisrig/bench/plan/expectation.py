@@ -11,6 +11,7 @@ from axisrig.kernel.errors import nearest
 
 _FORM = "fail:<metric>, several separated by blanks"
 _HEAD = "fail:"
+_WORD = re.compile(r"(?:[^\s,;(]|\([^()]*\)?)+")
 EXPECTED = "expected to fail"
 NOT_MET = "expected to fail, and did not"
 
@@ -20,7 +21,7 @@ def parse_expectation(cell: Cell, checks: Iterable[Check]) -> tuple[str, ...]:
 
     checks: of the row. Raises UserError for another form, and for a metric without a check.
     """
-    words = re.split(r"[\s,;]+", cell.text)
+    words = _WORD.findall(cell.text) or [""]
     if not words[0].startswith(_HEAD):
         raise cell.place.error(
             "this cannot be expected",

@@ -27,6 +27,7 @@ from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
 from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
 from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.own_metrics import OwnModule, own_module
+from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check, split_statistics
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -51,7 +52,10 @@ class Case:
     overridden: input columns whose values come from the command line.
     swept: columns whose cells hold several values -> the value of this run.
     module: metrics of the user. expected: metrics of checks that must fail.
-    notes: columns `note:` -> cell. folder: of the plan, which is not that of an included table.
+    notes: columns `note:` -> cell.
+    folder: of the plan, which is not that of an included table.
+    sampled: statistics of the case to which the run gives values. runs: of the row of results that
+    is over several runs, the ids of these; empty for a run.
     """
 
     plan: str
@@ -76,6 +80,8 @@ class Case:
     expected: tuple[str, ...] = ()
     notes: Mapping[str, str] = field(default_factory=dict)
     folder: Path = Path()
+    sampled: tuple[StatisticCheck, ...] = ()
+    runs: tuple[str, ...] = ()
 
     def assignments(self) -> tuple[Assignment, ...]:
         """Give the inputs taken apart, in the order of the columns."""
@@ -118,6 +124,7 @@ class Plan:
     name: the stem of the file. columns: in the order of the file, those of assignments where their
     cells are, then those of included tables.
     cases: one per run, in the order of the rows, all expanded. notes: what is not read.
+    statistics: one per row of results that is over several runs of a case.
     """
 
     name: str
@@ -125,6 +132,14 @@ class Plan:
     columns: tuple[str, ...]
     cases: tuple[Case, ...]
     notes: tuple[str, ...] = ()
+    statistics: tuple[Case, ...] = ()
+
+    @property
+    def rows(self) -> tuple[Case, ...]:
+        """All rows of results, each of statistics after the last of its runs."""
+        after = {case.runs[-1]: case for case in self.statistics}
+        pairs = ((case, after.get(case.run)) for case in self.cases)
+        return tuple(row for pair in pairs for row in pair if row is not None)
 
     def with_inputs(self, assignments: Sequence[Assignment]) -> "Plan":
         """Set inputs of every case, over what the cells say (`--set` of the command line)."""
@@ -138,11 +153,14 @@ class Plan:
                     hint="choose runs with -k",
                 )
         columns = (*self.columns, *(name for name in extra if name not in self.columns))
-        cases = tuple(
-            replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
-            for case in self.cases
+        cases, statistics = (
+            tuple(
+                replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
+                for case in group
+            )
+            for group in (self.cases, self.statistics)
         )
-        return replace(self, columns=columns, cases=cases)
+        return replace(self, columns=columns, cases=cases, statistics=statistics)
 
 
 def default_seed(run: str) -> int:
@@ -181,7 +199,8 @@ def read_plan(path: Path) -> Plan:
                     raise row.place.error(f"the case makes the same run as {where}", value=case.run)
                 cases.append(case)
     mistakes.refuse(path)
-    return Plan(path.stem, path, composed.columns, tuple(cases), composed.notes)
+    runs, statistics = split_statistics(cases)
+    return Plan(path.stem, path, composed.columns, runs, composed.notes, statistics)
 
 
 class _Row:
@@ -339,7 +358,7 @@ class _Row:
         try:
             own = None if self._module is None else self._module.metrics
             metric, reference = column.partition(":")[2], f"{place.file.name}:{place.line}"
-            return parse_check(metric, text, reference, own)
+            return parse_any_check(metric, text, reference, own)
         except UserError as error:
             self._refuse(place.error_from(error))
         return None
@@ -373,7 +392,10 @@ class _Row:
 
 
 def expanded_text(plan: Plan) -> str:
-    """Write a plan with a row for each run, as CSV: a plan itself, with the same ids and seeds."""
+    """Write a plan with a row for each run, as CSV: a plan itself, with the same ids and seeds.
+
+    Statistics over several runs are left out, for each run is a case of its own there.
+    """
     inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
     notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
     checks = list(dict.fromkeys(f"check:{c.metric}" for case in plan.cases for c in case.checks))

@@ -59,7 +59,7 @@ class History:
         names = dict.fromkeys([*entries, *(plan.name for plan in plans)])
         self._folder_plans = {name: place for place, name in enumerate(names)}
         self._order = {
-            case.run: (case.plan, place) for plan in plans for place, case in enumerate(plan.cases)
+            case.run: (case.plan, place) for plan in plans for place, case in enumerate(plan.rows)
         }
         self._runs = set(runs)
         # run -> plan, of all that have been asked for

@@ -32,6 +32,8 @@ LATER_COLUMNS = ("drive_substituted", "unproved_latches")
 IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""
 
+RUNS = "runs"
+"""Column of `cases.csv` of statistics over the runs of a case: how many runs these are."""
 RECORDING = "recording"
 """Column of `cases.csv` of runs that were judged again: the run whose recording it was."""
 RECORDINGS = "recordings"
@@ -95,6 +97,11 @@ class StoredRun:
         return Verdict.of(self.case["verdict"])
 
     @property
+    def is_statistic(self) -> bool:
+        """Whether it is no run, but statistics over several."""
+        return bool(self.case.get(RUNS))
+
+    @property
     def is_in_plan(self) -> bool:
         """Whether the plan had the run when the folder was last written to."""
         return not self.case.get(IN_PLAN)
@@ -112,7 +119,7 @@ class StoredResults:
     def input_columns(self) -> list[str]:
         """The columns of the plans that `cases.csv` carries on."""
         first = self.runs[0].case if self.runs else {}
-        own = (*CASE_COLUMNS, *LATER_COLUMNS, RECORDING, IN_PLAN)
+        own = (*CASE_COLUMNS, *LATER_COLUMNS, RECORDING, RUNS, IN_PLAN)
         return [column for column in first if column not in own]
 
     @property

@@ -37,9 +37,11 @@ from axisrig.bench.campaign.results.stored import (
     NOTE,
     RECORDING,
     RESULT_COLUMNS,
+    RUNS,
 )
 from axisrig.bench.files import json_text, naming, sha256_of, write_whole
 from axisrig.bench.judge.program.findings import log_lines
+from axisrig.bench.judge.statistics.verdict import Reading
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import Case, Plan, expanded_text, path_from
 from axisrig.bench.plan.verdict import Verdict, worst
@@ -60,6 +62,7 @@ class CaseResult:
     it could be judged; error: why, with what was printed until then in `log`. series: its columns.
     recording: of a run that was judged again, the run that was recorded; empty without one.
     loop_s: what the stopwatch gave the simulation itself, without its start and its end.
+    samples: its values for the statistics of its case, by their checks.
     """
 
     case: Case
@@ -72,6 +75,7 @@ class CaseResult:
     log: list[str] = field(default_factory=list)
     recording: str = ""
     loop_s: float = 0.0
+    samples: Mapping[str, tuple[Reading, ...]] = field(default_factory=dict)
 
     @property
     def lines(self) -> list[str]:
@@ -166,6 +170,7 @@ class ResultsWriter:
         self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
         self._keeps_runs = not is_judged_again
         self._carried += [] if self._keeps_runs else [RECORDING]
+        self._carried += [RUNS] if any(plan.statistics for plan in plans) else []
         if any(case.expected for case in _cases(plans)):
             self._carried.append("expected")
         self._written: set[str] = set()
@@ -226,7 +231,7 @@ class ResultsWriter:
         ]
         free = [item.verdict for item in checks if item.check.metric not in case.expected]
         verdict = worst([result.verdict, *free])
-        if self._keeps_runs:
+        if self._keeps_runs and not case.runs:
             self._write_run(result)
         rows = [
             dict(zip((*RESULT_COLUMNS, NOTE), _check_row(case, item), strict=True))
@@ -284,9 +289,12 @@ class ResultsWriter:
             "tags": " ".join(case.tags),
             "requirement": case.requirement,
             RECORDING: result.recording,
+            RUNS: str(len(case.runs)) if case.runs else "",
             **case.notes,
             **case.inputs,
         }
+        if case.runs:  # its runs differ in these
+            inputs |= dict.fromkeys(case.swept, "")
         own = [
             case.plan,
             case.case,
@@ -294,7 +302,7 @@ class ResultsWriter:
             verdict.word,
             repr(float(result.sim_s)),
             repr(float(result.wall_s)),
-            str(case.seed),
+            "" if case.runs else str(case.seed),
             value_text(result.alarms),
             result.frame_log_sha256,
         ]
@@ -352,7 +360,7 @@ def build_manifest(
 
 
 def _cases(plans: Sequence[Plan]) -> list[Case]:
-    return [case for plan in plans for case in plan.cases]
+    return [case for plan in plans for case in plan.rows]
 
 
 def _started(case: Case) -> list[Path]:

@@ -3,6 +3,7 @@
 from bisect import bisect_left, bisect_right
 from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
@@ -241,6 +242,11 @@ class Observed:
         return None if len(before) < len(homed_ns) else self.axes[axis].origin_mm
 
     # Measurement runs
+
+    def until_run(self, number: int) -> "Observed":
+        """Look at the same run as if the measurement run of this number, from 0, were its last."""
+        facts = replace(self.facts, runs=self.facts.runs[: number + 1])
+        return Observed(facts, self.series, self._rows, self._columns)
 
     def last_run(self, axis: str | None) -> MeasurementRun | None:
         """Return the run that metrics judge: the last one, of an axis the last it takes part in.

@@ -3,6 +3,7 @@
 from textwrap import fill
 
 from axisrig.bench.plan.checks import known_metrics
+from axisrig.bench.plan.statistic_checks import known_statistics
 
 _JUDGED = {
     "": "",
@@ -28,4 +29,20 @@ def metrics_table() -> str:
         judged = _JUDGED[metric.judged].format(" of the axis" if metric.scope == "axis" else "")
         text = metric.meaning + judged
         lines.append(fill(text, 78, initial_indent="    ", subsequent_indent="    "))
-    return "\n".join(lines)
+    return "\n".join([*lines, "", *_statistics()])
+
+
+def _statistics() -> list[str]:
+    """Describe the statistics of a metric: form, formula, uncertainty, source."""
+    lines = [
+        "A column check:<statistic>(<metric>) asks for a statistic of a metric over all",
+        "runs of a case and all measurement runs of their programs; `; last` at the end",
+        "takes the last one of each. u is the largest uncertainty of a single value.",
+        "",
+    ]
+    for row in known_statistics().values():
+        unit = {"metric": "[unit of the metric]", "": ""}.get(row.unit, f"[{row.unit}]")
+        lines.append(f"{row.form}  {unit}".rstrip())
+        text = f"{row.meaning}. {row.formula}; uncertainty {row.uncertainty}. {row.source}"
+        lines.append(fill(text, 78, initial_indent="    ", subsequent_indent="    "))
+    return lines

@@ -1,0 +1,1 @@
+"""Statistics over the runs of a case, and over the measurement runs of a program."""

@@ -1,0 +1,172 @@
+"""Studies of a measuring device: type 1 against a reference, repeatability and reproducibility."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from axisrig.bench.statistics.estimates import (
+    Estimate,
+    Sample,
+    cp_of,
+    cpk_of,
+    mean,
+    numbers,
+    standard_deviation,
+)
+from axisrig.kernel.errors import UserError
+
+POOLED_ABOVE = 0.05
+"""An interaction whose p-value is above this is counted as repeatability."""
+TOLERANCE_SHARE = 0.2
+"""Part of the tolerance that a type-1 study allows for 6 s of the device."""
+
+
+@dataclass(frozen=True)
+class TypeOne:
+    """A type-1 study. bias: mean less reference. s: standard deviation. Both in the values' unit.
+
+    cg, cgk: capability of the device without and with its bias. bias_p_value: of no bias, by t.
+    """
+
+    bias: Estimate
+    s: float
+    cg: Estimate
+    cgk: Estimate
+    bias_p_value: float
+
+
+@dataclass(frozen=True)
+class Source:
+    """A row of the analysis of variance. f, p_value: None where nothing is tested."""
+
+    degrees: int
+    sum_of_squares: float
+    f: float | None = None
+    p_value: float | None = None
+
+    @property
+    def mean_square(self) -> float:
+        """Sum of squares for each degree of freedom."""
+        return self.sum_of_squares / self.degrees
+
+
+@dataclass(frozen=True)
+class GageStudy:
+    """A crossed study of repeatability and reproducibility. Standard deviations, values' unit.
+
+    repeatability: equipment. operator, interaction: make up `reproducibility`. part: between parts.
+    is_pooled: the interaction is counted as repeatability, and is 0 here.
+    rows: part, operator, interaction, repeatability (of both when pooled).
+    """
+
+    repeatability: float
+    operator: float
+    interaction: float
+    part: float
+    is_pooled: bool
+    rows: tuple[Source, Source, Source, Source]
+
+    @property
+    def reproducibility(self) -> float:
+        """Standard deviation between operators, with their interaction."""
+        return float(np.hypot(self.operator, self.interaction))
+
+    @property
+    def grr(self) -> float:
+        """Standard deviation of the device: repeatability and reproducibility."""
+        return float(np.hypot(self.repeatability, self.reproducibility))
+
+    @property
+    def total(self) -> float:
+        """Standard deviation of the whole study."""
+        return float(np.hypot(self.grr, self.part))
+
+    @property
+    def grr_pct(self) -> float:
+        """grr in percent of the total; 0 where nothing varies."""
+        return 100.0 * self.grr / self.total if self.total else 0.0
+
+    @property
+    def categories(self) -> int:
+        """Parts that the device can tell apart: 1.41 part / grr, rounded down.
+
+        Source: AIAG, Measurement Systems Analysis, 4th edition, III-B (ndc).
+        """
+        return int(1.41 * self.part / self.grr) if self.grr else 0
+
+
+def type_1(values: Sample, reference: float, tolerance: float) -> TypeOne:
+    """Judge a device by n measurements of one thing that is known.
+
+    Cg = 0.2 T / (6 s), Cgk = (0.1 T - |bias|) / (3 s), T the tolerance that the device has to
+    measure; bias by Student's t. Bounds of Cg by chi-square, of Cgk by Bissell's approximation, as
+    of Cp and Cpk. reference, tolerance: unit of the values.
+    Source: Bosch, Quality Management booklet 10; VDA 5. Raises UserError for fewer than 2 values,
+    for a tolerance that is not positive, and without spread.
+    """
+    from scipy.special import stdtr  # noqa: PLC0415 - takes long to load
+
+    if not tolerance > 0.0:
+        raise UserError("the tolerance must be positive", value=tolerance)
+    s, n = standard_deviation(values), len(values)
+    found = mean(values)
+    off = found.value - reference
+    allowed = TOLERANCE_SHARE * tolerance
+    cg, cgk = cp_of(allowed, s, n), cpk_of(allowed / 2.0 - abs(off), s, n)
+    t = abs(off) / (s / n**0.5)
+    bias = Estimate(off, found.lower - reference, found.upper - reference, n)
+    return TypeOne(bias, s, cg, cgk, 2.0 * float(stdtr(n - 1, -t)))
+
+
+def gage_study(values: npt.ArrayLike, *, is_pooled: bool | None = None) -> GageStudy:
+    """Analyse a crossed study by the variance between parts, operators and repeats.
+
+    values: shape (parts, operators, repeats). is_pooled: count the interaction as repeatability;
+    None: where its p-value is above POOLED_ABOVE. A variance below 0 counts as 0.
+    Source: AIAG, Measurement Systems Analysis, 4th edition, appendix A; Montgomery, Design and
+    Analysis of Experiments, 13.3 (two-factor random effects).
+    Raises UserError for fewer than 2 parts, operators or repeats.
+    """
+    from scipy.special import fdtrc  # noqa: PLC0415 - takes long to load
+
+    x = np.asarray(values, dtype=np.float64)
+    if x.ndim != 3 or min(x.shape) < 2:
+        raise UserError("needs two or more parts, operators and repeats", value=x.shape)
+    numbers(x.ravel().tolist(), x.size)
+    p, o, r = x.shape
+    x = x - np.mean(x)
+    of_parts, of_operators, cells = np.mean(x, (1, 2)), np.mean(x, (0, 2)), np.mean(x, 2)
+    apart = cells - of_parts[:, None] - of_operators[None, :]
+    rest = Source(p * o * (r - 1), float(np.sum((x - cells[:, :, None]) ** 2)))
+    both = Source((p - 1) * (o - 1), float(r * np.sum(apart**2)))
+
+    def tested(row: Source, against: Source) -> Source:
+        if against.mean_square == 0.0:
+            return row
+        f = row.mean_square / against.mean_square
+        p_value = float(fdtrc(row.degrees, against.degrees, f))
+        return Source(row.degrees, row.sum_of_squares, f, p_value)
+
+    both = tested(both, rest)
+    if is_pooled is None:
+        is_pooled = both.sum_of_squares == 0.0 or (
+            both.p_value is not None and both.p_value > POOLED_ABOVE
+        )
+    if is_pooled:
+        rest = Source(rest.degrees + both.degrees, rest.sum_of_squares + both.sum_of_squares)
+    against = rest if is_pooled else both
+    part = tested(Source(p - 1, float(o * r * np.sum(of_parts**2))), against)
+    operator = tested(Source(o - 1, float(p * r * np.sum(of_operators**2))), against)
+
+    def deviation(row: Source, under: Source, count: int) -> float:
+        return float(max((row.mean_square - under.mean_square) / count, 0.0) ** 0.5)
+
+    return GageStudy(
+        repeatability=rest.mean_square**0.5,
+        operator=deviation(operator, against, p * r),
+        interaction=0.0 if is_pooled else deviation(both, rest, r),
+        part=deviation(part, against, o * r),
+        is_pooled=is_pooled,
+        rows=(part, operator, both, rest),
+    )

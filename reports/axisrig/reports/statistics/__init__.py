@@ -1,0 +1,1 @@
+"""Section of the report about statistics: values in their order, histogram, normal plot."""

@@ -1,0 +1,94 @@
+"""What a report shows of the runs of a case, from rows alone."""
+
+import json
+from collections.abc import Mapping, Sequence
+
+import pytest
+from scipy import stats
+
+from axisrig.bench.judge.statistics.summary import statistics_data
+
+FEED = "plc:V.E.FEED"
+VALUES = (0.4, 0.1, -0.2, 0.3, 0.0, 0.2)
+
+Rows = list[dict[str, str]]
+
+
+def rows(values: Sequence[object], **columns: Sequence[str]) -> tuple[Rows, Rows]:
+    """Rows of `results.csv` and `cases.csv` of the runs of one case."""
+    cases = [
+        {"plan": "p", "case": "a", "run": f"p-a-{n}", "frame_log_sha256": f"f{n}"}
+        | {name: texts[n] for name, texts in columns.items()}
+        for n in range(len(values))
+    ]
+    checks = [
+        {"plan": "p", "case": "a", "run": f"p-a-{n}", "metric": "latch_error_um", "unit": "um",
+         "value": str(value), "lower": "-1.0", "upper": "1.0", "verdict": "pass"}
+        for n, value in enumerate(values)
+    ]  # fmt: skip
+    return checks, cases
+
+
+def only(found: Sequence[Mapping[str, object]]) -> Mapping[str, object]:
+    (entry,) = found
+    json.dumps(entry, allow_nan=False)
+    return entry
+
+
+def test_a_metric_of_several_runs_is_summed_up() -> None:
+    entry = only(statistics_data(*rows(VALUES)))
+    s = stats.tstd(VALUES)
+    assert (entry["plan"], entry["case"], entry["metric"], entry["unit"]) == (
+        *("p", "a", "latch_error_um", "um"),
+    )
+    assert (entry["n"], entry["is_small"], entry["lower"], entry["upper"]) == (6, True, -1.0, 1.0)
+    mean, spread, cpk = (entry[name] for name in ("mean", "spread", "cpk"))
+    assert isinstance(mean, dict)
+    assert isinstance(spread, dict)
+    assert isinstance(cpk, dict)
+    assert mean["value"] == pytest.approx(0.8 / 6)
+    assert spread["value"] == pytest.approx(s)
+    assert cpk["value"] == pytest.approx((1 - 0.8 / 6) / (3 * s))
+    assert entry["normality_p"] == pytest.approx(stats.shapiro(VALUES).pvalue, rel=1e-6)
+    assert entry["columns"] == {}
+
+
+def test_equal_and_missing_runs_are_named_and_not_counted() -> None:
+    checks, cases = rows((*VALUES, 0.4, ""))
+    cases[6]["frame_log_sha256"] = cases[0]["frame_log_sha256"]
+    entry = only(statistics_data(checks, cases))
+    assert (entry["n"], entry["equal"], entry["missing"]) == (6, ["p-a-6"], ["p-a-7"])
+
+
+def test_columns_that_the_runs_vary_have_slope_and_share() -> None:
+    feeds = ["300", "300", "600", "600", "900", "900"]
+    values = [1.0, 1.2, 2.0, 2.2, 3.0, 3.2]
+    entry = only(statistics_data(*rows(values, **{FEED: feeds, "set:Z.edge": ["POS"] * 6})))
+    columns = entry["columns"]
+    assert isinstance(columns, dict)
+    assert list(columns) == [FEED]
+    assert columns[FEED]["slope"]["value"] == pytest.approx(1.0 / 300.0)
+    assert columns[FEED]["places"] == [300.0, 300.0, 600.0, 600.0, 900.0, 900.0]
+    groups = stats.f_oneway(values[:2], values[2:4], values[4:]).statistic  # F = S/2 : (1-S)/3
+    share = columns[FEED]["share"]
+    assert share / 2 / ((1 - share) / 3) == pytest.approx(groups)
+
+
+def test_texts_single_runs_and_rows_of_statistics_are_left_out() -> None:
+    assert statistics_data(*rows(["FREE", "FREE"])) == []
+    assert statistics_data(*rows([1.0])) == []
+    checks, cases = rows([1.0, 2.0])
+    cases[1]["runs"] = "3"
+    assert statistics_data(checks, cases) == []
+
+
+def test_rows_of_another_tool_need_few_columns() -> None:
+    cases = [{"run": "x1", "case": "x"}, {"run": "x2", "case": "x"}]
+    checks = [
+        {"run": "x1", "metric": "gap", "value": "1"},
+        {"run": "x2", "metric": "gap", "value": "3"},
+    ]
+    entry = only(statistics_data(checks, cases))
+    mean = entry["mean"]
+    assert isinstance(mean, dict)
+    assert (mean["value"], entry["cpk"], entry["outlier"]) == (2.0, None, None)
