@@ -35,7 +35,7 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.glossary import glossary
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
-from axisrig.reports.run import SECTION, Findings, Parts, run_view, verdict_words
+from axisrig.reports.run import BUS_LOG, SECTION, Findings, Parts, run_view, verdict_words
 from axisrig.reports.topics import TOPICS
 
 WHOLE_BYTES = 40_000_000
@@ -113,14 +113,14 @@ class _Made:
 def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: bool) -> _Made:
     made, spent = _Made(), 0
     output = _output(results)
-    links = _links(results)
+    links, columns = _links(results), results.input_columns
     has_plans = len({run.case["plan"] for run in results.runs}) > 1
     for stored in results.runs:
         run = replace(stored)  # what it reads goes with it
         is_whole = is_full or (run.verdict is not Verdict.PASS and spent < WHOLE_BYTES)
-        view = run_view(run, results.input_columns, output, pages.parts, is_reduced=not is_whole)
+        view = run_view(run, columns, output, pages.parts, links(run), is_reduced=not is_whole)
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
-        view |= {"links": links(run), "has_plans": has_plans}
+        view |= {"has_plans": has_plans}
         made.rows.append(Markup(pages.row.render(run=view)))
         if view["failures"] or not view["is_good"]:
             card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
@@ -200,7 +200,7 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
             found.append(("signals", "traces", run.trace.name))
         if run.file is not None:
             found.append(("facts", "runs", run.file.name))
-        found += [("bus log", "bus", name) for name in logs.get(run.recorded, [])]
+        found += [(BUS_LOG, "bus", name) for name in logs.get(run.recorded, [])]
         files = [
             (what, f"{place}/{name}", _address(base, place, name)) for what, place, name in found
         ]

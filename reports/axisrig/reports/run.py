@@ -29,6 +29,7 @@ Findings = Callable[[Observed], Mapping[str, Any]]
 """What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
 
 SECTION = "section.html"
+BUS_LOG = "bus log"
 # What comes up where a part of a recording lacks what another part has
 _UNREADABLE = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, AssertionError)
 _WHOLE, _TINY = 1e15, 1e-3
@@ -45,20 +46,32 @@ class Parts:
 
 
 def run_view(
-    run: StoredRun, columns: Sequence[str], output: str, parts: Parts, *, is_reduced: bool
+    run: StoredRun,
+    columns: Sequence[str],
+    output: str,
+    parts: Parts,
+    links: Sequence[tuple[str, str, str]],
+    *,
+    is_reduced: bool,
 ) -> dict[str, Any]:
     """Return everything that the templates print of a run, and what its plots need.
 
     columns: of `cases.csv` that are inputs. output: the folder as a command line names it.
+    links: its files: what each is, its name below `output`, its address from the page.
     is_reduced: smallest and largest values in place of all samples. Raises UserError for a
     recording that is damaged, or that another version wrote.
     """
     with readable(run, "what it left"):
-        return _view(run, columns, output, parts, is_reduced)
+        return _view(run, columns, output, parts, links, is_reduced)
 
 
 def _view(
-    run: StoredRun, columns: Sequence[str], output: str, parts: Parts, is_reduced: bool
+    run: StoredRun,
+    columns: Sequence[str],
+    output: str,
+    parts: Parts,
+    links: Sequence[tuple[str, str, str]],
+    is_reduced: bool,
 ) -> dict[str, Any]:
     case, info = run.case, _info(run, parts.findings)
     trace = _trace(run)
@@ -75,6 +88,8 @@ def _view(
         )
         pictures = _pictures(run, trace, info, drawn[0], parts.topics)
     checks = [_check(row) for row in run.checks]
+    commands = [["replay", output, run.recorded]] if run.file else []
+    commands += [["bus", f"{output}/{name}"] for what, name, _ in links if what == BUS_LOG][:1]
     inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
     return {
         "id": run.run,
@@ -104,9 +119,10 @@ def _view(
         "events": event_rows(info),
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
-        "replay": shlex.join(["axisrig", "replay", output, run.recorded]) if run.file else "",
+        "commands": [shlex.join(["axisrig", *words]) for words in commands],
         "chart": drawn[0],
         "data": drawn[1],
+        "links": links,
         "find": _find_text(run, alarms, inputs),
     }
 
