@@ -138,7 +138,7 @@ def test_a_run_is_told_by_its_first_worst_check() -> None:
 def test_a_run_that_was_not_judged_is_told_by_its_error() -> None:
     empty = [{"metric": "lag_mm_max", "value": "", "verdict": "error"}]
     assert run_sentence(Verdict.ERROR, "FMU failed", empty) == "no verdict: FMU failed"
-    assert run_sentence(Verdict.ABORTED, "Ctrl-C", empty) == "stopped: Ctrl-C"
+    assert run_sentence(Verdict.ABORTED, "stopped with Ctrl-C", empty) == "stopped with Ctrl-C"
     assert run_sentence(Verdict.FAIL, None, []) == "no check"
     good = [row("lag_mm_max", "<= 0.5", 0.25)]
     assert (

@@ -212,7 +212,7 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
             ("program", program, posixpath.join(posixpath.dirname(plan), program)),
         ):
             if plan and shown and path:
-                files.append((what, shown, _relative(path, output)))
+                files.append((what, shown, relative_address(path, output)))
         return files
 
     return links
@@ -222,8 +222,8 @@ def _address(*parts: str) -> str:
     return quote(posixpath.join(*parts))
 
 
-def _relative(path: str, output: str) -> str:
-    """The address of a file from the results folder, both as a command line named them.
+def relative_address(path: str, output: str) -> str:
+    """Return the address of a file from the results folder, both as a command line named them.
 
     Empty where it depends on the folder of that command: one is absolute, or one is above it.
     """

@@ -44,7 +44,7 @@ def run_sentence(verdict: Verdict, error: str | None, checks: Sequence[Mapping[s
     error: why it ended without being judged. checks: its rows of `results.csv`.
     """
     if error and not any(row.get("value") for row in checks):
-        return f"stopped: {error}" if verdict is Verdict.ABORTED else f"no verdict: {error}"
+        return error if verdict is Verdict.ABORTED else f"no verdict: {error}"
     own = [row for row in checks if row.get("verdict") == verdict.word]
     if not own:
         return error or (f"no check is {verdict.word}" if checks else "no check")
