@@ -7,6 +7,7 @@ the end; Chromium reads file 3 and writes file 4.
 import base64
 import json
 import os
+import select
 import shutil
 import subprocess
 import tempfile
@@ -97,14 +98,7 @@ class Browser:
 
     def call(self, method: str, **params: Any) -> dict[str, Any]:
         """Send a command and wait for its answer. Raises RuntimeError for an error."""
-        self._number += 1
-        message: dict[str, Any] = {"id": self._number, "method": method, "params": params}
-        if self._session:
-            message["sessionId"] = self._session
-        data = json.dumps(message).encode() + b"\0"
-        while data:
-            data = data[os.write(self._write, data) :]
-        number = self._number
+        number = self._send(method, **params)
         while True:
             answer = self._next()
             if answer.get("id") == number:
@@ -112,6 +106,17 @@ class Browser:
                     raise RuntimeError(f"{method}: {answer['error']}")
                 return dict(answer["result"])
             self._take(answer)
+
+    def _send(self, method: str, **params: Any) -> int:
+        """Send a command; return its number."""
+        self._number += 1
+        message: dict[str, Any] = {"id": self._number, "method": method, "params": params}
+        if self._session:
+            message["sessionId"] = self._session
+        data = json.dumps(message).encode() + b"\0"
+        while data:
+            data = data[os.write(self._write, data) :]
+        return self._number
 
     def open(self, path: Path, hash_: str = "") -> float:
         """Open a file by its `file://` address; return the time until it was loaded, s."""
@@ -157,6 +162,8 @@ class Browser:
 
     def _next(self) -> dict[str, Any]:
         while b"\0" not in self._buffer:
+            if not select.select([self._read], [], [], _LONGEST_S)[0]:
+                raise RuntimeError(f"no answer of Chromium for {_LONGEST_S:g} s")
             data = os.read(self._read, 1 << 20)
             if not data:
                 raise RuntimeError("Chromium has ended")
@@ -177,5 +184,8 @@ class Browser:
             self.errors.append(str([arg.get("value") for arg in params["args"]]))
         elif method == "Log.entryAdded" and params["entry"]["level"] == "error":
             self.errors.append(params["entry"]["text"])
+        elif method == "Page.javascriptDialogOpening":  # would wait for a reader for ever
+            self.errors.append(f"dialog: {params['message']}")
+            self._send("Page.handleJavaScriptDialog", accept=True)
         elif method == "Network.requestWillBeSent":
             self.requested.append(params["request"]["url"])
