@@ -265,6 +265,7 @@ def _tested(runs: Sequence[StoredRun]) -> list[str]:
 def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
     """The header of the report: what is known about the campaign."""
     manifest, runs = results.manifest, results.runs
+    wall_s = sum(float(run.case["wall_s"]) for run in runs)
     facts = {
         "started": manifest.get("started"),
         "command": shlex.join(manifest.get("command", [])),
@@ -274,7 +275,7 @@ def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
         "CANopen drive in place of": "; ".join(_substituted(runs)),
         "simulated": _time_of(made.seconds["sim"]),
         "on a real bus": _time_of(made.seconds["real"]),
-        "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
+        "computed in": f"{wall_s:.1f} s" if wall_s else "",
         "of earlier calls": "; ".join(_earlier(manifest)),
     }
     return [(name, str(value)) for name, value in facts.items() if value]
@@ -299,7 +300,7 @@ def _runs(count: int) -> str:
 
 
 def _time_of(seconds: Sequence[float]) -> str:
-    return f"{sum(seconds):.3f} s in {_runs(len(seconds))}" if seconds else ""
+    return f"{sum(seconds):.3f} s in {_runs(len(seconds))}" if any(seconds) else ""
 
 
 def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
