@@ -122,7 +122,7 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
         view |= {"has_plans": has_plans}
         made.rows.append(Markup(pages.row.render(run=view)))
-        if view["failures"] or not view["is_good"]:
+        if run.is_in_plan and not view["is_good"]:
             card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
             made.cards.append((run.verdict, card))
         made.cells.append({name: view[name] for name in ("id", "case", "verdict")})

@@ -160,7 +160,7 @@ def read_results(folder: Path) -> StoredResults:
     manifest = read_manifest(folder)
     is_foreign = not (folder / "manifest.json").is_file()
     is_whole = is_foreign or bool(manifest.get("finished"))
-    lacking = (FOREIGN_RESULTS, FOREIGN_CASES | {"plan": folder.name}) if is_foreign else ({}, {})
+    lacking = (FOREIGN_RESULTS, {**FOREIGN_CASES, "plan": folder.name}) if is_foreign else ({}, {})
     checks: dict[str, list[Mapping[str, str]]] = {}
     for row in _rows(folder / "results.csv", RESULT_COLUMNS, lacking[0], is_whole):
         checks.setdefault(row["run"], []).append(row)
