@@ -38,7 +38,7 @@ def test_it_is_a_report_of_the_plan() -> None:
 
 def test_it_shows_a_pass_and_a_fail() -> None:
     """One row fails on purpose: a report of passed runs alone shows half of what it is for."""
-    runs = re.findall(r'<article class="run" id="sample-([\w-]+)" data-verdict="(\w+)">', REPORT)
+    runs = re.findall(r'<tbody id="sample-([\w-]+)" data-verdict="(\w+)"', REPORT)
     late = {case: "fail" if case == "probe-late" else "pass" for case in SAMPLE}
     assert dict(runs) == late
 

@@ -5,8 +5,6 @@ either table.
 """
 
 import ast
-import json
-import re
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -18,6 +16,7 @@ from tests.exercise.lag import section, signals, words
 from tests.exercise.lag.findings import lag_blocks, lag_events
 from tests.exercise.lag.metrics import LAG_METRICS, LAG_PEAK
 from tests.recordings import MS, facts, kept
+from tests.reports.pages import opened, whole
 
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
 from axisrig.bench.judge.observed.observed import Observed
@@ -100,19 +99,20 @@ def test_its_section_is_on_the_page(tmp_path: Path) -> None:
     """Read back from what was stored; without its lines the page has nothing of it."""
     out = written(tmp_path)
     mine = partial(findings, topics=ALL)
-    page = build_report(out, findings=mine, topics=ALL_SHOWN).read_text(encoding="utf-8")
+    path = build_report(out, findings=mine, topics=ALL_SHOWN)
+    page = whole(path)
     assert "Z lags most at 30 ms: 0.25 mm" in page
     assert "Z: largest lag" in page
     assert "lag_peak_mm:Z" in page
     assert words.LEGEND in page
-    (drawn,) = re.findall(r'class="chart">(.*?)</script>', page)
-    chart = json.loads(drawn)
+    (run,) = opened(path).values()
+    chart = run.chart
     assert "lag_um" in [plot["plot"] for plot in chart["plots"]]
     assert [limit["value"] for limit in chart["limits"]] == pytest.approx([0.0, 1000.0 * PEAK_MM])
     assert chart["windows"][1] == {
         "label": "lag of Z", "start_ns": (PEAK_ROW - 5) * MS, "end_ns": (PEAK_ROW + 5) * MS
     }  # fmt: skip
-    without = build_report(out).read_text(encoding="utf-8")
+    without = whole(build_report(out))
     assert "lags most" not in without
     assert "lag_peak_mm:Z" in without  # its check is a row of the results
 

@@ -9,8 +9,9 @@ import pytest
 from tests.recordings import MS, facts, kept
 
 from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import judged
+from axisrig.bench.judge.topics import judged, sampled
 from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.axes import AxisRecord
 from axisrig.kernel.errors import UserError
@@ -144,5 +145,7 @@ def test_what_a_plan_refuses(
 
 def test_a_statistic_takes_it_as_any_other(tmp_path: Path, recording: Observed) -> None:
     case = _case(tmp_path, GOOD, "check:mean(lag_peak)", "<= 0.3")
-    _, (result, _) = judged(recording, case.checks, module=case.module)
-    assert result.value == pytest.approx(PEAK_MM)
+    check = case.checks[0]
+    assert isinstance(check, StatisticCheck)
+    found = sampled(recording, [check], module=case.module)
+    assert [reading.metric.value for reading in found["mean(lag_peak)"]] == [PEAK_MM]

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.reports.pages import whole
 
 from axisrig.bench.campaign.campaign import run_campaign
 from axisrig.bench.campaign.checking import check_file
@@ -140,8 +141,7 @@ def test_results_report_and_command_line_name_the_axes(tmp_path: Path) -> None:
         (row,) = csv.DictReader(file)
     assert (row["unproved_latches"], row["verdict"]) == ("Z", "inconclusive")
     assert campaign.exit_code == 3
-    build_report(tmp_path / "out")
-    page = (tmp_path / "out" / "report.html").read_text("utf-8")
+    page = whole(build_report(tmp_path / "out"))
     assert "<dt>unproved latches</dt><dd>Z " in page
     told = run_program(tmp_path / "z.nc", tmp_path / "rig.toml", [SURFACE], [], lambda _text: None)
     assert [note.text for note in told if note.text.startswith("axis Z: unproved latches: 1")]

@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import re
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
@@ -11,6 +10,7 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from results_setup import TEXT, add, rows, run_case, write
+from tests.reports.pages import opened
 
 from axisrig.bench.campaign.campaign import show_verdicts
 from axisrig.bench.campaign.results.stored import read_results
@@ -137,9 +137,8 @@ def test_only_results_folders_are_cleared(plan: Plan, tmp_path: Path) -> None:
 
 def test_limits_of_magnitudes_are_drawn_on_both_sides(plan: Plan, tmp_path: Path) -> None:
     out = write(tmp_path / "out", plan, [0])
-    page = build_report(out).read_text(encoding="utf-8")
-    (drawn,) = re.findall(r'class="chart">(.*?)</script>', page)
-    chart = json.loads(drawn)
+    (run,) = opened(build_report(out)).values()
+    chart = run.chart
     assert [(limit["plot"], limit["axis"], limit["value"]) for limit in chart["limits"]] == [
         ("lag", "Z", 2.0),
         ("lag", "Z", -2.0),

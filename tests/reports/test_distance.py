@@ -9,6 +9,7 @@ import pyarrow as pa
 import pytest
 from tests.reports.distances import MS, info, law, samples, trace
 from tests.reports.formulas import made, write_runs
+from tests.reports.pages import opened, whole
 from tests.reports.test_report import Page
 
 from axisrig.bench.oracles.distance.lists import Control
@@ -252,14 +253,14 @@ def test_the_page_tells_it_and_stays_the_same(results: Path) -> None:
     """Every drawing has words, tables have captions, nothing comes from outside, few bytes."""
     first = build_report(results, findings=made(FINDINGS)).read_bytes()
     assert build_report(results, findings=made(FINDINGS)).read_bytes() == first
-    page = Page(first.decode())
+    page = Page(whole(first.decode()))
     found = [a for a in page.find("section") if a.get("class") == "stop distance"]
     assert len(found) == len(SAMPLES)
     assert all(a.get("aria-label") for a in page.find("svg"))
     assert len(page.find("caption")) == len(page.find("table"))
     text = " ".join(" ".join(page.text).split())
     assert "kp 1 is above the limit 0.619 for 1 dead cycle and mean of 4" in text
-    article = first.decode().split('id="distance-oscillates"')[1].split('<div class="body">')[0]
+    article = opened(first.decode())["distance-oscillates"].html.split('<div class="body">')[0]
     assert len(article) < 9_000
 
 

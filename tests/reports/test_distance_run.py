@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 from tests.recordings import only_run
+from tests.reports.pages import whole
 from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
@@ -39,7 +40,7 @@ def run(plan: Path, out: Path, *more: str) -> tuple[dict[str, Any], str]:
     told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out), *more])
     assert told.exit_code == 0, told.output
     (control,) = findings(only_run(out))["distance"]
-    page = Page((out / "report.html").read_text(encoding="utf-8"))
+    page = Page(whole(out / "report.html"))
     return control, " ".join(" ".join(page.text).split())
 
 
@@ -142,7 +143,7 @@ def test_a_loop_whose_poles_nobody_knows_is_told_as_such(
     out = tmp_path / "out"
     told = CliRunner().invoke(app, ["run", str(plan), "-o", str(out)])
     assert told.exit_code == 1  # a metric without a number does not pass
-    text = " ".join(Page((out / "report.html").read_text(encoding="utf-8")).text)
+    text = " ".join(Page(whole(out / "report.html")).text)
     assert f"the limit of kp is not known, {reason}" in " ".join(text.split())
 
 

@@ -3,7 +3,6 @@
 import base64
 import gzip
 import json
-import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -16,6 +15,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from tests.reports.pages import opened
 
 from axisrig.reports.build import build_report
 from axisrig.reports.parts.encode import encode_signal, pack
@@ -78,19 +78,11 @@ def test_no_value_is_off_by_more_than_half_a_step(values: Array) -> None:
     assert (off <= 0.5e-6 + np.spacing(np.abs(values))).all()
 
 
-def _charts(page: str) -> list[tuple[dict[str, Any], str]]:
-    pattern = (
-        r'class="chart">(.*?)</script>\s*<script type="text/plain" class="data">(.*?)</script>'
-    )
-    return [(json.loads(a), b) for a, b in re.findall(pattern, page, re.DOTALL)]
-
-
 def test_the_page_holds_every_sample_of_the_trace(campaign: Path) -> None:
-    page = build_report(campaign).read_text(encoding="utf-8")
-    charts = _charts(page)
-    assert len(charts) == 12
+    runs = opened(build_report(campaign))
+    assert sum(bool(run.packed) for run in runs.values()) == 12
     trace = pq.read_table(campaign / "traces" / "probing-feed_1_a.parquet")
-    chart, packed = charts[0]
+    chart, packed = runs["probing-feed_1_a"].chart, runs["probing-feed_1_a"].packed
     octets, offset = gzip.decompress(base64.b64decode(packed)), 0
     for head in chart["columns"]:
         size = head["planes"] * chart["rows"]
@@ -108,17 +100,18 @@ def test_the_script_of_the_page_decodes_what_python_encodes(tmp_path: Path) -> N
     """Runs the page's own `unpack` and `column` in node."""
     values = np.array([0.0, 4000.000001, -4000.0, np.nan, -1e-6, 12.345678])
     head, octets = encode_signal(values, 6)
-    script = (Path(build_report.__code__.co_filename).parent / "page.js").read_text("utf-8")
-    functions = script[
-        script.index("async function unpack") : script.index("async function decode")
-    ]
+    folder = Path(build_report.__code__.co_filename).parent
+    library = folder / "vendor" / "pako" / "pako_inflate.min.js"
+    script = (folder / "plots.js").read_text("utf-8")
+    functions = script[script.index("function unpack") : script.index("/* The signals of a run")]
     heads = json.dumps({"start": head.start, "planes": head.planes, "digits": 6, "gaps": head.gaps})
-    (tmp_path / "decode.mjs").write_text(
-        f"{functions}\nunpack({json.dumps(pack([octets]))}).then((o) =>"
-        f" console.log(JSON.stringify(column(o, 0, {len(values)}, {heads}))));\n",
+    (tmp_path / "decode.cjs").write_text(
+        f"const pako = require({json.dumps(str(library))});\n{functions}\n"
+        f"console.log(JSON.stringify(column(unpack({json.dumps(pack([octets]))}), 0,"
+        f" {len(values)}, {heads})));\n",
         encoding="utf-8",
     )
     out = subprocess.run(
-        ["node", str(tmp_path / "decode.mjs")], capture_output=True, text=True, check=True
+        ["node", str(tmp_path / "decode.cjs")], capture_output=True, text=True, check=True
     )
     assert json.loads(out.stdout) == [0, 4000.000001, -4000, None, -1e-6, 12.345678]

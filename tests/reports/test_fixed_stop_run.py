@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 from tests.recordings import only_run
+from tests.reports.pages import whole
 from tests.reports.test_report import Page
 from typer.testing import CliRunner
 
@@ -34,7 +35,7 @@ def test_the_timeline_shows_what_the_bench_tells(tmp_path: Path) -> None:
     assert told.exit_code == 0, told.output
     (stop,) = findings(only_run(out))["fixed_stop"]
     marks = {mark["key"]: mark for mark in stop["marks"] if mark["axis"] in ("X2", None)}
-    page = Page((out / "report.html").read_text(encoding="utf-8"))
+    page = Page(whole(out / "report.html"))
     text = " ".join(" ".join(page.text).split())
     assert "stop found" in text
     since_ns = marks["detected"]["measured_ns"] - marks["contact"]["measured_ns"]

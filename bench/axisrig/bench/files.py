@@ -4,7 +4,7 @@ import errno
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -40,10 +40,16 @@ def beside(path: Path) -> Path:
 
 def write_whole(path: Path, text: str) -> None:
     """Write a file that is there as a whole or not at all; raises OSError with its name."""
+    write_parts(path, (text,))
+
+
+def write_parts(path: Path, parts: Iterable[str]) -> None:
+    """Write the parts of a text one after the other, as `write_whole` does."""
     new = beside(path)
     try:
         with naming(path):
-            new.write_text(text, encoding="utf-8", newline="")
+            with new.open("w", encoding="utf-8", newline="") as file:
+                file.writelines(parts)
             new.replace(path)
     except OSError:
         new.unlink(missing_ok=True)

@@ -1,68 +1,50 @@
 """Builds `report.html`: one page that opens offline by double click, from the result files alone.
 
-Equal result folders give equal bytes: the page holds no clock and no path of the machine.
+Equal result folders give equal bytes: the page holds no clock and no path of the machine. Runs are
+made one at a time: their rows and failures are text of some kilobytes, what they open is packed
+into a temporary file and appended at the end.
 """
 
-import math
+import base64
+import gzip
+import json
+import os
+import posixpath
 import shlex
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
-from decimal import Decimal
-from importlib import resources
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryFile
+from typing import IO, Any
+from urllib.parse import quote
 
-import pyarrow as pa
-from jinja2 import Environment, FunctionLoader, StrictUndefined
+from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import (
-    NOTE,
     RECORDED_IN,
+    RECORDINGS,
     StoredResults,
     StoredRun,
     read_results,
 )
-from axisrig.bench.files import write_whole
-from axisrig.bench.judge.observed.event import BESIDES
-from axisrig.bench.judge.observed.observed import Observed
-from axisrig.bench.judge.topics import findings, shown_facts
-from axisrig.bench.plan.checks import parse_check, plot_limits
+from axisrig.bench.files import write_parts
+from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.series import Series
-from axisrig.kernel.errors import UserError
 from axisrig.reports.glossary import glossary
-from axisrig.reports.parts.bar import bar
-from axisrig.reports.parts.realtime import real_time
+from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
-from axisrig.reports.signals import chart
+from axisrig.reports.run import BUS_LOG, SECTION, Findings, Parts, run_view, verdict_words
+from axisrig.reports.statistics.section import statistics_section, statistics_style
 from axisrig.reports.topics import TOPICS
 
-Findings = Callable[[Observed], Mapping[str, Any]]
-"""What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
-
-_SECTION = "section.html"
-# What comes up where a part of a recording lacks what another part has
-_UNREADABLE = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, AssertionError)
-_WHOLE, _TINY = 1e15, 1e-3
-_SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
-
-
-@dataclass(frozen=True)
-class _Parts:
-    """Who says what is shown of a run, and the topics that show it."""
-
-    findings: Findings
-    topics: Sequence[ReportTopic]
-
-    def template(self, name: str) -> str:
-        """Return a template of the page; `<topic>/section.html` is that of a topic."""
-        packages = {f"{topic.name}/{_SECTION}": topic.package for topic in self.topics}
-        if name in packages:
-            return resources.files(packages[name]).joinpath(_SECTION).read_text(encoding="utf-8")
-        return _file(name)
+WHOLE_BYTES = 40_000_000
+"""Packed signals of runs that did not pass are whole until they take so much."""
+CARDS = 100
+"""Failures that are shown with a picture; the others are rows of the table."""
+_TESTED = 8
+_BLOCK = 1 << 20
 
 
 def build_report(
@@ -70,72 +52,222 @@ def build_report(
     *,
     findings: Findings = findings,
     topics: Sequence[ReportTopic] = TOPICS,
+    is_full: bool = False,
 ) -> Path:
     """Write `report.html` into a results folder and return its path.
 
-    findings: of a recorded run, a block for each of the topics by its name. Raises UserError when
-    the folder is none, or a recording is damaged, OSError with the name of the file.
+    findings: of a recorded run, a block for each of the topics by its name. is_full: keep every
+    sample of every run; else a run that passed has smallest and largest values, with all samples
+    in the stretches that have a button.
+    Raises UserError when the folder is none, or a recording is damaged, OSError with the name of
+    the file.
     """
-    results, parts = read_results(results_dir), _Parts(findings, topics)
-    environment = Environment(
-        loader=FunctionLoader(parts.template),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    page = environment.get_template("page.html").render(
-        view=_page(results, parts),
-        style=Markup(_file("vendor/uplot/uPlot.min.css") + _file("style.css")),
-        library=Markup(_file("vendor/uplot/uPlot.iife.min.js")),
-        script=Markup(_file("page.js")),
-        licence=_file("vendor/uplot/LICENSE"),
-    )
     path = results_dir / "report.html"
-    write_whole(path, page)
+    results = read_results(results_dir)
+    pages = _Pages(Parts(findings, topics))
+    with TemporaryFile("w+", encoding="ascii", newline="") as store:
+        made = _made(results, pages, store, is_full=is_full)
+        head, tail = pages.page.render(_page(results, made, topics)).split(_STORE)
+        store.seek(0)
+        write_parts(path, (head, *iter(lambda: store.read(_BLOCK), ""), tail))
     return path
 
 
-def _file(name: str) -> str:
-    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+_STORE = "<!-- packed runs -->"
 
 
-def _page(results: StoredResults, parts: _Parts) -> dict[str, Any]:
-    """Everything the template prints."""
-    manifest = results.manifest
-    folder = manifest.get("output", results.folder.name)
-    output = str(manifest.get(RECORDED_IN, folder))
-    runs = []
-    for run in results.runs:
-        with _readable(run, "what it left"):
-            runs.append(_run(run, results.input_columns, output, parts))
-    counts = [
-        (_verdict(verdict), sum(run.verdict == verdict for run in results.planned))
-        for verdict in Verdict
-    ]
+class _Pages:
+    """The templates of the page."""
+
+    def __init__(self, parts: Parts) -> None:
+        self.parts = parts
+        self._packages = {f"{topic.name}/{SECTION}": topic.package for topic in parts.topics}
+        environment = Environment(
+            loader=FunctionLoader(self._text),
+            autoescape=True,
+            undefined=StrictUndefined,
+            trim_blocks=True,
+            lstrip_blocks=True,
+        )
+        self.page: Template = environment.get_template("page.html")
+        self.row: Template = environment.get_template("row.html")
+        self.card: Template = environment.get_template("card.html")
+        self.run: Template = environment.get_template("run.html")
+
+    def _text(self, name: str) -> str:
+        """Return a template; `<topic>/section.html` is that of a topic."""
+        if name in self._packages:
+            return shipped_text(SECTION, self._packages[name])
+        return shipped_text(name)
+
+
+@dataclass
+class _Made:
+    """What is kept of the runs until the page is written."""
+
+    rows: list[Markup] = field(default_factory=list)
+    cards: list[tuple[Verdict, Markup]] = field(default_factory=list)
+    cells: list[Mapping[str, Any]] = field(default_factory=list)
+    seconds: dict[str, list[float]] = field(default_factory=lambda: {"sim": [], "real": []})
+
+
+def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: bool) -> _Made:
+    made, spent = _Made(), 0
+    output = _output(results)
+    links, columns = _links(results), results.input_columns
+    has_plans = len({run.case["plan"] for run in results.runs}) > 1
+    for stored in results.runs:
+        run = replace(stored)  # what it reads goes with it
+        is_whole = is_full or (run.verdict is not Verdict.PASS and spent < WHOLE_BYTES)
+        view = run_view(run, columns, output, pages.parts, links(run), is_reduced=not is_whole)
+        spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
+        view |= {"has_plans": has_plans}
+        made.rows.append(Markup(pages.row.render(run=view)))
+        if run.is_in_plan and not view["is_good"]:
+            card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
+            made.cards.append((run.verdict, card))
+        made.cells.append({name: view[name] for name in ("id", "case", "verdict")})
+        made.seconds["real" if view["clock"] == "ran" else "sim"].append(float(run.case["sim_s"]))
+        store.write(_packed(view, pages.run.render(run=view)))
+    return made
+
+
+def _packed(view: Mapping[str, Any], body: str) -> str:
+    """What a run opens: its page and the description of its plots, and after a line the signals."""
+    content = json.dumps({"html": body, "chart": view["chart"]}, ensure_ascii=False)
+    octets = gzip.compress(content.encode(), compresslevel=6, mtime=0)
+    text = base64.b64encode(octets).decode()
+    return (
+        f'<script type="text/plain" class="stored" data-run="{view["id"]}">'
+        f"{text}\n{view['data']}</script>\n"
+    )
+
+
+def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) -> dict[str, Any]:
+    """Everything the template of the whole page prints."""
+    manifest, planned = results.manifest, results.planned
+    verdicts = Counter(run.verdict for run in planned)
+    cards = sorted(made.cards, key=lambda card: -card[0])
     return {
-        "plans": list(dict.fromkeys(run.case["plan"] for run in results.runs)),
-        "verdict": _verdict(results.verdict),
-        "counts": counts,
-        "missing": results.missing,
-        "done": len(results.planned),
-        "planned": results.runs_planned,
-        "facts": _facts(results),
-        "files": _files(manifest),
-        "packages": manifest.get("packages", {}),
-        "runs": runs,
-        "legends": [topic.legend for topic in parts.topics if topic.legend],
-        "glossary": glossary(),
+        "view": {
+            "plans": list(dict.fromkeys(run.case["plan"] for run in results.runs)),
+            "verdict": verdict_words(results.verdict),
+            "counts": [(verdict_words(verdict), verdicts[verdict]) for verdict in Verdict],
+            "missing": results.missing,
+            "done": len(planned),
+            "planned": results.runs_planned,
+            "tested": _tested(results.runs),
+            "facts": _facts(results, made),
+            "files": _files(manifest),
+            "packages": manifest.get("packages", {}),
+            "failed": len(made.cards),
+            "cards": [card for _, card in cards if card],
+            "cells": made.cells,
+            "rows": made.rows,
+            "legends": [topic.legend for topic in topics if topic.legend],
+            "glossary": glossary(),
+        },
+        "statistics": statistics_section(results),
+        "style": page_style() + statistics_style(),
+        "scripts": plot_scripts(),
+        "script": Markup(shipped_text("page.js")),
+        "licences": licences(),
+        "store": Markup(_STORE),
     }
 
 
-def _verdict(verdict: Verdict) -> dict[str, str]:
-    return {"word": verdict.word, "glyph": verdict.glyph}
+def _output(results: StoredResults) -> str:
+    """The folder with the recordings as the command line named it."""
+    folder = results.manifest.get("output", results.folder.name)
+    return str(results.manifest.get(RECORDED_IN, folder))
 
 
-def _facts(results: StoredResults) -> list[tuple[str, str]]:
+# ---- where files are, from the page
+
+
+def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str, str]]]:
+    """Return what gives the files of a run: what it is, its name, and the address from the page."""
+    manifest = results.manifest
+    base = str(manifest.get(RECORDINGS, "")).replace(os.sep, "/")
+    plans = {plan["name"]: plan["path"] for plan in manifest.get("plans", [])}
+    output = str(manifest.get("output", ""))
+    logs: dict[str, list[str]] = {}
+    folder = results.folder / base / "bus"
+    for log in sorted(folder.iterdir()) if folder.is_dir() else []:
+        logs.setdefault(log.stem, []).append(log.name)
+
+    def links(run: StoredRun) -> list[tuple[str, str, str]]:
+        found = []
+        if run.trace is not None:
+            found.append(("signals", "traces", run.trace.name))
+        if run.file is not None:
+            found.append(("facts", "runs", run.file.name))
+        found += [(BUS_LOG, "bus", name) for name in logs.get(run.recorded, [])]
+        files = [
+            (what, f"{place}/{name}", _address(base, place, name)) for what, place, name in found
+        ]
+        plan = plans.get(run.case["plan"], "").replace("\\", "/")
+        program = run.case.get("program", "").replace("\\", "/")
+        row = run.checks[0]["reference"] if run.checks else ""
+        for what, shown, path in (
+            ("plan", row or posixpath.basename(plan), plan),
+            ("program", program, posixpath.join(posixpath.dirname(plan), program)),
+        ):
+            if plan and shown and path:
+                files.append((what, shown, relative_address(path, output)))
+        return files
+
+    return links
+
+
+def _address(*parts: str) -> str:
+    return quote(posixpath.join(*parts))
+
+
+def relative_address(path: str, output: str) -> str:
+    """Return the address of a file from the results folder, both as a command line named them.
+
+    Empty where it depends on the folder of that command: one is absolute, or one is above it.
+    """
+    path, output = posixpath.normpath(path), posixpath.normpath(output.replace("\\", "/"))
+    is_absolute = posixpath.isabs(path), posixpath.isabs(output)
+    if is_absolute[0] != is_absolute[1] or ".." in (path.split("/")[0], output.split("/")[0]):
+        return ""
+    return (
+        quote(posixpath.relpath(path, output))
+        if all(is_absolute)
+        else quote(posixpath.relpath(f"/{path}", f"/{output}"))
+    )
+
+
+# ---- the header
+
+
+def _tested(runs: Sequence[StoredRun]) -> list[str]:
+    """What was tested on what: programs and rigs, the most frequent first."""
+
+    def name(path: str) -> str:
+        return path.replace("\\", "/").rpartition("/")[2]
+
+    pairs = Counter(
+        (name(run.case.get("program", "")), name(run.case.get("rig", ""))) for run in runs
+    )
+    known = [(pair, count) for pair, count in pairs.most_common() if any(pair)]
+    words = [
+        f"{' on '.join(part for part in pair if part)}: {_runs(count)}"
+        for pair, count in known[:_TESTED]
+    ]
+    more = known[_TESTED:]
+    if more:
+        count = sum(count for _, count in more)
+        words.append(f"{len(more)} more programs and rigs: {_runs(count)}")
+    return words
+
+
+def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
     """The header of the report: what is known about the campaign."""
     manifest, runs = results.manifest, results.runs
+    wall_s = sum(float(run.case["wall_s"]) for run in runs)
     facts = {
         "started": manifest.get("started"),
         "command": shlex.join(manifest.get("command", [])),
@@ -143,18 +275,12 @@ def _facts(results: StoredResults) -> list[tuple[str, str]]:
         "Python": manifest.get("python"),
         "platform": manifest.get("platform"),
         "CANopen drive in place of": "; ".join(_substituted(runs)),
-        "rigs": ", ".join(dict.fromkeys(run.case.get("rig", "") for run in runs)),
-        "simulated": _time_of([run for run in runs if not _is_real(run)]),
-        "on a real bus": _time_of([run for run in runs if _is_real(run)]),
-        "computed in": f"{sum(float(run.case['wall_s']) for run in runs):.1f} s",
+        "simulated": _time_of(made.seconds["sim"]),
+        "on a real bus": _time_of(made.seconds["real"]),
+        "computed in": f"{wall_s:.1f} s" if wall_s else "",
         "of earlier calls": "; ".join(_earlier(manifest)),
     }
     return [(name, str(value)) for name, value in facts.items() if value]
-
-
-def _is_real(run: StoredRun) -> bool:
-    facts = run.recording.facts
-    return facts is not None and facts.real_time is not None
 
 
 def _substituted(runs: Sequence[StoredRun]) -> list[str]:
@@ -175,215 +301,11 @@ def _runs(count: int) -> str:
     return f"{count} run{'s' if count > 1 else ''}"
 
 
-def _time_of(runs: list[StoredRun]) -> str:
-    if not runs:
-        return ""
-    total_s = sum(float(run.case["sim_s"]) for run in runs)
-    return f"{total_s:.3f} s in {_runs(len(runs))}"
+def _time_of(seconds: Sequence[float]) -> str:
+    return f"{sum(seconds):.3f} s in {_runs(len(seconds))}" if any(seconds) else ""
 
 
 def _files(manifest: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Files of the campaign with their SHA-256."""
     plans = {plan["path"]: plan["sha256"] for plan in manifest.get("plans", [])}
     return list({**plans, **manifest.get("files", {}), **manifest.get("fmus", {})}.items())
-
-
-def _run(run: StoredRun, columns: list[str], output: str, parts: _Parts) -> dict[str, Any]:
-    case, info = run.case, _info(run, parts.findings)
-    trace = _trace(run)
-    alarms = [_alarm(alarm) for alarm in info["alarms"]]
-    told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
-    sections = []
-    for topic in parts.topics:
-        with _readable(run, topic.name):
-            found = topic.sections(info, trace, run.run, told)
-        sections.append({"template": f"{topic.name}/{_SECTION}", "found": found})
-    with _readable(run, "trace"):
-        description, packed = ({}, "") if trace is None else chart(trace, info, parts.topics)
-    checks = [_check(row) for row in run.checks]
-    replaced = case.get("drive_substituted", "")
-    inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
-    return {
-        "id": run.run,
-        "case": run.run.removeprefix(f"{case['plan']}-"),
-        "verdict": _verdict(run.verdict),
-        "is_in_plan": run.is_in_plan,
-        "title": case.get("title", ""),
-        "about": [
-            *((n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)),
-            *([("CANopen drive in place of", replaced)] if replaced else []),
-        ],
-        "inputs": inputs,
-        "seed": case["seed"],
-        "clock": "ran" if info.get("real_time") else "simulated",
-        "sim_s": f"{float(case['sim_s']):.3f}",
-        "alarms": alarms,
-        "hash": case["frame_log_sha256"],
-        "unproved": case.get("unproved_latches", ""),
-        "checks": checks,
-        # A run that ended before it could be judged needs one line, not one for each check.
-        "unjudged": bool(info.get("error")) and not any(row["value"] for row in run.checks),
-        "error": info.get("error"),
-        "messages": info.get("messages", []),
-        "log": info.get("log", []),
-        "sections": sections,
-        "events": _events(info),
-        "real_time": real_time(info.get("real_time")),
-        "buses": [_bus(bus) for bus in info.get("bus", [])],
-        "replay": shlex.join(["axisrig", "replay", output, run.recorded]),
-        "chart": description,
-        "data": packed,
-    }
-
-
-@contextmanager
-def _readable(run: StoredRun, block: str) -> Iterator[None]:
-    """Raise UserError for a part of a run that was edited, or that another version wrote."""
-    try:
-        yield
-    except _UNREADABLE as error:
-        raise UserError(
-            f"`{block}` of run {run.run} cannot be read: {_one_line(error)}",
-            hint="run the case again with this version",
-        ) from error
-
-
-def _one_line(error: Exception) -> str:
-    return repr(error) if type(error) is KeyError else str(error).strip().partition("\n")[0]
-
-
-def _info(run: StoredRun, findings: Findings) -> dict[str, Any]:
-    """What is shown of a run beside its checks: the findings, and limits to draw."""
-    facts = run.recording.facts
-    found: dict[str, Any] = {"alarms": [], "log": run.log, "error": run.error}
-    if facts is not None:
-        found = shown_facts(facts)
-        found |= {} if run.trace is None else findings(Observed(facts, Series(run.trace)))
-    checks = []
-    for row in run.checks:
-        with suppress(UserError):  # a metric of another version
-            checks.append(parse_check(row["metric"], row["check"], row["reference"]))
-    return found | {"limits": [limit for check in checks for limit in plot_limits(check)]}
-
-
-def _trace(run: StoredRun) -> pa.Table | None:
-    """The signals of a run, None when it left none. Raises UserError when they are damaged."""
-    if run.trace is None:
-        return None
-    trace = Series(run.trace).table()
-    for name, column in zip(trace.column_names, trace.columns, strict=True):
-        kind = column.type
-        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
-            raise UserError(f"the trace is damaged: {name!r} holds no numbers", file=run.trace)
-    return trace
-
-
-def _alarm(alarm: Mapping[str, Any]) -> dict[str, str]:
-    """An alarm with what it says; short: its first sentence, without the place in the program."""
-    place = f" ({alarm['place']})" if alarm["place"] else ""
-    text = alarm["text"].partition(": ")[2]
-    return {
-        "id": str(alarm["id"]),
-        "text": f"{BESIDES}{text}" if alarm["is_further"] else text,
-        "short": text.replace(place, "", 1).partition(". ")[0],
-    }
-
-
-def _check(row: Mapping[str, str]) -> dict[str, Any]:
-    uncertainty = float(row["uncertainty"])
-    return {
-        "metric": row["metric"],
-        "condition": row["check"],
-        "value": _short(row["value"]),
-        "full": row["value"],
-        "unit": _unit(row["unit"]),
-        "uncertainty": _plain(uncertainty, 2) if uncertainty else "",
-        "verdict": _verdict(Verdict.of(row["verdict"])),
-        "reference": row["reference"],
-        "note": row.get(NOTE, ""),
-        "bar": _bar(row, uncertainty),
-    }
-
-
-def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
-    """The drawing of value and limits, or nothing where there is no number to draw."""
-    lower, upper = _number(row["lower"]), _number(row["upper"])
-    value = _number(row["value"])
-    # Between equal limits there is nothing to draw
-    limited = lower != upper
-    if value is None or not limited or not math.isfinite(uncertainty):
-        return Markup("")
-    label = (
-        f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
-    )
-    return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
-
-
-def _unit(name: str) -> str:
-    """A unit of the result files as a reader writes it."""
-    return name.replace("um", "µm").replace("pct", "%")
-
-
-def _number(text: str) -> float | None:
-    try:
-        number = float(text)
-    except ValueError:
-        return None
-    return number if math.isfinite(number) else None
-
-
-def _short(text: str) -> str:
-    """A number with the digits that a reader compares; any other or short text as it is."""
-    number = _number(text)
-    if number is not None and number.is_integer() and abs(number) < _WHOLE:
-        return f"{number:.0f}"
-    if number is None or len(text) <= 9:
-        return text
-    return _plain(number, 7 if abs(number) >= _TINY else 3)
-
-
-def _plain(number: float, digits: int) -> str:
-    """A number with so many significant digits, without exponent where that stays short."""
-    text = f"{number:.{digits}g}"
-    if "e-" in text and abs(number) >= 1e-7:
-        text = f"{Decimal(text):f}"
-    return text
-
-
-def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
-    """The figures of a segment as the table prints them."""
-    return {
-        "segment": bus["segment"],
-        "bitrate": f"{bus['bitrate'] / 1000:g} kbit/s",
-        "loads": [f"{bus[key]:.1f}" for key in ("load_pct", "load_100ms_pct", "load_1ms_pct")],
-        "frames": bus["frames"],
-        "error_frames": bus["error_frames"],
-        "overload": bus["overload"],
-        "counters": [
-            {"port": port, "tec": tec, "rec": rec, "state": state}
-            for port, tec, rec, state in bus["counters"]
-        ],
-        "waiting": [
-            {"name": wait["name"], "id": f"{wait['can_id']:03X}", "us": f"{wait['worst_us']:.1f}"}
-            for wait in bus["waiting"]
-        ],
-    }
-
-
-def _events(info: Mapping[str, Any]) -> list[dict[str, str]]:
-    """Events with their time, and the time since the contact (else the edge) before them."""
-    rows, origin_ns = [], None
-    for event in info.get("events", []):
-        if event["kind"] == "contact" or (event["kind"] == "edge" and origin_ns is None):
-            origin_ns = event["time_ns"]
-        since = "" if origin_ns is None else f"{(event['time_ns'] - origin_ns) / 1e6:.6f}"
-        rows.append(
-            {
-                "time": f"{event['time_ns'] / 1e6:.6f}",
-                "since": since,
-                "kind": event["kind"],
-                "label": event["label"],
-                "axis": event["axis"] or "",
-            }
-        )
-    return rows

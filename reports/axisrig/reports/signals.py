@@ -1,10 +1,8 @@
 """From a trace to plots: which signal goes where, and which stretch of time is worth looking at."""
 
-import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
-from importlib import resources
 from typing import Any
 
 import numpy as np
@@ -12,6 +10,8 @@ import pyarrow as pa
 
 from axisrig.bench.record.series import values_of
 from axisrig.reports.parts.encode import encode_signal, pack
+from axisrig.reports.parts.envelope import envelope
+from axisrig.reports.parts.shipped import shipped_table
 from axisrig.reports.parts.topic import Plots, ReportTopic
 from axisrig.reports.topics import TOPICS
 
@@ -50,37 +50,32 @@ def signals() -> Mapping[str, Signal]:
     """Read `signals.csv`, keyed by the part of the column name after the first point."""
     return {
         row["suffix"]: Signal(**{**row, "digits": int(row["digits"])})
-        for row in table("signals.csv")
+        for row in shipped_table("signals.csv")
     }
 
 
-def table(name: str) -> list[dict[str, Any]]:
-    """Read a CSV file of this package."""
-    text = resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
-    return list(csv.DictReader(text.splitlines()))
-
-
 def chart(
-    content: pa.Table, info: Mapping[str, Any], topics: Sequence[ReportTopic] = TOPICS
+    content: pa.Table,
+    info: Mapping[str, Any],
+    topics: Sequence[ReportTopic] = TOPICS,
+    *,
+    is_reduced: bool = False,
 ) -> tuple[dict[str, Any], str]:
     """Return what the page needs to draw a run: the description, and the packed signals.
 
-    content: its trace. info: what is shown of it (events, limits, a block for each topic). The
-    description is empty when the trace is.
+    content: its trace. info: what is shown of it (events, limits, a block for each topic).
+    is_reduced: keep smallest and largest values only (`parts.envelope`); `rows` of the description
+    is then below `rows_recorded`. The description is empty when the trace is.
     """
     if content.num_rows == 0:
         return {}, ""
-    for topic in topics:
-        content = topic.with_signals(content, info)
+    content = with_signals(content, info, topics)
     added = [topic.plots(content, info) for topic in topics]
-    columns, parts = _encode(content)
     series = _series(content.column_names)
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
     time_ns = values_of(content.column("time_ns"))
     events = info.get("events", [])
-    description = {
-        "rows": content.num_rows,
-        "columns": columns,
+    description: dict[str, Any] = {
         "axes": axes,
         "axis": _first_axis(content, axes, events, added),
         "plots": [{**plot, "series": series[plot["plot"]]} for plot in _plots(series)],
@@ -93,7 +88,22 @@ def chart(
     }
     for plots in added:
         description |= plots.more
+    kept = content
+    if is_reduced:
+        stretches = [(window["start_ns"], window["end_ns"]) for window in description["windows"]]
+        kept = envelope(content, stretches)
+    columns, parts = _encode(kept)
+    description |= {"rows": kept.num_rows, "rows_recorded": content.num_rows, "columns": columns}
     return description, pack(parts)
+
+
+def with_signals(
+    content: pa.Table, info: Mapping[str, Any], topics: Sequence[ReportTopic] = TOPICS
+) -> pa.Table:
+    """Return a trace with the signals that the topics add."""
+    for topic in topics:
+        content = topic.with_signals(content, info)
+    return content
 
 
 def _encode(content: pa.Table) -> tuple[list[dict[str, Any]], list[bytes]]:
@@ -137,7 +147,7 @@ def _series(columns: Sequence[str]) -> dict[str, dict[str, list[dict[str, str]]]
 
 def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
     """The plots that have something to show, in the order of `plots.csv`, unknown ones last."""
-    known = [{**row, "height": int(row["height"])} for row in table("plots.csv")]
+    known = [{**row, "height": int(row["height"])} for row in shipped_table("plots.csv")]
     names = {row["plot"] for row in known}
     other = [
         {"plot": name, "title": name, "unit": "", "height": _height(name)}

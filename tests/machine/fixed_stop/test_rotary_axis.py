@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from tests.reports.pages import opened, whole
 
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.runner import run_case
@@ -66,12 +67,12 @@ def test_trace_and_report_are_in_degrees_and_newton_metres(
 
     with ResultsWriter(tmp_path / "out", [replace(PLAN, cases=(result.case,))], {}) as writer:
         writer.add(result)
-    page = build_report(tmp_path / "out").read_text(encoding="utf-8")
+    path = build_report(tmp_path / "out")
+    page, (run,) = whole(path), opened(path).values()
     assert "lag above 1.5° for 100 ms" in page
     assert "47.78 N.m at the end" in page
     assert "47.78 N " not in page
-    assert '"angle"' in page
-    assert '"torque"' in page
+    assert {"angle", "torque"} <= {plot["plot"] for plot in run.chart["plots"]}
 
 
 @pytest.mark.parametrize(

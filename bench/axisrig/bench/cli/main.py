@@ -31,6 +31,7 @@ from axisrig.bench.cli.options import (
     ChannelOption,
     ForceOption,
     FreshOption,
+    FullOption,
     InterfaceOption,
     IsolateOption,
     SegmentOption,
@@ -131,6 +132,7 @@ def run(
         typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
     ] = "blf",
     is_fresh: FreshOption = False,
+    is_full: FullOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
@@ -159,7 +161,7 @@ def run(
         ),
         bus_logs=log_kinds(bus_logs),
         is_fresh=is_fresh,
-        build_report=build_report,
+        build_report=partial(build_report, is_full=is_full),
     )
     show_campaign(campaign)
     raise typer.Exit(campaign.exit_code)
@@ -370,13 +372,17 @@ def replay(
 @rejecting
 def report(
     folder: Annotated[Path, typer.Argument(help="Results folder of a run.")],
+    is_full: FullOption = False,
 ) -> None:
-    """Write report.html again from a results folder."""
+    """Write report.html again from a results folder.
+
+    A folder of another tool needs cases.csv (run, verdict) and results.csv (run, metric, verdict).
+    """
     from axisrig.bench.campaign.results.folder import recover
     from axisrig.reports.build import build_report
 
     recover(folder)
-    print(build_report(folder))
+    print(build_report(folder, is_full=is_full))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -40,6 +40,9 @@ AsCanopenOption = Annotated[
 FreshOption = Annotated[
     bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
 ]
+FullOption = Annotated[
+    bool, typer.Option("--full", help="Report: keep every sample, also of runs that passed.")
+]
 IsolateOption = Annotated[
     bool,
     typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),

@@ -41,6 +41,17 @@ RECORDINGS = "recordings"
 RECORDED_IN = "recorded_in"
 """Entry of a manifest: the same folder as the command line named it."""
 
+FOREIGN_CASES: Mapping[str, str] = {
+    **dict.fromkeys(("plan", "case", "seed", "alarms", "frame_log_sha256"), ""),
+    **dict.fromkeys(("sim_s", "wall_s"), "0"),
+}
+FOREIGN_RESULTS: Mapping[str, str] = {
+    **dict.fromkeys(("plan", "case", "check", "value", "unit", "lower", "upper", "reference"), ""),
+    "uncertainty": "0",
+}
+"""What a cell is that a table of another tool lacks. Such a folder has no `manifest.json`; all
+that it needs are `run` and `verdict` in `cases.csv`, and `metric` beside them in `results.csv`."""
+
 _RUN = re.compile(r"[A-Za-z0-9_.-]+")  # a part of file names
 
 
@@ -154,13 +165,15 @@ def read_results(folder: Path) -> StoredResults:
                 hint="give the folder that `axisrig run -o` wrote",
             )
     manifest = read_manifest(folder)
-    is_whole = bool(manifest.get("finished"))
+    is_foreign = not (folder / "manifest.json").is_file()
+    is_whole = is_foreign or bool(manifest.get("finished"))
+    lacking = (FOREIGN_RESULTS, {**FOREIGN_CASES, "plan": folder.name}) if is_foreign else ({}, {})
     checks: dict[str, list[Mapping[str, str]]] = {}
-    for row in read_rows(folder / "results.csv", RESULT_COLUMNS, is_whole=is_whole)[1]:
+    for row in _rows(folder / "results.csv", RESULT_COLUMNS, lacking[0], is_whole):
         checks.setdefault(row["run"], []).append(row)
     base = folder / str(manifest.get(RECORDINGS, ""))
     runs = []
-    for row in read_rows(folder / "cases.csv", CASE_COLUMNS, is_whole=is_whole)[1]:
+    for row in _rows(folder / "cases.csv", CASE_COLUMNS, lacking[1], is_whole):
         run = row.get(RECORDING) or row["run"]
         file = base / "runs" / f"{run}.json"
         trace = base / "traces" / f"{run}.parquet"
@@ -220,13 +233,24 @@ def is_results_folder(folder: Path) -> bool:
     return "axisrig" in manifest and "runs_planned" in manifest
 
 
+def _rows(
+    path: Path, columns: Sequence[str], lacking: Mapping[str, str], is_whole: bool
+) -> list[dict[str, str]]:
+    return read_rows(path, columns, is_whole=is_whole, lacking=lacking)[1]
+
+
 def read_rows(
-    path: Path, columns: Sequence[str], *, is_whole: bool = True
+    path: Path,
+    columns: Sequence[str],
+    *,
+    is_whole: bool = True,
+    lacking: Mapping[str, str] | None = None,
 ) -> tuple[list[str], list[dict[str, str]]]:
     """Read a table of the folder: its header and its rows.
 
     is_whole: False where the campaign has not finished; a last row without its end of line was
-    then broken off and does not count.
+    then broken off and does not count. lacking: of a table of another tool, what a cell is that is
+    missing or empty; such columns need not be there.
     Raises UserError, with the line, when the table is damaged.
     """
     try:
@@ -236,8 +260,9 @@ def read_rows(
         numbered = [(lines.line_num, cells) for cells in lines if cells]
     except (UnicodeDecodeError, csv.Error) as error:
         raise _damaged(path, str(error)) from error
+    filled = lacking or {}
     for name in columns:
-        if header.count(name) != 1:
+        if header.count(name) != 1 and not (name in filled and name not in header):
             raise _damaged(path, f"the column {name} is missing or there twice", 1)
     if not is_whole and numbered and not text.endswith("\n"):
         numbered.pop()
@@ -246,6 +271,7 @@ def read_rows(
         if len(cells) != len(header):
             raise _damaged(path, f"{len(cells)} cells, the header has {len(header)}", line)
         row = dict(zip(header, cells, strict=True))
+        row |= {name: cell for name, cell in filled.items() if not row.get(name)}
         _check_cells(path, row, line)
         if columns is CASE_COLUMNS and row["run"] in seen:
             raise _damaged(path, f"the run {row['run']} is there twice", line)
@@ -302,6 +328,12 @@ def _json(path: Path) -> Mapping[str, Any]:
 
 def _damaged(path: Path, what: str, line: int | None = None) -> UserError:
     hint = "`axisrig run --fresh` makes the results anew"
+    if not path.with_name("manifest.json").is_file():
+        words = ", ".join(verdict.word for verdict in Verdict)
+        hint = (
+            "results of another tool need the columns run and verdict in cases.csv, run, metric and"
+            f" verdict in results.csv; run ids of letters, digits, _ . -; verdicts: {words}"
+        )
     return UserError(f"the results folder is damaged: {what}", file=path, line=line, hint=hint)
 
 

@@ -1,0 +1,242 @@
+"""What became of a check or a run, in one sentence: for report, terminal and pytest.
+
+Reads rows of `results.csv`, so that stored results and those of other tools give the same words as
+a run that has just ended.
+"""
+
+import math
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from decimal import Decimal, InvalidOperation
+
+from axisrig.bench.plan.checks import Condition, known_metrics, parse_condition
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.kernel.errors import UserError, same_cause
+
+_DIGITS = 3
+_ALARMS = "alarms"
+_SIDES = {"lower": ("below", "above"), "upper": ("above", "below")}
+
+
+def check_sentence(row: Mapping[str, str]) -> str:
+    """Say what a row of `results.csv` found, without a full stop.
+
+    row: `metric`, `check`, `value`, `unit`, `lower`, `upper`, `uncertainty`, `verdict` and `note`,
+    all text; all but the first may be missing or empty. Distances have three digits.
+    """
+    cells = {key: (cell or "").strip() for key, cell in row.items()}
+    metric, value, note = cells["metric"], cells.get("value", ""), cells.get("note", "")
+    kind = _type(metric)
+    if not value and (kind != _ALARMS or cells.get("verdict") == "error"):
+        return _without_value(metric, cells.get("verdict", ""), note)
+    if kind == _ALARMS:
+        return _alarms(cells)
+    number = _decimal(value)
+    limits = {side: _decimal(cells.get(side, "")) for side in _SIDES}
+    if number is not None and any(limit is not None for limit in limits.values()):
+        return _between(cells, number, limits)
+    return _compared(cells, number)
+
+
+def run_sentence(verdict: Verdict, error: str | None, checks: Sequence[Mapping[str, str]]) -> str:
+    """Say why a run has its verdict: by its error, or else by the first check that has it.
+
+    error: why it ended without being judged. checks: its rows of `results.csv`.
+    """
+    if error and not any(row.get("value") for row in checks):
+        return error if verdict is Verdict.ABORTED else f"no verdict: {error}"
+    own = [row for row in checks if row.get("verdict") == verdict.word]
+    if not own:
+        return error or (f"no check is {verdict.word}" if checks else "no check")
+    more = len(own) - 1
+    besides = f", and {more} more check{'s' if more > 1 else ''}" if more else ""
+    return f"{check_sentence(own[0])}{besides}"
+
+
+def _type(metric: str) -> str:
+    """The type of a metric (`metrics.csv`); of one that the table does not have `any`."""
+    known = known_metrics().get(metric.partition(":")[0])
+    return known.type if known else (_ALARMS if metric == _ALARMS else "any")
+
+
+def _without_value(metric: str, verdict: str, note: str) -> str:
+    said = {
+        "error": "could not be judged",
+        "inconclusive": "is not available here",
+        "aborted": "was not reached",
+    }.get(verdict, "has no value")
+    return f"{metric} {said}" + (f": {note}" if note else "")
+
+
+# ---- numbers
+
+
+def _between(cells: Mapping[str, str], value: Decimal, limits: Mapping[str, Decimal | None]) -> str:
+    """A number and its limits: how far it is from the nearest one, on which side."""
+    metric, unit, verdict = cells["metric"], cells.get("unit", ""), cells.get("verdict", "")
+    lower, upper = limits["lower"], limits["upper"]
+    if verdict == "pass":
+        return f"{metric} is {_with_unit(_number(value), unit)}, inside its limits"
+    if lower is not None and lower == upper and verdict == "fail":
+        far = _distance(value - lower, unit)
+        side = "above" if value > lower else "below"
+        return (
+            f"{metric} is {far} {side} {_with_unit(_number(lower), unit)}, the only value allowed"
+        )
+    inside = {
+        side: (value - limit) if side == "lower" else (limit - value)
+        for side, limit in limits.items()
+        if limit is not None
+    }
+    side = min(inside, key=lambda name: inside[name])
+    limit, room = limits[side], inside[side]
+    assert limit is not None
+    name = f"its {side} limit {_with_unit(_number(limit), unit)}"
+    if not room:
+        place = f"is on {name}"
+    else:
+        place = f"is {_distance(room, unit)} {_SIDES[side][room > 0]} {name}"
+    return f"{metric} {place}{_why(cells, verdict, room)}"
+
+
+def _why(cells: Mapping[str, str], verdict: str, room: Decimal) -> str:
+    """Why a verdict is not that of the bare number."""
+    uncertainty, unit = cells.get("uncertainty", ""), cells.get("unit", "")
+    known = _decimal(uncertainty)
+    spread = "" if known is None else _distance(known, unit)
+    if verdict == "inconclusive":
+        return (
+            f", within its uncertainty of {spread}"
+            if spread
+            else ", and its uncertainty is unknown"
+        )
+    if verdict == "marginal":
+        return f", less than twice its uncertainty of {spread}"
+    return ", which is outside" if verdict == "fail" and room >= 0 else ""
+
+
+def _compared(cells: Mapping[str, str], number: Decimal | None) -> str:
+    """A text, or a number that has no limits: what it is, and what was asked for."""
+    metric, value, asked = cells["metric"], cells.get("value", ""), cells.get("check", "")
+    shown = value if number is None else _with_unit(_number(number), cells.get("unit", ""))
+    condition = _condition(asked, _type(metric))
+    if cells.get("verdict") == "pass":
+        return f"{metric} is {shown}, as asked for"
+    if condition is None:
+        return f"{metric} is {shown}, asked for {asked}" if asked else f"{metric} is {shown}"
+    if condition.kind in {"unequal", "not_text"}:
+        excluded = condition.expected[0]
+        if cells.get("verdict") == "inconclusive" and number is not None:
+            why = _why(cells, "inconclusive", Decimal(0))
+            return f"{metric} is {shown}, not to be told from {excluded}, which is excluded{why}"
+        return f"{metric} is {shown}, which is excluded"
+    if condition.kind == "text":
+        return f"{metric} is {shown}, not {condition.expected[0]}"
+    return f"{metric} is {shown}, which is no number: asked for {asked}"
+
+
+# ---- alarms
+
+
+def _alarms(cells: Mapping[str, str]) -> str:
+    """The IDs that came up against those that were asked for; either ID of a family is one."""
+    metric, found = cells["metric"], cells.get("value", "").split()
+    prefix = "" if metric == _ALARMS else f"{metric}: "
+    came = f"{_named(found)} came up" if found else "no alarm came up"
+    condition = _condition(cells.get("check", ""), _ALARMS)
+    if cells.get("verdict") == "pass" or condition is None:
+        return f"{prefix}{came}"
+    return prefix + _alarms_against(condition, found, came)
+
+
+def _alarms_against(condition: Condition, found: list[str], came: str) -> str:
+    expected = list(condition.expected)
+    if condition.kind == "not_alarms":
+        return f"{came}, which is excluded"
+    if condition.kind == "one_of":
+        words = " or ".join(expected)
+        extra = list(_without(found, expected, is_once=False))
+        return (
+            f"{_named(extra or found)} came up, expected was {words}"
+            if found
+            else (f"no alarm came up, expected was {words}")
+        )
+    missing = list(_without(expected, found))
+    extra = list(_without(found, expected)) if condition.kind == "alarms" else []
+    parts = []
+    if missing:
+        parts.append(f"{_named(missing)} did not come up")
+    if extra:
+        wanted = "none was expected" if not expected else "not expected"
+        parts.append(f"{_named(extra)} came up, {wanted}")
+    if not missing and not extra:
+        return f"{came} in another order than {' '.join(expected)}"
+    if not found and missing:
+        return f"{parts[0]}, nor any other"
+    return "; ".join(parts)
+
+
+def _without(ids: Sequence[str], others: Sequence[str], *, is_once: bool = True) -> Iterator[str]:
+    """The IDs that the others do not have; is_once: each of the others stands for one."""
+    left = [_cause(word) for word in others]
+    for word in ids:
+        if _cause(word) in left:
+            if is_once:
+                left.remove(_cause(word))
+        else:
+            yield word
+
+
+def _cause(word: str) -> str:
+    return str(same_cause(int(word))) if word.isdecimal() else word
+
+
+def _named(ids: Sequence[str]) -> str:
+    """`alarm 1`, `alarms 1 and 2`, `alarms 1, 2 and 3`."""
+    if len(ids) == 1:
+        return f"alarm {ids[0]}"
+    return f"alarms {', '.join(ids[:-1])} and {ids[-1]}"
+
+
+# ---- words and digits
+
+
+def _condition(text: str, kind: str) -> Condition | None:
+    """The condition of a cell, None for one that this version cannot read."""
+    try:
+        return parse_condition(text, kind)
+    except UserError:
+        return None
+
+
+def _decimal(text: str) -> Decimal | None:
+    """A finite number as written, so that differences are those that a reader reckons."""
+    if not re.match(r"[+-]?[\d.]", text):
+        return None
+    try:
+        number = Decimal(text)
+    except InvalidOperation:
+        return None
+    return number if number.is_finite() and math.isfinite(float(number)) else None
+
+
+def _distance(number: Decimal, unit: str) -> str:
+    return _with_unit(short_number(abs(float(number)), _DIGITS), unit)
+
+
+def _number(number: Decimal) -> str:
+    """A value or limit: as written where that is short, else with seven digits."""
+    text = str(number)
+    return text if len(text) <= 9 else short_number(float(number), 7)
+
+
+def short_number(number: float, digits: int) -> str:
+    """Return a number with so many significant digits, without exponent where that stays short."""
+    text = f"{number:.{digits}g}"
+    if "e" in text and 1e-7 <= abs(number) < 1e15:
+        text = f"{Decimal(text):f}"
+    return text
+
+
+def _with_unit(text: str, unit: str) -> str:
+    return f"{text} {unit}".rstrip()

@@ -1,0 +1,359 @@
+"""One run of a results folder as the page shows it: its row, its failure, and what it opens."""
+
+import math
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from typing import Any
+
+import pyarrow as pa
+from markupsafe import Markup
+
+from axisrig.bench.campaign.results.stored import NOTE, StoredRun
+from axisrig.bench.judge.observed.event import BESIDES
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.topics import shown_facts
+from axisrig.bench.plan.checks import parse_check, plot_limits
+from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.series import Series
+from axisrig.kernel.errors import UserError
+from axisrig.reports.parts.bar import bar
+from axisrig.reports.parts.picture import picture
+from axisrig.reports.parts.realtime import real_time
+from axisrig.reports.parts.topic import ReportTopic
+from axisrig.reports.signals import chart, with_signals
+
+Findings = Callable[[Observed], Mapping[str, Any]]
+"""What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
+
+SECTION = "section.html"
+BUS_LOG = "bus log"
+# What comes up where a part of a recording lacks what another part has
+_UNREADABLE = (LookupError, TypeError, ValueError, ArithmeticError, AttributeError, AssertionError)
+_WHOLE, _TINY = 1e15, 1e-3
+_SHOWN_ELSEWHERE = frozenset({"title", "program", "rig", "tags", "requirement"})
+_GOOD = (Verdict.PASS, Verdict.MARGINAL)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Who says what is shown of a run, and the topics that show it."""
+
+    findings: Findings
+    topics: Sequence[ReportTopic]
+
+
+def run_view(
+    run: StoredRun,
+    columns: Sequence[str],
+    output: str,
+    parts: Parts,
+    links: Sequence[tuple[str, str, str]],
+    *,
+    is_reduced: bool,
+) -> dict[str, Any]:
+    """Return everything that the templates print of a run, and what its plots need.
+
+    columns: of `cases.csv` that are inputs. output: the folder as a command line names it.
+    links: its files: what each is, its name below `output`, its address from the page.
+    is_reduced: smallest and largest values in place of all samples. Raises UserError for a
+    recording that is damaged, or that another version wrote.
+    """
+    with readable(run, "what it left"):
+        return _view(run, columns, output, parts, links, is_reduced)
+
+
+def _view(
+    run: StoredRun,
+    columns: Sequence[str],
+    output: str,
+    parts: Parts,
+    links: Sequence[tuple[str, str, str]],
+    is_reduced: bool,
+) -> dict[str, Any]:
+    case, info = run.case, _info(run, parts.findings)
+    trace = _trace(run)
+    alarms = [alarm_words(alarm) for alarm in info["alarms"]]
+    told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
+    sections = []
+    for topic in parts.topics:
+        with readable(run, topic.name):
+            found = topic.sections(info, trace, run.run, told)
+        sections.append({"template": f"{topic.name}/{SECTION}", "found": found})
+    with readable(run, "trace"):
+        drawn = (
+            ({}, "") if trace is None else chart(trace, info, parts.topics, is_reduced=is_reduced)
+        )
+        pictures = _pictures(run, trace, info, drawn[0], parts.topics)
+    checks = [_check(row) for row in run.checks]
+    commands = [["replay", output, run.recorded]] if run.file else []
+    commands += [["bus", f"{output}/{name}"] for what, name, _ in links if what == BUS_LOG][:1]
+    inputs = [(c, case[c]) for c in columns if case[c] and c not in _SHOWN_ELSEWHERE]
+    return {
+        "id": run.run,
+        "case": run.run.removeprefix(f"{case['plan']}-"),
+        "plan": case["plan"],
+        "verdict": verdict_words(run.verdict),
+        "is_good": run.verdict in _GOOD,
+        "is_in_plan": run.is_in_plan,
+        "title": case.get("title", ""),
+        "sentence": _sentence(run, info.get("error")),
+        "failures": _failures(run, pictures),
+        "about": _about(case),
+        "inputs": inputs,
+        "seed": case["seed"],
+        "clock": "ran" if info.get("real_time") else "simulated",
+        "sim_s": f"{float(case['sim_s']):.3f}",
+        "alarms": alarms,
+        "hash": case["frame_log_sha256"],
+        "unproved": case.get("unproved_latches", ""),
+        "checks": checks,
+        # A run that ended before it could be judged needs one line, not one for each check.
+        "unjudged": _is_unjudged(run, info),
+        "error": info.get("error"),
+        "messages": info.get("messages", []),
+        "log": info.get("log", []),
+        "sections": sections,
+        "events": event_rows(info),
+        "real_time": real_time(info.get("real_time")),
+        "buses": [_bus(bus) for bus in info.get("bus", [])],
+        "commands": [shlex.join(["axisrig", *words]) for words in commands],
+        "chart": drawn[0],
+        "data": drawn[1],
+        "links": links,
+        "find": _find_text(run, alarms, inputs),
+    }
+
+
+def _is_unjudged(run: StoredRun, info: Mapping[str, Any]) -> bool:
+    return bool(info.get("error")) and not any(row["value"] for row in run.checks)
+
+
+def _about(case: Mapping[str, str]) -> list[tuple[str, str]]:
+    replaced = case.get("drive_substituted", "")
+    return [
+        *((n, case[n]) for n in ("program", "rig", "requirement", "tags") if case.get(n)),
+        *([("CANopen drive in place of", replaced)] if replaced else []),
+    ]
+
+
+def _sentence(run: StoredRun, error: str | None) -> str:
+    """The cause of a verdict; of a run that passed, how many checks did."""
+    if run.verdict is not Verdict.PASS:
+        return run_sentence(run.verdict, error, _with_units(run.checks))
+    count = len(run.checks)
+    return f"{count} check{'s' if count != 1 else ''} passed"
+
+
+def _with_units(rows: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:
+    return [{**row, "unit": _unit(row["unit"])} for row in rows]
+
+
+def _failed(run: StoredRun) -> list[Mapping[str, str]]:
+    """The checks that did not pass, the worst first, without those that are only marginal."""
+    rows = [row for row in run.checks if Verdict.of(row["verdict"]) not in _GOOD]
+    return sorted(rows, key=lambda row: -Verdict.of(row["verdict"]))
+
+
+def _pictures(
+    run: StoredRun,
+    trace: pa.Table | None,
+    info: Mapping[str, Any],
+    description: Mapping[str, Any],
+    topics: Sequence[ReportTopic],
+) -> dict[str, Markup]:
+    """A drawing for each check that did not pass; equal ones are drawn once."""
+    failed = _failed(run)
+    if trace is None or not description or not failed:
+        return {}
+    content = with_signals(trace, info, topics)
+    found: dict[str, Markup] = {}
+    for row in failed:
+        drawn = Markup(picture(content, description, row["metric"]))
+        if drawn not in found.values():
+            found[row["metric"]] = drawn
+    return found
+
+
+def _failures(run: StoredRun, pictures: Mapping[str, Markup]) -> list[dict[str, Any]]:
+    """What is shown above everything else: each check that did not pass, with its picture."""
+    return [
+        {
+            "sentence": check_sentence(_with_units([row])[0]),
+            "verdict": verdict_words(Verdict.of(row["verdict"])),
+            "reference": row["reference"],
+            "condition": row["check"],
+            "note": row.get(NOTE, "") if row["value"] else "",
+            "bar": _bar(row, float(row["uncertainty"])),
+            "picture": pictures.get(row["metric"], Markup("")),
+        }
+        for row in _failed(run)
+    ]
+
+
+def _find_text(
+    run: StoredRun, alarms: Sequence[Mapping[str, str]], inputs: Sequence[tuple[str, str]]
+) -> str:
+    """What the field `find` looks in: names, tags, requirement, rig, inputs, metrics, alarms."""
+    case = run.case
+    words = [
+        *(run.run, *(case.get(name, "") for name in ("title", "tags", "requirement"))),
+        *(case.get(name, "").rpartition("/")[2] for name in ("program", "rig")),
+        *(f"{name}={value}" for name, value in inputs),
+        *(row["metric"] for row in run.checks),
+        *(f"{alarm['id']} {alarm['short']}" for alarm in alarms),
+        case.get("drive_substituted", ""),
+    ]
+    return " ".join(dict.fromkeys(word for word in words if word)).lower()
+
+
+def verdict_words(verdict: Verdict) -> dict[str, str]:
+    """Return word and sign of a verdict for the templates."""
+    return {"word": verdict.word, "glyph": verdict.glyph}
+
+
+@contextmanager
+def readable(run: StoredRun, block: str) -> Iterator[None]:
+    """Raise UserError for a part of a run that was edited, or that another version wrote."""
+    try:
+        yield
+    except _UNREADABLE as error:
+        raise UserError(
+            f"`{block}` of run {run.run} cannot be read: {_one_line(error)}",
+            hint="run the case again with this version",
+        ) from error
+
+
+def _one_line(error: Exception) -> str:
+    return repr(error) if type(error) is KeyError else str(error).strip().partition("\n")[0]
+
+
+def _info(run: StoredRun, findings: Findings) -> dict[str, Any]:
+    """What is shown of a run beside its checks: the findings, and limits to draw."""
+    facts = run.recording.facts
+    found: dict[str, Any] = {"alarms": [], "log": run.log, "error": run.error}
+    if facts is not None:
+        found = shown_facts(facts)
+        found |= {} if run.trace is None else findings(Observed(facts, Series(run.trace)))
+    checks = []
+    for row in run.checks:
+        with suppress(UserError):  # a metric of another version
+            checks.append(parse_check(row["metric"], row["check"], row["reference"]))
+    return found | {"limits": [limit for check in checks for limit in plot_limits(check)]}
+
+
+def _trace(run: StoredRun) -> pa.Table | None:
+    """The signals of a run, None when it left none. Raises UserError when they are damaged."""
+    if run.trace is None:
+        return None
+    trace = Series(run.trace).table()
+    for name, column in zip(trace.column_names, trace.columns, strict=True):
+        kind = column.type
+        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
+            raise UserError(f"the trace is damaged: {name!r} holds no numbers", file=run.trace)
+    return trace
+
+
+def alarm_words(alarm: Mapping[str, Any]) -> dict[str, str]:
+    """An alarm with what it says; short: its first sentence, without the place in the program."""
+    place = f" ({alarm['place']})" if alarm["place"] else ""
+    text = alarm["text"].partition(": ")[2]
+    return {
+        "id": str(alarm["id"]),
+        "text": f"{BESIDES}{text}" if alarm["is_further"] else text,
+        "short": text.replace(place, "", 1).partition(". ")[0],
+    }
+
+
+def _check(row: Mapping[str, str]) -> dict[str, Any]:
+    uncertainty = float(row["uncertainty"])
+    return {
+        "metric": row["metric"],
+        "condition": row["check"],
+        "value": _short(row["value"]),
+        "full": row["value"],
+        "unit": _unit(row["unit"]),
+        "uncertainty": short_number(uncertainty, 2) if uncertainty else "",
+        "verdict": verdict_words(Verdict.of(row["verdict"])),
+        "reference": row["reference"],
+        "note": row.get(NOTE, ""),
+        "bar": _bar(row, uncertainty),
+    }
+
+
+def _bar(row: Mapping[str, str], uncertainty: float) -> Markup:
+    """The drawing of value and limits, or nothing where there is no number to draw."""
+    lower, upper = _number(row["lower"]), _number(row["upper"])
+    value = _number(row["value"])
+    # Between equal limits there is nothing to draw
+    limited = lower != upper
+    if value is None or not limited or not math.isfinite(uncertainty):
+        return Markup("")
+    label = (
+        f"{row['metric']} is {_short(row['value'])} {_unit(row['unit'])}, asked for {row['check']}"
+    )
+    return Markup(bar(value, uncertainty, lower, upper, row["verdict"], label))
+
+
+def _unit(name: str) -> str:
+    """A unit of the result files as a reader writes it."""
+    return name.replace("um", "µm").replace("pct", "%")
+
+
+def _number(text: str) -> float | None:
+    try:
+        number = float(text)
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+def _short(text: str) -> str:
+    """A number with the digits that a reader compares; any other or short text as it is."""
+    number = _number(text)
+    if number is not None and number.is_integer() and abs(number) < _WHOLE:
+        return f"{number:.0f}"
+    if number is None or len(text) <= 9:
+        return text
+    return short_number(number, 7 if abs(number) >= _TINY else 3)
+
+
+def _bus(bus: Mapping[str, Any]) -> dict[str, Any]:
+    """The figures of a segment as the table prints them."""
+    return {
+        "segment": bus["segment"],
+        "bitrate": f"{bus['bitrate'] / 1000:g} kbit/s",
+        "loads": [f"{bus[key]:.1f}" for key in ("load_pct", "load_100ms_pct", "load_1ms_pct")],
+        "frames": bus["frames"],
+        "error_frames": bus["error_frames"],
+        "overload": bus["overload"],
+        "counters": [
+            {"port": port, "tec": tec, "rec": rec, "state": state}
+            for port, tec, rec, state in bus["counters"]
+        ],
+        "waiting": [
+            {"name": wait["name"], "id": f"{wait['can_id']:03X}", "us": f"{wait['worst_us']:.1f}"}
+            for wait in bus["waiting"]
+        ],
+    }
+
+
+def event_rows(info: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Events with their time, and the time since the contact (else the edge) before them."""
+    rows, origin_ns = [], None
+    for event in info.get("events", []):
+        if event["kind"] == "contact" or (event["kind"] == "edge" and origin_ns is None):
+            origin_ns = event["time_ns"]
+        since = "" if origin_ns is None else f"{(event['time_ns'] - origin_ns) / 1e6:.6f}"
+        rows.append(
+            {
+                "time": f"{event['time_ns'] / 1e6:.6f}",
+                "since": since,
+                "kind": event["kind"],
+                "label": event["label"],
+                "axis": event["axis"] or "",
+            }
+        )
+    return rows

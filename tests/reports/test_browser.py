@@ -1,0 +1,248 @@
+"""The page in a real browser: headless Chromium opens it from `file://`."""
+
+import csv
+import json
+import os
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from tests.tools.chromium import MISSING, Browser, chromium
+
+from axisrig.reports.build import build_report
+
+pytestmark = [
+    pytest.mark.long,
+    pytest.mark.skipif(chromium() is None, reason=MISSING),
+]
+
+HOSTILE = (
+    """</script><script>document.title = "taken"</script><img src=x onerror="alert(1)">"' ä €"""
+)
+_LEVELS = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"]
+BAD = ["error", "aborted", "fail", "inconclusive"]
+
+
+def _axe() -> Path | None:
+    """`axe.min.js` of the npm package axe-core, where it is installed."""
+    folders = os.environ.get("NODE_PATH", "").split(os.pathsep)
+    paths = [Path(folder) / "axe-core" / "axe.min.js" for folder in folders if folder]
+    return next((path for path in paths if path.is_file()), None)
+
+
+@pytest.fixture(scope="module")
+def folder(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The campaign with hostile text wherever text of others comes in."""
+    part = tmp_path_factory.mktemp("hostile") / "out"
+    shutil.copytree(campaign, part)
+    for name, columns in (
+        ("cases.csv", ("title", "requirement", "program")),
+        ("results.csv", ("note", "reference")),
+    ):
+        with (part / name).open(encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        with (part / name).open("w", encoding="utf-8", newline="") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            writer.writeheader()
+            writer.writerows({**row, **dict.fromkeys(columns, HOSTILE)} for row in rows)
+    path = part / "runs" / "probing-feed_1_a.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["facts"]["messages"][0]["shown"] = HOSTILE
+    content["facts"]["notes"][0]["text"] = HOSTILE
+    path.write_text(json.dumps(content), encoding="utf-8")
+    build_report(part)
+    return part
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with Browser() as browser:
+        yield browser
+
+
+@pytest.fixture
+def page(browser: Browser, folder: Path) -> Browser:
+    """The page as it opens, nothing noted yet."""
+    browser.open(folder.parent)  # so that the next address is a new page
+    browser.errors.clear()
+    browser.requested.clear()
+    browser.open(folder / "report.html")
+    return browser
+
+
+def shown(page: Browser) -> list[str]:
+    """The runs whose rows are seen, from top to bottom."""
+    found = page.run(
+        "[...document.querySelectorAll('.verdicts > tbody')].filter((b) => b.offsetHeight)"
+        ".map((b) => b.dataset.run)"
+    )
+    return list(found)
+
+
+def find(page: Browser, words: str) -> None:
+    page.run(
+        f"(() => {{ const f = document.getElementById('find'); f.value = {json.dumps(words)};"
+        " f.dispatchEvent(new Event('input')); })()"
+    )
+
+
+def click(page: Browser, selector: str) -> None:
+    page.run(f"document.querySelector({json.dumps(selector)}).click()")
+
+
+def open_run(page: Browser, run: str) -> None:
+    click(page, f"[id='{run}'] .opens")
+
+
+def test_it_opens_without_network_and_without_errors(page: Browser, folder: Path) -> None:
+    for run in shown(page):
+        open_run(page, run)
+    assert page.run("document.querySelectorAll('.opened').length") == 14
+    assert page.errors == []
+    assert page.requested == [(folder / "report.html").as_uri()]
+
+
+def test_runs_are_found_filtered_and_sorted_and_the_address_keeps_it(
+    page: Browser, folder: Path
+) -> None:
+    everything = shown(page)
+    assert len(everything) == 14
+    find(page, "FEED_5 falling")
+    assert shown(page) == []
+    find(page, "FEED_5_ machine")
+    assert shown(page) == ["probing-feed_5_a", "probing-feed_5_b"]
+    find(page, "50052")
+    assert shown(page) == ["probing-feed_5_b"]
+    assert page.run("document.getElementById('found').textContent") == "1 of 14"
+    find(page, "")
+    click(page, ".filter input[value=pass]")
+    click(page, ".sort[data-sort=verdict]")
+    kept = shown(page)
+    assert kept[:2] == ["probing-feed_50_b", "probing-feed_25_b"]
+    assert len(kept) == 8
+    open_run(page, kept[2])
+    address = page.run("location.hash")
+    page.open(folder.parent)
+    page.open(folder / "report.html", address)
+    assert shown(page) == kept
+    assert page.run("document.querySelector('.opened').parentNode.dataset.run") == kept[2]
+    page.open(folder.parent)
+    page.open(folder / "report.html", "#probing-feed_2_a")
+    assert page.run("document.querySelector('.opened').parentNode.dataset.run").endswith("_2_a")
+    assert page.errors == []
+
+
+def pressed(page: Browser) -> list[str]:
+    """The buttons of stretches that show what is seen."""
+    found = page.run(
+        "[...document.querySelectorAll('.tools button[aria-pressed=true]')]"
+        ".map((b) => b.textContent)"
+    )
+    return [word for word in found if word not in "XYZ"]
+
+
+def test_a_plot_is_zoomed_by_dragging_and_shown_whole_by_a_double_click(page: Browser) -> None:
+    open_run(page, "probing-feed_50_a")
+    assert pressed(page) == ["measurement"]
+    place = page.run(
+        "(() => { const over = document.querySelector('.u-over');"
+        " over.scrollIntoView({ block: 'center' }); const b = over.getBoundingClientRect();"
+        " return [b.left, b.top, b.width, b.height]; })()"
+    )
+    left, top, width, height = place
+    y = top + height / 2
+    for kind, x, buttons in (
+        ("mouseMoved", left + 0.2 * width, 0),
+        ("mousePressed", left + 0.2 * width, 1),
+        ("mouseMoved", left + 0.5 * width, 1),
+        ("mouseReleased", left + 0.5 * width, 0),
+    ):
+        mouse(page, kind, x, y, buttons)
+    assert pressed(page) == []
+    for count in (1, 2):
+        mouse(page, "mousePressed", left + 9, y, 1, clickCount=count)
+        mouse(page, "mouseReleased", left + 9, y, 0, clickCount=count)
+    assert pressed(page) == ["whole run"]
+    assert page.errors == []
+
+
+def mouse(page: Browser, kind: str, x: float, y: float, buttons: int, **more: Any) -> None:
+    what = {"type": kind, "x": x, "y": y, "button": "left", "buttons": buttons, "clickCount": 1}
+    page.call("Input.dispatchMouseEvent", **{**what, **more})
+    page.run("new Promise((done) => requestAnimationFrame(() => done(0)))")
+
+
+# How many plots of each run that is open have at least one drawn pixel, and how many there are
+_DRAWN = """Object.fromEntries([...document.querySelectorAll('.opened')].map((row) => {
+  const plots = [...row.querySelectorAll('.uplot canvas')];
+  const drawn = plots.filter((c) => c.getContext('2d')
+    .getImageData(0, 0, c.width, c.height).data.some((value) => value));
+  return [row.parentNode.dataset.run, [drawn.length, plots.length]];
+}))"""
+
+
+def test_what_is_printed_is_drawn_and_only_failures_are(page: Browser, tmp_path: Path) -> None:
+    verdicts = page.run(
+        "Object.fromEntries([...document.querySelectorAll('.verdicts > tbody')]"
+        ".map((b) => [b.dataset.run, b.dataset.verdict]))"
+    )
+    bad = {run for run, verdict in verdicts.items() if verdict in BAD}
+    page.run("dispatchEvent(new Event('beforeprint'))")
+    drawn = page.run(_DRAWN)
+    assert set(drawn) == bad
+    assert all(done == there for done, there in drawn.values())
+    assert sum(there > 0 for _, there in drawn.values()) == 4  # two have left no signals
+    unprinted = page.run("[...document.querySelectorAll('.unprinted')].map((b) => b.dataset.run)")
+    assert set(unprinted) == set(verdicts) - bad
+    page.run("dispatchEvent(new Event('afterprint'))")
+    assert page.run("document.querySelectorAll('.opened').length") == 0
+    page.printed(tmp_path / "bad.pdf")
+    click(page, "#print_all")
+    page.run("dispatchEvent(new Event('beforeprint'))")
+    assert set(page.run(_DRAWN)) == set(verdicts)
+    page.run("dispatchEvent(new Event('afterprint'))")
+    page.printed(tmp_path / "all.pdf")
+    sizes = [pages(tmp_path / name) for name in ("bad.pdf", "all.pdf")]
+    assert len(bad) <= sizes[0] < sizes[1]
+    assert page.errors == []
+
+
+def pages(path: Path) -> int:
+    data = path.read_bytes()
+    return data.count(b"/Type /Page") - data.count(b"/Type /Pages")
+
+
+def test_hostile_text_stays_text(page: Browser) -> None:
+    for run in ("probing-feed_1_a", "probing-feed_50_a"):
+        open_run(page, run)
+    assert page.run("document.title") == "error · probing · axisrig"
+    assert page.run("document.querySelectorAll('main img, main script').length") == 0
+    title = page.run("document.querySelector('.verdicts .row .title').textContent")
+    assert title == HOSTILE
+    printed = page.run("document.querySelector('.opened pre').textContent")
+    assert HOSTILE in printed
+    find(page, '"taken"</script>')
+    assert len(shown(page)) == 14
+    assert page.errors == []
+
+
+@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
+@pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
+def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool) -> None:
+    path = _axe()
+    assert path is not None
+    page.dark(is_dark)
+    try:
+        for run in shown(page):
+            open_run(page, run)
+        page.run("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+        page.run(path.read_text(encoding="utf-8") + "\n;0")
+        found = page.run(
+            f"axe.run(document, {{ runOnly: {_LEVELS} }})"
+            ".then((r) => r.violations.map((v) => [v.id, v.nodes.map((n) => n.html)]))"
+        )
+    finally:
+        page.dark(False)
+    assert found == []

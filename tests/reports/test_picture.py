@@ -1,0 +1,85 @@
+"""The drawing beside a failure: signal and limit lie where the numbers say."""
+
+import re
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pytest
+
+from axisrig.bench.plan.checks import parse_check, plot_limits
+from axisrig.reports.parts.picture import HEIGHT, WIDTH, picture
+from axisrig.reports.signals import chart
+
+MS = 1_000_000
+
+
+def ramp(rows: int = 2000) -> pa.Table:
+    """Z goes from 0 to 10 mm, its lag is a triangle of 1 mm in the middle."""
+    row = np.arange(rows)
+    return pa.table(
+        {
+            "time_ns": row.astype(np.int64) * MS,
+            "Z.actual_mm": 10.0 * row / (rows - 1),
+            "Z.cnc_lag_mm": 1.0 - np.abs(row - rows / 2) / (rows / 2),
+        }
+    )
+
+
+def drawn(metric: str, condition: str, **info: Any) -> str:
+    limits = plot_limits(parse_check(metric, condition, "a.csv:2"))
+    table = ramp()
+    description, _ = chart(table, {"limits": limits, **info})
+    return picture(table, description, metric)
+
+
+def points(svg: str) -> np.ndarray:
+    (text,) = re.findall(r'<polyline class="pic-signal" points="([^"]*)"', svg)
+    return np.array([[float(part) for part in pair.split(",")] for pair in text.split()])
+
+
+def limit_places(svg: str) -> list[float]:
+    return [float(y) for y in re.findall(r'class="pic-limit" [^>]*y1="([\d.]+)"', svg)]
+
+
+def test_the_peak_is_above_the_limit_that_it_breaks() -> None:
+    """The lag of 1 mm peaks in the middle; the limits of a magnitude are 0.5 and -0.5 mm."""
+    svg = drawn("lag_mm_max:Z", "<= 0.5")
+    found = points(svg)
+    peak_x, peak_y = found[found[:, 1].argmin()]
+    low, high = sorted(limit_places(svg))  # y grows downwards
+    assert peak_y < low
+    assert peak_x == pytest.approx(WIDTH / 2, abs=4)
+    zero = found[0, 1]
+    assert (low + high) / 2 == pytest.approx(zero, abs=0.2)
+    assert (zero - low) / (zero - peak_y) == pytest.approx(0.5, abs=0.02)
+    assert "limit -0.5 and 0.5" in svg
+    assert found[:, 0].max() <= WIDTH
+    assert 0 <= found[:, 1].min() <= found[:, 1].max() <= HEIGHT
+
+
+def test_without_a_limit_in_a_plot_the_position_is_drawn_around_what_happened() -> None:
+    """An edge at 500 ms; the stretch with a button ends long before 2 s."""
+    event = {"time_ns": 500 * MS, "kind": "edge", "label": "edge", "axis": None}
+    svg = drawn("latch_error_um:Z", "-0.2 .. 0.2", events=[event])
+    assert "Z actual, mm" in svg
+    assert 'class="pic-mark k-edge"' in svg
+    assert limit_places(svg) == []
+    (end,) = re.findall(r'text-anchor="end">([\d.]+) ms<', svg)
+    assert float(end) < 600
+
+
+def test_what_is_not_there_is_not_drawn() -> None:
+    table = ramp()
+    assert picture(table, {}, "lag_mm_max:Z") == ""
+    description, _ = chart(table, {})
+    assert picture(table, description, "lag_mm_max:X") == ""
+    nothing = table.set_column(1, "Z.actual_mm", pa.array(np.full(2000, np.nan)))
+    assert picture(nothing, chart(nothing, {})[0], "latch_error_um:Z") == ""
+
+
+def test_hostile_names_stay_text() -> None:
+    table = ramp().rename_columns(["time_ns", "<b>.actual_mm", "<b>.cnc_lag_mm"])
+    svg = picture(table, chart(table, {})[0], "alarms")
+    assert "<b>" not in svg
+    assert "&lt;b&gt;" in svg
