@@ -119,14 +119,17 @@ def test_only_so_many_cases_are_kept(folder: Path, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_the_first_case_that_cannot_be_prepared_is_reported(folder: Path, jobs: int) -> None:
+def test_every_case_that_cannot_be_prepared_is_reported(folder: Path, jobs: int) -> None:
     shutil.copy(folder / "rigs" / "probe-z.toml", folder / "rigs" / "other.toml")
     rows = PLAN.splitlines()
     rows += [rows[1].replace("one,", "three,").replace("600", "nothing")]
     rows += [rows[1].replace("one,", "four,").replace("600", "nowhere").replace("probe-z", "other")]
     (folder / "plan.csv").write_text("\n".join(rows), encoding="utf-8")
-    with pytest.raises(UserError, match="nothing"):
+    with pytest.raises(UserError, match="nothing") as caught:
         prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=jobs)
+    assert [error.value for error in caught.value.further] == ["nowhere"]
+    lines = [error.line for error in (caught.value, *caught.value.further)]
+    assert lines == [len(rows) - 1, len(rows)]
 
 
 def test_several_processes_prepare_every_case(

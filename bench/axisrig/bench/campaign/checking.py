@@ -6,6 +6,7 @@ from pathlib import Path
 from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.plan import Case, read_plan
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.rig.arrival import describe_arrival
@@ -58,8 +59,11 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         value = None if path.is_dir() else path.suffix
         raise UserError(message, file=path, value=value, allowed=allowed)
     plan = read_plan(path).with_inputs(changes)
+    mistakes = Mistakes()
     for case in plan.cases:
-        prepare(case)
+        with mistakes.kept():
+            prepare(case)
+    mistakes.refuse(path)
     lines = [f"  {_titled(case)}" for case in plan.cases]
     for row in plan.statistics:
         asked = ", ".join(check.metric for check in row.checks)

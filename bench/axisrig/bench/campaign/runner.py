@@ -20,6 +20,7 @@ from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
@@ -131,31 +132,31 @@ def prepare_all(
     call_limit_s: wall time that one call into an FMU may take there. jobs: processes; with several,
     this one prepares the first case of each rig, so that those that are started from it, here and
     for the runs, find its FMUs, lists and tables read.
-    Raises UserError as `prepare` does, for the first case that cannot be prepared.
+    Raises UserError as `prepare` does, with everything that is wrong with any case, each mistake
+    once, ordered by file and place.
     """
+    mistakes = Mistakes()
     outcomes: dict[int, UserError | None] = {}
     seen: set[Path] = set()
     for number, case in enumerate(cases):
         if case.rig not in apart and (jobs == 1 or case.rig not in seen):
             seen.add(case.rig)
             outcomes[number] = _outcome(case)
-            if outcomes[number] is not None:
-                break  # cases before it may be wrong too, and are reported first
     elsewhere = [case for number, case in enumerate(cases) if number not in outcomes]
     with closing(
         run_apart(
-            prepare,
+            _outcome,
             [[case] for case in elsewhere],
             jobs=jobs,
             is_fresh=False,
             call_limit_s=call_limit_s,
         )
     ) as results:
-        for number in range(len(cases)):
-            if number not in outcomes:
-                next(results)
-            elif (error := outcomes[number]) is not None:
-                raise error
+        for error in (*outcomes.values(), *results):
+            if isinstance(error, UserError):
+                mistakes.add(error)
+    if cases:
+        mistakes.refuse(cases[0].file)
 
 
 def _outcome(case: Case) -> UserError | None:
