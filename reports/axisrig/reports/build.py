@@ -38,7 +38,7 @@ from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.run import BUS_LOG, SECTION, Findings, Parts, run_view, verdict_words
 from axisrig.reports.topics import TOPICS
 
-WHOLE_BYTES = 40_000_000
+WHOLE_BYTES = 10_000_000
 """Packed signals of runs that did not pass are whole until they take so much."""
 CARDS = 100
 """Failures that are shown with a picture; the others are rows of the table."""
