@@ -124,7 +124,9 @@ def test_what_was_tested_on_what_is_said_first(source: str) -> None:
     assert "probe.nc on machine.toml: 14 runs" in head
 
 
-def test_all_samples_of_runs_that_did_not_pass_are_kept(tmp_path: Path) -> None:
+def test_all_samples_of_runs_that_did_not_pass_are_kept(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     from tests.reports.conftest import make_campaign  # noqa: PLC0415
 
     out = make_campaign(tmp_path, cases=9, samples=2500)
@@ -139,5 +141,8 @@ def test_all_samples_of_runs_that_did_not_pass_are_kept(tmp_path: Path) -> None:
             assert kept[run] == 2500
             assert "samples" not in runs[run].html
     assert set(verdicts.values()) >= {"pass", "fail"}
+    monkeypatch.setattr(build, "WHOLE_BYTES", 1)  # the first one takes it all
+    rest = [opened_.chart.get("rows") for opened_ in opened(build_report(out)).values()]
+    assert rest.count(2500) == 1
     full = opened(build_report(out, is_full=True))
     assert {opened_.chart.get("rows") for opened_ in full.values()} == {2500, None}

@@ -39,7 +39,7 @@ from axisrig.reports.run import BUS_LOG, SECTION, Findings, Parts, run_view, ver
 from axisrig.reports.statistics.section import statistics_section, statistics_style
 from axisrig.reports.topics import TOPICS
 
-WHOLE_BYTES = 40_000_000
+WHOLE_BYTES = 10_000_000
 """Packed signals of runs that did not pass are whole until they take so much."""
 CARDS = 100
 """Failures that are shown with a picture; the others are rows of the table."""
