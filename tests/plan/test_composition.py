@@ -95,6 +95,7 @@ def test_lists_in_assignments_are_expanded(write_plan: PlanWriter) -> None:
         ("V.E.B=1", "cannot be assigned"),
         ("check:alarms=none", "cannot be assigned"),
         ("plant:p.x_mm=long", "not a number"),
+        ("plant:p.x_mm=1 ;; plant:p.x_um=2", "sets this twice"),
     ],
 )
 def test_assignments_that_are_wrong_name_the_cell(

@@ -238,6 +238,7 @@ class _Row:
                     allowed="letters, digits, _ . -; * gives defaults, include takes a table",
                 )
             )
+        self._refuse_two_units()
         repeats = self._integer("repeats", 1, _REPEATS_MAX) or 1
         samples = self._integer("samples", 1, RUNS_MAX)
         try:
@@ -259,6 +260,18 @@ class _Row:
             )
         found = [self._case(name, index + at, variant) for at, variant in enumerate(expanded)]
         return [case for case in found if case is not None] if self._is_good else []
+
+    def _refuse_two_units(self) -> None:
+        """Refuse a variable that two columns with different units set: the later one would win."""
+        columns: dict[tuple[str, str, str], str] = {}
+        for column in self._inputs:
+            item = parse_column(column, "0")
+            first = columns.setdefault((item.kind, item.target, item.name), column)
+            if first != column:
+                place = self._row.cells[column].place
+                self._refuse(
+                    place.error("the row sets this twice", value=column, hint=f"also {first}")
+                )
 
     def _look_at_each_cell(self) -> None:
         """Find what else is wrong in a row that cannot be expanded."""
