@@ -11,7 +11,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table as RichTable
 
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
-from axisrig.bench.campaign.processes import CALL_LIMIT_S
+from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
@@ -77,7 +77,7 @@ def run_campaign(  # noqa: PLR0913
     *,
     out: Path | None,
     select: str | None,
-    jobs: int,
+    jobs: int | None,
     timeout_s: float | None,
     assignments: Sequence[str],
     command: Sequence[str],
@@ -92,6 +92,8 @@ def run_campaign(  # noqa: PLR0913
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
+    jobs: processes; None = the cores that this process may use, at most one for each run, and one
+    with a real bus or under a debugger.
     is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
     they drive real hardware. call_limit_s: wall time that one call into an FMU may take there.
     outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
@@ -106,7 +108,11 @@ def run_campaign(  # noqa: PLR0913
     cases = [case for part in parts for case in part.cases]
     if not cases:
         raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
-    if real := real_cases(cases):
+    real = real_cases(cases)
+    if jobs is None:
+        is_alone = bool(real) or sys.gettrace() is not None
+        jobs = 1 if is_alone else min(usable_cores(), len(cases))
+    if real:
         refuse_processes(jobs, is_isolated or timeout_s is not None)
     folder = out or _default_folder(plans, assignments)
     refuse_folder(folder, plans, is_fresh=is_fresh)
@@ -260,10 +266,25 @@ def show_verdicts(results: Sequence[CaseResult]) -> None:
         for bus in () if result.facts is None else result.facts.buses:
             if bus.overload:
                 console.print(_overload(result, bus), soft_wrap=True)
-        if result.verdict > Verdict.MARGINAL:
-            for line in result.lines:
-                if " is overloaded: " not in line:  # told above, with what came of it
-                    console.print(f"{result.case.run}: {line}", soft_wrap=True)
+        for line in _causes(result):
+            console.print(f"{result.case.run}: {line}", soft_wrap=True)
+
+
+def _causes(result: CaseResult) -> list[str]:
+    """Say why a run did not pass: its error and what was printed until then, or its checks."""
+    if result.verdict <= Verdict.MARGINAL:
+        return []
+    log = () if result.facts is not None else result.log
+    if result.error:
+        return [result.error, *log]
+    failed = [check for check in result.checks if check.verdict > Verdict.MARGINAL]
+    notes = [f" ({check.note})" if check.note else "" for check in failed]
+    causes = [
+        f"{check.verdict.word}: {check.summary}{note}"
+        for check, note in zip(failed, notes, strict=True)
+    ]
+    alarms = () if result.facts is None else result.facts.alarms
+    return [*causes, *log, *(alarm.text for alarm in alarms if not alarm.is_further)]
 
 
 def _overload(result: CaseResult, bus: BusFigures) -> str:

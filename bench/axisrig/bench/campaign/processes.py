@@ -11,6 +11,7 @@ import gc
 import os
 import pickle
 import signal
+import sys
 import time
 import traceback
 from collections.abc import Callable, Generator, Iterable, Sequence
@@ -283,6 +284,24 @@ class _Crew:
         """End every process."""
         for worker in list(self._workers):
             self._dismiss(worker)
+
+
+def usable_cores(cpu_max: Path = Path("/sys/fs/cgroup/cpu.max")) -> int:
+    """Return how many cores this process may use: its affinity, and the quota of its cgroup.
+
+    cpu_max: file of cgroup v2 with quota and period in us, or `max` (kernel documentation,
+    "Control Group v2", CPU interface files); where it is missing, there is no quota.
+    """
+    if sys.platform == "linux":
+        cores = len(os.sched_getaffinity(0))
+    else:
+        cores = os.cpu_count() or 1
+    try:
+        quota, period = cpu_max.read_text(encoding="ascii").split()
+        limit = cores if quota == "max" else max(1, int(quota) // int(period))
+    except (OSError, ValueError, ZeroDivisionError):
+        limit = cores
+    return min(cores, limit)
 
 
 def run_apart(

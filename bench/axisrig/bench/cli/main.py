@@ -24,6 +24,7 @@ from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
     CALL_LIMIT_S,
     EXIT_REJECTED,
+    JOBS_AUTO,
     AsCanopenOption,
     BitrateOption,
     BusOption,
@@ -34,6 +35,7 @@ from axisrig.bench.cli.options import (
     FullOption,
     InterfaceOption,
     IsolateOption,
+    JobsOption,
     SegmentOption,
     SetOption,
     VersionOption,
@@ -57,7 +59,6 @@ app = typer.Typer(
     name="axisrig",
     cls=Whole,
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # plain help: the other kinds load rich, a third of the time of --help
 )
@@ -111,7 +112,7 @@ def run(
     plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables.")],
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
-    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    jobs: JobsOption = JOBS_AUTO,
     timeout_s: Annotated[
         float | None,
         typer.Option("--timeout", min=1.0, help="Wall time per case, s; uses processes."),
@@ -148,7 +149,7 @@ def run(
         plans,
         out=out,
         select=select,
-        jobs=jobs,
+        jobs=None if jobs == JOBS_AUTO else jobs,
         timeout_s=timeout_s,
         assignments=_inputs(assignments, is_forced, as_canopen),
         command=["axisrig", *sys.argv[1:]],
@@ -174,7 +175,7 @@ def demo(
         "testplans"
     ),
     out: Annotated[Path, typer.Option("-o", "--out", help="Results folder.")] = Path("out/demo"),
-    jobs: Annotated[int, typer.Option("-j", "--jobs", min=1, help="Processes.")] = 1,
+    jobs: JobsOption = JOBS_AUTO,
     is_all: Annotated[bool, typer.Option("--all", help="Every row, tagged or not.")] = False,
     is_fresh: FreshOption = False,
 ) -> None:

@@ -37,6 +37,34 @@ AsCanopenOption = Annotated[
         help="Run drives of other types (P-AXIS-00020) on CANopen drives, and say so.",
     ),
 ]
+JOBS_AUTO = 0
+"""What `-j auto` is for the commands."""
+
+
+def _jobs(text: str | int) -> int:
+    """Read the number of processes. Raises typer.BadParameter."""
+    if text in ("auto", JOBS_AUTO):
+        return JOBS_AUTO
+    try:
+        jobs = int(text)
+    except ValueError:
+        jobs = 0
+    if jobs < 1:
+        raise typer.BadParameter(f"{text!r} is neither `auto` nor a number from 1 on")
+    return jobs
+
+
+JobsOption = Annotated[
+    int,
+    typer.Option(
+        "-j",
+        "--jobs",
+        parser=_jobs,
+        metavar="N|auto",
+        show_default=False,
+        help="Processes; auto, the default: one for each core that may be used.",
+    ),
+]
 FreshOption = Annotated[
     bool, typer.Option("--fresh", help="Remove the results that the folder has, of any plan.")
 ]
