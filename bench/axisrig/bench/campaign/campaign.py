@@ -1,7 +1,7 @@
 """A campaign: plans in, results folder and report out, with progress on the way."""
 
 import sys
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,8 +17,10 @@ from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
     build_manifest,
+    no_values,
     refuse_folder,
 )
+from axisrig.bench.campaign.resuming import CHANGED, GoingOn, choose, depends_sha256
 from axisrig.bench.campaign.runner import Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
@@ -37,6 +39,7 @@ from axisrig.kernel.errors import UserError
 class Campaign:
     """What a call left: the results folder, and the results of its runs in plan order.
 
+    kept: verdicts of runs that stay as the folder has them (`--resume`, `--failed`).
     failure: why the rest could not be written, with the name of the file. report: its report.
     """
 
@@ -45,6 +48,7 @@ class Campaign:
     planned: int
     failure: OSError | None = None
     report: Path | None = None
+    kept: Sequence[Verdict] = ()
 
     @property
     def is_interrupted(self) -> bool:
@@ -54,7 +58,7 @@ class Campaign:
     @property
     def exit_code(self) -> int:
         """The exit code of the worst verdict; an interrupted campaign is aborted."""
-        verdicts = [result.verdict for result in self.results]
+        verdicts = [*self.kept, *(result.verdict for result in self.results)]
         return exit_code(worst([*verdicts, Verdict.ABORTED] if self.is_interrupted else verdicts))
 
 
@@ -88,6 +92,7 @@ def run_campaign(  # noqa: PLR0913
     outside: Outside | None = None,
     bus_logs: Sequence[str] = ("blf",),
     is_fresh: bool = False,
+    going_on: GoingOn = GoingOn.NO,
     build_report: Callable[[Path], Path] | None = None,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
@@ -97,8 +102,8 @@ def run_campaign(  # noqa: PLR0913
     is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
     they drive real hardware. call_limit_s: wall time that one call into an FMU may take there.
     outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
-    the results that the folder has go first. build_report: writes the report while the folder is
-    still held.
+    the results that the folder has go first. going_on: which runs of the folder stay.
+    build_report: writes the report while the folder is still held.
 
     Everything is checked first: the folder, plans, programs, rigs, parameters, FMUs and start
     values of every case. Raises UserError before the results folder is touched.
@@ -117,11 +122,16 @@ def run_campaign(  # noqa: PLR0913
     folder = out or _default_folder(plans, assignments)
     refuse_folder(folder, plans, is_fresh=is_fresh)
     with FolderLock(folder):
+        rows = [*cases, *(row for plan in plans for row in plan.statistics)]
+        hashes = {case.run: depends_sha256(case) for case in rows}
+        kept = choose(cases, hashes, folder, going_on)
+        cases = list(kept.cases)
         apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s, jobs=jobs)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
-        statistics = CaseStatistics(plans, cases, folder, is_fresh=is_fresh)
+        manifest |= kept.counts if going_on is not GoingOn.NO else {}
+        statistics = CaseStatistics(plans, cases, folder, hashes, is_fresh=is_fresh)
         runs = [case.run for case in (*cases, *statistics.due)]
         results: list[CaseResult] = []
         failure = report = None
@@ -142,12 +152,26 @@ def run_campaign(  # noqa: PLR0913
                 call_limit_s=call_limit_s,
                 hardware=hardware,
             )
-            failure = _write(running, writer, results, len(runs), statistics)
+            passed = _with_statistics(_dated(running, hashes), statistics, hashes)
+            failure = _write(passed, writer, results, len(runs))
         try:
             report = build_report(folder) if build_report else None
         except OSError as error:
             failure = failure or error
-    return Campaign(folder, results, len(runs), failure, report)
+    stay = [*kept.verdicts, *(statistics.staying if going_on is not GoingOn.NO else ())]
+    return Campaign(folder, results, len(runs), failure, report, stay)
+
+
+def _dated(running: Iterator[CaseResult], hashes: Mapping[str, str]) -> Iterator[CaseResult]:
+    """Give results the hash of what they depend on; one of two states of its files is an error."""
+    with closing(running):  # type: ignore[type-var]
+        for result in running:
+            now = depends_sha256(result.case)
+            given = result
+            if now != hashes[result.case.run]:
+                given = no_values(result.case, Verdict.ERROR, CHANGED, wall_s=result.wall_s)
+            given.depends_sha256 = now
+            yield given
 
 
 def _prepared(
@@ -165,13 +189,12 @@ def _write(
     writer: ResultsWriter,
     results: list[CaseResult],
     count: int,
-    statistics: CaseStatistics,
 ) -> OSError | None:
     """Write the results as they come and add them to `results`; return why it ended early."""
     try:
         with closing(running), writer, _progress() as progress:  # type: ignore[type-var]
             task = progress.add_task("", total=count)
-            for result in _with_statistics(running, statistics):
+            for result in running:
                 writer.add(result)
                 results.append(result)
                 progress.console.print(_line(result))
@@ -182,13 +205,20 @@ def _write(
 
 
 def _with_statistics(
-    running: Iterator[CaseResult], statistics: CaseStatistics
+    running: Iterator[CaseResult], statistics: CaseStatistics, hashes: Mapping[str, str]
 ) -> Iterator[CaseResult]:
     """Yield results, each row of statistics after the last run that it is over."""
-    yield from statistics.kept()
-    for result in running:
-        yield result
-        yield from statistics.after(result)
+
+    def dated(rows: Iterator[CaseResult]) -> Iterator[CaseResult]:
+        for row in rows:
+            row.depends_sha256 = hashes[row.case.run]
+            yield row
+
+    with closing(running):  # type: ignore[type-var]
+        yield from dated(statistics.kept())
+        for result in running:
+            yield result
+            yield from dated(statistics.after(result))
 
 
 def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:
@@ -229,6 +259,8 @@ def _line(result: CaseResult) -> str:
 
 def show_campaign(campaign: Campaign) -> None:
     """Print the verdicts and the path of the report; what went wrong to standard error."""
+    if campaign.kept:
+        print(f"kept {len(campaign.kept)} runs, ran {len(campaign.results)}", file=sys.stderr)
     if campaign.results:
         show_verdicts(campaign.results)
     if campaign.failure is not None:

@@ -4,7 +4,12 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from axisrig.bench.campaign.results.stored import StoredRun, is_results_folder, read_results
+from axisrig.bench.campaign.results.stored import (
+    DEPENDS,
+    StoredRun,
+    is_results_folder,
+    read_results,
+)
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.statistics.verdict import Reading, RunSample, judge_statistic
@@ -26,9 +31,19 @@ class CaseStatistics:
     """
 
     def __init__(
-        self, plans: Sequence[Plan], cases: Sequence[Case], folder: Path, *, is_fresh: bool
+        self,
+        plans: Sequence[Plan],
+        cases: Sequence[Case],
+        folder: Path,
+        hashes: Mapping[str, str],
+        *,
+        is_fresh: bool,
     ) -> None:
-        """Choose the rows. cases: runs of this call. folder: of the results, as far as it is."""
+        """Choose the rows. cases: runs of this call. folder: of the results, as far as it is.
+
+        hashes: what runs and rows depend on (`bench.campaign.resuming`).
+        """
+        self._hashes = hashes
         self._by_run = {case.run: case for plan in plans for case in plan.cases}
         self._stored: Mapping[str, StoredRun] = {}
         rows = [row for plan in plans for row in plan.statistics]
@@ -36,22 +51,37 @@ class CaseStatistics:
             self._stored = {run.run: run for run in read_results(folder).runs}
         self._called = {case.run for case in cases}
         self._samples: dict[str, CaseResult] = {}
+        self._rows = rows
         self.due = [row for row in rows if self._is_due(row)]
         self._row_of = {run: row for row in self.due for run in row.runs if run in self._called}
         self._left = Counter(row.run for row in self._row_of.values())
 
     def _is_due(self, row: Case) -> bool:
         known = all(run in self._called or self._is_kept(run) for run in row.runs)
-        is_new = any(run in self._called for run in row.runs) or row.run not in self._stored
+        is_new = any(run in self._called for run in row.runs) or not self._fits(row.run)
         return known and is_new
 
     def _is_kept(self, run: str) -> bool:
         """Whether the folder has a run as the plan asks for it now."""
         if run not in self._stored:
             return False
+        if run in self._hashes:
+            return self._fits(run)
         case, row = self._by_run[run], self._stored[run].case
         inputs = {column: row.get(column, "") for column in case.inputs}
         return row["seed"] == str(case.seed) and inputs == dict(case.inputs)
+
+    def _fits(self, run: str) -> bool:
+        """Whether the folder has a row, and it depends on the same as now."""
+        stored = self._stored.get(run)
+        return stored is not None and stored.case.get(DEPENDS) == self._hashes[run]
+
+    @property
+    def staying(self) -> list[Verdict]:
+        """Verdicts of rows that the folder has and that still fit."""
+        due = {row.run for row in self.due}
+        rows = [row for row in self._rows if row.run not in due and row.run in self._stored]
+        return [self._stored[row.run].verdict for row in rows]
 
     def kept(self) -> Iterator[CaseResult]:
         """Yield the rows all of whose runs the folder has."""

@@ -30,12 +30,14 @@ from axisrig.bench.cli.options import (
     BusOption,
     CallTimeoutOption,
     ChannelOption,
+    FailedOption,
     ForceOption,
     FreshOption,
     FullOption,
     InterfaceOption,
     IsolateOption,
     JobsOption,
+    ResumeOption,
     SegmentOption,
     SetOption,
     VersionOption,
@@ -109,7 +111,9 @@ def _logs(path: Path | None) -> list[Path]:
 @app.command()
 @rejecting
 def run(
-    plans: Annotated[list[Path], typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables.")],
+    plans: Annotated[
+        list[Path] | None, typer.Argument(help="Plans: CSV, XLSX, ODS, Parquet tables.")
+    ] = None,
     out: Annotated[Path | None, typer.Option("-o", "--out", help="Results folder.")] = None,
     select: Annotated[str | None, typer.Option("-k", help="Only cases that fit.")] = None,
     jobs: JobsOption = JOBS_AUTO,
@@ -134,6 +138,8 @@ def run(
     ] = "blf",
     is_fresh: FreshOption = False,
     is_full: FullOption = False,
+    is_resumed: ResumeOption = False,
+    is_failed: FailedOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
@@ -143,8 +149,17 @@ def run(
     from axisrig.bench.bus.logs import log_kinds
     from axisrig.bench.campaign.campaign import run_campaign, show_campaign
     from axisrig.bench.campaign.hardware_runs import Outside
+    from axisrig.bench.campaign.resuming import GoingOn, stored_arguments
     from axisrig.reports.build import build_report
 
+    going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
+    if not plans:
+        if going_on is GoingOn.NO:
+            raise UserError("no plan is named", hint="axisrig run PLAN...; axisrig run --help")
+        more = ["--failed"] if is_failed else ["--resume"]
+        sys.argv[1:] = ["run", *stored_arguments(out), *more]
+        app(sys.argv[1:])
+        return
     campaign = run_campaign(
         plans,
         out=out,
@@ -162,6 +177,7 @@ def run(
         ),
         bus_logs=log_kinds(bus_logs),
         is_fresh=is_fresh,
+        going_on=going_on,
         build_report=partial(build_report, is_full=is_full),
     )
     show_campaign(campaign)

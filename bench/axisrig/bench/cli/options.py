@@ -71,6 +71,17 @@ FreshOption = Annotated[
 FullOption = Annotated[
     bool, typer.Option("--full", help="Report: keep every sample, also of runs that passed.")
 ]
+ResumeOption = Annotated[
+    bool,
+    typer.Option(
+        "--resume",
+        help="Run what the folder lacks and what has changed since; keep the rest. Without a plan:"
+        " the one that the folder of -o comes from.",
+    ),
+]
+FailedOption = Annotated[
+    bool, typer.Option("--failed", help="Run what did not pass, and keep the rest.")
+]
 IsolateOption = Annotated[
     bool,
     typer.Option("--isolate", help="A process apart, so that an FMU can crash it alone."),

@@ -27,7 +27,9 @@ CASE_COLUMNS = (
     *("plan", "case", "run", "verdict", "sim_s", "wall_s", "seed"),
     *("alarms", "frame_log_sha256"),
 )
-LATER_COLUMNS = ("drive_substituted", "unproved_latches")
+DEPENDS = "depends_sha256"
+"""Hash of everything that the results of a run follow from (`bench.campaign.resuming`)."""
+LATER_COLUMNS = ("drive_substituted", "unproved_latches", DEPENDS)
 """Columns of `cases.csv` after these that older results do not have."""
 IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""

@@ -61,6 +61,7 @@ class CaseResult:
     checks: one per check of the case. facts: what the run has left, None for one that ended before
     it could be judged; error: why, with what was printed until then in `log`. series: its columns.
     recording: of a run that was judged again, the run that was recorded; empty without one.
+    depends_sha256: hash of everything that the run depends on, empty where nobody asks for it.
     loop_s: what the stopwatch gave the simulation itself, without its start and its end.
     samples: its values for the statistics of its case, by their checks.
     """
@@ -75,6 +76,7 @@ class CaseResult:
     log: list[str] = field(default_factory=list)
     recording: str = ""
     loop_s: float = 0.0
+    depends_sha256: str = ""
     samples: Mapping[str, tuple[Reading, ...]] = field(default_factory=dict)
 
     @property
@@ -307,7 +309,8 @@ class ResultsWriter:
             result.frame_log_sha256,
         ]
         carried = {column: inputs.get(column, "") for column in self._carried}
-        later = [result.drive_substituted, " ".join(result.unproved_latches)]
+        unproved = " ".join(result.unproved_latches)
+        later = [result.drive_substituted, unproved, result.depends_sha256]
         known = zip((*CASE_COLUMNS, *LATER_COLUMNS), (*own, *later), strict=True)
         expected = {"expected": f"fail:{' '.join(case.expected)}"} if case.expected else {}
         return dict(known) | carried | expected
@@ -363,15 +366,11 @@ def _cases(plans: Sequence[Plan]) -> list[Case]:
     return [case for plan in plans for case in plan.rows]
 
 
-def _started(case: Case) -> list[Path]:
-    """Programs that the PLC side of a case starts beside its own."""
+def other_files(case: Case) -> list[Path]:
+    """Programs that the PLC side starts, and the file with metrics of the user."""
     files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
-    return [case.program.parent / file for file in files]
-
-
-def _module(case: Case) -> list[Path]:
-    """The file with metrics of the user."""
-    return [] if case.module is None or case.module.path is None else [case.module.path]
+    own = [] if case.module is None or case.module.path is None else [case.module.path]
+    return [*(case.program.parent / file for file in files), *own]
 
 
 def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
@@ -379,7 +378,7 @@ def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
     files = {
         (_as_written(case, path), path)
         for case in cases
-        for path in (case.program, *_started(case), case.rig, *_module(case))
+        for path in (case.program, *other_files(case), case.rig)
     }
     included = {(case.folder, case.file) for case in cases if case.file.stem != case.plan}
     files |= {(_from_folder(path, folder), path) for folder, path in included}

@@ -1,0 +1,205 @@
+"""What a run depends on as one hash, and which runs `--resume` and `--failed` keep.
+
+The hash of a run is in its row of `cases.csv` (`depends_sha256`), so that it comes and goes with
+the results of the run.
+"""
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from functools import lru_cache
+from pathlib import Path
+
+from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.stored import (
+    DEPENDS,
+    StoredRun,
+    is_results_folder,
+    read_manifest,
+    read_results,
+)
+from axisrig.bench.campaign.results.writer import other_files
+from axisrig.bench.files import sha256_of
+from axisrig.bench.plan.plan import Case, path_from
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
+from axisrig.bench.rig.reading.sources import rig_files
+from axisrig.kernel.errors import UserError
+from axisrig.kernel.nc.decoder.base.subprograms import link, reachable
+from axisrig.kernel.nc.text.parser import read_program
+
+CHANGED = "files that the run depends on have changed since the campaign began"
+
+
+def depends_sha256(case: Case) -> str:
+    """Return the hash over everything that the results of a run follow from.
+
+    Its row as expanded, with the inputs of the command line; the bytes of its programs, of its rig
+    with bases, lists, maps and FMUs, of its Python file with metrics; the sources of axisrig, which
+    hold the models of its own FMUs. Where files are does not count. Of a row of statistics: its
+    checks. Empty when rig or program cannot be read: then nothing is known to be the same.
+    """
+    try:
+        return _depends(case)
+    except UserError:
+        return ""
+
+
+def _depends(case: Case) -> str:
+    texts = [sources_sha256(), *_row(case)]
+    if not case.runs:
+        texts += [_hash(path, _state(path)) for path in _files(case)]
+    return hashlib.sha256("\n".join(texts).encode()).hexdigest()
+
+
+def _row(case: Case) -> list[str]:
+    """The row of a case, one text for each cell."""
+    checks = [f"{check.metric} {check.condition.text}" for check in (*case.checks, *case.sampled)]
+    files = [path_from(case.folder, path) for path in (case.program, case.rig)]
+    return [
+        *(case.plan, case.case, case.run, *files, str(case.seed)),
+        *(case.title, " ".join(case.tags), case.requirement),
+        *(f"{column}={value}" for column, value in {**case.notes, **case.inputs}.items()),
+        *checks,
+        *case.expected,
+        *case.runs,
+    ]
+
+
+def _files(case: Case) -> list[Path]:
+    """Every file that a run reads, in one order."""
+    rig = _of_rig(case.rig, _state(case.rig))
+    files = [*_programs(case.program, _axes(case.rig, _state(case.rig)), _state(case.program))]
+    files += [*other_files(case), *rig]
+    for item in case.assignments():
+        if item.kind == "drive" and item.name in MAP_KEYS:
+            files.append(case.rig.parent / item.value)
+    return files
+
+
+State = tuple[int, int, int] | None
+
+
+def _state(path: Path) -> State:
+    """What changes when a file is written; None where there is none."""
+    try:
+        state = path.stat()
+    except OSError:
+        return None
+    return state.st_mtime_ns, state.st_size, state.st_ino
+
+
+@lru_cache(maxsize=4096)
+def _hash(path: Path, state: State) -> str:
+    return "" if state is None else sha256_of(path)
+
+
+@lru_cache(maxsize=256)
+def _of_rig(rig: Path, _state: State) -> tuple[Path, ...]:
+    return tuple(rig_files(rig))
+
+
+@lru_cache(maxsize=256)
+def _axes(rig: Path, _state: State) -> tuple[str, ...]:
+    return tuple(read_rig(rig)[0].axis)
+
+
+@lru_cache(maxsize=1024)
+def _programs(program: Path, axes: tuple[str, ...], _state: State) -> tuple[Path, ...]:
+    """A program and the files of the subprograms that it can reach."""
+    units = reachable(link(read_program(program, axes)))
+    return tuple(Path(unit.program.file) for unit in units if unit.program.file is not None)
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What a call keeps of a folder, and what it runs.
+
+    cases: to run. verdicts: of the runs that stay. changed: how many of those to run have results
+    that they no longer fit.
+    """
+
+    cases: Sequence[Case]
+    verdicts: Sequence[Verdict]
+    changed: int
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Entries of the manifest."""
+        return {"kept": len(self.verdicts), "run": len(self.cases), "changed": self.changed}
+
+
+class GoingOn(Enum):
+    """Which runs a call takes over from the folder.
+
+    NO: none, all are run. MISSING: `--resume`, those whose results still fit.
+    FAILED: `--failed`, those that passed.
+    """
+
+    NO = "no"
+    MISSING = "missing"
+    FAILED = "failed"
+
+    @classmethod
+    def of(cls, *, is_resumed: bool, is_failed: bool, is_fresh: bool) -> "GoingOn":
+        """Take the options of the command line. Raises UserError for those that exclude others."""
+        if is_resumed and is_failed:
+            raise UserError("--resume and --failed exclude each other")
+        if is_fresh and (is_resumed or is_failed):
+            raise UserError("--fresh removes the results that --resume and --failed keep")
+        if is_failed:
+            return cls.FAILED
+        return cls.MISSING if is_resumed else cls.NO
+
+
+def choose(
+    cases: Sequence[Case], hashes: Mapping[str, str], folder: Path, going_on: GoingOn
+) -> Kept:
+    """Choose the runs of a call that goes on with a folder.
+
+    hashes: `depends_sha256` of each run. Without `--failed` it runs those that are missing,
+    aborted, or depend on something else than when they ran.
+    """
+    if going_on is GoingOn.NO:
+        return Kept(cases, [], 0)
+    stored = read_results(folder).runs if is_results_folder(folder) else []
+    rows = {run.run: run for run in stored}
+    chosen, verdicts, changed = [], [], 0
+    for case in cases:
+        row = rows.get(case.run)
+        now = hashes[case.run]
+        is_same = row is not None and bool(now) and row.case.get(DEPENDS, "") == now
+        if row is not None and _stays(row, is_same=is_same, is_failed=going_on is GoingOn.FAILED):
+            verdicts.append(row.verdict)
+        else:
+            chosen.append(case)
+            changed += row is not None and not is_same
+    return Kept(chosen, verdicts, changed)
+
+
+def _stays(row: StoredRun, *, is_same: bool, is_failed: bool) -> bool:
+    if is_failed:
+        return row.verdict <= Verdict.MARGINAL
+    return is_same and row.verdict is not Verdict.ABORTED and row.file is not None
+
+
+def stored_arguments(folder: Path | None) -> list[str]:
+    """Return the arguments of `axisrig run` that a folder comes from, to go on with it.
+
+    Raises UserError for a folder that no `axisrig run` has written.
+    """
+    if folder is None:
+        raise UserError(
+            "no plan is named",
+            hint="axisrig run --resume -o DIR takes the plan that DIR comes from",
+        )
+    command = read_manifest(folder).get("command", []) if folder.is_dir() else []
+    if command[1:2] != ["run"]:
+        raise UserError(
+            "the folder does not come from `axisrig run`",
+            file=folder,
+            value=" ".join(command) or None,
+            hint="name the plans to go on with",
+        )
+    return [word for word in command[2:] if word not in ("--fresh", "--resume", "--failed")]
