@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from cli_plan import write_plan
+from tests.reports.pages import whole
 
 Call = Callable[..., tuple[int, str, str]]
 NC = ("nc", "part.nc", "--rig", "rig.toml", "--set", "plc:V.E.FEED=3000")
@@ -47,7 +48,7 @@ def test_results_show_the_substitution_and_replay_repeats_it(place: Path, axisri
     assert row["drive_substituted"] == "Z: SERCOS (2)"
     manifest = json.loads((place / "out" / "manifest.json").read_text(encoding="utf-8"))
     assert manifest["drive_substituted"] == {"plan-a": "Z: SERCOS (2)"}
-    report = (place / "out" / "report.html").read_text(encoding="utf-8")
+    report = whole(place / "out" / "report.html")
     assert report.count("CANopen drive in place of") == 2, "heading, and the run"
     assert "Z: SERCOS (2) (1 run)" in report
     code, out, _ = axisrig("replay", "out", "plan-a")

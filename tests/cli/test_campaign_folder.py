@@ -90,7 +90,7 @@ def test_a_second_campaign_is_refused_as_long_as_the_first_one_lives(
     # 6 mm at 1 mm/min: six simulated minutes
     plan = write_plan(place, PASSES, "slow,part.nc,rig.toml,1,== 1,")
     first = subprocess.Popen(
-        [sys.executable, "-m", "axisrig.bench.cli", "run", plan, "-o", "out"],
+        [sys.executable, "-m", "axisrig.bench.cli", "run", plan, "-o", "out", "-j", "1"],
         cwd=place,
         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True,
     )  # fmt: skip

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import can
 import pytest
+from tests.reports.pages import whole
 
 from axisrig.bench.bus.frame import Frame, frame_bits
 from axisrig.bench.record.facts import Facts, read_run
@@ -74,7 +75,7 @@ def test_load_and_waits_fit_the_log(place: Path, axisrig: Call, plan: Path) -> N
     assert {"SYNC", "Z.TPDO1", "Z.RPDO1", "Z.SDO request"} <= set(waits)
     assert values["queueing_us_max"] == max(waits.values())
     assert values["queueing_us_max:Z"] == max(us for name, us in waits.items() if "Z." in name)
-    report = (place / "out" / "report.html").read_text(encoding="utf-8")
+    report = whole(place / "out" / "report.html")
     assert "<caption>Bus</caption>" in report
     assert "Z.TPDO1" in report
 
@@ -90,7 +91,7 @@ def test_overload_runs_only_when_forced_and_is_told(place: Path, axisrig: Call, 
     _, facts = stored(place)
     (bus,) = facts.buses
     assert bus.overload
-    assert "overloaded:" in (place / "out" / "report.html").read_text(encoding="utf-8")
+    assert "overloaded:" in whole(place / "out" / "report.html")
     _, out, _ = axisrig("replay", "out", "plan-a")
     assert out.splitlines()[-1] == "frame_log_sha256 equal"
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 import pytest
 from cli_plan import HEADER
+from tests.reports.pages import whole
 
 from axisrig.bench.cli.main import main
 from axisrig.bench.machine.machine import Machine
@@ -98,7 +99,7 @@ def test_other_checks_give_other_verdicts_and_the_worst_is_the_exit_code(
         ("other-a", "plan-a"),
         ("other-b", "plan-b"),
     ]
-    page = (place / "out" / "judged" / "1-other" / "report.html").read_text(encoding="utf-8")
+    page = whole(place / "out" / "judged" / "1-other" / "report.html")
     assert "axisrig replay out plan-a" in page
     assert axisrig("report", "out/judged/1-other")[0] == 0
 

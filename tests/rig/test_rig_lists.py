@@ -106,7 +106,9 @@ def test_a_file_that_check_does_not_know_names_what_does(tmp_path: Path) -> None
     program.write_text("M30\n", encoding="utf-8")
     with pytest.raises(UserError, match=r"axisrig nc --check .*p\.nc"):
         check_file(program)
-    with pytest.raises(UserError, match=r"a folder.*\.csv, \.xlsx, \.ods, \.toml, \.lst, \.lis"):
+    with pytest.raises(
+        UserError, match=r"a folder.*\.csv, \.xlsx, \.ods, \.parquet, \.toml, \.lst, \.lis"
+    ):
         check_file(tmp_path)
 
 

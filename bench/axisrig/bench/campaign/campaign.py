@@ -97,44 +97,33 @@ def run_campaign(  # noqa: PLR0913
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
-    jobs: processes; None = the cores that this process may use, at most one for each run, and one
-    with a real bus or under a debugger.
+    jobs: processes; None = the cores that it may use, one with a real bus or under a debugger.
     is_isolated: each case in a process of its own; else those of rigs with a foreign FMU, unless
-    they drive real hardware. call_limit_s: wall time that one call into an FMU may take there.
+    they drive real hardware. call_limit_s: wall time of one call into an FMU there.
     outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
     the results that the folder has go first. going_on: which runs of the folder stay.
     build_report: writes the report while the folder is still held.
 
-    Everything is checked first: the folder, plans, programs, rigs, parameters, FMUs and start
-    values of every case. Raises UserError before the results folder is touched.
+    Everything is checked first, also each start value. Raises UserError before the results folder
+    is touched.
     """
     plans = _read(paths, assignments, outside)
-    parts = [_selected(plan, select) for plan in plans]
-    cases = [case for part in parts for case in part.cases]
-    if not cases:
-        raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
+    parts, cases = _chosen(plans, select)
     real = real_cases(cases)
-    if jobs is None:
-        is_alone = bool(real) or sys.gettrace() is not None
-        jobs = 1 if is_alone else min(usable_cores(), len(cases))
-    if real:
-        refuse_processes(jobs, is_isolated or timeout_s is not None)
-    folder = out or _default_folder(plans, assignments)
-    refuse_folder(folder, plans, is_fresh=is_fresh)
+    jobs = _jobs(jobs, cases, real, is_apart=is_isolated or timeout_s is not None)
+    refuse_folder(folder := out or _default_folder(plans, assignments), plans, is_fresh=is_fresh)
     with FolderLock(folder):
-        rows = [*cases, *(row for plan in plans for row in plan.statistics)]
-        hashes = {case.run: depends_sha256(case) for case in rows}
+        hashes = _hashes(plans, cases)
         kept = choose(cases, hashes, folder, going_on)
         cases = list(kept.cases)
         apart = _prepared(cases, is_isolated=is_isolated, call_limit_s=call_limit_s, jobs=jobs)
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
-        manifest |= kept.counts if going_on is not GoingOn.NO else {}
+        manifest |= kept.counts
         statistics = CaseStatistics(plans, cases, folder, hashes, is_fresh=is_fresh)
         runs = [case.run for case in (*cases, *statistics.due)]
-        results: list[CaseResult] = []
-        failure = report = None
+        results, failure = list[CaseResult](), None
         with (
             suppress(KeyboardInterrupt),
             outside.open_hardware() if real and outside else nullcontext() as hardware,
@@ -152,14 +141,48 @@ def run_campaign(  # noqa: PLR0913
                 call_limit_s=call_limit_s,
                 hardware=hardware,
             )
-            passed = _with_statistics(_dated(running, hashes), statistics, hashes)
-            failure = _write(passed, writer, results, len(runs))
-        try:
-            report = build_report(folder) if build_report else None
-        except OSError as error:
-            failure = failure or error
-    stay = [*kept.verdicts, *(statistics.staying if going_on is not GoingOn.NO else ())]
+            running = _with_statistics(_dated(running, hashes), statistics, hashes)
+            failure = _write(running, writer, results, len(runs))
+        report, failure = _report(build_report, folder, failure)
+    stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     return Campaign(folder, results, len(runs), failure, report, stay)
+
+
+def _chosen(plans: Sequence[Plan], select: str | None) -> tuple[list[Plan], list[Case]]:
+    """Return the plans with the cases that fit, and these. Raises UserError where none does."""
+    parts = [_selected(plan, select) for plan in plans]
+    cases = [case for part in parts for case in part.cases]
+    if not cases:
+        raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
+    return parts, cases
+
+
+def _hashes(plans: Sequence[Plan], cases: Sequence[Case]) -> dict[str, str]:
+    """Hash what runs, and rows of statistics, depend on."""
+    rows = [*cases, *(row for plan in plans for row in plan.statistics)]
+    return {case.run: depends_sha256(case) for case in rows}
+
+
+def _report(
+    build_report: Callable[[Path], Path] | None, folder: Path, failure: OSError | None
+) -> tuple[Path | None, OSError | None]:
+    """Build the report; what went wrong first is the failure."""
+    try:
+        return (build_report(folder) if build_report else None), failure
+    except OSError as error:
+        return None, failure or error
+
+
+def _jobs(
+    jobs: int | None, cases: Sequence[Case], real: Collection[Case], *, is_apart: bool
+) -> int:
+    """How many processes run cases; real: those of real hardware, which need this one."""
+    if jobs is None:
+        is_alone = bool(real) or sys.gettrace() is not None
+        jobs = 1 if is_alone else min(usable_cores(), len(cases))
+    if real:
+        refuse_processes(jobs, is_apart)
+    return jobs
 
 
 def _dated(running: Iterator[CaseResult], hashes: Mapping[str, str]) -> Iterator[CaseResult]:

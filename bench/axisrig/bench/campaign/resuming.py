@@ -117,16 +117,18 @@ class Kept:
     """What a call keeps of a folder, and what it runs.
 
     cases: to run. verdicts: of the runs that stay. changed: how many of those to run have results
-    that they no longer fit.
+    that they no longer fit, None where nothing is asked to stay.
     """
 
     cases: Sequence[Case]
-    verdicts: Sequence[Verdict]
-    changed: int
+    verdicts: Sequence[Verdict] = ()
+    changed: int | None = None
 
     @property
     def counts(self) -> Mapping[str, int]:
-        """Entries of the manifest."""
+        """Entries of the manifest; none for a call that takes nothing over."""
+        if self.changed is None:
+            return {}
         return {"kept": len(self.verdicts), "run": len(self.cases), "changed": self.changed}
 
 
@@ -137,9 +139,14 @@ class GoingOn(Enum):
     FAILED: `--failed`, those that passed.
     """
 
-    NO = "no"
-    MISSING = "missing"
-    FAILED = "failed"
+    NO = ""
+    MISSING = "--resume"
+    FAILED = "--failed"
+
+    @property
+    def option(self) -> str:
+        """The option of the command line that asks for it."""
+        return self.value
 
     @classmethod
     def of(cls, *, is_resumed: bool, is_failed: bool, is_fresh: bool) -> "GoingOn":
@@ -162,7 +169,7 @@ def choose(
     aborted, or depend on something else than when they ran.
     """
     if going_on is GoingOn.NO:
-        return Kept(cases, [], 0)
+        return Kept(cases)
     stored = read_results(folder).runs if is_results_folder(folder) else []
     rows = {run.run: run for run in stored}
     chosen, verdicts, changed = [], [], 0

@@ -15,7 +15,7 @@ from contextlib import AbstractContextManager
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
@@ -108,6 +108,17 @@ def _logs(path: Path | None) -> list[Path]:
     return [] if path is None else [path]
 
 
+def _go_on(folder: Path | None, option: str) -> NoReturn:
+    """Call `axisrig run` as it was called for a folder, with one more option."""
+    from axisrig.bench.campaign.resuming import stored_arguments
+
+    if not option:
+        raise typer.BadParameter("no plan is named", param_hint="PLANS")
+    sys.argv[1:] = ["run", *stored_arguments(folder), option]
+    app(sys.argv[1:])
+    raise typer.Exit
+
+
 @app.command()
 @rejecting
 def run(
@@ -149,17 +160,12 @@ def run(
     from axisrig.bench.bus.logs import log_kinds
     from axisrig.bench.campaign.campaign import run_campaign, show_campaign
     from axisrig.bench.campaign.hardware_runs import Outside
-    from axisrig.bench.campaign.resuming import GoingOn, stored_arguments
+    from axisrig.bench.campaign.resuming import GoingOn
     from axisrig.reports.build import build_report
 
     going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
     if not plans:
-        if going_on is GoingOn.NO:
-            raise UserError("no plan is named", hint="axisrig run PLAN...; axisrig run --help")
-        more = ["--failed"] if is_failed else ["--resume"]
-        sys.argv[1:] = ["run", *stored_arguments(out), *more]
-        app(sys.argv[1:])
-        return
+        _go_on(out, going_on.option)
     campaign = run_campaign(
         plans,
         out=out,

@@ -40,7 +40,9 @@ class Mistakes:
 
     def add(self, error: UserError) -> None:
         """Keep a mistake."""
-        for one in (error, *error.further):
+        each = (error, *error.further)
+        error.further = ()
+        for one in each:
             self._found.setdefault(str(one), one)
 
     @contextmanager

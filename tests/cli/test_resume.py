@@ -1,0 +1,89 @@
+"""`axisrig run --resume` and `--failed`: a broken campaign ends with the bytes of a whole one."""
+
+import json
+import re
+import shutil
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from cli_plan import write_plan
+
+Outcome = tuple[int, str, str]
+Call = Callable[..., Outcome]
+
+PASSES, FAILS = "a,part.nc,rig.toml,3000,== 1,", "b,part.nc,rig.toml,3000,== 0,"
+THIRD = "c,part.nc,rig.toml,2500,== 1,"
+
+
+def _content(folder: Path) -> dict[str, bytes]:
+    """Every file but manifest, report and lock; without wall time, and time of JUnit."""
+    found = {}
+    for path in folder.rglob("*"):
+        name = path.relative_to(folder).as_posix()
+        if path.is_file() and name not in ("manifest.json", "report.html", ".lock"):
+            found[name] = path.read_bytes()
+    table = pd.read_csv(folder / "cases.csv", dtype=str).drop(columns="wall_s")
+    found["cases.csv"] = table.to_csv().encode()
+    found["junit.xml"] = re.sub(rb' time="[^"]*"', b"", found["junit.xml"])
+    return found
+
+
+def _counts(folder: Path) -> tuple[int, int, int]:
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    return manifest["kept"], manifest["run"], manifest["changed"]
+
+
+def test_what_is_missing_or_changed_is_run_again(
+    place: Path, axisrig: Call, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    plan = write_plan(place, PASSES, FAILS, THIRD)
+    axisrig("run", plan, "-o", "whole")
+    axisrig("run", plan, "-o", "out", "-k", "a or b")
+    # A process that was killed while it wrote a row
+    cases = place / "out" / "cases.csv"
+    lines = cases.read_text(encoding="utf-8").splitlines(keepends=True)
+    cases.write_text("".join(lines[:2]) + lines[2][:30], encoding="utf-8")
+    manifest = place / "out" / "manifest.json"
+    text = manifest.read_text(encoding="utf-8")
+    manifest.write_text(text.replace('"finished": true', '"finished": false'), encoding="utf-8")
+    code, _, err = axisrig("run", plan, "-o", "out", "--resume")
+    assert (code, _counts(place / "out")) == (1, (1, 2, 0))
+    assert "kept 1 runs, ran 2" in err
+    assert _content(place / "out") == _content(place / "whole")
+    # Nothing to do, and the code is that of all
+    monkeypatch.setattr(sys, "argv", ["axisrig", "run", plan, "-o", "out", "--resume"])
+    assert axisrig("run", plan, "-o", "out", "--resume")[0] == 1
+    assert _counts(place / "out") == (3, 0, 0)
+    assert _content(place / "out") == _content(place / "whole")
+    # One row changes, then the program of all
+    write_plan(place, PASSES, FAILS.replace("== 0", "== 1"), THIRD)
+    assert axisrig("run", "--resume", "-o", "out")[0] == 0
+    assert _counts(place / "out") == (2, 1, 1)
+    program = place / "part.nc"
+    program.write_text(program.read_text(encoding="utf-8") + "\n", encoding="utf-8")
+    axisrig("run", plan, "-o", "out", "--resume")
+    assert _counts(place / "out") == (0, 3, 3)
+
+
+def test_failed_runs_alone(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, PASSES, FAILS)
+    axisrig("run", plan, "-o", "out")
+    assert axisrig("run", plan, "-o", "out", "--failed")[0] == 1
+    assert _counts(place / "out") == (1, 1, 0)
+
+
+def test_options_that_exclude_each_other(place: Path, axisrig: Call) -> None:
+    plan = write_plan(place, PASSES)
+    for more, words in (
+        (("--resume", "--failed"), "exclude each other"),
+        (("--resume", "--fresh"), "--fresh removes"),
+    ):
+        code, _, err = axisrig("run", plan, "-o", "out", *more)
+        assert (code, words in err) == (2, True)
+    assert "no plan is named" in axisrig("run", "--resume")[2]
+    shutil.rmtree(place / "out", ignore_errors=True)
+    (place / "out").mkdir()
+    assert "does not come from" in axisrig("run", "--resume", "-o", "out")[2]
