@@ -174,7 +174,7 @@ def _report(
 
 
 def _jobs(
-    jobs: int | None, cases: Sequence[Case], real: Collection[Case], *, is_apart: bool
+    jobs: int | None, cases: Sequence[Case], real: Collection[object], *, is_apart: bool
 ) -> int:
     """How many processes run cases; real: those of real hardware, which need this one."""
     if jobs is None:
