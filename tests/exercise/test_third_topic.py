@@ -18,7 +18,8 @@ from tests.exercise.lag.metrics import LAG_METRICS, LAG_PEAK
 from tests.recordings import MS, facts, kept
 from tests.reports.pages import opened, whole
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import Topic
 from axisrig.bench.judge.topics import TOPICS, events, findings, judged, observe

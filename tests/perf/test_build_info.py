@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from axisrig.bench.campaign.results import build_info
-from axisrig.bench.campaign.results.writer import build_manifest
+from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.plan.plan import read_plan
 
 PLAN = Path(__file__).parents[2] / "testplans/latch_accuracy.csv"

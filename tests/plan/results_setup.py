@@ -13,7 +13,8 @@ import pyarrow as pa
 import pytest
 from tests.recordings import facts, kept
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.plan import Case, Plan
 from axisrig.bench.record.axes import AxisRecord, Edge, Latch, ProbeRecord

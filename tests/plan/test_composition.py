@@ -280,7 +280,7 @@ def test_a_mistake_in_a_default_is_reported_once(write_plan: PlanWriter) -> None
 def test_the_examples_of_the_page_are_plans(tmp_path: Path) -> None:
     page = Path(__file__).parents[2] / "docs" / "plans.md"
     blocks = re.findall(r"```\n(case,.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
-    assert len(blocks) == 2
+    assert len(blocks) == 3
     (tmp_path / "more").mkdir()
     for name in ("probe-z.nc", "probe-z.toml", "more/edge.nc"):
         (tmp_path / name).touch()
@@ -292,5 +292,6 @@ def test_the_examples_of_the_page_are_plans(tmp_path: Path) -> None:
         found.append([case.run for case in read_plan(tmp_path / "page.csv").cases])
     assert found == [
         ["page-feeds-60", "page-feeds-600", "page-feeds-3000"],
+        ["page-fastest"],
         ["page-slow", "page-fast", "page-rising"],
     ]

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from scipy.stats import kstest, qmc
 
 from axisrig.bench.plan.composition import MeantRow
+from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.expansion import RUNS_MAX, draw, parse_cell, variants
-from axisrig.bench.plan.plan import default_seed, expanded_text, parse_assignment, read_plan
+from axisrig.bench.plan.plan import default_seed, parse_assignment, read_plan
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 

@@ -13,11 +13,11 @@ from results_setup import TEXT, add, rows, run_case, write
 from tests.reports.pages import opened
 
 from axisrig.bench.campaign.campaign import show_verdicts
+from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
-    build_manifest,
     no_values,
 )
 from axisrig.bench.plan.checks import judge, parse_check

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from axisrig.bench.plan.plan import expanded_text, read_plan
+from axisrig.bench.plan.expanded import expanded_text
+from axisrig.bench.plan.plan import read_plan
 
 PLANS = Path(__file__).parents[2] / "testplans"
 Polynomial = npt.NDArray[np.float64]

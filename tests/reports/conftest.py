@@ -9,10 +9,10 @@ import pyarrow as pa
 import pytest
 from tests.recordings import alarm, facts, kept
 
+from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
-    build_manifest,
     no_values,
 )
 from axisrig.bench.plan.checks import CheckResult, judge

@@ -7,7 +7,8 @@ from typing import Any
 import pyarrow as pa
 from tests.recordings import facts, kept
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.checks import judge

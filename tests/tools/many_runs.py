@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, build_manifest
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
 from axisrig.bench.plan.checks import Value, judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import worst

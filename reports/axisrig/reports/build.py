@@ -23,6 +23,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import (
+    PROBE,
     RECORDED_IN,
     RECORDINGS,
     StoredResults,
@@ -35,7 +36,15 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.glossary import glossary
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
-from axisrig.reports.run import BUS_LOG, SECTION, Findings, Parts, run_view, verdict_words
+from axisrig.reports.run import (
+    BUS_LOG,
+    SECTION,
+    Findings,
+    Parts,
+    probe_rows,
+    run_view,
+    verdict_words,
+)
 from axisrig.reports.statistics.section import statistics_section, statistics_style
 from axisrig.reports.topics import TOPICS
 
@@ -115,19 +124,24 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
     made, spent = _Made(), 0
     output = _output(results)
     links, columns = _links(results), results.input_columns
+    probes: dict[str, list[StoredRun]] = {}
+    for one in results.runs:
+        probes.setdefault(one.case.get(PROBE, ""), []).append(one)
     has_plans = len({run.case["plan"] for run in results.runs}) > 1
     for stored in results.runs:
         run = replace(stored)  # what it reads goes with it
         is_whole = is_full or (run.verdict is not Verdict.PASS and spent < WHOLE_BYTES)
         view = run_view(run, columns, output, pages.parts, links(run), is_reduced=not is_whole)
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
-        view |= {"has_plans": has_plans}
+        view |= {"has_plans": has_plans, "probes": probe_rows(run, probes.get(run.run, ()))}
         made.rows.append(Markup(pages.row.render(run=view)))
-        if run.is_in_plan and not view["is_good"]:
+        if run.is_in_plan and not run.is_probe and not view["is_good"]:
             card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
             made.cards.append((run.verdict, card))
         made.cells.append({name: view[name] for name in ("id", "case", "verdict")})
-        made.seconds["real" if view["clock"] == "ran" else "sim"].append(float(run.case["sim_s"]))
+        if not run.is_probe:  # its row has the time of its probes
+            clock = "real" if view["clock"] == "ran" else "sim"
+            made.seconds[clock].append(float(run.case["sim_s"]))
         store.write(_packed(view, pages.run.render(run=view)))
     return made
 
@@ -267,7 +281,7 @@ def _tested(runs: Sequence[StoredRun]) -> list[str]:
 def _facts(results: StoredResults, made: _Made) -> list[tuple[str, str]]:
     """The header of the report: what is known about the campaign."""
     manifest, runs = results.manifest, results.runs
-    wall_s = sum(float(run.case["wall_s"]) for run in runs)
+    wall_s = sum(float(run.case["wall_s"]) for run in runs if not run.is_probe)
     facts = {
         "started": manifest.get("started"),
         "command": shlex.join(manifest.get("command", [])),

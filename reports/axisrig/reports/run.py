@@ -10,11 +10,12 @@ from typing import Any
 import pyarrow as pa
 from markupsafe import Markup
 
-from axisrig.bench.campaign.results.stored import NOTE, StoredRun
+from axisrig.bench.campaign.results.stored import NOTE, PROBE, StoredRun
 from axisrig.bench.judge.observed.event import BESIDES
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import shown_facts
 from axisrig.bench.plan.checks import parse_check, plot_limits
+from axisrig.bench.plan.searching import BAD, GOOD, HEAD
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
@@ -98,6 +99,7 @@ def _view(
         "verdict": verdict_words(run.verdict),
         "is_good": run.verdict in _GOOD,
         "is_in_plan": run.is_in_plan,
+        "probe_of": run.case.get(PROBE, ""),
         "title": case.get("title", ""),
         "sentence": _sentence(run, info.get("error")),
         "failures": _failures(run, pictures),
@@ -127,6 +129,23 @@ def _view(
     }
 
 
+def probe_rows(run: StoredRun, probes: Sequence[StoredRun]) -> list[dict[str, Any]]:
+    """The probes of a row that searches, by the value that they try; empty for any other run."""
+    searched = [c.removeprefix(HEAD) for c in run.case if c.startswith(HEAD) and run.case[c]]
+    if not searched or run.is_probe:
+        return []
+    rows = [
+        {
+            "id": probe.run,
+            "value": probe.case.get(searched[0], ""),
+            "verdict": verdict_words(probe.verdict),
+            "sentence": _sentence(probe, None),
+        }
+        for probe in probes
+    ]
+    return sorted(rows, key=lambda row: float(row["value"] or 0.0))
+
+
 def _is_unjudged(run: StoredRun, info: Mapping[str, Any]) -> bool:
     return bool(info.get("error")) and not any(row["value"] for row in run.checks)
 
@@ -143,6 +162,9 @@ def _sentence(run: StoredRun, error: str | None) -> str:
     """The cause of a verdict; of a run that passed, how many checks did."""
     if run.verdict is not Verdict.PASS:
         return run_sentence(run.verdict, error, _with_units(run.checks))
+    found = {row["metric"]: f"{row['value']} {_unit(row['unit'])}".rstrip() for row in run.checks}
+    if {GOOD, BAD} <= found.keys():
+        return f"holds at {found[GOOD]}, not at {found[BAD]}"
     count = len(run.checks)
     return f"{count} check{'s' if count != 1 else ''} passed"
 

@@ -13,10 +13,10 @@ from rich.table import Table as RichTable
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
+from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
-    build_manifest,
     no_values,
     refuse_folder,
 )

@@ -73,7 +73,11 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
 
 
 def _titled(case: Case) -> str:
-    return f"{case.run}  {case.title}".rstrip()
+    text = f"{case.run}  {case.title}".rstrip()
+    if case.search is None:
+        return text
+    search = case.search
+    return f"{text}  searches {search.column}, at most {search.probes_max} probes"
 
 
 def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:

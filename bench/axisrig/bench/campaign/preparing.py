@@ -14,6 +14,7 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.searching import probe_of
 from axisrig.bench.rig.programs import programs_of, started_files
 from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
 from axisrig.bench.rig.reading.sources import rig_files
@@ -126,9 +127,16 @@ def _content(files: Iterable[Path]) -> list[Hashable]:
 def prepare(case: Case) -> None:
     """Build the machine of a case and take it down again, once per content of its files.
 
+    Of one that searches, those of both ends.
+
     Raises UserError for everything that can be known before a run, so that a plan with a mistake
     in its last row leaves nothing half-written.
     """
+    if case.search is not None:
+        ends = (case.search.first, case.search.last)
+        for number, end in enumerate(ends, start=1):
+            prepare(probe_of(case, number, case.search.value(end)))
+        return
     if recall(case) is not None:
         return
     files = [case.program, *rig_files(case.rig)]

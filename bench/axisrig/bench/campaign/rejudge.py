@@ -7,10 +7,13 @@ and seed must be those of the recording. Checks, title, tags and requirement may
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from axisrig.bench.campaign.results.folder import FOLDERS, JUDGED
+from axisrig.bench.campaign.results.manifest import build_manifest, file_hashes
 from axisrig.bench.campaign.results.stored import (
+    PROBE,
     RECORDED_IN,
     RECORDINGS,
     StoredResults,
@@ -20,10 +23,9 @@ from axisrig.bench.campaign.results.stored import (
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
-    build_manifest,
-    file_hashes,
     no_values,
 )
+from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
@@ -89,7 +91,7 @@ def rejudge(
             results.append(result)
     for name in FOLDERS:
         (into / name).rmdir()  # the recordings are in the folder above
-    used = {result.recording for result in results}
+    used = {one.recording for result in results for one in (result, *result.probes)}
     left = [r.run for r in stored.runs if r.run not in used and not r.is_statistic]
     return Rejudged(into, results, left, build_report(into) if build_report else None)
 
@@ -108,6 +110,9 @@ def _judged(stored: StoredResults, plan: Plan) -> Iterator[CaseResult]:
     for case in plan.rows:
         if case.runs:
             yield judged_row(case, [by_run[run] for run in case.runs], results)
+            continue
+        if case.search is not None:
+            yield run_search(case, partial(_judged_run, stored))
             continue
         result = results[case.run] = _judged_run(stored, case)
         yield result
@@ -149,7 +154,8 @@ def _name(run: str, plan: str) -> str:
 def _check_is_same(run: StoredRun, case: Case, hashes: Mapping[str, str]) -> None:
     """Raise UserError where a row asks for another run than the recorded one."""
     row = run.case
-    before, now = _seed(run.run, row["seed"]), _seed(case.run, str(case.seed))
+    before = _seed(row.get(PROBE) or run.run, row["seed"])
+    now = _seed(case.probe_of or case.run, str(case.seed))
     if before != now:
         raise _other("the seed", before, now)
     recorded = {

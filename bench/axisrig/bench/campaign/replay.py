@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from axisrig.bench.campaign.results.stored import RUNS, read_results
+from axisrig.bench.campaign.results.stored import PROBE, RUNS, read_results
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.assignment import INPUT_KINDS
@@ -42,7 +42,7 @@ def recorded_case(folder: Path, run: str) -> tuple[Case, Mapping[str, str]]:
         for column, value in row.items()
         if value and ":" in column and column.partition(":")[0] in INPUT_KINDS
     }
-    return _find(plan.cases, run, inputs), row
+    return _find(plan.cases, run, row.get(PROBE, ""), inputs), row
 
 
 def _recorded(folder: Path, run: str) -> Mapping[str, str]:
@@ -53,7 +53,7 @@ def _recorded(folder: Path, run: str) -> Mapping[str, str]:
         )
     if rows[run].get(RUNS):
         raise UserError(
-            "this row holds statistics over several runs",
+            "this row says something over several runs",
             file=folder,
             value=run,
             allowed=[name for name in rows if name.startswith(f"{run}-")],
@@ -74,8 +74,11 @@ def _plan_path(folder: Path, name: str) -> Path:
     return paths[name]
 
 
-def _find(cases: Sequence[Case], run: str, inputs: Mapping[str, str]) -> Case:
-    found = next((case for case in cases if case.run == run), None)
-    if found is None:
+def _find(cases: Sequence[Case], run: str, searching: str, inputs: Mapping[str, str]) -> Case:
+    """searching: of a probe, the row that searches."""
+    found = next((case for case in cases if case.run == (searching or run)), None)
+    if found is None or bool(searching) != (found.search is not None):
         raise UserError("the plan has no such run any more", value=run)
+    if found.search is not None:
+        found = replace(found, run=run, checks=found.search.checks, search=None)
     return replace(found, inputs=inputs)

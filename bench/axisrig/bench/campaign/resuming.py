@@ -5,6 +5,7 @@ the results of the run.
 """
 
 import hashlib
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -12,16 +13,20 @@ from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.manifest import other_files
 from axisrig.bench.campaign.results.stored import (
     DEPENDS,
+    PROBE,
+    RUNS,
     StoredRun,
     is_results_folder,
     read_manifest,
     read_results,
 )
-from axisrig.bench.campaign.results.writer import other_files
 from axisrig.bench.files import sha256_of
-from axisrig.bench.plan.plan import Case, path_from
+from axisrig.bench.plan.expanded import path_from
+from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.searching import HEAD
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
 from axisrig.bench.rig.reading.sources import rig_files
@@ -55,7 +60,9 @@ def _depends(case: Case) -> str:
 
 def _row(case: Case) -> list[str]:
     """The row of a case, one text for each cell."""
-    checks = [f"{check.metric} {check.condition.text}" for check in (*case.checks, *case.sampled)]
+    probed = () if case.search is None else case.search.checks
+    asked = (*case.checks, *case.sampled, *probed)
+    checks = [f"{check.metric} {check.condition.text}" for check in asked]
     files = [path_from(case.folder, path) for path in (case.program, case.rig)]
     return [
         *(case.plan, case.case, case.run, *files, str(case.seed)),
@@ -64,6 +71,7 @@ def _row(case: Case) -> list[str]:
         *checks,
         *case.expected,
         *case.runs,
+        *([] if case.search is None else [f"{HEAD}{case.search.column}={case.search.text}"]),
     ]
 
 
@@ -172,12 +180,17 @@ def choose(
         return Kept(cases)
     stored = read_results(folder).runs if is_results_folder(folder) else []
     rows = {run.run: run for run in stored}
+    probes = Counter(row.case.get(PROBE, "") for row in rows.values())
     chosen, verdicts, changed = [], [], 0
     for case in cases:
         row = rows.get(case.run)
         now = hashes[case.run]
         is_same = row is not None and bool(now) and row.case.get(DEPENDS, "") == now
-        if row is not None and _stays(row, is_same=is_same, is_failed=going_on is GoingOn.FAILED):
+        is_failed = going_on is GoingOn.FAILED
+        is_whole = row is not None and (
+            row.file is not None if case.search is None else _has(row, probes[case.run])
+        )
+        if row is not None and _stays(row, is_same and is_whole, is_failed=is_failed):
             verdicts.append(row.verdict)
         else:
             chosen.append(case)
@@ -185,10 +198,15 @@ def choose(
     return Kept(chosen, verdicts, changed)
 
 
-def _stays(row: StoredRun, *, is_same: bool, is_failed: bool) -> bool:
+def _stays(row: StoredRun, fits: bool, *, is_failed: bool) -> bool:
     if is_failed:
         return row.verdict <= Verdict.MARGINAL
-    return is_same and row.verdict is not Verdict.ABORTED and row.file is not None
+    return fits and row.verdict is not Verdict.ABORTED
+
+
+def _has(row: StoredRun, probes: int) -> bool:
+    """Whether the folder has all probes of a row that searches, and no others."""
+    return row.case.get(RUNS) == str(probes)
 
 
 def stored_arguments(folder: Path | None) -> list[str]:

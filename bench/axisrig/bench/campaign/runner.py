@@ -14,6 +14,7 @@ from pathlib import Path
 from axisrig.bench.campaign.preparing import prepare, recall, settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
+from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.files import DISK_FULL
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged, sampled
@@ -59,10 +60,18 @@ def run_case(
 ) -> CaseResult:
     """Run one case and judge it; what goes wrong with the bench itself is verdict `error`.
 
+    Of a case that searches, its probes one after the other.
     files: what the run itself writes. hardware: for rigs with a real bus. Raises OSError when a
     disk is full: nobody is to judge that.
     """
     started = stopwatch()
+    if case.search is not None:
+        rest = iter(files.probes)
+        search = run_search(
+            case, lambda probe: run_case(probe, next(rest, RunFiles()), stopwatch, hardware)
+        )
+        search.wall_s = stopwatch() - started
+        return search
     try:
         return _run_case(case, files, stopwatch, started, hardware)
     except Exception as error:  # a defect costs its own row, never the campaign

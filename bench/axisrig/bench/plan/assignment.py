@@ -24,6 +24,7 @@ _PLACES = {
     "event": r"(?P<name>\S+)",
     "kind": r"(?P<name>\S+)",
     "metric": r"(?P<name>\S(?:.*\S)?)",
+    "column": r"(?P<name>\S+)",
     "name": r"(?P<name>.+)",
 }
 

@@ -7,8 +7,6 @@ without a check of `alarms` is checked for `alarms == none`, so that an alarm no
 the case.
 """
 
-import csv
-import io
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -27,7 +25,15 @@ from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
 from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
 from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.own_metrics import OwnModule, own_module
-from axisrig.bench.plan.statistic_checks import StatisticCheck, parse_any_check, split_statistics
+from axisrig.bench.plan.searching import (
+    HEAD,
+    Search,
+    parse_row_check,
+    parse_search,
+    refuse_ids_of_probes,
+    with_search,
+)
+from axisrig.bench.plan.statistic_checks import StatisticCheck, split_statistics
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -56,6 +62,7 @@ class Case:
     folder: of the plan, which is not that of an included table.
     sampled: statistics of the case to which the run gives values. runs: of the row of results that
     is over several runs, the ids of these; empty for a run.
+    search: of a row that searches a value; its runs are probes. probe_of: of a probe, the row.
     """
 
     plan: str
@@ -82,6 +89,8 @@ class Case:
     folder: Path = Path()
     sampled: tuple[StatisticCheck, ...] = ()
     runs: tuple[str, ...] = ()
+    search: Search | None = None
+    probe_of: str = ""
 
     def assignments(self) -> tuple[Assignment, ...]:
         """Give the inputs taken apart, in the order of the columns."""
@@ -145,10 +154,12 @@ class Plan:
         """Set inputs of every case, over what the cells say (`--set` of the command line)."""
         extra = {item.column: item.value for item in assignments}
         for case in self.cases:
-            for column in case.swept.keys() & extra.keys():
+            searched = {} if case.search is None else {case.search.column: HEAD}
+            several = {**dict.fromkeys(case.swept, ""), **searched}
+            for column in several.keys() & extra.keys():
                 raise UserError(
                     f"--set {column}: the plan gives this column several values"
-                    f" (case {case.case!r}, {case.places[column].words})",
+                    f" (case {case.case!r}, {case.places[several[column] + column].words})",
                     value=extra[column],
                     hint="choose runs with -k",
                 )
@@ -198,6 +209,7 @@ def read_plan(path: Path) -> Plan:
                     where += "" if first.file == row.place.file else f" of {first.file}"
                     raise row.place.error(f"the case makes the same run as {where}", value=case.run)
                 cases.append(case)
+    refuse_ids_of_probes(cases, mistakes)
     mistakes.refuse(path)
     runs, statistics = split_statistics(cases)
     return Plan(path.stem, path, composed.columns, runs, composed.notes, statistics)
@@ -222,6 +234,7 @@ class _Row:
         self._inputs = [column for column, form in kinds.items() if form.is_input]
         self._checks = [column for column, form in kinds.items() if form.kind == "check"]
         self._notes = [column for column, form in kinds.items() if form.kind == "note"]
+        self._searched = [column for column in kinds if column.startswith(HEAD)]
         # A value of a cell is read once, however many runs have it
         self._file_of = cache(self._file)
         self._check_of = cache(self._check)
@@ -238,7 +251,8 @@ class _Row:
                     allowed="letters, digits, _ . -; * gives defaults, include takes a table",
                 )
             )
-        self._refuse_two_units()
+        search = self._search()
+        self._refuse_two_units([] if search is None else self._searched)
         repeats = self._integer("repeats", 1, _REPEATS_MAX) or 1
         samples = self._integer("samples", 1, RUNS_MAX)
         try:
@@ -258,20 +272,35 @@ class _Row:
             raise self._row.place.error(
                 f"the plan has more than {RUNS_MAX} runs", value=index + count
             )
-        found = [self._case(name, index + at, variant) for at, variant in enumerate(expanded)]
-        return [case for case in found if case is not None] if self._is_good else []
+        made = (self._case(name, index + at, variant) for at, variant in enumerate(expanded))
+        found = [case for case in made if case is not None]
+        if search is not None:
+            found = [with_search(case, search) for case in found]
+        found = [self._expecting(case) for case in found]
+        return found if self._is_good else []
 
-    def _refuse_two_units(self) -> None:
+    def _refuse_two_units(self, searched: Sequence[str]) -> None:
         """Refuse a variable that two columns with different units set: the later one would win."""
         columns: dict[tuple[str, str, str], str] = {}
-        for column in self._inputs:
-            item = parse_column(column, "0")
+        for column in [*self._inputs, *searched]:
+            item = parse_column(column.removeprefix(HEAD), "0")
             first = columns.setdefault((item.kind, item.target, item.name), column)
             if first != column:
                 place = self._row.cells[column].place
                 self._refuse(
                     place.error("the row sets this twice", value=column, hint=f"also {first}")
                 )
+
+    def _search(self) -> Search | None:
+        """What the row searches; None where it searches nothing, or the cell is wrong."""
+        try:
+            for column in self._searched[1:]:
+                raise self._row.cells[column].place.error("a row searches one value")
+            for column in self._searched:
+                return parse_search(column, self._row.cells[column], self._row.cells)
+        except UserError as error:
+            self._refuse(error)
+        return None
 
     def _look_at_each_cell(self) -> None:
         """Find what else is wrong in a row that cannot be expanded."""
@@ -290,6 +319,16 @@ class _Row:
                     self._check_of(column, cell.text)
                 else:
                     self._is_value(column, cell.text)
+
+    def _expecting(self, case: Case) -> Case:
+        """Say which checks of a case must fail."""
+        if "expect" not in self._row.cells:
+            return case
+        try:
+            return replace(case, expected=parse_expectation(self._row.cells["expect"], case.checks))
+        except UserError as error:
+            self._refuse(error)
+        return case
 
     def _case(self, name: str, index: int, variant: Variant) -> Case | None:
         texts = variant.texts
@@ -316,12 +355,6 @@ class _Row:
             return None
         if not any(check.name == "alarms" for check in checks):
             checks.append(parse_check("alarms", "none", "no alarm unless a row expects it"))
-        expected: tuple[str, ...] = ()
-        if "expect" in texts:
-            try:
-                expected = parse_expectation(self._row.cells["expect"], checks)
-            except UserError as error:
-                self._refuse(error)
         return Case(
             plan=self._plan,
             case=name,
@@ -341,7 +374,6 @@ class _Row:
             places=self._places,
             swept=variant.swept,
             module=self._module,
-            expected=expected,
             notes={column: texts[column] for column in self._notes if column in texts},
             folder=self._folder,
         )
@@ -371,7 +403,8 @@ class _Row:
         try:
             own = None if self._module is None else self._module.metrics
             metric, reference = column.partition(":")[2], f"{place.file.name}:{place.line}"
-            return parse_any_check(metric, text, reference, own)
+            is_searching = bool(self._searched)
+            return parse_row_check(metric, text, reference, own, is_searching=is_searching)
         except UserError as error:
             self._refuse(place.error_from(error))
         return None
@@ -402,42 +435,3 @@ class _Row:
             )
             return None
         return int(text)
-
-
-def expanded_text(plan: Plan) -> str:
-    """Write a plan with a row for each run, as CSV: a plan itself, with the same ids and seeds.
-
-    Statistics over several runs are left out, for each run is a case of its own there.
-    """
-    inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
-    notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
-    checks = list(dict.fromkeys(f"check:{c.metric}" for case in plan.cases for c in case.checks))
-    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed", "expect", "module"]
-    text = io.StringIO(newline="")
-    table = csv.writer(text, lineterminator="\n")
-    table.writerow([*columns, *notes, *inputs, *checks])
-    for case in plan.cases:
-        conditions = {f"check:{check.metric}": check.condition.text for check in case.checks}
-        own = [
-            case.run.removeprefix(f"{plan.name}-"),
-            case.title,
-            " ".join(case.tags),
-            case.requirement,
-            *(path_from(case.folder, path) for path in (case.program, case.rig)),
-            str(case.seed),
-            f"fail:{' '.join(case.expected)}" if case.expected else "",
-            "" if case.module is None else case.module.text_in(case.folder),
-        ]
-        cells = {**case.notes, **case.inputs, **conditions}
-        table.writerow([*own, *(_literal(cells.get(c, "")) for c in (*notes, *inputs, *checks))])
-    return text.getvalue()
-
-
-def _literal(text: str) -> str:
-    """A value as a cell that stands for nothing else."""
-    return text.replace("[", "[[")
-
-
-def path_from(folder: Path, path: Path) -> str:
-    """A file as a cell of a plan in `folder` names it."""
-    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()

@@ -218,6 +218,9 @@ def split_statistics(cases: Iterable["Case"]) -> tuple[tuple["Case", ...], tuple
     statistics: list[Case] = []
     for _, group in groupby(cases, key=lambda case: (case.case, case.file, case.line)):
         members = list(group)
+        if members[0].search is not None:
+            runs += [_of_probes(case) for case in members]
+            continue
         asked = [check for check in members[0].checks if isinstance(check, StatisticCheck)]
         if asked:
             members, of_case = _split(members)
@@ -270,6 +273,14 @@ def _split(members: Sequence["Case"]) -> tuple[list["Case"], list["Case"]]:
         runs=tuple(case.run for case in members),
     )
     return runs, [whole]
+
+
+def _of_probes(case: "Case") -> "Case":
+    """Give the statistics that each probe of a search has over its own values their limits."""
+    assert case.search is not None
+    probe = replace(case, checks=case.search.checks, search=None)
+    (probe,), _ = _split([probe])
+    return replace(case, search=replace(case.search, checks=probe.checks))
 
 
 def _conditions(case: "Case") -> list[tuple[str, str]]:

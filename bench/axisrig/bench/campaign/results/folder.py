@@ -140,6 +140,15 @@ class ResultsFolder:
                 for name in self._files_of(self.folder, run):
                     (self.folder / name).unlink(missing_ok=True)
 
+    def remove(self, runs: Sequence[str]) -> None:
+        """Remove runs with their rows and files."""
+        if runs:
+            for run in runs:
+                del self.cases[run]
+                self.checks.pop(run, None)
+            self.write_rows()
+            self.drop_files(runs)
+
     def write_rows(self) -> None:
         """Write both tables in the order in which the runs are kept."""
         self._write_checks()

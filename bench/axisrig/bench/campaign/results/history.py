@@ -8,7 +8,7 @@ from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.campaign.results.stored import IN_PLAN, read_manifest
+from axisrig.bench.campaign.results.stored import IN_PLAN, PROBE, read_manifest
 from axisrig.bench.files import sha256_of
 from axisrig.bench.plan.plan import Plan
 from axisrig.kernel.errors import UserError
@@ -76,10 +76,12 @@ class History:
 
     def found(self, cases: Mapping[str, Mapping[str, str]]) -> None:
         """Take in the rows that the folder has."""
-        self._asked |= {run: row["plan"] for run, row in cases.items()}
+        self._asked |= {run: row["plan"] for run, row in cases.items() if not row.get(PROBE)}
         known = {run for entry in self._earlier for run in entry.get("runs", ())}
         if self._earlier and "runs" not in self._earlier[-1]:
-            self._earlier[-1]["runs"] = [run for run in cases if run not in known]
+            self._earlier[-1]["runs"] = [
+                run for run, row in cases.items() if run not in known and not row.get(PROBE)
+            ]
 
     def replaced(self, run: str) -> bool:
         """Take away the row of an earlier call; say whether there was one."""
@@ -93,13 +95,17 @@ class History:
         """Whether the plan has a run; of a plan that is not called, what its row says."""
         return run in self._order if plan in self._plans else not mark
 
-    def place(self, row: Mapping[str, str]) -> tuple[bool, int, int]:
-        """Return where a row belongs: by plan and case, those that the plan has no more at last."""
-        run, plan = row["run"], row["plan"]
+    def place(self, row: Mapping[str, str]) -> tuple[bool, int, int, str]:
+        """Return where a row belongs: by plan and case, those that the plan has no more at last.
+
+        A probe comes after the row that searches.
+        """
+        run, plan = row.get(PROBE) or row["run"], row["plan"]
         if not self.is_in_plan(run, plan, row.get(IN_PLAN, "")):
-            return (True, 0, 0)
+            return (True, 0, 0, "")
         place = self._order[run][1] if run in self._order else 0
-        return (False, self._folder_plans.get(plan, len(self._folder_plans)), place)
+        probe = row["run"] if row.get(PROBE) else ""
+        return (False, self._folder_plans.get(plan, len(self._folder_plans)), place, probe)
 
     def manifest(
         self, cases: Mapping[str, Mapping[str, str]], written: Collection[str]

@@ -25,7 +25,8 @@ def write_junit(folder: Path) -> Path:
     results = read_results(folder)
     root = ElementTree.Element("testsuites", name="axisrig")
     for plan in dict.fromkeys(run.case["plan"] for run in results.runs):
-        _add_suite(root, plan, [run for run in results.runs if run.case["plan"] == plan])
+        runs = [run for run in results.runs if run.case["plan"] == plan and not run.is_probe]
+        _add_suite(root, plan, runs)
     ElementTree.indent(root, " ")
     path = folder / "junit.xml"
     text = ElementTree.tostring(root, encoding="utf-8", xml_declaration=True).decode()

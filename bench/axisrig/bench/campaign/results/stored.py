@@ -35,7 +35,10 @@ IN_PLAN = "in_plan"
 """Last column of `cases.csv`, only where a run is no longer in its plan: such a row says `no`."""
 
 RUNS = "runs"
-"""Column of `cases.csv` of statistics over the runs of a case: how many runs these are."""
+"""Column of `cases.csv` of statistics over the runs of a case, and of a search: how many runs these
+are."""
+PROBE = "probe"
+"""Column of `cases.csv` of probes: the run of the row that searches."""
 RECORDING = "recording"
 """Column of `cases.csv` of runs that were judged again: the run whose recording it was."""
 RECORDINGS = "recordings"
@@ -111,8 +114,13 @@ class StoredRun:
 
     @property
     def is_statistic(self) -> bool:
-        """Whether it is no run, but statistics over several."""
+        """Whether it is no run, but says something over several: statistics, or a search."""
         return bool(self.case.get(RUNS))
+
+    @property
+    def is_probe(self) -> bool:
+        """Whether it tries a value for a row that searches; it counts for nothing by itself."""
+        return bool(self.case.get(PROBE))
 
     @property
     def is_in_plan(self) -> bool:
@@ -132,13 +140,13 @@ class StoredResults:
     def input_columns(self) -> list[str]:
         """The columns of the plans that `cases.csv` carries on."""
         first = self.runs[0].case if self.runs else {}
-        own = (*CASE_COLUMNS, *LATER_COLUMNS, RECORDING, RUNS, IN_PLAN)
+        own = (*CASE_COLUMNS, *LATER_COLUMNS, RECORDING, RUNS, PROBE, IN_PLAN)
         return [column for column in first if column not in own]
 
     @property
     def planned(self) -> Sequence[StoredRun]:
-        """The runs that are in their plan; they alone make the verdict."""
-        return [run for run in self.runs if run.is_in_plan]
+        """The runs that are in their plan, without probes; they alone make the verdict."""
+        return [run for run in self.runs if run.is_in_plan and not run.is_probe]
 
     @property
     def runs_planned(self) -> int:

@@ -13,19 +13,14 @@ that the folder has from an earlier call keeps its results until it has ended ag
 Equal runs give equal bytes, except for `wall_s` and the manifest.
 """
 
-import os
-import platform
-import re
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
-from importlib import metadata
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES
-from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.campaign.results.folder import PLANS, ResultsFolder, clear, refuse_foreign
 from axisrig.bench.campaign.results.history import History, refuse_other_plans
 from axisrig.bench.campaign.results.junit import write_junit
@@ -35,23 +30,24 @@ from axisrig.bench.campaign.results.stored import (
     IN_PLAN,
     LATER_COLUMNS,
     NOTE,
+    PROBE,
     RECORDING,
     RESULT_COLUMNS,
     RUNS,
 )
-from axisrig.bench.files import json_text, naming, sha256_of, write_whole
+from axisrig.bench.files import json_text, naming, write_whole
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.statistics.verdict import Reading
 from axisrig.bench.plan.checks import CheckResult, value_text
-from axisrig.bench.plan.plan import Case, Plan, expanded_text, path_from
+from axisrig.bench.plan.expanded import expanded_text, path_from
+from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.searching import HEAD, PROBES_MAX, probe_id
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import Facts, run_text
 from axisrig.bench.record.series import Series
-from axisrig.bench.rig.reading.sources import rig_files
 from axisrig.kernel.errors import UserError
 
 _NOT_CARRIED = frozenset({"case", "seed", "repeats", "expand", "samples", "expect"})
-_PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
 
 
 @dataclass
@@ -64,6 +60,7 @@ class CaseResult:
     depends_sha256: hash of everything that the run depends on, empty where nobody asks for it.
     loop_s: what the stopwatch gave the simulation itself, without its start and its end.
     samples: its values for the statistics of its case, by their checks.
+    probes: of a row that searches, the results of its probes in their order.
     """
 
     case: Case
@@ -78,6 +75,7 @@ class CaseResult:
     loop_s: float = 0.0
     depends_sha256: str = ""
     samples: Mapping[str, tuple[Reading, ...]] = field(default_factory=dict)
+    probes: tuple["CaseResult", ...] = ()
 
     @property
     def lines(self) -> list[str]:
@@ -87,7 +85,8 @@ class CaseResult:
     @property
     def sim_s(self) -> float:
         """Simulated time, s."""
-        return 0.0 if self.facts is None else self.facts.sim_ns / 1e9
+        own = 0.0 if self.facts is None else self.facts.sim_ns / 1e9
+        return own + sum(probe.sim_s for probe in self.probes)
 
     @property
     def alarms(self) -> list[int]:
@@ -114,10 +113,14 @@ class CaseResult:
 
 @dataclass(frozen=True)
 class RunFiles:
-    """Files that a run itself writes: bus logs, and its series, None to keep these in memory."""
+    """Files that a run itself writes: bus logs, and its series, None to keep these in memory.
+
+    probes: of a row that searches, those of each probe that it can have; empty to keep none.
+    """
 
     bus_logs: Sequence[Path] = ()
     trace: Path | None = None
+    probes: Sequence["RunFiles"] = ()
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
@@ -172,7 +175,11 @@ class ResultsWriter:
         self._carried = [c for plan in plans for c in plan.columns if _is_carried(c)]
         self._keeps_runs = not is_judged_again
         self._carried += [] if self._keeps_runs else [RECORDING]
-        self._carried += [RUNS] if any(plan.statistics for plan in plans) else []
+        searching = [case for case in _cases(plans) if case.search is not None]
+        self._carried += [case.search.column for case in searching if case.search is not None]
+        self._carried += [RUNS] if searching or any(plan.statistics for plan in plans) else []
+        self._carried += [PROBE] if searching else []
+        self._searching = {case.run for case in searching}
         if any(case.expected for case in _cases(plans)):
             self._carried.append("expected")
         self._written: set[str] = set()
@@ -194,7 +201,7 @@ class ResultsWriter:
                 write_whole(folder / PLANS / f"{plan.name}.csv", expanded_text(plan))
             self._history.found(self._rows.cases)
             self._write_manifest()
-            self._rows.drop_files(self._history.asked)
+            self._rows.drop_files(self._with_probes(self._history.asked))
             self._arrange()
             self._held = held.pop_all()
 
@@ -211,8 +218,17 @@ class ResultsWriter:
         with suppress(OSError) if isinstance(error, OSError) else ExitStack():
             self.close()
 
+    def _with_probes(self, runs: Collection[str]) -> list[str]:
+        return [*runs, *(probe for run in runs if run in self._searching for probe in _ids(run))]
+
     def files_of(self, run: str) -> RunFiles:
-        """Return where bus logs and series of a run are to be written."""
+        """Return where bus logs and series of a run, and of its probes, are to be written."""
+        files = self._files_of(run)
+        if run not in self._searching:
+            return files
+        return RunFiles(files.bus_logs, files.trace, [self._files_of(probe) for probe in _ids(run)])
+
+    def _files_of(self, run: str) -> RunFiles:
         logs = [self._rows.path_of("bus", run, LOG_SUFFIXES[kind]) for kind in self._bus_logs]
         return RunFiles(logs, self._rows.path_of("traces", run, ".parquet"))
 
@@ -225,6 +241,21 @@ class ResultsWriter:
         case = result.case
         if case.run not in self._runs or case.run in self._written:
             raise ValueError(f"run {case.run!r} is unknown or was written before")
+        for probe in result.probes:
+            probe.depends_sha256 = result.depends_sha256
+            self._put(probe)
+        self._put(result)
+        if case.search is not None:
+            of_search = [run for run, row in self._rows.cases.items() if row.get(PROBE) == case.run]
+            kept = {probe.case.run for probe in result.probes}
+            self._rows.remove([run for run in of_search if run not in kept])
+        self._written.add(case.run)
+        if self._history.replaced(case.run):
+            self._write_manifest()
+
+    def _put(self, result: CaseResult) -> None:
+        """Write the files and the rows of one run."""
+        case = result.case
         judged = {item.check.metric: item for item in result.checks}
         checks = [
             judged.get(check.metric)
@@ -233,16 +264,13 @@ class ResultsWriter:
         ]
         free = [item.verdict for item in checks if item.check.metric not in case.expected]
         verdict = worst([result.verdict, *free])
-        if self._keeps_runs and not case.runs:
+        if self._keeps_runs and not case.runs and case.search is None:
             self._write_run(result)
         rows = [
             dict(zip((*RESULT_COLUMNS, NOTE), _check_row(case, item), strict=True))
             for item in checks
         ]
         self._rows.put(case.run, self._case_row(result, verdict), rows)
-        self._written.add(case.run)
-        if self._history.replaced(case.run):
-            self._write_manifest()
 
     def _write_run(self, result: CaseResult) -> None:
         run = result.case.run
@@ -263,7 +291,7 @@ class ResultsWriter:
         """
         with self._held:
             self._rows.close()
-            self._rows.drop_files(self._runs)
+            self._rows.drop_files(self._with_probes(self._runs))
             self._arrange()
             write_junit(self.folder)
             self._write_manifest()
@@ -272,7 +300,8 @@ class ResultsWriter:
         """Mark the rows that their plan has no more, and put columns and rows into order."""
         cases, history = self._rows.cases, self._history
         for run, row in cases.items():
-            is_in_plan = history.is_in_plan(run, row["plan"], row.get(IN_PLAN, ""))
+            planned = row.get(PROBE) or run
+            is_in_plan = history.is_in_plan(planned, row["plan"], row.get(IN_PLAN, ""))
             cases[run] = {**row, IN_PLAN: "" if is_in_plan else "no"}
         known = self._rows.columns
         used = [column for column in known if any(row.get(column) for row in cases.values())]
@@ -291,10 +320,13 @@ class ResultsWriter:
             "tags": " ".join(case.tags),
             "requirement": case.requirement,
             RECORDING: result.recording,
-            RUNS: str(len(case.runs)) if case.runs else "",
+            RUNS: str(len(case.runs) + len(result.probes) or ""),
+            PROBE: case.probe_of,
             **case.notes,
             **case.inputs,
         }
+        if case.search is not None:
+            inputs[f"{HEAD}{case.search.column}"] = case.search.text
         if case.runs:  # its runs differ in these
             inputs |= dict.fromkeys(case.swept, "")
         own = [
@@ -327,71 +359,13 @@ class ResultsWriter:
             self._manifest_text = text
 
 
-def build_manifest(
-    plans: Sequence[Plan],
-    *,
-    command: Sequence[str],
-    started: str,
-    output: str,
-    extra: Mapping[str, object] | None = None,
-) -> dict[str, object]:
-    """Collect what a campaign was made with: versions, build, platform, hashes of its files.
-
-    command: the command line. started: wall time as text, from the command line, since nothing
-    below it reads a clock. output: the results folder as the user named it.
-    extra: more entries, e.g. the hashes of the FMUs.
-    """
-
-    return {
-        "axisrig": _version("axisrig"),
-        "compiled": is_compiled(),
-        "sources_sha256": sources_sha256(),
-        "started": started,
-        "command": list(command),
-        "output": output,
-        "python": platform.python_version(),
-        "platform": platform.platform(),
-        "machine": platform.machine(),
-        "packages": {name: _version(name) for name in _PACKAGES},
-        "plans": [
-            {"name": p.name, "path": str(p.path), "sha256": sha256_of(p.path), "runs": len(p.cases)}
-            for p in plans
-        ],
-        "files": file_hashes(_cases(plans)),
-        **(extra or {}),
-    }
-
-
 def _cases(plans: Sequence[Plan]) -> list[Case]:
     return [case for plan in plans for case in plan.rows]
 
 
-def other_files(case: Case) -> list[Path]:
-    """Programs that the PLC side starts, and the file with metrics of the user."""
-    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
-    own = [] if case.module is None or case.module.path is None else [case.module.path]
-    return [*(case.program.parent / file for file in files), *own]
-
-
-def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
-    """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
-    files = {
-        (_as_written(case, path), path)
-        for case in cases
-        for path in (case.program, *other_files(case), case.rig)
-    }
-    included = {(case.folder, case.file) for case in cases if case.file.stem != case.plan}
-    files |= {(_from_folder(path, folder), path) for folder, path in included}
-    for folder, rig in {(case.folder, case.rig) for case in cases}:
-        files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
-    return {name: sha256_of(path) for name, path in sorted(files)}
-
-
-def _from_folder(path: Path, folder: Path) -> str:
-    try:
-        return Path(os.path.relpath(path, folder.resolve())).as_posix()
-    except ValueError:  # on another drive of Windows
-        return path.as_posix()
+def _ids(run: str) -> list[str]:
+    """Ids of all probes that a row can have."""
+    return [probe_id(run, number + 1) for number in range(PROBES_MAX)]
 
 
 def _is_carried(column: str) -> bool:
@@ -420,10 +394,3 @@ def _check_row(case: Case, item: CheckResult) -> list[str]:
         item.check.reference,
         item.note,
     ]
-
-
-def _version(package: str) -> str | None:
-    try:
-        return metadata.version(package)
-    except metadata.PackageNotFoundError:
-        return None

@@ -16,11 +16,11 @@ from axisrig.bench.bus.line import BusLine
 from axisrig.bench.bus.simbus import SimBus
 from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
+from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
     RunFiles,
-    build_manifest,
 )
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.drive.communication.slave import CanopenSlave

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import NamedTuple, Protocol
 
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
-from axisrig.bench.campaign.results.writer import ResultsWriter, build_manifest
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.runner import no_stopwatch, prepare_all, run_cases
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.tools.perf.clocks import Clocks

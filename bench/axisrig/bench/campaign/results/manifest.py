@@ -1,0 +1,86 @@
+"""What a campaign was made with: versions, build, platform, hashes of its files."""
+
+import os
+import platform
+import re
+from collections.abc import Mapping, Sequence
+from importlib import metadata
+from pathlib import Path
+
+from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
+from axisrig.bench.files import sha256_of
+from axisrig.bench.plan.expanded import path_from
+from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.rig.reading.sources import rig_files
+
+_PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")
+
+
+def build_manifest(
+    plans: Sequence[Plan],
+    *,
+    command: Sequence[str],
+    started: str,
+    output: str,
+    extra: Mapping[str, object] | None = None,
+) -> dict[str, object]:
+    """Collect what a campaign was made with: versions, build, platform, hashes of its files.
+
+    command: the command line. started: wall time as text, from the command line, since nothing
+    below it reads a clock. output: the results folder as the user named it.
+    extra: more entries, e.g. the hashes of the FMUs.
+    """
+
+    return {
+        "axisrig": _version("axisrig"),
+        "compiled": is_compiled(),
+        "sources_sha256": sources_sha256(),
+        "started": started,
+        "command": list(command),
+        "output": output,
+        "python": platform.python_version(),
+        "platform": platform.platform(),
+        "machine": platform.machine(),
+        "packages": {name: _version(name) for name in _PACKAGES},
+        "plans": [
+            {"name": p.name, "path": str(p.path), "sha256": sha256_of(p.path), "runs": len(p.cases)}
+            for p in plans
+        ],
+        "files": file_hashes([case for plan in plans for case in plan.rows]),
+        **(extra or {}),
+    }
+
+
+def other_files(case: Case) -> list[Path]:
+    """Programs that the PLC side starts, and the file with metrics of the user."""
+    files = re.findall(r"\bfile=(\S+?)(?=[\s;]|$)", case.inputs.get("plc:program_start", ""))
+    own = [] if case.module is None or case.module.path is None else [case.module.path]
+    return [*(case.program.parent / file for file in files), *own]
+
+
+def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
+    """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
+    files = {
+        (path_from(case.folder, path), path)
+        for case in cases
+        for path in (case.program, *other_files(case), case.rig)
+    }
+    included = {(case.folder, case.file) for case in cases if case.file.stem != case.plan}
+    files |= {(_from_folder(path, folder), path) for folder, path in included}
+    for folder, rig in {(case.folder, case.rig) for case in cases}:
+        files |= {(_from_folder(path, folder), path) for path in rig_files(rig)[1:]}
+    return {name: sha256_of(path) for name, path in sorted(files)}
+
+
+def _from_folder(path: Path, folder: Path) -> str:
+    try:
+        return Path(os.path.relpath(path, folder.resolve())).as_posix()
+    except ValueError:  # on another drive of Windows
+        return path.as_posix()
+
+
+def _version(package: str) -> str | None:
+    try:
+        return metadata.version(package)
+    except metadata.PackageNotFoundError:
+        return None

@@ -1,0 +1,59 @@
+"""Plans written out: a row for each run, and files as cells name them."""
+
+import csv
+import io
+from pathlib import Path
+
+from axisrig.bench.plan.checks import Check
+from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.searching import HEAD
+
+
+def expanded_text(plan: Plan) -> str:
+    """Write a plan with a row for each run, as CSV: a plan itself, with the same ids and seeds.
+
+    Statistics over several runs are left out, for each run is a case of its own there.
+    """
+    inputs = list(dict.fromkeys(column for case in plan.cases for column in case.inputs))
+    notes = list(dict.fromkeys(column for case in plan.cases for column in case.notes))
+    every = {case.run: (*case.checks, *_probed(case)) for case in plan.cases}
+    checks = list(dict.fromkeys(f"check:{c.metric}" for of in every.values() for c in of))
+    searched = {
+        case.run: {HEAD + case.search.column: case.search.text}
+        for case in plan.cases
+        if case.search is not None
+    }
+    inputs += dict.fromkeys(column for cells in searched.values() for column in cells)
+    columns = ["case", "title", "tags", "requirement", "program", "rig", "seed", "expect", "module"]
+    text = io.StringIO(newline="")
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow([*columns, *notes, *inputs, *checks])
+    for case in plan.cases:
+        conditions = {f"check:{check.metric}": check.condition.text for check in every[case.run]}
+        own = [
+            case.run.removeprefix(f"{plan.name}-"),
+            case.title,
+            " ".join(case.tags),
+            case.requirement,
+            *(path_from(case.folder, path) for path in (case.program, case.rig)),
+            str(case.seed),
+            f"fail:{' '.join(case.expected)}" if case.expected else "",
+            "" if case.module is None else case.module.text_in(case.folder),
+        ]
+        cells = {**case.notes, **case.inputs, **searched.get(case.run, {}), **conditions}
+        table.writerow([*own, *(_literal(cells.get(c, "")) for c in (*notes, *inputs, *checks))])
+    return text.getvalue()
+
+
+def _probed(case: Case) -> tuple[Check, ...]:
+    return () if case.search is None else case.search.checks
+
+
+def _literal(text: str) -> str:
+    """A value as a cell that stands for nothing else."""
+    return text.replace("[", "[[")
+
+
+def path_from(folder: Path, path: Path) -> str:
+    """A file as a cell of a plan in `folder` names it."""
+    return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()

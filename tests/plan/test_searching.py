@@ -1,0 +1,161 @@
+"""Rows that search: bisection against a known limit, and what such a row may not be."""
+
+import math
+from collections.abc import Callable
+from decimal import Decimal
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from axisrig.bench.plan.expanded import expanded_text
+from axisrig.bench.plan.plan import parse_assignment, read_plan
+from axisrig.bench.plan.searching import PROBES_MAX, Bracket, Search, bisect, probe_of
+from axisrig.kernel.errors import UserError
+
+PlanWriter = Callable[..., Path]
+HEAD = "case,program,rig,search:plc:V.E.FEED,check:latch_error_um"
+ROW = "a,probe.nc,machine.toml,{},<= 1"
+
+
+def searched(search: Search, holds: Callable[[float], bool]) -> tuple[Bracket, list[str]]:
+    """Carry a search out; what it found and what it tried."""
+    steps, tried = bisect(search), []
+    value = next(steps)
+    while True:
+        tried.append(value)
+        try:
+            value = steps.send(holds(float(value)))
+        except StopIteration as end:
+            return end.value, tried
+
+
+@given(
+    st.integers(-(10**6), 10**6),
+    st.integers(2, 10**6),
+    st.integers(1, 1000),
+    st.integers(0, 4),
+    st.floats(0.0, 1.0, exclude_max=True),
+    st.booleans(),
+)
+def test_the_limit_is_between_good_and_bad(
+    first: int, span: int, width: int, decimals: int, share: float, is_falling: bool
+) -> None:
+    step = Decimal(1).scaleb(-decimals)
+    width = min(width, span - 1)
+    last = first + span
+    ends = (last, first) if is_falling else (first, last)
+    search = Search("plc:V.E.FEED", "", *ends, width, step)
+    limit = (first + share * span) * float(step)
+    found, tried = searched(search, lambda value: value <= limit)
+    assert found.good is not None
+    assert found.bad is not None
+    assert float(found.good) <= limit < float(found.bad)
+    assert 0 < Decimal(found.bad) - Decimal(found.good) <= width * step
+    # The count that halving needs, from the logarithm
+    assert len(tried) <= search.probes_max <= 2 + math.ceil(math.log2(span / width)) + 1
+    assert tried[:2] == [search.value(end) for end in ends]
+    assert len(set(tried)) == len(tried)
+    assert all(min(ends) * step <= Decimal(value) <= max(ends) * step for value in tried)
+
+
+@pytest.mark.parametrize(("holds", "words"), [(True, "both ends"), (False, "neither end")])
+def test_a_limit_outside_the_range_is_said(holds: bool, words: str) -> None:
+    search = Search("plc:V.E.FEED", "300 .. 3000 to 10", 300, 3000, 10, Decimal(1))
+    found, tried = searched(search, lambda _: holds)
+    assert (found.good, found.bad, tried) == (None, None, ["300", "3000"])
+    assert words in found.reason
+    assert "plc:V.E.FEED = 300 .. 3000 to 10" in found.reason
+
+
+def test_values_have_the_decimals_of_the_cell(write_plan: PlanWriter) -> None:
+    (case,) = read_plan(write_plan(f"{HEAD}\n{ROW.format('0.5 .. 3 to 0.25')}\n")).cases
+    assert case.search is not None
+    _, tried = searched(case.search, lambda value: value < 2)
+    assert tried == ["0.50", "3.00", "1.75", "2.37", "2.06", "1.90"]
+    probe = probe_of(case, 3, "1.75")
+    assert (probe.run, probe.inputs) == ("probing-a-s03", {"plc:V.E.FEED": "1.75"})
+    assert (probe.seed, probe.probe_of) == (case.seed, case.run)
+    assert [check.metric for check in probe.checks] == ["latch_error_um", "alarms"]
+    assert [check.metric for check in case.checks] == ["search_good", "search_bad"]
+
+
+def test_the_metrics_of_the_search_have_the_unit_of_the_column(write_plan: PlanWriter) -> None:
+    head = "case,program,rig,search:plant:p.gap_um,check:search_good,check:latch_error_um,expect"
+    row = "a,probe.nc,machine.toml,1 .. 9 to 1,> 4,<= 1,fail:search_bad"
+    (case,) = read_plan(write_plan(f"{head}\n{row}\n")).cases
+    assert [(c.metric, c.condition.text, c.unit) for c in case.checks] == [
+        ("search_good", "> 4", "um"),
+        ("search_bad", "1 .. 9", "um"),
+    ]
+    assert case.expected == ("search_bad",)
+
+
+def test_an_expanded_plan_searches_the_same(write_plan: PlanWriter) -> None:
+    head = "case,program,rig,set:Z.a_max,search:plc:V.E.FEED,check:latch_error_um"
+    plan = read_plan(write_plan(f"{head}\na,probe.nc,machine.toml,[1 | 2],300 .. 900 to 9,<= 1\n"))
+    again = read_plan(write_plan(expanded_text(plan)))
+    assert [case.run for case in plan.cases] == ["probing-a-1", "probing-a-2"]
+    for one, other in zip(plan.cases, again.cases, strict=True):
+        assert one.search is not None
+        assert other.search is not None
+        assert (one.run, one.seed, one.inputs) == (other.run, other.seed, other.inputs)
+        assert one.search.text == other.search.text
+        for first, second in ((one, other), (one.search, other.search)):
+            asked = [[(c.metric, c.condition) for c in row.checks] for row in (first, second)]
+            assert asked[0] == asked[1]
+
+
+@pytest.mark.parametrize(
+    ("cell", "words"),
+    [
+        ("300 .. 3000", "the search cannot be read"),
+        ("300 .. 3000 step 10", "the search cannot be read"),
+        ("300 .. 300 to 10", "the width is above 0 and less than the range"),
+        ("300 .. 3000 to 0", "the width is above 0 and less than the range"),
+        ("300 .. 3000 to 2700", "the width is above 0 and less than the range"),
+        ("0 .. 999999999999 to 1", "the search takes 42 runs, more than 40"),
+        ("0 .. 9999999999999 to 1", "more than 12 digits"),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(write_plan: PlanWriter, cell: str, words: str) -> None:
+    path = write_plan(f"{HEAD}\n{ROW.format(cell)}\n")
+    with pytest.raises(UserError) as caught:
+        read_plan(path)
+    assert words in caught.value.message
+    assert (caught.value.file, caught.value.line) == (str(path), 2)
+
+
+@pytest.mark.parametrize(
+    ("header", "cells", "words"),
+    [
+        ("search:title", "1 .. 9 to 1", "not an input column"),
+        (
+            "search:plc:V.E.B,search:plc:V.E.A",
+            "1 .. 9 to 1,1 .. 9 to 1",
+            "a row searches one value",
+        ),
+        ("search:plc:V.E.A,plc:V.E.A", "1 .. 9 to 1,5", "the row sets plc:V.E.A, and searches it"),
+        ("search:plant:p.x_um,plant:p.x_mm", "1 .. 9 to 1,5", "the row sets this twice"),
+        ("check:search_good", "> 3", "the row searches nothing"),
+    ],
+)
+def test_what_excludes_itself_is_refused(
+    write_plan: PlanWriter, header: str, cells: str, words: str
+) -> None:
+    text = f"case,program,rig,{header},check:latch_error_um\na,probe.nc,machine.toml,{cells},<= 1\n"
+    with pytest.raises(UserError, match=words):
+        read_plan(write_plan(text))
+
+
+def test_no_case_has_the_id_of_a_probe(write_plan: PlanWriter) -> None:
+    rows = f"{ROW.format('1 .. 9 to 1')}\na-s{PROBES_MAX},probe.nc,machine.toml,,<= 1\n"
+    with pytest.raises(UserError, match="a probe has this id"):
+        read_plan(write_plan(f"{HEAD}\n{rows}"))
+
+
+def test_the_command_line_does_not_set_what_is_searched(write_plan: PlanWriter) -> None:
+    plan = read_plan(write_plan(f"{HEAD}\n{ROW.format('1 .. 9 to 1')}\n"))
+    with pytest.raises(UserError, match="several values"):
+        plan.with_inputs([parse_assignment("plc:V.E.FEED=3")])
