@@ -13,7 +13,7 @@ from pathlib import Path
 
 from axisrig.bench.campaign.preparing import prepare, recall, settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
-from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, file_cell, no_values
 from axisrig.bench.files import DISK_FULL
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged
@@ -22,6 +22,7 @@ from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.kernel.cosim.fmi.fmu import PlantError
@@ -86,13 +87,14 @@ def _run_case(
             program = read_program(case.program, tuple(settings.rig.axis))
         else:
             settings, program = prepared
+        about = {"run": case.run, "rig": file_cell(case, case.rig)}
         machine = Machine(
             settings,
             program,
             bus_logs=files.bus_logs,
             seed=case.seed,
             hardware=hardware,
-            trace=files.trace,
+            trace=SeriesWriter(files.trace, about),
         )
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))

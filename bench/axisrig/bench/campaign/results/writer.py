@@ -270,8 +270,8 @@ class ResultsWriter:
     def _case_row(self, result: CaseResult, verdict: Verdict) -> dict[str, str]:
         case = result.case
         inputs = {
-            "program": _as_written(case, case.program),
-            "rig": _as_written(case, case.rig),
+            "program": file_cell(case, case.program),
+            "rig": file_cell(case, case.rig),
             "title": case.title,
             "tags": " ".join(case.tags),
             "requirement": case.requirement,
@@ -354,7 +354,7 @@ def _started(case: Case) -> list[Path]:
 def file_hashes(cases: Sequence[Case]) -> dict[str, str]:
     """SHA-256 of the program, the rig with its bases, and the lists and maps of every case."""
     files = {
-        (_as_written(case, path), path)
+        (file_cell(case, path), path)
         for case in cases
         for path in (case.program, *_started(case), case.rig)
     }
@@ -374,7 +374,7 @@ def _is_carried(column: str) -> bool:
     return column not in _NOT_CARRIED and not column.startswith("check:")
 
 
-def _as_written(case: Case, path: Path) -> str:
+def file_cell(case: Case, path: Path) -> str:
     """A file as the cell of the plan names it."""
     folder = case.file.parent
     return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()
