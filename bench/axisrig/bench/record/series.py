@@ -35,7 +35,7 @@ TARGET, ACTUAL, SECOND = "target", "actual", "second"
 FRAME_NS, INCREMENTS = "frame_ns", "increments"
 ABOUT: Final = ("run", "rig")
 """What the metadata of a file say beside the units."""
-_UNITS: Final = b"units"
+_UNITS: Final = "units"
 
 # Columns and their names for an axis that turns; those of forces where its plant turns too
 LENGTH_COLUMNS = {
@@ -121,7 +121,7 @@ class Series:
     @property
     def units(self) -> Mapping[str, str]:
         """Return the unit of each column that has one. Raises as `names`."""
-        told = (self._schema.metadata or {}).get(_UNITS)
+        told = (self._schema.metadata or {}).get(_UNITS.encode())
         if told is None:
             return units_of(self._schema.names)
         try:
@@ -278,7 +278,8 @@ class SeriesWriter:
         Raises ValueError for a block without instants: a defect.
         """
         units = json.dumps(units_of(columns))
-        table = pa.table(dict(columns), metadata={**self._about, _UNITS: units})
+        metadata = {**self._about, _UNITS: units}
+        table = pa.table(dict(columns), metadata=metadata)
         if TIME not in columns:
             raise ValueError(f"a block without {TIME}")
         if self._path is None:
