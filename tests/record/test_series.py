@@ -1,5 +1,7 @@
 """Series of a run: blocks read back as columns, lists of telegrams, damaged files."""
 
+import csv
+import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -20,11 +22,13 @@ from axisrig.bench.record.series import (
     Series,
     SeriesWriter,
     column_of,
+    units_of,
     values_of,
 )
 from axisrig.kernel.errors import UserError
 
 MS = 1_000_000
+ROOT = Path(__file__).parents[2]
 
 
 def block(begin: int, rows: int) -> dict[str, pa.Array]:
@@ -177,3 +181,52 @@ def test_columns_and_values_are_those_of_pyarrow(values: npt.NDArray[Any]) -> No
 def test_values_that_are_missing_or_no_numbers_are_given_as_by_pyarrow() -> None:
     for column in (pa.chunked_array([[1, None]]), pa.chunked_array([[True, False]])):
         np.testing.assert_array_equal(values_of(column), column.to_numpy())
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_a_trace_says_its_units_its_run_and_its_rig(is_kept: bool, tmp_path: Path) -> None:
+    """Read by another library than that of the writer's rows: the metadata of the file itself."""
+    about = {"run": "plan-a", "rig": "rigs/z.toml"}
+    writer = SeriesWriter(tmp_path / "a.parquet" if is_kept else None, about)
+    writer.add(block(0, 3))
+    series = writer.close()
+    series.save(tmp_path / "a.parquet")
+    told = pq.read_schema(tmp_path / "a.parquet").metadata
+    assert {key: told[key] for key in (b"run", b"rig")} == {
+        b"run": b"plan-a",
+        b"rig": b"rigs/z.toml",
+    }
+    units = {
+        "time_ns": "ns",
+        "Z.set_mm": "mm",
+        "Z.actual_frame_ns": "ns",
+        "Z.actual_increments": "increments",
+    }
+    assert json.loads(told[b"units"]) == units
+    assert Series(tmp_path / "a.parquet").units == units
+    assert Series(tmp_path / "a.parquet").about == about
+
+
+def test_a_trace_of_an_older_version_has_the_units_of_its_names(tmp_path: Path) -> None:
+    pq.write_table(pa.table(block(0, 3)), tmp_path / "old.parquet")
+    old = Series(tmp_path / "old.parquet")
+    assert old.about == {}
+    assert old.units["Z.set_mm"] == "mm"
+    assert "probe.signal" not in old.units
+
+
+def test_units_are_those_of_the_plots() -> None:
+    """The table by which the report labels its axes was written apart from the ends of names."""
+    plots = {"µm": "um", "°": "deg", "°/s": "deg/s", "m°": "mdeg"}
+    with (ROOT / "reports/axisrig/reports/signals.csv").open(encoding="utf-8", newline="") as file:
+        rows = [row for row in csv.DictReader(file) if not row["suffix"].startswith("change_")]
+    for row in rows:
+        unit = units_of([f"Z.{row['suffix']}"]).get(f"Z.{row['suffix']}", "")
+        assert unit == plots.get(row["unit"], row["unit"]), row["suffix"]
+
+
+def test_units_that_are_no_table_are_reported_with_the_file(tmp_path: Path) -> None:
+    table = pa.table(block(0, 1), metadata={"units": "mm"})
+    pq.write_table(table, tmp_path / "bad.parquet")
+    with pytest.raises(UserError, match=r"bad\.parquet: the trace is damaged: units"):
+        _ = Series(tmp_path / "bad.parquet").units

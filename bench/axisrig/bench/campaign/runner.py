@@ -22,9 +22,11 @@ from axisrig.bench.machine.facts import facts_of
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.composition import Mistakes
+from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.kernel.cosim.fmi.fmu import PlantError
@@ -97,13 +99,14 @@ def _run_case(
             program = read_program(case.program, tuple(settings.rig.axis))
         else:
             settings, program = prepared
+        about = {"run": case.run, "rig": path_from(case.folder, case.rig)}
         machine = Machine(
             settings,
             program,
             bus_logs=files.bus_logs,
             seed=case.seed,
             hardware=hardware,
-            trace=files.trace,
+            trace=SeriesWriter(files.trace, about),
         )
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))

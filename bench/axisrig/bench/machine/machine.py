@@ -68,7 +68,7 @@ class Machine:
     is due. seed: of everything random in the run. limit_ns: simulated time that it may take, None =
     what the settings say.
     hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
-    simulated. trace: file for the time series, None = they are kept until the machine goes.
+    simulated. trace: takes the time series, None = they are kept until the machine goes.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
     """
 
@@ -82,7 +82,7 @@ class Machine:
         seed: int = 0,
         limit_ns: TimeNs | None = None,
         hardware: Hardware | None = None,
-        trace: Path | None = None,
+        trace: SeriesWriter | None = None,
     ) -> None:
         if not settings.is_checked:
             check_rig(settings)
@@ -223,7 +223,7 @@ class Machine:
     def _note_state(self, axis: str, state: State) -> None:
         self.drive_states.append((self.scheduler.now_ns, axis, state))
 
-    def _observe(self, trace: Path | None, telegrams: TelegramLog) -> None:
+    def _observe(self, trace: SeriesWriter | None, telegrams: TelegramLog) -> None:
         """Build what looks at every cycle and keeps what the run leaves."""
         self.recorder = self._build_recorder(trace, telegrams)
         self._open.callback(self.recorder.discard)
@@ -233,7 +233,7 @@ class Machine:
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]
 
-    def _build_recorder(self, trace: Path | None, telegrams: TelegramLog) -> Recorder:
+    def _build_recorder(self, trace: SeriesWriter | None, telegrams: TelegramLog) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}
         axes = [
             RecordedAxis(
@@ -245,7 +245,7 @@ class Machine:
             )
             for name, axis in self.settings.rig.axis.items()
         ]
-        writer = SeriesWriter(trace)
+        writer = trace or SeriesWriter(None)
         return Recorder(self.plant, axes, self.plant.probes, telegrams, writer)
 
     def _build_channel(self) -> Channel:

@@ -4,9 +4,13 @@ A row belongs to one SYNC. `time_ns` (int64) is its instant, `<axis>.<signal>_<u
 `<plant>.<signal>` are one value for each row. `<axis>.<field>_frame_ns` and
 `<axis>.<field>_increments` are lists: the cyclic values that the bus brought since the row before,
 with the ends of their frames.
+
+The metadata of the schema say what the file is about: `units` (JSON: column -> unit), and where
+they are known `run` and `rig`. Older files have none; `Series.units` goes by the names then.
 """
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,6 +33,9 @@ TIME: Final = "time_ns"
 TARGET, ACTUAL, SECOND = "target", "actual", "second"
 """Cyclic values: target position 607A, actual position 6064, second encoder 60E4:1."""
 FRAME_NS, INCREMENTS = "frame_ns", "increments"
+ABOUT: Final = ("run", "rig")
+"""What the metadata of a file say beside the units."""
+_UNITS: Final = "units"
 
 # Columns and their names for an axis that turns; those of forces where its plant turns too
 LENGTH_COLUMNS = {
@@ -46,6 +53,28 @@ FORCE_COLUMNS = {
     "stop_force_n": "stop_torque_nm",
     "stop_force_peak_n": "stop_torque_peak_nm",
 }
+# End of the name of a column -> its unit, as `metrics.csv` writes units
+UNITS = {
+    "mm_s": "mm/s",
+    "deg_s": "deg/s",
+    "mm": "mm",
+    "deg": "deg",
+    "nm": "N.m",
+    "n": "N",
+    "ns": "ns",
+    "pct": "pct",
+    "increments": "increments",
+}
+
+
+def units_of(columns: Iterable[str]) -> dict[str, str]:
+    """Return the unit of each column that has one, by the end of its name."""
+    found = {}
+    for column in columns:
+        unit = next((unit for end, unit in UNITS.items() if column.endswith(f"_{end}")), None)
+        if unit is not None:
+            found[column] = unit
+    return found
 
 
 pa.set_memory_pool(pa.system_memory_pool())  # the one it brings along keeps what was freed
@@ -81,6 +110,25 @@ class Series:
         Raises UserError when the file is damaged, OSError when it cannot be read.
         """
         return [item.name for item in self._schema if not pa.types.is_list(item.type)]
+
+    @property
+    def about(self) -> Mapping[str, str]:
+        """What the file says of itself: `run` and `rig`; empty in older ones. Raises as `names`."""
+        told = self._schema.metadata or {}
+        texts = {key.decode(): value.decode() for key, value in told.items()}
+        return {key: texts[key] for key in ABOUT if key in texts}
+
+    @property
+    def units(self) -> Mapping[str, str]:
+        """Return the unit of each column that has one. Raises as `names`."""
+        told = (self._schema.metadata or {}).get(_UNITS.encode())
+        if told is None:
+            return units_of(self._schema.names)
+        try:
+            units: Mapping[str, str] = json.loads(told)
+        except ValueError as error:
+            raise _damaged(self.source, "units are no JSON") from error
+        return units
 
     @cached_property
     def blocks(self) -> tuple[slice, ...]:
@@ -120,7 +168,7 @@ class Series:
         Raises OSError with the name of the file.
         """
         if not isinstance(self.source, Path):
-            writer = SeriesWriter(path)
+            writer = SeriesWriter(path, self.about)
             writer.add(dict(zip(self.source.column_names, self.source.columns, strict=True)))
             writer.close()
 
@@ -215,11 +263,11 @@ class SeriesWriter:
     """Takes blocks of rows and puts them into a file, or keeps them where there is none.
 
     All blocks have the columns of the first one. `close` gives the series; `discard` drops what was
-    written.
+    written. about: `run` and `rig` of the series.
     """
 
-    def __init__(self, path: Path | None) -> None:
-        self._path = path
+    def __init__(self, path: Path | None, about: Mapping[str, str] | None = None) -> None:
+        self._path, self._about = path, dict(about or {})
         self._file: pq.ParquetWriter | None = None
         self._tables: list[pa.Table] = []
         self._series: Series | None = None
@@ -229,7 +277,9 @@ class SeriesWriter:
 
         Raises ValueError for a block without instants: a defect.
         """
-        table = pa.table(dict(columns))
+        units = json.dumps(units_of(columns))
+        metadata = {**self._about, _UNITS: units}
+        table = pa.table(dict(columns), metadata=metadata)
         if TIME not in columns:
             raise ValueError(f"a block without {TIME}")
         if self._path is None:
