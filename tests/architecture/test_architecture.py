@@ -29,6 +29,7 @@ ORDER: tuple[tuple[str, ...], ...] = (
     ("axisrig.bench.campaign",),
     ("axisrig.reports",),
     ("axisrig.bench.tools",),
+    ("axisrig.results",),
     ("axisrig.bench.cli",),
 )
 # These know nothing of each other

@@ -61,7 +61,8 @@ def loaded(arguments: list[str]) -> set[str]:
     """Run a command in a process of its own and return what it has loaded of the heavy ones."""
     code = (
         "import sys\nfrom axisrig.bench.cli.main import main\n"
-        f"try: main({arguments})\nexcept SystemExit as end: assert not end.code\n"
+        f"sys.argv = {['axisrig', *arguments]}\n"
+        f"try: main()\nexcept SystemExit as end: assert not end.code\n"
         f"print([name for name in {HEAVY} if name in sys.modules])"
     )
     done = subprocess.run(

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 
 import typer
 
+from axisrig.bench.cli.data_commands import DATA
 from axisrig.bench.cli.fmu_commands import build, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
@@ -67,7 +68,7 @@ app = typer.Typer(
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
 app.add_typer(plan_app, name="plan")
-for command in (*LISTINGS, *TOOLS, perf):
+for command in (*LISTINGS, *TOOLS, *DATA, perf):
     app.command()(command)
 
 

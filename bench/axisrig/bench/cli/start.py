@@ -3,6 +3,7 @@
 import atexit
 import gc
 import os
+import sys
 from typing import Any
 
 from typer.core import TyperGroup
@@ -28,5 +29,7 @@ def start_lightly() -> None:
     # Modules, tables and parsers stay, so that looking through them finds nothing
     gc.set_threshold(GARBAGE_MIN)
     atexit.register(gc.freeze)
+    # python-can would import it for bus logs of its own, for more than half a second
+    sys.modules.setdefault("asammdf", None)  # type: ignore[arg-type]
     # numpy would start a thread for each core
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")

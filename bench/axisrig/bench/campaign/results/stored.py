@@ -297,6 +297,9 @@ def _check_cells(path: Path, row: Mapping[str, str], line: int) -> None:
             raise _damaged(path, f"{column} {row[column][:40]!r} is no {what}", line)
 
 
+_VERDICTS = frozenset(verdict.word for verdict in Verdict)
+
+
 def _is_number(text: str) -> bool:
     """Whether a text is a finite number that is not negative."""
     try:
@@ -310,7 +313,7 @@ def _is_uncertainty(text: str) -> bool:
 
 
 def _is_verdict(text: str) -> bool:
-    return text in {verdict.word for verdict in Verdict}
+    return text in _VERDICTS
 
 
 _CELLS: Mapping[str, tuple[Callable[[str], object], str]] = {

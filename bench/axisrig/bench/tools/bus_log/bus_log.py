@@ -74,12 +74,17 @@ def find_log(place: Path, run: str | None) -> tuple[list[Path], Settings | None]
     if run is None:
         raise UserError("which run of the folder?", file=place, allowed=runs)
     case, _ = recorded_case(place, run)
+    return logs_of(place, run), settings_of(case)
+
+
+def logs_of(place: Path, run: str) -> list[Path]:
+    """Return the files of the log of a run of a results folder. Raises UserError without one."""
     folder = place / "bus"
     found = [folder / f"{run}{suffix}" for suffix in READABLE]
     several = sorted(p for p in folder.glob("*.pcap") if p.stem.startswith(run + SEGMENT_MARK))
     for files in [*([path] for path in found if path.is_file()), several]:
         if files:
-            return files, settings_of(case)
+            return files
     raise UserError("the run left no bus log that can be read", file=folder, allowed=READABLE)
 
 
@@ -139,7 +144,7 @@ def _lines(
     paths: Sequence[Path], names: Names, selection: Selection, wanted: frozenset[str]
 ) -> Iterator[_Line]:
     last: dict[tuple[str, int], object] = {}
-    for time_ms, message in _times(_messages(paths)):
+    for time_ms, message in _times(messages_of(paths)):
         if time_ms < selection.from_ms:
             continue
         if time_ms > selection.to_ms:
@@ -168,7 +173,8 @@ def _lines(
         yield _Line(time_ms, segment, text, message.is_error_frame)
 
 
-def _messages(paths: Sequence[Path]) -> Iterator[can.Message]:
+def messages_of(paths: Sequence[Path]) -> Iterator[can.Message]:
+    """Yield the frames of a log by time. Raises UserError for a damaged one."""
     if paths[0].suffix.lower() == PCAP:
         yield from heapq.merge(*map(read_pcap, paths), key=lambda message: message.timestamp)
         return

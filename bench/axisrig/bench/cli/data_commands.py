@@ -1,0 +1,68 @@
+"""The commands that hand results to other programs."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axisrig.bench.cli.options import rejecting
+from axisrig.kernel.errors import UserError
+
+FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
+
+
+@rejecting
+def export(
+    folder: FolderArgument,
+    runs: Annotated[list[str] | None, typer.Argument(metavar="RUN", help="Runs; all.")] = None,
+    into: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Folder for the files; DIR/export.")
+    ] = None,
+    mf4: Annotated[
+        bool, typer.Option("--mf4", help="ASAM MDF 4.10, each signal with its unit.")
+    ] = False,
+    csv: Annotated[bool, typer.Option("--csv", help="CSV, the units in the second row.")] = False,
+) -> None:
+    """Write the time series of runs for other programs, a file for each run."""
+    from axisrig.results.export import export as exported
+    from axisrig.results.loading import load
+
+    if mf4 == csv:
+        raise UserError("which form?", allowed=("--mf4", "--csv"))
+    try:
+        for path in exported(
+            load(folder), runs or [], into or folder / "export", "mf4" if mf4 else "csv"
+        ):
+            print(path)
+    except ImportError as error:
+        raise _lacking("asammdf", "mdf") from error
+
+
+@rejecting
+def query(
+    folder: FolderArgument,
+    sql: Annotated[str, typer.Argument(metavar="SQL", help='"select run, verdict from cases"')],
+    csv: Annotated[bool, typer.Option("--csv", help="CSV in place of a table.")] = False,
+) -> None:
+    """Ask a results folder in SQL: tables cases, checks and signals."""
+    from axisrig.results.loading import load
+    from axisrig.results.query import query as asked
+
+    results = load(folder)
+    try:
+        found = asked(results, sql)
+    except ImportError as error:
+        raise _lacking("duckdb", "query") from error
+    if csv:
+        print(found.to_csv(index=False, lineterminator="\n"), end="")
+    else:
+        print(found.to_string(index=False, na_rep=""))
+
+
+def _lacking(package: str, extra: str) -> UserError:
+    return UserError(
+        f"{package} is not installed", hint=f"pip install 'axisrig[{extra}]' brings it"
+    )
+
+
+DATA = (export, query)

@@ -1,0 +1,64 @@
+"""`axisrig export`: the time series of runs for other programs, as MF4 or CSV."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from axisrig.bench.files import naming
+from axisrig.results.loading import Results
+
+FORMS = ("mf4", "csv")
+TIME = "time_ns"
+
+
+def export(results: Results, runs: Sequence[str], into: Path, form: str) -> Iterator[Path]:
+    """Write a file for each run into a folder and yield its path.
+
+    runs: ids; empty for all that left time series. form: "mf4" (ASAM MDF 4.10, each signal with its
+    unit) or "csv" (the units in a second row). Raises UserError for a run that cannot be written,
+    ImportError without asammdf.
+    """
+    chosen = list(runs) or list(results.traces())
+    tables = ((run, results.signals(run)) for run in chosen)
+    write = _mf4 if form == "mf4" else _csv
+    into.mkdir(parents=True, exist_ok=True)
+    for run, table in tables:
+        path = into / f"{run}.{form}"
+        with naming(path):
+            write(path, run, table)
+        yield path
+
+
+def _csv(path: Path, _: str, table: pd.DataFrame) -> None:
+    units = table.attrs["units"]
+    head = pd.DataFrame(
+        [[units.get(column, "") for column in table.columns]], columns=table.columns
+    )
+    text = head.to_csv(index=False, lineterminator="\n")
+    text += table.to_csv(index=False, header=False, lineterminator="\n")
+    path.write_text(text, encoding="utf-8", newline="")
+
+
+def _mf4(path: Path, run: str, table: pd.DataFrame) -> None:
+    """Write one channel group; texts are left out, truth values are 0 and 1."""
+    if sys.modules.get("asammdf", ...) is None:  # set aside when the command line started
+        del sys.modules["asammdf"]
+    from asammdf import MDF, Signal  # noqa: PLC0415 - an extra, and slow to import
+
+    units = table.attrs["units"]
+    times_s = table[TIME].to_numpy() / 1e9
+    signals = []
+    for column in table.columns:
+        values: Any = table[column].to_numpy()
+        if values.dtype == np.bool_:
+            values = values.astype(np.uint8)
+        if column != TIME and np.issubdtype(values.dtype, np.number):
+            signals.append(Signal(values, times_s, unit=units.get(column, ""), name=column))
+    with MDF(version="4.10") as mdf:
+        mdf.start_time = pd.Timestamp(0, tz="UTC").to_pydatetime()  # the clock of a run begins at 0
+        mdf.append(signals, comment=f"run {run}, rig {table.attrs.get('rig', '')}")
+        mdf.save(path, overwrite=True)

@@ -1,0 +1,216 @@
+"""Results as tables of pandas, MF4, CSV and SQL: against the files as other tools read them."""
+
+import json
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import can
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from axisrig.bench.cli.main import main
+from axisrig.kernel.errors import UserError
+from axisrig.results import Results, load
+
+ROOT = Path(__file__).parents[2]
+NOTEBOOK = ROOT / "docs" / "results.ipynb"
+HEAD = "case,program,rig,plc:V.E.FEED,plant:probe.pretravel_um,check:latch_error_um,check:msg:N30"
+ROWS = (
+    "slow,programs/probe-z.nc,rigs/probe-z.toml,600,,<= 1,== 1",
+    "fast,programs/probe-z.nc,rigs/probe-z.toml,3000,5,>= -1,== 1",
+)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The results of two runs, of which one fails."""
+    place: Path = tmp_path_factory.mktemp("loaded")
+    for name in ("programs", "rigs"):
+        shutil.copytree(ROOT / "testplans" / name, place / name)
+    (place / "touch.csv").write_text("\n".join([HEAD, *ROWS, ""]), encoding="utf-8")
+    with pytest.raises(SystemExit):
+        main(["run", str(place / "touch.csv"), "-o", str(place / "out")])
+    return place / "out"
+
+
+@pytest.fixture(scope="module")
+def results(folder: Path) -> Results:
+    return load(folder)
+
+
+@pytest.fixture
+def axisrig(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
+    def call(*words: object) -> tuple[int, str, str]:
+        with pytest.raises(SystemExit) as ended:
+            main([str(word) for word in words])
+        said = capsys.readouterr()
+        return int(ended.value.code or 0), said.out, said.err
+
+    return call
+
+
+def test_cases_are_typed_and_have_units(results: Results) -> None:
+    cases = results.cases
+    assert list(cases["run"]) == ["touch-slow", "touch-fast"]
+    assert list(cases.loc[cases["verdict"] >= "fail", "run"]) == ["touch-fast"]
+    assert cases["plc:V.E.FEED"].tolist() == [600, 3000]
+    assert np.isnan(cases["plant:probe.pretravel_um"][0])
+    assert cases.attrs["units"] == {"sim_s": "s", "wall_s": "s", "plant:probe.pretravel_um": "um"}
+    assert cases["seed"].dtype == "Int64"
+
+
+def test_checks_hold_the_numbers_of_the_table(results: Results, folder: Path) -> None:
+    plain = pd.read_csv(folder / "results.csv")
+    checks = results.checks
+    assert list(checks["metric"]) == list(plain["metric"])
+    numbers = pd.to_numeric(plain["value"], errors="coerce")
+    np.testing.assert_array_equal(checks["value"], numbers)
+    # The closed form: pre-travel and 4 us of input delay at 50 mm/s, one increment of 0.0095 um
+    row = checks[(checks["run"] == "touch-fast") & (checks["metric"] == "latch_error_um")].iloc[0]
+    assert row["value"] == pytest.approx(-(5.0 + 0.2), abs=0.0096)
+    assert (row["unit"], row["lower"]) == ("um", -1.0)
+
+
+def test_signals_are_those_of_the_file(results: Results, folder: Path) -> None:
+    signals = results.signals("touch-slow")
+    plain = pq.read_table(folder / "traces" / "touch-slow.parquet").to_pandas()
+    assert set(signals.columns) <= set(plain.columns)
+    for column in signals:
+        np.testing.assert_array_equal(signals[column], plain[column])
+    assert signals.attrs["units"]["Z.velocity_mm_s"] == "mm/s"
+    assert (signals.attrs["run"], signals.attrs["rig"]) == ("touch-slow", "rigs/probe-z.toml")
+
+
+def test_events_are_those_of_the_run_file(results: Results, folder: Path) -> None:
+    events = results.events("touch-slow")
+    facts = json.loads((folder / "runs" / "touch-slow.json").read_text(encoding="utf-8"))["facts"]
+    assert events["time_ns"].is_monotonic_increasing
+    contacts = [contact["time_ns"] for contact in facts["probes"]["probe"]["contacts"]]
+    assert events.loc[events["kind"] == "contact", "time_ns"].tolist() == contacts
+    states = facts["axes"]["Z"]["states"]
+    assert events.loc[events["kind"] == "state", "text"].tolist() == [s["state"] for s in states]
+
+
+def test_frames_are_those_of_python_can(results: Results, folder: Path) -> None:
+    frames = results.frames("touch-slow")
+    plain = list(can.LogReader(folder / "bus" / "touch-slow.blf"))
+    assert len(frames) == len(plain)
+    assert frames["id"].tolist() == [message.arbitration_id for message in plain]
+    assert frames["data"].tolist() == [bytes(message.data).hex() for message in plain]
+    assert set(frames["segment"]) == {"can1"}
+
+
+def test_an_unknown_run_is_named_with_the_nearest(results: Results) -> None:
+    with pytest.raises(UserError, match="the folder has no such run") as caught:
+        results.signals("touch-slwo")
+    assert "touch-slow" in str(caught.value.allowed)
+
+
+def test_tables_of_another_tool_load(tmp_path: Path) -> None:
+    (tmp_path / "cases.csv").write_text("run,verdict\na,pass\nb,fail\n", encoding="utf-8")
+    (tmp_path / "results.csv").write_text(
+        "run,metric,verdict,value\na,x,pass,1.5\nb,x,fail,text\n", encoding="utf-8"
+    )
+    results = load(str(tmp_path))
+    assert results.cases["verdict"].tolist() == ["pass", "fail"]
+    assert results.checks["value"].tolist() == pytest.approx([1.5, np.nan], nan_ok=True)
+    assert results.checks["text"].tolist() == ["1.5", "text"]
+    with pytest.raises(UserError, match="left no time series"):
+        results.signals("a")
+
+
+def test_mf4_is_what_asammdf_reads_back(
+    folder: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
+) -> None:
+    asammdf = pytest.importorskip("asammdf", reason="the extra `mdf` is not installed")
+    code, out, _ = axisrig("export", folder, "touch-slow", "--mf4", "-o", tmp_path)
+    assert (code, out.split()) == (0, [str(tmp_path / "touch-slow.mf4")])
+    plain = pq.read_table(folder / "traces" / "touch-slow.parquet").to_pandas()
+    with asammdf.MDF(tmp_path / "touch-slow.mf4") as mdf:
+        signal = mdf.get("Z.truth_mm")
+        assert signal.unit == "mm"
+        np.testing.assert_array_equal(signal.samples, plain["Z.truth_mm"])
+        np.testing.assert_allclose(signal.timestamps, plain["time_ns"] / 1e9, rtol=1e-15)
+
+
+def test_csv_has_its_units_in_the_second_row(
+    folder: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
+) -> None:
+    code, out, _ = axisrig("export", folder, "--csv", "-o", tmp_path)
+    assert (code, len(out.split())) == (0, 2)
+    read = pd.read_csv(tmp_path / "touch-fast.csv", header=[0, 1])
+    plain = pq.read_table(folder / "traces" / "touch-fast.parquet").to_pandas()
+    np.testing.assert_array_equal(read["Z.truth_mm", "mm"], plain["Z.truth_mm"])
+    assert axisrig("export", folder)[0] == 2
+
+
+def test_sql_asks_all_tables(folder: Path, axisrig: Callable[..., tuple[int, str, str]]) -> None:
+    pytest.importorskip("duckdb", reason="the extra `query` is not installed")
+    sql = (
+        'select c.run, max(abs("Z.cnc_lag_mm")) as lag_mm from signals s join cases c'
+        " on s.run = c.run where c.verdict = 'fail' group by c.run"
+    )
+    code, out, _ = axisrig("query", folder, sql, "--csv")
+    plain = pq.read_table(folder / "traces" / "touch-fast.parquet").to_pandas()
+    assert (code, out.splitlines()[0]) == (0, "run,lag_mm")
+    run, lag_mm = out.splitlines()[1].split(",")
+    assert (run, float(lag_mm)) == ("touch-fast", plain["Z.cnc_lag_mm"].abs().max())
+    code, _, err = axisrig("query", folder, "selec 1")
+    assert code == 2
+    assert err.startswith("error: the query was refused: ")
+    assert err.count("\n") == 1
+
+
+class _Nothing:
+    """Finds none of the extras, as where they are not installed."""
+
+    def find_spec(self, name: str, *_: object) -> None:
+        if name in ("asammdf", "duckdb"):
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+
+def test_without_the_extra_the_message_says_how_to_get_it(
+    folder: Path,
+    axisrig: Callable[..., tuple[int, str, str]],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name in ("asammdf", "duckdb"):
+        monkeypatch.delitem(sys.modules, name, raising=False)
+    monkeypatch.setattr(sys, "meta_path", [_Nothing(), *sys.meta_path])
+    for words in (("export", folder, "--mf4"), ("query", folder, "select 1")):
+        code, _, err = axisrig(*words)
+        assert code == 2
+        assert "pip install 'axisrig[" in err
+
+
+def test_the_notebook_runs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
+    code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    shutil.copytree(folder, folder.parent / "out2" / "touch", dirs_exist_ok=True)
+    monkeypatch.chdir(folder.parent / "out2" / "touch")
+    names: dict[str, object] = {}
+    for cell in code:
+        exec(cell, names)
+    assert isinstance(names["results"], Results)
+
+
+def test_ten_thousand_runs_are_read_at_once(tmp_path: Path) -> None:
+    """What is read, not how fast: `axisrig.results` measures nothing (docs/performance.md)."""
+    count = 10_000
+    rows = "".join(f"r{n},pass,{n}\n" for n in range(count))
+    (tmp_path / "cases.csv").write_text(f"run,verdict,plc:V.E.N\n{rows}", encoding="utf-8")
+    rows = "".join(f"r{n},x,pass,{n}\n" for n in range(count))
+    (tmp_path / "results.csv").write_text(f"run,metric,verdict,value\n{rows}", encoding="utf-8")
+    results = load(tmp_path)
+    assert results.cases["plc:V.E.N"].sum() == results.checks["value"].sum() == 49_995_000
+
+
+def test_the_command_line_starts_without_pandas() -> None:
+    code = "import sys, axisrig.bench.cli.main; print([n for n in sys.modules if n == 'pandas'])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
