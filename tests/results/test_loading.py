@@ -13,45 +13,16 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 
-from axisrig.bench.cli.main import main
 from axisrig.kernel.errors import UserError
 from axisrig.results import Results, load
 
 ROOT = Path(__file__).parents[2]
 NOTEBOOK = ROOT / "docs" / "results.ipynb"
-HEAD = "case,program,rig,plc:V.E.FEED,plant:probe.pretravel_um,check:latch_error_um,check:msg:N30"
-ROWS = (
-    "slow,programs/probe-z.nc,rigs/probe-z.toml,600,,<= 1,== 1",
-    "fast,programs/probe-z.nc,rigs/probe-z.toml,3000,5,>= -1,== 1",
-)
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The results of two runs, of which one fails."""
-    place: Path = tmp_path_factory.mktemp("loaded")
-    for name in ("programs", "rigs"):
-        shutil.copytree(ROOT / "testplans" / name, place / name)
-    (place / "touch.csv").write_text("\n".join([HEAD, *ROWS, ""]), encoding="utf-8")
-    with pytest.raises(SystemExit):
-        main(["run", str(place / "touch.csv"), "-o", str(place / "out")])
-    return place / "out"
-
-
-@pytest.fixture(scope="module")
-def results(folder: Path) -> Results:
-    return load(folder)
-
-
-@pytest.fixture
-def axisrig(capsys: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, str]]:
-    def call(*words: object) -> tuple[int, str, str]:
-        with pytest.raises(SystemExit) as ended:
-            main([str(word) for word in words])
-        said = capsys.readouterr()
-        return int(ended.value.code or 0), said.out, said.err
-
-    return call
+def results(folder_of_results: Path) -> Results:
+    return load(folder_of_results)
 
 
 def test_cases_are_typed_and_have_units(results: Results) -> None:
@@ -64,8 +35,8 @@ def test_cases_are_typed_and_have_units(results: Results) -> None:
     assert cases["seed"].dtype == "Int64"
 
 
-def test_checks_hold_the_numbers_of_the_table(results: Results, folder: Path) -> None:
-    plain = pd.read_csv(folder / "results.csv")
+def test_checks_hold_the_numbers_of_the_table(results: Results, folder_of_results: Path) -> None:
+    plain = pd.read_csv(folder_of_results / "results.csv")
     checks = results.checks
     assert list(checks["metric"]) == list(plain["metric"])
     numbers = pd.to_numeric(plain["value"], errors="coerce")
@@ -76,9 +47,9 @@ def test_checks_hold_the_numbers_of_the_table(results: Results, folder: Path) ->
     assert (row["unit"], row["lower"]) == ("um", -1.0)
 
 
-def test_signals_are_those_of_the_file(results: Results, folder: Path) -> None:
+def test_signals_are_those_of_the_file(results: Results, folder_of_results: Path) -> None:
     signals = results.signals("touch-slow")
-    plain = pq.read_table(folder / "traces" / "touch-slow.parquet").to_pandas()
+    plain = pq.read_table(folder_of_results / "traces" / "touch-slow.parquet").to_pandas()
     assert set(signals.columns) <= set(plain.columns)
     for column in signals:
         np.testing.assert_array_equal(signals[column], plain[column])
@@ -86,9 +57,11 @@ def test_signals_are_those_of_the_file(results: Results, folder: Path) -> None:
     assert (signals.attrs["run"], signals.attrs["rig"]) == ("touch-slow", "rigs/probe-z.toml")
 
 
-def test_events_are_those_of_the_run_file(results: Results, folder: Path) -> None:
+def test_events_are_those_of_the_run_file(results: Results, folder_of_results: Path) -> None:
     events = results.events("touch-slow")
-    facts = json.loads((folder / "runs" / "touch-slow.json").read_text(encoding="utf-8"))["facts"]
+    facts = json.loads(
+        (folder_of_results / "runs" / "touch-slow.json").read_text(encoding="utf-8")
+    )["facts"]
     assert events["time_ns"].is_monotonic_increasing
     contacts = [contact["time_ns"] for contact in facts["probes"]["probe"]["contacts"]]
     assert events.loc[events["kind"] == "contact", "time_ns"].tolist() == contacts
@@ -96,9 +69,9 @@ def test_events_are_those_of_the_run_file(results: Results, folder: Path) -> Non
     assert events.loc[events["kind"] == "state", "text"].tolist() == [s["state"] for s in states]
 
 
-def test_frames_are_those_of_python_can(results: Results, folder: Path) -> None:
+def test_frames_are_those_of_python_can(results: Results, folder_of_results: Path) -> None:
     frames = results.frames("touch-slow")
-    plain = list(can.LogReader(folder / "bus" / "touch-slow.blf"))
+    plain = list(can.LogReader(folder_of_results / "bus" / "touch-slow.blf"))
     assert len(frames) == len(plain)
     assert frames["id"].tolist() == [message.arbitration_id for message in plain]
     assert frames["data"].tolist() == [bytes(message.data).hex() for message in plain]
@@ -125,12 +98,12 @@ def test_tables_of_another_tool_load(tmp_path: Path) -> None:
 
 
 def test_mf4_is_what_asammdf_reads_back(
-    folder: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
+    folder_of_results: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:
     asammdf = pytest.importorskip("asammdf", reason="the extra `mdf` is not installed")
-    code, out, _ = axisrig("export", folder, "touch-slow", "--mf4", "-o", tmp_path)
+    code, out, _ = axisrig("export", folder_of_results, "touch-slow", "--mf4", "-o", tmp_path)
     assert (code, out.split()) == (0, [str(tmp_path / "touch-slow.mf4")])
-    plain = pq.read_table(folder / "traces" / "touch-slow.parquet").to_pandas()
+    plain = pq.read_table(folder_of_results / "traces" / "touch-slow.parquet").to_pandas()
     with asammdf.MDF(tmp_path / "touch-slow.mf4") as mdf:
         signal = mdf.get("Z.truth_mm")
         assert signal.unit == "mm"
@@ -139,28 +112,30 @@ def test_mf4_is_what_asammdf_reads_back(
 
 
 def test_csv_has_its_units_in_the_second_row(
-    folder: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
+    folder_of_results: Path, tmp_path: Path, axisrig: Callable[..., tuple[int, str, str]]
 ) -> None:
-    code, out, _ = axisrig("export", folder, "--csv", "-o", tmp_path)
+    code, out, _ = axisrig("export", folder_of_results, "--csv", "-o", tmp_path)
     assert (code, len(out.split())) == (0, 2)
     read = pd.read_csv(tmp_path / "touch-fast.csv", header=[0, 1])
-    plain = pq.read_table(folder / "traces" / "touch-fast.parquet").to_pandas()
+    plain = pq.read_table(folder_of_results / "traces" / "touch-fast.parquet").to_pandas()
     np.testing.assert_array_equal(read["Z.truth_mm", "mm"], plain["Z.truth_mm"])
-    assert axisrig("export", folder)[0] == 2
+    assert axisrig("export", folder_of_results)[0] == 2
 
 
-def test_sql_asks_all_tables(folder: Path, axisrig: Callable[..., tuple[int, str, str]]) -> None:
+def test_sql_asks_all_tables(
+    folder_of_results: Path, axisrig: Callable[..., tuple[int, str, str]]
+) -> None:
     pytest.importorskip("duckdb", reason="the extra `query` is not installed")
     sql = (
         'select c.run, max(abs("Z.cnc_lag_mm")) as lag_mm from signals s join cases c'
         " on s.run = c.run where c.verdict = 'fail' group by c.run"
     )
-    code, out, _ = axisrig("query", folder, sql, "--csv")
-    plain = pq.read_table(folder / "traces" / "touch-fast.parquet").to_pandas()
+    code, out, _ = axisrig("query", folder_of_results, sql, "--csv")
+    plain = pq.read_table(folder_of_results / "traces" / "touch-fast.parquet").to_pandas()
     assert (code, out.splitlines()[0]) == (0, "run,lag_mm")
     run, lag_mm = out.splitlines()[1].split(",")
     assert (run, float(lag_mm)) == ("touch-fast", plain["Z.cnc_lag_mm"].abs().max())
-    code, _, err = axisrig("query", folder, "selec 1")
+    code, _, err = axisrig("query", folder_of_results, "selec 1")
     assert code == 2
     assert err.startswith("error: the query was refused: ")
     assert err.count("\n") == 1
@@ -175,24 +150,26 @@ class _Nothing:
 
 
 def test_without_the_extra_the_message_says_how_to_get_it(
-    folder: Path,
+    folder_of_results: Path,
     axisrig: Callable[..., tuple[int, str, str]],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     for name in ("asammdf", "duckdb"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setattr(sys, "meta_path", [_Nothing(), *sys.meta_path])
-    for words in (("export", folder, "--mf4"), ("query", folder, "select 1")):
+    for words in (("export", folder_of_results, "--mf4"), ("query", folder_of_results, "select 1")):
         code, _, err = axisrig(*words)
         assert code == 2
         assert "pip install 'axisrig[" in err
 
 
-def test_the_notebook_runs(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_notebook_runs(folder_of_results: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cells = json.loads(NOTEBOOK.read_text(encoding="utf-8"))["cells"]
     code = ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
-    shutil.copytree(folder, folder.parent / "out2" / "touch", dirs_exist_ok=True)
-    monkeypatch.chdir(folder.parent / "out2" / "touch")
+    shutil.copytree(
+        folder_of_results, folder_of_results.parent / "out2" / "touch", dirs_exist_ok=True
+    )
+    monkeypatch.chdir(folder_of_results.parent / "out2" / "touch")
     names: dict[str, object] = {}
     for cell in code:
         exec(cell, names)

@@ -1,4 +1,4 @@
-"""The commands that hand results to other programs."""
+"""The commands that compare results and hand them to other programs."""
 
 from pathlib import Path
 from typing import Annotated
@@ -59,10 +59,59 @@ def query(
         print(found.to_string(index=False, na_rep=""))
 
 
+@rejecting
+def diff(
+    before: Annotated[Path, typer.Argument(metavar="A", help="Results folder to compare with.")],
+    after: Annotated[Path, typer.Argument(metavar="B", help="Results folder to look at.")],
+    page: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Write a page with signals, too.")
+    ] = None,
+) -> None:
+    """Compare two results folders; exit code 1 when something got worse."""
+    from axisrig.bench.campaign.results.stored import read_results
+    from axisrig.results.compare.pairs import compare
+    from axisrig.results.compare.words import diff_lines
+
+    folders = [read_results(before), read_results(after)]
+    found = compare(*folders)
+    for line in diff_lines(found):
+        print(line)
+    if page is not None:
+        from axisrig.results.compare.page import write_diff
+
+        print(write_diff(page, found, folders))
+    raise typer.Exit(1 if found.worse() else 0)
+
+
+@rejecting
+def trend(
+    folders: Annotated[list[Path], typer.Argument(metavar="DIR", help="Results folders.")],
+    metric: Annotated[str, typer.Option("--metric", help="As in a plan: latch_error_um:Z")],
+    case: Annotated[
+        str | None, typer.Option("--case", help="One case, with or without its plan; all.")
+    ] = None,
+    page: Annotated[
+        Path | None, typer.Option("-o", "--output", help="Write a page with plots, too.")
+    ] = None,
+) -> None:
+    """Follow a metric over campaigns, in the order of the folders."""
+    from axisrig.bench.campaign.results.stored import read_results
+    from axisrig.results.compare.trend import trend as follow
+    from axisrig.results.compare.words import trend_lines
+
+    found = follow([read_results(folder) for folder in folders], metric, case)
+    for line in trend_lines(found):
+        print(line)
+    if page is not None:
+        from axisrig.results.compare.page import write_trend
+
+        print(write_trend(page, found))
+
+
 def _lacking(package: str, extra: str) -> UserError:
     return UserError(
         f"{package} is not installed", hint=f"pip install 'axisrig[{extra}]' brings it"
     )
 
 
-DATA = (export, query)
+DATA = (diff, trend, export, query)

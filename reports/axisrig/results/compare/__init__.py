@@ -1,0 +1,1 @@
+"""Results folders beside each other: `axisrig diff` and `axisrig trend`."""

@@ -1,0 +1,64 @@
+"""Comparison and trend in lines for the terminal."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+from axisrig.results.compare.pairs import Comparison, Frames
+from axisrig.results.compare.trend import Trend
+
+_SHOWN_MAX = 40
+_LEVEL = 0.05
+
+
+def diff_lines(comparison: Comparison) -> Iterator[str]:
+    """Say what changed, the worse first; the last line counts."""
+    worse = comparison.worse()
+    yield from (f"worse: {line}" for line in worse[:_SHOWN_MAX])
+    if len(worse) > _SHOWN_MAX:
+        yield f"worse: {len(worse) - _SHOWN_MAX} more"
+    better = [pair for pair in comparison.pairs if pair.after.verdict < pair.before.verdict]
+    for pair in better[:_SHOWN_MAX]:
+        yield f"better: {pair.name}: {pair.before.verdict.word} -> {pair.after.verdict.word}"
+    shifted = [m for pair in comparison.pairs for m in pair.metrics if m.is_significant]
+    shifted.sort(key=lambda metric: -metric.en)
+    for metric in shifted[:_SHOWN_MAX]:
+        unit = f" {metric.unit}" if metric.unit else ""
+        yield (
+            f"shifted: {metric.run}: {metric.metric} {metric.before:.7g} -> {metric.after:.7g}"
+            f"{unit} (En {metric.en:.3g})"
+        )
+    if len(shifted) > _SHOWN_MAX:
+        yield f"shifted: {len(shifted) - _SHOWN_MAX} more"
+    for shift in comparison.shifts:
+        if shift.p_value < _LEVEL:
+            yield (
+                f"case: {shift.case}: mean of {shift.metric} {shift.means[0]:.7g} ->"
+                f" {shift.means[1]:.7g} {shift.unit} (n {shift.n[0]} and {shift.n[1]},"
+                f" p {shift.p_value:.2g})"
+            )
+    by_inputs = [pair.name for pair in comparison.pairs if pair.is_by_inputs]
+    for name in by_inputs[:_SHOWN_MAX]:
+        yield f"matched by equal inputs: {name}"
+    yield from (f"new: {run.run} ({run.verdict.word})" for run in comparison.new[:_SHOWN_MAX])
+    frames = Counter(pair.frames for pair in comparison.pairs)
+    counts = ", ".join(f"{frames[kind]} {kind.value}" for kind in Frames if frames[kind])
+    yield (
+        f"{len(comparison.pairs)} runs in both ({len(by_inputs)} matched by"
+        f" equal inputs), {len(comparison.new)} new, {len(comparison.lost)} missing;"
+        f" frames: {counts or 'none'}; {len(worse)} worse"
+    )
+
+
+def trend_lines(trend: Trend) -> Iterator[str]:
+    """Write a line for each case in each folder, and one with the limits."""
+    for case in trend.cases:
+        limits = " .. ".join(f"{limit:g}" for limit in case.limits)
+        yield f"{case.case}  {trend.metric} {case.unit}".rstrip() + (
+            f", limits {limits}" if limits else ""
+        )
+        for point in case.points:
+            spread = "" if point.n < 2 else f"  s {point.spread:.3g}"
+            yield (
+                f"  {trend.folders[point.place]:<30} {point.mean:>14.7g}{spread}"
+                f"  n {point.n}  {point.verdict.word}"
+            )
