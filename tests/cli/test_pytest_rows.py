@@ -126,3 +126,101 @@ def test_each_table_beside_a_conftest_is_collected_once(project: Path, named: li
 def test_the_option_is_known_with_two_folders_of_plans(project: Path) -> None:
     limit = "--axisrig-call-timeout=9"
     assert "2 tests collected" in _collected(limit, project / "plans", project / "plans/more")
+
+
+def _run(*arguments: object, cwd: Path, code: int = 0) -> str:
+    env = {key: value for key, value in os.environ.items() if key not in ("CI", "BUILD_NUMBER")}
+    ended = subprocess.run(
+        [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--color=no", "-c", os.devnull,
+         *map(str, arguments)],
+        cwd=cwd, env=env | {"COLUMNS": "200"},
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ended.returncode == code, ended.stdout + ended.stderr
+    return ended.stdout
+
+
+@pytest.fixture
+def bare(project: Path) -> Path:
+    """Return the project without any conftest."""
+    for path in project.rglob("conftest.py"):
+        path.unlink()
+    return project
+
+
+@pytest.mark.parametrize(
+    ("arguments", "found"),
+    [
+        (["."], []),
+        (["plans"], ["plans/p.csv::p-f3000"]),
+        (["plans/p.csv"], ["plans/p.csv::p-f3000"]),
+        (["plans/p.csv::p-f3000"], ["plans/p.csv::p-f3000"]),
+        (["-c", "own.ini"], ["plans/more/p.csv::p-f3000", "plans/p.csv::p-f3000"]),
+        (["plans", "plans/data"], ["plans/p.csv::p-f3000"]),
+    ],
+)
+def test_without_conftest_folders_are_named(
+    bare: Path, arguments: list[str], found: list[str]
+) -> None:
+    (bare / "own.ini").write_text("[pytest]\naxisrig_plans = plans plans/more\n", encoding="utf-8")
+    code = 0 if found else 5
+    text = _run("-q", "--collect-only", "--rootdir", bare, *arguments, cwd=bare, code=code)
+    assert sorted(re.findall(r"^\S+::\S+$", text, re.MULTILINE)) == found
+
+
+def test_without_entry_points_a_conftest_is_enough(project: Path) -> None:
+    text = _run(
+        "-q", "--collect-only", "-p", "no:axisrig", "--rootdir", project, "plans", cwd=project
+    )
+    assert sorted(re.findall(r"^\S+::\S+$", text, re.MULTILINE))[-1] == "plans/p.csv::p-f3000"
+
+
+@pytest.fixture
+def several(bare: Path) -> Path:
+    rows = _shipped()
+    named = [rows["f60"], rows["f600"], rows["f3000"] | {"check:overtravel_mm": "<= 0.5"}]
+    _write(bare / "plans" / "p.csv", *named)
+    return bare
+
+
+def test_k_and_markers_choose_as_axisrig_run_does(several: Path) -> None:
+    rows, names = _shipped(), ("f60", "f600", "f3000")
+    where = ("-q", "--collect-only", "--rootdir", several, "plans")
+    for chosen, found in (
+        (["-k", "f60"], ["f60"]),  # the whole name of a case means it alone
+        (["-k", "f6"], ["f60", "f600"]),
+        (["-k", "not plans"], ["f60", "f600", "f3000"]),  # the folder is no name of a case
+        (["-k", "rising and not f600"], ["f60", "f3000"]),  # a word of the title
+        (["-m", "demo"], [case for case in names if "demo" in rows[case]["tags"].split()]),
+    ):
+        text = _run(*where, *chosen, cwd=several)
+        runs = re.findall(r"^\S+::p-(\S+)$", text, re.MULTILINE)
+        assert runs == found, chosen
+
+
+def test_the_results_folder_is_that_of_axisrig_run(several: Path) -> None:
+    """With several workers, too; a failure is one line with value and limit in the summary."""
+    command = [sys.executable, "-m", "axisrig.bench.cli", "run", "plans/p.csv", "-o", "run"]
+    subprocess.run(command, cwd=several, check=False, capture_output=True)
+    for workers, out in (("0", "one"), ("2", "two")):
+        text = _run("-n", workers, "--rootdir", several, "plans", "--axisrig-out", out,
+                    cwd=several, code=1)  # fmt: skip
+        assert "1 failed, 2 passed" in text
+        assert re.search(
+            r"FAILED plans/p\.csv::p-f3000 - overtravel_mm is .* above its upper", text
+        )
+        assert _content(several / out) == _content(several / "run")
+        assert (several / out / "report.html").is_file()
+
+
+def _content(folder: Path) -> dict[str, bytes]:
+    """Every file but those that say when and how it was run."""
+    found = {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file() and path.name not in ("manifest.json", "report.html", ".lock")
+    }
+    found["junit.xml"] = re.sub(rb' time="[^"]*"', b"", found["junit.xml"])
+    with (folder / "cases.csv").open(encoding="utf-8", newline="") as file:
+        rows = [{**row, "wall_s": ""} for row in csv.DictReader(file)]
+    return {**found, "cases.csv": repr(rows).encode()}

@@ -2,6 +2,7 @@
 
 import csv
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -94,7 +95,7 @@ def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, pl
     # Of its own there is nothing to run again
     code, _, error = axisrig("replay", "all", "plan-drawn")
     assert code == 2
-    assert "statistics over several runs" in error
+    assert "over several runs" in error
     assert "plan-drawn-001" in error
 
 
@@ -108,7 +109,8 @@ def test_a_part_of_the_runs_has_no_statistics_until_the_folder_has_all(
     assert axisrig("run", plan, "-o", "part", "-k", "equal", "-j", "2")[0] == 0
     assert axisrig("run", plan, "-o", "whole", "-j", "2")[0] == 0
     for name in ("results.csv", "junit.xml"):
-        assert (place / "part" / name).read_bytes() == (place / "whole" / name).read_bytes()
+        part, whole = ((place / out / name).read_text("utf-8") for out in ("part", "whole"))
+        assert re.sub(' time="[^"]*"', "", part) == re.sub(' time="[^"]*"', "", whole)
 
 
 def test_statistics_are_inconclusive_where_a_run_is_missing_or_in_error(

@@ -1,5 +1,6 @@
 """The results folder: columns, order, bytes, interruption, JUnit."""
 
+import csv
 import hashlib
 import json
 from collections.abc import Callable
@@ -146,6 +147,11 @@ def test_limits_of_magnitudes_are_drawn_on_both_sides(plan: Plan, tmp_path: Path
     assert [event["kind"] for event in chart["events"]] == ["edge", "latch"]
 
 
+def read_rows_of(tmp_path: Path) -> list[dict[str, str]]:
+    with (tmp_path / "out" / "cases.csv").open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
 def test_junit_carries_values_limits_and_requirement(plan: Plan, tmp_path: Path) -> None:
     with ResultsWriter(tmp_path / "out", [plan], {}) as writer:
         add(writer, plan.cases[0], 0.7)
@@ -161,6 +167,8 @@ def test_junit_carries_values_limits_and_requirement(plan: Plan, tmp_path: Path)
     assert properties["latch_error_um:Z.upper"] == "0.5"
     assert properties["latch_error_um:Z.unit"] == "um"
     assert properties["requirement"] == "REQ-1"
+    assert float(properties["sim_s"] or "") == float(read_rows_of(tmp_path)[0]["sim_s"])
+    assert first.get("time") == f"{float(read_rows_of(tmp_path)[0]['wall_s']):.3f}"
     assert properties["seed"] == str(plan.cases[0].seed)
     failure = first.find("failure")
     assert failure is not None

@@ -1,31 +1,36 @@
 """Plans as pytest items: every row is a test with its run id as name.
 
-A `conftest.py` that imports `pytest_addoption` from here, as `testplans/conftest.py` does, makes
-every table in its own folder a plan; tables in subfolders are none. A case that passes or is
-marginal passes, everything else fails with what its checks say. A row whose rig names a foreign
-FMU runs in a process of its own, as in `axisrig run`.
+A case that passes or is marginal passes, everything else fails with what its checks say. A row
+whose rig names a foreign FMU runs in a process of its own, as in `axisrig run`. Which tables are
+plans says `axisrig.bench.cli.pytest_plans`, the entry point. A `conftest.py` that imports
+`pytest_addoption` from here makes every table in its own folder a plan, too.
 """
 
-from collections.abc import Iterator, Sequence
+import pickle
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple, Protocol
 
 import pytest
+from _pytest._code.code import ReprEntryNative, ReprExceptionInfo, ReprFileLocation, ReprTraceback
 
 from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
-from axisrig.bench.campaign.runner import no_stopwatch, run_cases
+from axisrig.bench.campaign.runner import Stopwatch, no_stopwatch, run_cases
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import Case, read_plan
-from axisrig.bench.plan.table import SUFFIXES
+from axisrig.bench.plan.sentences import run_sentence
+from axisrig.bench.plan.table import CASE_COLUMN, SUFFIXES, read_table
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.kernel.errors import UserError
 
-_NAME = "axisrig plans"
+NAME = "axisrig"
+"""Of the entry point."""
+_OLD_NAME = "axisrig plans"
 
 
 class CaseFailedError(Exception):
@@ -36,14 +41,8 @@ class CaseFailedError(Exception):
         self.result = result
 
 
-def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginManager) -> None:
-    """Make the folder of a conftest that has this hook a folder of plans.
-
-    Several such folders may be in one run: the first adds the option and what collects plans.
-    """
-    if pluginmanager.has_plugin(_NAME):
-        return
-    pluginmanager.register(_Plans(pluginmanager), _NAME)
+def add_call_timeout(parser: pytest.Parser) -> None:
+    """Add the option that limits one call into an FMU."""
     parser.getgroup("axisrig").addoption(
         "--axisrig-call-timeout",
         type=float,
@@ -51,6 +50,43 @@ def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginMa
         help="Wall time of one call into an FMU, s; 60 when not said. Every row of a plan then runs"
         " in a process of its own.",
     )
+
+
+def pytest_addoption(parser: pytest.Parser, pluginmanager: pytest.PytestPluginManager) -> None:
+    """Make the folder of a conftest that has this hook a folder of plans.
+
+    Several such folders may be in one run. Where pytest loads no entry points, the first one adds
+    the option and what collects plans.
+    """
+    if not (pluginmanager.has_plugin(NAME) or pluginmanager.has_plugin(_OLD_NAME)):
+        pluginmanager.register(_Plans(pluginmanager), _OLD_NAME)
+        add_call_timeout(parser)
+
+
+def has_conftest(pluginmanager: pytest.PytestPluginManager, folder: Path) -> bool:
+    """Whether the folder has a conftest with the hook of this module."""
+    conftest = str(folder / "conftest.py")
+    return any(
+        getattr(plugin, "__file__", None) == conftest
+        and getattr(plugin, "pytest_addoption", None) is pytest_addoption
+        for plugin in pluginmanager.get_plugins()
+    )
+
+
+def is_plan(path: Path) -> bool:
+    """Whether a table is meant to be a plan: it has `case` and one more column of a plan.
+
+    One that lacks the others is a plan with a mistake, and says so when it is collected.
+    """
+    if path.suffix.lower() not in SUFFIXES:
+        return False
+    try:
+        columns = read_table(path).columns
+    except UserError:
+        return path.suffix.lower() == ".csv"  # collected, so that its message is seen
+    others = [column for column in columns if column in ("program", "rig", "check", "checks")]
+    others += [column for column in columns if column.startswith("check:")]
+    return CASE_COLUMN in columns and bool(others)
 
 
 class PlanFile(pytest.File):
@@ -74,8 +110,42 @@ class PlanFile(pytest.File):
                 yield CaseItem.from_parent(self, name=case.run, case=case, sampled=sampled)
 
 
+class Outcome(NamedTuple):
+    """What an item hands over for a results folder: its result, and its files by their names."""
+
+    plan: Path
+    result: CaseResult
+    files: Mapping[str, bytes]
+
+    def packed(self) -> bytes:
+        """Pack it for another process."""
+        return pickle.dumps(self)
+
+    @staticmethod
+    def unpacked(content: bytes) -> "Outcome":
+        """Unpack what `packed` gave."""
+        outcome: Outcome = pickle.loads(content)
+        return outcome
+
+
+class Staged(Protocol):
+    """Where runs write that are to be kept, and what times them."""
+
+    stopwatch: Stopwatch
+
+    def files_of(self, run: str) -> RunFiles:
+        """Return where bus log and series of a run are to be written."""
+
+
+STORED = pytest.StashKey[Staged]()
+"""Of a configuration whose results are kept."""
+
+
 class RowItem(pytest.Item):
     """One row of the results of a plan."""
+
+    result: CaseResult | None = None
+    """Of an item that has run."""
 
     def __init__(self, *, case: Case, sampled: dict[str, CaseResult], **kwargs: Any) -> None:
         """Take a row. sampled: results of runs that statistics are over, shared by a plan."""
@@ -83,18 +153,21 @@ class RowItem(pytest.Item):
         self.case = case
         self._sampled = sampled
         for tag in case.tags:
+            self.config.addinivalue_line("markers", f"{tag}: a tag of plans")
+            self.add_marker(getattr(pytest.mark, tag) if tag.isidentifier() else "axisrig")
             self.keywords[tag] = True
 
     def run_case(self, case: Case) -> CaseResult:
         """Run a case; what it gives to statistics is kept for them."""
         call_limit_s = self.config.getoption("axisrig_call_timeout", default=None)
         rigs = [case.rig]
+        stored = self.config.stash.get(STORED, None)
         (result,) = run_cases(
             [case],
-            lambda _: RunFiles(),
+            (lambda _: RunFiles()) if stored is None else stored.files_of,
             jobs=1,
             timeout_s=None,
-            stopwatch=no_stopwatch,
+            stopwatch=no_stopwatch if stored is None else stored.stopwatch,
             apart=foreign_rigs(rigs) if call_limit_s is None else rigs,
             call_limit_s=call_limit_s or CALL_LIMIT_S,
         )
@@ -104,6 +177,7 @@ class RowItem(pytest.Item):
 
     def finish(self, result: CaseResult) -> None:
         """Report a result. Raises CaseFailedError for one that is worse than marginal."""
+        self.result = result
         self.user_properties += [
             ("verdict", result.verdict.word),
             *(
@@ -119,17 +193,20 @@ class RowItem(pytest.Item):
         if result.verdict > Verdict.MARGINAL:
             raise CaseFailedError(result)
 
-    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> str:
-        """Tell what failed in the words of the checks."""
+    def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *_: Any) -> Any:
+        """Say what failed in the words of the checks; in the summary, the first of them."""
         if not isinstance(excinfo.value, CaseFailedError):
-            return str(super().repr_failure(excinfo))
+            return super().repr_failure(excinfo)
         result = excinfo.value.result
         lines = [f"{self.case.file}:{self.case.line}: {self.case.run}: {result.verdict.word}"]
         lines += [_line(check) for check in result.checks if check.verdict > Verdict.MARGINAL]
         lines += result.log
         if result.error:
             lines.append(result.error)
-        return "\n".join(lines)
+        text = "".join(f"{line}\n" for line in lines)
+        entry = ReprTraceback([ReprEntryNative([text])], None, "native")
+        place = ReprFileLocation(str(self.case.file), self.case.line, _sentence(result))
+        return ReprExceptionInfo(reprtraceback=entry, reprcrash=place)
 
     def reportinfo(self) -> tuple[Path, int, str]:
         """Point at the row."""
@@ -160,32 +237,47 @@ class StatisticItem(RowItem):
         self.finish(judged_row(self.case, self._runs, self._sampled))
 
 
+def _sentence(result: CaseResult) -> str:
+    rows = [
+        {
+            "metric": check.check.metric,
+            "check": check.check.condition.text,
+            "value": value_text(check.value),
+            "unit": check.check.unit,
+            "lower": value_text(check.check.condition.lower),
+            "upper": value_text(check.check.condition.upper),
+            "uncertainty": repr(float(check.uncertainty)),
+            "verdict": check.verdict.word,
+            "note": check.note,
+        }
+        for check in result.checks
+    ]
+    return run_sentence(result.verdict, result.error, rows)
+
+
 def _line(check: CheckResult) -> str:
     note = f" ({check.note})" if check.note else ""
     return f"  {check.verdict.word}: {check.summary}{note}"
 
 
 class _Plans:
-    """Collects the tables that have such a conftest beside them."""
+    """Collects the tables that have such a conftest beside them, where there is no entry point."""
 
     def __init__(self, pluginmanager: pytest.PytestPluginManager) -> None:
         self._pluginmanager = pluginmanager
 
     def pytest_collect_file(self, file_path: Path, parent: pytest.Collector) -> PlanFile | None:
         """Collect a table whose folder is one of plans."""
-        if file_path.suffix.lower() in SUFFIXES and self._is_plan_folder(file_path.parent):
+        if has_conftest(self._pluginmanager, file_path.parent) and is_plan(file_path):
             return PlanFile.from_parent(parent, path=file_path)
         return None
 
     def pytest_terminal_summary(self, terminalreporter: Any) -> None:
         """Name what an older axisrig has left on the search path."""
-        for text in leftovers():
-            terminalreporter.write_line(f"axisrig: {text}")
+        write_leftovers(terminalreporter)
 
-    def _is_plan_folder(self, folder: Path) -> bool:
-        conftest = str(folder / "conftest.py")
-        return any(
-            getattr(plugin, "__file__", None) == conftest
-            and getattr(plugin, "pytest_addoption", None) is pytest_addoption
-            for plugin in self._pluginmanager.get_plugins()
-        )
+
+def write_leftovers(terminalreporter: Any) -> None:
+    """Name what an older axisrig has left on the search path."""
+    for text in leftovers():
+        terminalreporter.write_line(f"axisrig: {text}")
