@@ -10,6 +10,7 @@ WALL_CLOCK = {"time", "datetime"}
 # The command line hands it down; the watch over processes holds them to their limits
 MAY_READ_WALL_CLOCK = (
     "axisrig.bench.cli.main",
+    "axisrig.bench.cli.data_commands",
     "axisrig.bench.cli.perf_command",
     "axisrig.bench.cli.pytest_results",
     "axisrig.bench.campaign.processes",

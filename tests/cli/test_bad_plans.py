@@ -234,14 +234,14 @@ def test_output_folder_with_blanks_is_cleared_by_the_option(plan: Path, axisrig:
 @pytest.fixture(scope="session")
 def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A results folder of one run, made once."""
-    from axisrig.bench.campaign.campaign import run_campaign  # noqa: PLC0415
+    from axisrig.bench.campaign.campaign import Choice, run_campaign  # noqa: PLC0415
     from axisrig.bench.campaign.runner import no_stopwatch  # noqa: PLC0415
 
     place = tmp_path_factory.mktemp("results")
     shutil.copytree(originals, place, dirs_exist_ok=True)
     (place / "plan.csv").write_text(f"{HEADER}\n{ROW}\n", encoding="utf-8")
     run_campaign(
-        [place / "plan.csv"], out=place / "out", select=None, jobs=1, timeout_s=60.0,
+        [place / "plan.csv"], out=place / "out", select=Choice(), jobs=1, timeout_s=60.0,
         assignments=[], command=["axisrig"], started="", stopwatch=no_stopwatch,
     )  # fmt: skip
     return place / "out"

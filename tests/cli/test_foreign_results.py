@@ -38,7 +38,7 @@ ODD_CELLS = [
 @pytest.fixture(scope="session")
 def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A results folder of one run with every kind of log, made once."""
-    from axisrig.bench.campaign.campaign import run_campaign  # noqa: PLC0415
+    from axisrig.bench.campaign.campaign import Choice, run_campaign  # noqa: PLC0415
     from axisrig.bench.campaign.runner import no_stopwatch  # noqa: PLC0415
 
     place = tmp_path_factory.mktemp("foreign")
@@ -46,7 +46,7 @@ def results(originals: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     row = "a,part.nc,rig.toml,3000,== 1,"
     (place / "plan.csv").write_text(f"{HEADER}\n{row}\n", encoding="utf-8")
     run_campaign(
-        [place / "plan.csv"], out=place / "out", select=None, jobs=1, timeout_s=None,
+        [place / "plan.csv"], out=place / "out", select=Choice(), jobs=1, timeout_s=None,
         assignments=[], command=["axisrig"], started="", stopwatch=no_stopwatch, bus_logs=LOGS,
     )  # fmt: skip
     return place / "out"

@@ -77,6 +77,7 @@ def test_the_target_is_between_the_two_values(searched: Path) -> None:
     assert all(f'href="#{run}"' in page for run in probes.index)
 
 
+@pytest.mark.long
 def test_resume_keeps_a_whole_search_and_repeats_a_broken_one(
     searched: Path, place: Path, axisrig: Call
 ) -> None:
@@ -92,6 +93,7 @@ def test_resume_keeps_a_whole_search_and_repeats_a_broken_one(
     assert _bytes(place / "out") == whole_bytes
 
 
+@pytest.mark.long
 def test_a_wider_search_takes_the_probes_away_that_it_does_not_need(
     searched: Path, place: Path, axisrig: Call
 ) -> None:
@@ -105,6 +107,7 @@ def test_a_wider_search_takes_the_probes_away_that_it_does_not_need(
     assert names == {f"plan-a-s0{n}" for n in (1, 2, 3)}
 
 
+@pytest.mark.long
 def test_probes_are_judged_and_run_again(searched: Path, place: Path, axisrig: Call) -> None:
     shutil.copytree(searched, place, dirs_exist_ok=True)
     other = _write(place, ROW.format("0.5", "> 127"))

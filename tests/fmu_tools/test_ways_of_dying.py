@@ -18,7 +18,7 @@ import pytest
 from fmu_rigs import write_plan, write_rig
 
 from axisrig.bench.bus.logs import log_kinds
-from axisrig.bench.campaign.campaign import run_campaign
+from axisrig.bench.campaign.campaign import Choice, run_campaign
 from axisrig.bench.campaign.hardware_runs import Outside, allow
 from axisrig.bench.cli.main import main
 from axisrig.bench.rig.reading.file import read_rig
@@ -260,7 +260,7 @@ def test_our_own_rows_stay_in_this_process(place: Path, monkeypatch: pytest.Monk
     monkeypatch.setattr("axisrig.bench.campaign.processes._Worker.__init__", _refuse)
     campaign = run_campaign(
         [place / write_plan(place, "model.toml")],
-        out=place / "results", select=None, jobs=1, timeout_s=None, assignments=[],
+        out=place / "results", select=Choice(), jobs=1, timeout_s=None, assignments=[],
         command=[], started="", stopwatch=lambda: 0.0, bus_logs=log_kinds(""),
     )  # fmt: skip
     assert campaign.exit_code == 0

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from tests.reports.pages import whole
 
-from axisrig.bench.campaign.campaign import run_campaign
+from axisrig.bench.campaign.campaign import Choice, run_campaign
 from axisrig.bench.campaign.checking import check_file
 from axisrig.bench.campaign.runner import no_stopwatch
 from axisrig.bench.campaign.single import run_program
@@ -134,7 +134,7 @@ def test_results_report_and_command_line_name_the_axes(tmp_path: Path) -> None:
         "touch,z.nc,rig.toml,30,30 +- 0.0001\n"
     )
     campaign = run_campaign(
-        [plan], out=tmp_path / "out", select=None, jobs=1, timeout_s=None, assignments=[],
+        [plan], out=tmp_path / "out", select=Choice(), jobs=1, timeout_s=None, assignments=[],
         command=["axisrig"], started="", stopwatch=no_stopwatch,
     )  # fmt: skip
     with (tmp_path / "out" / "cases.csv").open(newline="") as file:

@@ -22,6 +22,7 @@ from axisrig.bench.campaign.results.writer import (
 )
 from axisrig.bench.campaign.resuming import CHANGED, GoingOn, choose, depends_sha256
 from axisrig.bench.campaign.runner import Stopwatch, prepare_all, run_cases
+from axisrig.bench.campaign.sharing import Shard
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
 from axisrig.bench.plan.assignment import parse_assignment
@@ -33,6 +34,14 @@ from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which runs of plans a call is about. select: of `-k`. shard: of `--shard`; None: all."""
+
+    select: str | None = None
+    shard: Shard | None = None
 
 
 @dataclass(frozen=True)
@@ -80,7 +89,7 @@ def run_campaign(  # noqa: PLR0913
     paths: Sequence[Path],
     *,
     out: Path | None,
-    select: str | None,
+    select: Choice,
     jobs: int | None,
     timeout_s: float | None,
     assignments: Sequence[str],
@@ -148,12 +157,19 @@ def run_campaign(  # noqa: PLR0913
     return Campaign(folder, results, len(runs), failure, report, stay)
 
 
-def _chosen(plans: Sequence[Plan], select: str | None) -> tuple[list[Plan], list[Case]]:
+def _chosen(plans: Sequence[Plan], choice: Choice) -> tuple[list[Plan], list[Case]]:
     """Return the plans with the cases that fit, and these. Raises UserError where none does."""
-    parts = [_selected(plan, select) for plan in plans]
+    parts = [_selected(plan, choice.select) for plan in plans]
     cases = [case for part in parts for case in part.cases]
     if not cases:
-        raise UserError("no case fits", value=select, hint="axisrig check PLAN lists the cases")
+        hint = "axisrig check PLAN lists the cases"
+        raise UserError("no case fits", value=choice.select, hint=hint)
+    if choice.shard is not None:
+        cases = list(choice.shard.share(cases))
+        if not cases:
+            raise UserError("the share has no run: there are more shares than runs")
+        own = {case.run for case in cases}
+        parts = [replace(p, cases=tuple(c for c in p.cases if c.run in own)) for p in parts]
     return parts, cases
 
 

@@ -1,11 +1,12 @@
 """The commands that compare results and hand them to other programs."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from axisrig.bench.cli.options import rejecting
+from axisrig.bench.cli.options import FreshOption, rejecting
 from axisrig.kernel.errors import UserError
 
 FolderArgument = Annotated[Path, typer.Argument(metavar="DIR", help="A results folder.")]
@@ -57,6 +58,29 @@ def query(
         print(found.to_csv(index=False, lineterminator="\n"), end="")
     else:
         print(found.to_string(index=False, na_rep=""))
+
+
+@rejecting
+def merge(
+    folders: Annotated[list[Path], typer.Argument(metavar="DIR", help="Results folders.")],
+    into: Annotated[Path, typer.Option("-o", "--output", help="Results folder to make.")],
+    is_fresh: FreshOption = False,
+) -> None:
+    """Join the results of the shares of a campaign (`run --shard`)."""
+    from datetime import UTC, datetime
+
+    from axisrig.bench.campaign.sharing import merge as joined
+    from axisrig.reports.build import build_report
+
+    started = datetime.now(UTC).isoformat(timespec="seconds")
+    made = joined(folders, into, started=started, is_fresh=is_fresh, build_report=build_report)
+    for run in made.doubled:
+        print(f"in several folders, with equal results: {run}", file=sys.stderr)
+    for run in made.missing:
+        print(f"missing: {run}", file=sys.stderr)
+    print(f"{made.runs} runs, {len(made.missing)} missing")
+    print(made.report)
+    raise typer.Exit(4 if made.missing else 0)
 
 
 @rejecting
@@ -114,4 +138,4 @@ def _lacking(package: str, extra: str) -> UserError:
     )
 
 
-DATA = (diff, trend, export, query)
+DATA = (merge, diff, trend, export, query)

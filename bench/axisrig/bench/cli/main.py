@@ -28,6 +28,7 @@ from axisrig.bench.cli.options import (
     JOBS_AUTO,
     AsCanopenOption,
     BitrateOption,
+    BusLogsOption,
     BusOption,
     CallTimeoutOption,
     ChannelOption,
@@ -41,6 +42,7 @@ from axisrig.bench.cli.options import (
     ResumeOption,
     SegmentOption,
     SetOption,
+    ShardOption,
     VersionOption,
     YesOption,
     rejecting,
@@ -144,14 +146,12 @@ def run(
     bitrate: BitrateOption = None,
     segment: SegmentOption = None,
     may_move: YesOption = False,
-    bus_logs: Annotated[
-        str,
-        typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
-    ] = "blf",
+    bus_logs: BusLogsOption = "blf",
     is_fresh: FreshOption = False,
     is_full: FullOption = False,
     is_resumed: ResumeOption = False,
     is_failed: FailedOption = False,
+    shard: ShardOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
@@ -159,9 +159,10 @@ def run(
     With --interface, or a rig that names one, the kernel drives axes outside in real time.
     """
     from axisrig.bench.bus.logs import log_kinds
-    from axisrig.bench.campaign.campaign import run_campaign, show_campaign
+    from axisrig.bench.campaign.campaign import Choice, run_campaign, show_campaign
     from axisrig.bench.campaign.hardware_runs import Outside
     from axisrig.bench.campaign.resuming import GoingOn
+    from axisrig.bench.campaign.sharing import Shard
     from axisrig.reports.build import build_report
 
     going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
@@ -170,7 +171,7 @@ def run(
     campaign = run_campaign(
         plans,
         out=out,
-        select=select,
+        select=Choice(select, Shard.of(shard) if shard else None),
         jobs=None if jobs == JOBS_AUTO else jobs,
         timeout_s=timeout_s,
         assignments=_inputs(assignments, is_forced, as_canopen),

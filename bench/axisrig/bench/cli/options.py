@@ -37,6 +37,18 @@ AsCanopenOption = Annotated[
         help="Run drives of other types (P-AXIS-00020) on CANopen drives, and say so.",
     ),
 ]
+BusLogsOption = Annotated[
+    str,
+    typer.Option("--bus-log", help="Kinds of bus logs: blf,candump,asc,pcap; '' writes none."),
+]
+ShardOption = Annotated[
+    str | None,
+    typer.Option(
+        "--shard",
+        metavar="I/N",
+        help="Only a share of the runs, such as 1/3; `axisrig merge` joins the folders.",
+    ),
+]
 JOBS_AUTO = 0
 """What `-j auto` is for the commands."""
 

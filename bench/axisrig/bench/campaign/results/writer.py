@@ -13,6 +13,7 @@ that the folder has from an earlier call keeps its results until it has ended ag
 Equal runs give equal bytes, except for `wall_s` and the manifest.
 """
 
+import shutil
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
@@ -252,6 +253,25 @@ class ResultsWriter:
         self._written.add(case.run)
         if self._history.replaced(case.run):
             self._write_manifest()
+
+    def take(
+        self,
+        case: Mapping[str, str],
+        checks: Sequence[Mapping[str, str]],
+        files: Mapping[tuple[str, str], Path],
+    ) -> None:
+        """Put in a run of another folder. case, checks: its rows; files: by folder and suffix.
+
+        Raises OSError with the name of the file that cannot be written.
+        """
+        run = case["run"]
+        for (kind, suffix), source in files.items():
+            path = self._rows.path_of(kind, run, suffix)
+            with naming(path):
+                shutil.copyfile(source, path)
+        self._rows.put(run, case, checks)
+        if not case.get(PROBE):
+            self._written.add(run)
 
     def _put(self, result: CaseResult) -> None:
         """Write the files and the rows of one run."""

@@ -1,0 +1,204 @@
+"""A campaign on several machines: each runs a share (`--shard 2/3`), `axisrig merge` joins them."""
+
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+from axisrig.bench.bus.logs import SEGMENT_MARK
+from axisrig.bench.campaign.results.folder import FOLDERS
+from axisrig.bench.campaign.results.manifest import build_manifest
+from axisrig.bench.campaign.results.stored import DEPENDS, StoredResults, StoredRun, read_results
+from axisrig.bench.campaign.results.writer import ResultsWriter
+from axisrig.bench.campaign.resuming import depends_sha256
+from axisrig.bench.campaign.statistics import CaseStatistics
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
+from axisrig.kernel.errors import UserError
+
+_FORM = re.compile(r"([1-9]\d{0,5})/([1-9]\d{0,5})")
+# Options of `axisrig run` that change no result -> whether a value follows
+_BESIDE = {
+    **dict.fromkeys(("--shard", "-o", "--out", "-j", "--jobs"), True),
+    **dict.fromkeys(("--fresh", "--resume", "--failed", "--full"), False),
+}
+_FLAGS = {"--force": FORCED, "--as-canopen": AS_CANOPEN}
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One share of a campaign. number: from 1 to count."""
+
+    number: int
+    count: int
+
+    @classmethod
+    def of(cls, text: str) -> "Shard":
+        """Read `2/3`. Raises UserError for anything else."""
+        match = _FORM.fullmatch(text)
+        if match is None or int(match[1]) > int(match[2]):
+            raise UserError("--shard: no share of a campaign", value=text, allowed="1/3, 2/3, 3/3")
+        return cls(int(match[1]), int(match[2]))
+
+    def share(self, cases: Sequence[Case]) -> tuple[Case, ...]:
+        """Return its cases: every `count`-th, so that neighbours, which take as long, are apart."""
+        return tuple(cases[self.number - 1 :: self.count])
+
+
+@dataclass(frozen=True)
+class Merged:
+    """What `axisrig merge` made. missing: runs that no folder has. doubled: those of several."""
+
+    folder: Path
+    runs: int
+    missing: Sequence[str]
+    doubled: Sequence[str]
+    report: Path | None
+
+
+def merge(
+    folders: Sequence[Path],
+    into: Path,
+    *,
+    started: str,
+    is_fresh: bool = False,
+    build_report: Callable[[Path], Path] | None = None,
+) -> Merged:
+    """Join results folders of one campaign into a new one, as if it had run on one machine.
+
+    The plans must be where they were, with what their runs depend on; statistics over several runs
+    are judged here. Raises UserError where the folders are not of one campaign: other plans,
+    another axisrig, other options, files that have changed, a run with two different results.
+    """
+    parts = [read_results(folder) for folder in folders]
+    _refuse_strangers(parts)
+    plans = _plans(parts[0])
+    cases = {case.run: case for plan in plans for case in plan.cases}
+    found, doubled = _runs(parts)
+    hashes = {row.run: depends_sha256(row) for plan in plans for row in plan.rows}
+    for run, (part, stored) in found.items():
+        if run in cases and stored.case.get(DEPENDS) != hashes[run]:
+            raise UserError(
+                "what the run depends on is not what it was run with",
+                file=part.folder,
+                value=run,
+                hint="run the share again with --resume, or merge where the files are as they were",
+            )
+    manifest = _manifest(parts, plans, started, into)
+    with ResultsWriter(into, plans, manifest, runs=None, is_fresh=is_fresh) as writer:
+        for run in cases:
+            if run in found:
+                _take(writer, *found[run])
+        statistics = CaseStatistics(plans, (), into, hashes, is_fresh=False)
+        for row in statistics.kept():
+            row.depends_sha256 = hashes[row.case.run]
+            writer.add(row)
+    report = build_report(into) if build_report else None
+    missing = [run for run in cases if run not in found]
+    return Merged(into, len(cases) - len(missing), missing, doubled, report)
+
+
+def _manifest(
+    parts: Sequence[StoredResults], plans: Sequence[Plan], started: str, into: Path
+) -> dict[str, Any]:
+    command = [*_kept_words(parts[0].manifest["command"], has_plans=True), "-o", str(into)]
+    made = build_manifest(plans, command=command, started=started, output=str(into))
+    return made | {"merged": [str(part.folder) for part in parts]}
+
+
+def _refuse_strangers(parts: Sequence[StoredResults]) -> None:
+    """Raise UserError where folders are not of one campaign."""
+    first = parts[0]
+    for part in parts:
+        if part.manifest.get("command", [])[1:2] != ["run"]:
+            raise UserError("the folder does not come from `axisrig run`", file=part.folder)
+        for what, now, then in (
+            ("plans", _names(part.manifest), _names(first.manifest)),
+            ("axisrig", part.manifest["sources_sha256"], first.manifest["sources_sha256"]),
+            ("options", _kept_words(part.manifest["command"]), _kept_words(
+                first.manifest["command"])),
+        ):  # fmt: skip
+            if now != then:
+                raise UserError(
+                    f"the folders are not of one campaign: other {what} than {first.folder}",
+                    file=part.folder,
+                    value=" ".join(now) if isinstance(now, list) else now[:12],
+                    allowed=" ".join(then) if isinstance(then, list) else then[:12],
+                )
+
+
+def _names(manifest: Mapping[str, Any]) -> list[str]:
+    return [f"{plan['name']} ({plan['sha256'][:12]})" for plan in manifest.get("plans", [])]
+
+
+def _kept_words(command: Sequence[str], *, has_plans: bool = False) -> list[str]:
+    """The words of a command without those that change no result; without plans unless asked."""
+    words: list[str] = []
+    rest = iter(command)
+    for word in rest:
+        name = word.partition("=")[0]
+        if name in _BESIDE:
+            if _BESIDE[name] and "=" not in word:
+                next(rest, None)
+        elif has_plans or word.startswith("-") or words[-1:] in (["-k"], ["--set"]):
+            words.append(word)
+    return words
+
+
+def _plans(part: StoredResults) -> list[Plan]:
+    """Read the plans of a folder with the inputs of its command."""
+    words = part.manifest["command"]
+    texts = [value for word, value in pairwise(words) if word == "--set"]
+    texts += [word.partition("=")[2] for word in words if word.startswith("--set=")]
+    texts += [_FLAGS[word] for word in words if word in _FLAGS]
+    changes = [parse_assignment(text) for text in texts]
+    return [read_plan(Path(plan["path"])).with_inputs(changes) for plan in part.manifest["plans"]]
+
+
+def _runs(
+    parts: Sequence[StoredResults],
+) -> tuple[dict[str, tuple[StoredResults, StoredRun]], list[str]]:
+    """Return the planned runs with their folders, and those that several folders have.
+
+    Raises UserError where these differ.
+    """
+    found: dict[str, tuple[StoredResults, StoredRun]] = {}
+    doubled = []
+    for part in parts:
+        for run in part.planned:
+            if run.run in found and not _is_same(run, found[run.run][1]):
+                raise UserError(
+                    f"the run has another result than in {found[run.run][0].folder}",
+                    file=part.folder,
+                    value=run.run,
+                )
+            if run.run in found:
+                doubled.append(run.run)
+            found.setdefault(run.run, (part, run))
+    return found, doubled
+
+
+def _is_same(run: StoredRun, other: StoredRun) -> bool:
+    first, second = ({**one.case, "wall_s": ""} for one in (run, other))
+    return first == second and list(run.checks) == list(other.checks)
+
+
+def _take(writer: ResultsWriter, part: StoredResults, run: StoredRun) -> None:
+    """Put a run, with its probes, into the folder of a writer."""
+    probes = [one for one in part.runs if one.is_probe and one.case["probe"] == run.run]
+    for one in (*probes, run):
+        files = {
+            (kind, path.name.removeprefix(one.run)): path
+            for kind in FOLDERS
+            for path in _files(part.folder / kind, one.run)
+        }
+        writer.take(one.case, one.checks, files)
+
+
+def _files(folder: Path, run: str) -> Iterator[Path]:
+    for path in folder.iterdir() if folder.is_dir() else ():
+        if path.name.startswith((f"{run}.", f"{run}{SEGMENT_MARK}")) and path.is_file():
+            yield path
