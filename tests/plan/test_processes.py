@@ -1,5 +1,6 @@
 """Processes that run rows: who gets the next one, and when."""
 
+import os
 import time
 from pathlib import Path
 
@@ -21,3 +22,10 @@ def test_the_next_row_begins_while_the_results_of_the_last_are_worked_on(tmp_pat
         time.sleep(0.01)
     assert (tmp_path / "1").exists()
     assert list(results) == [1, 2]
+
+
+def test_a_process_ends_after_so_many_tasks() -> None:
+    """The answers stay in order; each process did the number of tasks that it may."""
+    done = list(run_apart(os.getpid, [[] for _ in range(7)], jobs=1, is_fresh=False, tasks_max=3))
+    counts = [done.count(process) for process in dict.fromkeys(done)]
+    assert counts == [3, 3, 1]

@@ -13,7 +13,6 @@ import pytest
 from results_setup import TEXT, add, rows, run_case, write
 from tests.reports.pages import opened
 
-from axisrig.bench.campaign.campaign import show_verdicts
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import read_results
 from axisrig.bench.campaign.results.writer import (
@@ -21,6 +20,7 @@ from axisrig.bench.campaign.results.writer import (
     ResultsWriter,
     no_values,
 )
+from axisrig.bench.campaign.shown import show_verdicts
 from axisrig.bench.plan.checks import judge, parse_check
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.verdict import Verdict

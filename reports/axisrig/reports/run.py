@@ -15,6 +15,7 @@ from axisrig.bench.judge.observed.event import BESIDES
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import shown_facts
 from axisrig.bench.plan.checks import parse_check, plot_limits
+from axisrig.bench.plan.expectation import NOT_MET
 from axisrig.bench.plan.searching import BAD, GOOD, HEAD
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
@@ -175,7 +176,11 @@ def _with_units(rows: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:
 
 def _failed(run: StoredRun) -> list[Mapping[str, str]]:
     """The checks that did not pass, the worst first, without those that are only marginal."""
-    rows = [row for row in run.checks if Verdict.of(row["verdict"]) not in _GOOD]
+    rows = [
+        row
+        for row in run.checks
+        if Verdict.of(row["verdict"]) not in _GOOD or row.get(NOTE, "").startswith(NOT_MET)
+    ]
     return sorted(rows, key=lambda row: -Verdict.of(row["verdict"]))
 
 
@@ -199,11 +204,17 @@ def _pictures(
     return found
 
 
+def _check_sentence(row: Mapping[str, str]) -> str:
+    if row.get(NOTE, "").startswith(NOT_MET):
+        return f"{row['metric']} {NOT_MET}"
+    return check_sentence(_with_units([row])[0])
+
+
 def _failures(run: StoredRun, pictures: Mapping[str, Markup]) -> list[dict[str, Any]]:
     """What is shown above everything else: each check that did not pass, with its picture."""
     return [
         {
-            "sentence": check_sentence(_with_units([row])[0]),
+            "sentence": _check_sentence(row),
             "verdict": verdict_words(Verdict.of(row["verdict"])),
             "reference": row["reference"],
             "condition": row["check"],

@@ -6,10 +6,6 @@ from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from rich.console import Console
-from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
-from rich.table import Table as RichTable
-
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
@@ -23,6 +19,7 @@ from axisrig.bench.campaign.results.writer import (
 from axisrig.bench.campaign.resuming import CHANGED, GoingOn, choose, depends_sha256
 from axisrig.bench.campaign.runner import Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.sharing import Shard
+from axisrig.bench.campaign.shown import CampaignProgress, show_verdicts
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
 from axisrig.bench.plan.assignment import parse_assignment
@@ -30,7 +27,6 @@ from axisrig.bench.plan.plan import Case, Plan, read_plan
 from axisrig.bench.plan.select import matches
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
-from axisrig.bench.record.bus import BusFigures
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
@@ -151,7 +147,7 @@ def run_campaign(  # noqa: PLR0913
                 hardware=hardware,
             )
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
-            failure = _write(running, writer, results, len(runs))
+            failure = _write(running, writer, results, CampaignProgress(len(runs), stopwatch))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     return Campaign(folder, results, len(runs), failure, report, stay)
@@ -227,17 +223,15 @@ def _write(
     running: Iterator[CaseResult],
     writer: ResultsWriter,
     results: list[CaseResult],
-    count: int,
+    progress: CampaignProgress,
 ) -> OSError | None:
     """Write the results as they come and add them to `results`; return why it ended early."""
     try:
-        with closing(running), writer, _progress() as progress:  # type: ignore[type-var]
-            task = progress.add_task("", total=count)
+        with closing(running), writer, progress:  # type: ignore[type-var]
             for result in running:
                 writer.add(result)
                 results.append(result)
-                progress.console.print(_line(result))
-                progress.update(task, advance=1, description=result.case.run)
+                progress.show(result)
     except OSError as error:
         return error
     return None
@@ -281,21 +275,6 @@ def _selected(plan: Plan, select: str | None) -> Plan:
     return replace(plan, cases=fitting)
 
 
-def _progress() -> Progress:
-    return Progress(
-        SpinnerColumn(),
-        TextColumn("{task.completed}/{task.total} {task.description}"),
-        TimeElapsedColumn(),
-        console=Console(stderr=True, highlight=False, markup=False, emoji=False),
-        transient=True,
-    )
-
-
-def _line(result: CaseResult) -> str:
-    verdict = result.verdict
-    return f"{verdict.glyph} {verdict.word:<12} {result.case.run}"
-
-
 def show_campaign(campaign: Campaign) -> None:
     """Print the verdicts and the path of the report; what went wrong to standard error."""
     if campaign.kept:
@@ -309,60 +288,3 @@ def show_campaign(campaign: Campaign) -> None:
         print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
     if campaign.report is not None:
         print(campaign.report)
-
-
-def show_verdicts(results: Sequence[CaseResult]) -> None:
-    """Print the verdict table: what did not pass with its worst check, the rest in one line."""
-    table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
-    for column in ("verdict", "case", "checks", "what did not pass", "alarms"):
-        table.add_column(column, overflow="fold", no_wrap=column in ("verdict", "case"))
-    for result in results:
-        worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
-        text = ""
-        if worst_check is not None and worst_check.verdict is not Verdict.PASS:
-            text = worst_check.summary
-            if worst_check.note:
-                text += f" ({worst_check.note})"
-        passed = sum(check.verdict is Verdict.PASS for check in result.checks)
-        table.add_row(
-            f"{result.verdict.glyph} {result.verdict.word}",
-            result.case.run,
-            f"{passed}/{len(result.checks)}",
-            result.error or text,
-            " ".join(str(number) for number in result.alarms),
-        )
-    console = Console(highlight=False, markup=False, emoji=False)  # `:X:` and `[..]` are text
-    console.print(table)
-    for result in results:
-        for bus in () if result.facts is None else result.facts.buses:
-            if bus.overload:
-                console.print(_overload(result, bus), soft_wrap=True)
-        for line in _causes(result):
-            console.print(f"{result.case.run}: {line}", soft_wrap=True)
-
-
-def _causes(result: CaseResult) -> list[str]:
-    """Say why a run did not pass: its error and what was printed until then, or its checks."""
-    if result.verdict <= Verdict.MARGINAL:
-        return []
-    log = () if result.facts is not None else result.log
-    if result.error:
-        return [result.error, *log]
-    failed = [check for check in result.checks if check.verdict > Verdict.MARGINAL]
-    notes = [f" ({check.note})" if check.note else "" for check in failed]
-    causes = [
-        f"{check.verdict.word}: {check.summary}{note}"
-        for check, note in zip(failed, notes, strict=True)
-    ]
-    alarms = () if result.facts is None else result.facts.alarms
-    return [*causes, *log, *(alarm.text for alarm in alarms if not alarm.is_further)]
-
-
-def _overload(result: CaseResult, bus: BusFigures) -> str:
-    """Say what a segment was asked for that it cannot hold, and what came of it."""
-    text = f"{result.case.run}: segment {bus.segment} is overloaded: {bus.overload};"
-    text += f" load {bus.load_pct:.1f} %, worst ms {bus.load_1ms_pct:.1f} %"
-    if bus.waiting:
-        longest = bus.waiting[0]
-        text += f", {longest.name} waited {longest.worst_us:.0f} us"
-    return text

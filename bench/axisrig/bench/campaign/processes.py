@@ -32,6 +32,8 @@ from axisrig.kernel.errors import UserError
 T = TypeVar("T")
 
 CALL_LIMIT_S = 60.0
+TASKS_MAX = 250
+"""So many tasks a process does; then a new one takes its place, with the memory that it needs."""
 _LOOK_S = 0.25  # how often the parent looks at processes and journals when nothing is heard
 _GRACE_S = 2.0  # so long a process may take to end after its connection has broken off
 _HINTS = {
@@ -146,6 +148,7 @@ class _Worker:
         self.process.start()
         theirs.close()  # so that its end is heard here
         self.number: int | None = None
+        self.done = 0
         self.note = Path()
         self.began_s = self.call_s = 0.0
         self.call = 0
@@ -182,6 +185,7 @@ class _Crew:
     context: Any
     timeout_s: float | None
     call_limit_s: float
+    tasks_max: int
 
     def __post_init__(self) -> None:
         self.answers: dict[int, _Answer] = {}
@@ -253,7 +257,8 @@ class _Crew:
     def _take(self, worker: _Worker, answer: _Answer, *, is_last: bool) -> None:
         assert worker.number is not None
         self.answers[worker.number] = answer
-        if is_last or self.is_fresh[worker.number]:
+        worker.done += 1
+        if is_last or self.is_fresh[worker.number] or worker.done >= self.tasks_max:
             self._dismiss(worker)
         worker.number = None
 
@@ -313,17 +318,19 @@ def run_apart(
     timeout_s: float | None = None,
     call_limit_s: float = CALL_LIMIT_S,
     is_unrelated: bool = False,
+    tasks_max: int = TASKS_MAX,
 ) -> Generator[T | Died, None, None]:
     """Yield `function(*task)` of every task, in their order, from processes.
 
     jobs: processes at a time. is_fresh: a new process for every task, or for which; another may do
     several. is_unrelated: new processes share no memory layout with this one, and start slower.
+    tasks_max: after so many tasks a process ends and a new one takes its place.
     timeout_s: wall time of one task, None = no limit. call_limit_s: wall time that one call into
     an FMU may take. Exceptions of the function are raised here.
     """
     fresh = [is_fresh] * len(tasks) if isinstance(is_fresh, bool) else is_fresh
     context = get_context("spawn" if is_unrelated else None)
-    crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s)
+    crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s, tasks_max)
     try:
         for number in range(len(tasks)):
             while number not in crew.answers:

@@ -153,9 +153,10 @@ class RowItem(pytest.Item):
         self.case = case
         self._sampled = sampled
         for tag in case.tags:
-            self.config.addinivalue_line("markers", f"{tag}: a tag of plans")
-            self.add_marker(getattr(pytest.mark, tag) if tag.isidentifier() else "axisrig")
             self.keywords[tag] = True
+            if tag.isidentifier():
+                self.config.addinivalue_line("markers", f"{tag}: a tag of plans")
+                self.add_marker(getattr(pytest.mark, tag))
 
     def run_case(self, case: Case) -> CaseResult:
         """Run a case; what it gives to statistics is kept for them."""

@@ -226,8 +226,8 @@ def judge(
     Results go into DIR/judged/<n>-<plan>, the files of the folder stay. Only checks, title, tags
     and requirement may differ from the run that was recorded.
     """
-    from axisrig.bench.campaign.campaign import show_verdicts
     from axisrig.bench.campaign.rejudge import rejudge
+    from axisrig.bench.campaign.shown import show_verdicts
     from axisrig.reports.build import build_report
 
     done = rejudge(
@@ -378,10 +378,10 @@ def replay(
 
     Exit code: that of its verdict, as for run; 1 when a frame differs, whatever the verdict is.
     """
-    from axisrig.bench.campaign.campaign import show_verdicts
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.campaign.replay import recorded_case
     from axisrig.bench.campaign.replay import replay as run_again
+    from axisrig.bench.campaign.shown import show_verdicts
     from axisrig.bench.plan.verdict import exit_code
 
     logs, limits = _logs(bus_log), (is_isolated, call_limit_s)

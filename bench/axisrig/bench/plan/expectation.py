@@ -12,8 +12,8 @@ from axisrig.kernel.errors import nearest
 _FORM = "fail:<metric>, several separated by blanks"
 _HEAD = "fail:"
 _WORD = re.compile(r"(?:[^\s,;(]|\([^()]*\)?)+")
-EXPECTED = "expected to fail"
-NOT_MET = "expected to fail, and did not"
+EXPECTED = "was expected to fail"
+NOT_MET = "was expected to fail, and did not"
 
 
 def parse_expectation(cell: Cell, checks: Iterable[Check]) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 
 from axisrig.bench.plan.checks import Condition, known_metrics, parse_condition
+from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError, same_cause
 
@@ -46,11 +47,24 @@ def run_sentence(verdict: Verdict, error: str | None, checks: Sequence[Mapping[s
     if error and not any(row.get("value") for row in checks):
         return error if verdict is Verdict.ABORTED else f"no verdict: {error}"
     own = [row for row in checks if row.get("verdict") == verdict.word]
+    missed = [row for row in checks if row.get("note", "").startswith(NOT_MET)]
+    if missed and verdict is Verdict.FAIL and len(own) <= _expected(checks):
+        return f"{missed[0]['metric']} {NOT_MET}"
     if not own:
         return error or (f"no check is {verdict.word}" if checks else "no check")
     more = len(own) - 1
     besides = f", and {more} more check{'s' if more > 1 else ''}" if more else ""
     return f"{check_sentence(own[0])}{besides}"
+
+
+def _expected(checks: Sequence[Mapping[str, str]]) -> int:
+    """How many checks failed as expected."""
+    return sum(
+        row.get("verdict") == Verdict.FAIL.word
+        and row.get("note", "").startswith(EXPECTED)
+        and not row.get("note", "").startswith(NOT_MET)
+        for row in checks
+    )
 
 
 def _type(metric: str) -> str:

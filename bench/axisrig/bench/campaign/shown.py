@@ -1,0 +1,142 @@
+"""What a campaign shows: its progress while it lasts, its verdicts and causes at the end."""
+
+from collections import Counter
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+from rich.console import Console
+from rich.progress import Progress, SpinnerColumn, TextColumn
+from rich.table import Table as RichTable
+
+from axisrig.bench.campaign.results.writer import CaseResult
+from axisrig.bench.campaign.runner import Stopwatch
+from axisrig.bench.plan.expectation import NOT_MET
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.bus import BusFigures
+
+LINE_EVERY_S = 30.0
+"""Without a terminal, a line with the state of the campaign is not written more often."""
+
+
+class CampaignProgress:
+    """Writes a line for each run to standard error, and how far the campaign is.
+
+    On a terminal that is a line at the bottom; else one of its own every 30 s, when a run ends.
+    """
+
+    def __init__(self, count: int, stopwatch: Stopwatch, console: Console | None = None) -> None:
+        """Take the number of runs, and what gives seconds of wall time."""
+        self._count, self._stopwatch = count, stopwatch
+        self._began_s = self._said_s = stopwatch()
+        self._counts: Counter[Verdict] = Counter()
+        self._console = console or Console(stderr=True, highlight=False, markup=False, emoji=False)
+        self._bar = Progress(
+            SpinnerColumn(), TextColumn("{task.description}"), console=self._console, transient=True
+        )
+        self._task = self._bar.add_task(self.state)
+
+    def __enter__(self) -> Self:
+        if self._console.is_terminal:
+            self._bar.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        if self._console.is_terminal:
+            self._bar.stop()
+
+    def show(self, result: CaseResult) -> None:
+        """Show a run that has ended."""
+        verdict, now_s = result.verdict, self._stopwatch()
+        self._counts[verdict] += 1
+        self._console.print(f"{verdict.glyph} {verdict.word:<12} {result.case.run}")
+        self._bar.update(self._task, description=self.state)
+        if not self._console.is_terminal and now_s - self._said_s >= LINE_EVERY_S:
+            self._said_s = now_s
+            self._console.print(self.state, soft_wrap=True)
+
+    @property
+    def state(self) -> str:
+        """How far it is: runs, verdicts, runs per second, time that is left."""
+        done, spent_s = self._counts.total(), self._stopwatch() - self._began_s
+        words = [f"{done}/{self._count} runs"]
+        words += [f"{self._counts[one]} {one.word}" for one in Verdict if self._counts[one]]
+        if done and spent_s > 0.0:
+            rate_hz = done / spent_s
+            words += [f"{rate_hz:.3g} runs/s", f"{_duration((self._count - done) / rate_hz)} left"]
+        return ", ".join(words)
+
+
+def _duration(seconds: float) -> str:
+    whole = round(seconds)
+    hours, minutes = divmod(whole // 60, 60)
+    if hours:
+        return f"{hours} h {minutes:02} min"
+    return f"{minutes} min {whole % 60:02} s" if minutes else f"{whole} s"
+
+
+def show_verdicts(results: Sequence[CaseResult]) -> None:
+    """Print the verdict table: what did not pass with its worst check, the rest in one line."""
+    table = RichTable(title="Verdicts", title_justify="left", show_lines=False)
+    for column in ("verdict", "case", "checks", "what did not pass", "alarms"):
+        table.add_column(column, overflow="fold", no_wrap=column in ("verdict", "case"))
+    for result in results:
+        worst_check = max(result.checks, key=lambda c: c.verdict, default=None)
+        text = ""
+        if worst_check is not None and worst_check.verdict is not Verdict.PASS:
+            text = worst_check.summary
+            if worst_check.note:
+                text += f" ({worst_check.note})"
+        passed = sum(check.verdict is Verdict.PASS for check in result.checks)
+        table.add_row(
+            f"{result.verdict.glyph} {result.verdict.word}",
+            result.case.run,
+            f"{passed}/{len(result.checks)}",
+            result.error or text,
+            " ".join(str(number) for number in result.alarms),
+        )
+    console = Console(highlight=False, markup=False, emoji=False)  # `:X:` and `[..]` are text
+    console.print(table)
+    for result in results:
+        for bus in () if result.facts is None else result.facts.buses:
+            if bus.overload:
+                console.print(_overload(result, bus), soft_wrap=True)
+        for line in _causes(result):
+            console.print(f"{result.case.run}: {line}", soft_wrap=True)
+
+
+def _causes(result: CaseResult) -> list[str]:
+    """Say why a run did not pass: its error and what was printed until then, or its checks."""
+    if result.verdict <= Verdict.MARGINAL:
+        return []
+    log = () if result.facts is not None else result.log
+    if result.error:
+        return [result.error, *log]
+    failed = [check for check in result.checks if check.verdict > Verdict.MARGINAL]
+    notes = [f" ({check.note})" if check.note else "" for check in failed]
+    causes = [
+        f"{check.verdict.word}: {check.summary}{note}"
+        for check, note in zip(failed, notes, strict=True)
+    ]
+    causes += [
+        f"{check.check.metric} {NOT_MET}: {check.summary}"
+        for check in result.checks
+        if check.check.metric in result.case.expected and check.verdict is not Verdict.FAIL
+    ]
+    alarms = () if result.facts is None else result.facts.alarms
+    return [*causes, *log, *(alarm.text for alarm in alarms if not alarm.is_further)]
+
+
+def _overload(result: CaseResult, bus: BusFigures) -> str:
+    """Say what a segment was asked for that it cannot hold, and what came of it."""
+    text = f"{result.case.run}: segment {bus.segment} is overloaded: {bus.overload};"
+    text += f" load {bus.load_pct:.1f} %, worst ms {bus.load_1ms_pct:.1f} %"
+    if bus.waiting:
+        longest = bus.waiting[0]
+        text += f", {longest.name} waited {longest.worst_us:.0f} us"
+    return text
