@@ -5,6 +5,7 @@ from axisrig.fmus.build import (
     FMI_VERSIONS,
     MODELS,
     ensure_built,
+    ensure_own_built,
     is_ours,
     place_in_cache,
 )
@@ -19,6 +20,7 @@ __all__ = [
     "PLATFORMS",
     "BuildError",
     "ensure_built",
+    "ensure_own_built",
     "is_ours",
     "place_in_cache",
 ]

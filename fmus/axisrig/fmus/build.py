@@ -34,7 +34,7 @@ from axisrig.fmus.compiler import (
 from axisrig.fmus.openmodelica import build_with_omc, omc_identity
 from axisrig.fmus.reading.errors import BuildError
 from axisrig.fmus.reading.target import SLAVES, TARGET, runtime_files
-from axisrig.fmus.sources import files_below, files_named, hash_of
+from axisrig.fmus.sources import Stamp, files_below, files_named, hash_of
 
 if TYPE_CHECKING:
     from axisrig.fmus.writing.generate import Generated
@@ -103,6 +103,24 @@ def ensure_built(
     return path
 
 
+def ensure_own_built(source: Path, cache_dir: Path | None = None) -> Path:
+    """The FMU of a model in a file of its own from the cache, built when something has changed.
+
+    The model has the name of the file; it may use models in files beside it and those of the
+    library. cache_dir: as `place_in_cache`. Raises BuildError when it cannot be built.
+    """
+    if not source.is_file():
+        raise BuildError(source, None, "there is no such model")
+    key = cache_key(source.stem, source)
+    path = _cache(cache_dir) / f"{source.stem}-{key[:24]}.fmu"
+    if not is_ours(path, path.parent):
+        build(source.stem, path, source)
+        record = _record(path, path.parent)
+        record.parent.mkdir(exist_ok=True)
+        record.touch()
+    return path
+
+
 def is_ours(path: Path, cache_dir: Path | None = None) -> bool:
     """Return whether the file at `path` is byte for byte an FMU that `ensure_built` has made.
 
@@ -154,6 +172,7 @@ def build(
 ) -> Path:
     """Build the FMU of `model` of `library` into the file `path`, and return it.
 
+    library: a folder, or the file of a model, which may use the library of axisrig.
     step_s: internal step of the integration, s; default by `models.csv`. fmi, platforms, compiler
     as `place_in_cache`. is_optimised: False for a build in a third of the time, and a slower FMU;
     omc ignores it. Several processes may build the same file: each writes its own and puts it in
@@ -170,7 +189,9 @@ def build(
     from axisrig.fmus.reading.ir import compile_model
     from axisrig.fmus.writing.generate import generate
 
-    generated = generate(compile_model(model, library), _step_s(model, step_s), fmi)
+    generated = generate(
+        compile_model(model, library, _roots(library)), _step_s(model, step_s), fmi
+    )
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
         work = Path(name)
@@ -310,12 +331,23 @@ def cache_key(
         "compiler": identity.encode(),
         "flags": " ".join((*flags(is_optimised), *ZIG_FLAGS, *LINK)).encode(),
         "platforms": " ".join(target.name for target in targets).encode(),
-        "library": library.name.encode() + hash_of(files_below(library, (".mo",))),
+        "library": library.name.encode() + hash_of(_models(library)),
+        "roots": b"".join(hash_of(_models(root)) for root in _roots(library)),
         "exporter": hash_of(files_below(Path(__file__).parent, (".py", ".csv"))),
         "target": hash_of(files_below(TARGET, ("",))),
         "headers": hash_of(files_named(_headers(fmi))),
     }
     return _digest(parts)
+
+
+def _roots(library: Path) -> tuple[Path, ...]:
+    """Libraries that a library may use."""
+    return (LIBRARY,) if library.is_file() else ()
+
+
+def _models(library: Path) -> tuple[Stamp, ...]:
+    """The files of a library, or of a model and what is beside it."""
+    return files_below(library if library.is_dir() else library.parent, (".mo",))
 
 
 @cache

@@ -2,19 +2,18 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from functools import cache
 from math import isclose
 from pathlib import Path
 from typing import Literal
 
 from axisrig.bench.machine.deflection import check_strokes
+from axisrig.bench.machine.fmu_files import plant_path
 from axisrig.bench.machine.start_places import blamed_start, check_places
 from axisrig.bench.machine.start_values import set_start_values
 from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import LOAD, MapTable, PlantTable, rig_error
 from axisrig.bench.rig.real_axes import outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings
-from axisrig.fmus import MODELS, BuildError, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError, load_fmu
 from axisrig.kernel.cosim.fmi.role_table import roles_of
 from axisrig.kernel.cosim.fmi.roles import (
@@ -27,35 +26,10 @@ from axisrig.kernel.cosim.fmi.roles import (
     refuse_unknown,
 )
 from axisrig.kernel.cosim.plant.plant import Plant
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import US
 
 WARNINGS_SHOWN_MAX = 20
-
-
-def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
-    """Return the FMU of a plant; a model of the library is built when the cache lacks it."""
-    if table.fmu.endswith(".fmu"):
-        return Path(table.fmu)
-    keys = ("plant", instance, "fmu")
-    if table.fmu not in MODELS:
-        raise rig_error(
-            settings.files,
-            keys,
-            "neither a model of the library nor a path that ends in .fmu",
-            value=table.fmu,
-            allowed=nearest(table.fmu, MODELS) or MODELS,
-        )
-    return _built(table.fmu)
-
-
-@cache
-def _built(model: str) -> Path:
-    """Look a model of the library up once per process: the hash of its sources costs 3 ms."""
-    try:
-        return ensure_built(model)
-    except BuildError as error:
-        raise UserError(f"{model} cannot be built: {error}") from error
 
 
 def build_plant(settings: Settings) -> Plant:

@@ -86,16 +86,17 @@ class Ir:
         return BuildError(place.file, place.line, message)
 
 
-def compile_model(model: str, library: Path) -> Ir:
-    """Compile `model` (full name) of the library in folder `library`.
+def compile_model(model: str, library: Path, roots: Sequence[Path] = ()) -> Ir:
+    """Compile `model` (full name) of the library in folder `library`, or of a file.
 
-    Raises BuildError when the compiler refuses the model or its representation is a different one.
+    roots: folders of further libraries that it may use. Raises BuildError when the compiler refuses
+    the model or its representation is a different one.
     """
     entry = library / "package.mo" if library.is_dir() else library
     if not entry.is_file():
         raise BuildError(entry, None, "there is no Modelica library")
     try:
-        compiled = rumoca.Session().load(str(entry), model=model)
+        compiled = rumoca.Session([str(root) for root in roots]).load(str(entry), model=model)
         text = compiled.codegen(str(TARGET)).files[0].content
         source_map = json.loads(compiled.to_json("dae"))["source_map"]["files"]
         flat = json.loads(compiled.to_json("flat"))

@@ -213,11 +213,16 @@ MapEntry = Annotated[
 ]
 
 
+MODEL_SUFFIX = ".mo"
+"""Of the file of a Modelica model; it has the name of the model."""
+
+
 class PlantTable(Table):
     """`[plant.NAME]`: an FMU, its start values (`surface_mm = 100`) and what it is wired to.
 
-    fmu: name of a model of the library, or path of an .fmu beside the rig file. kind: what it is,
-    where its variables leave that open. map: role -> variable; false leaves a role out.
+    fmu: name of a model of the library, or path of an .fmu or of a Modelica model (.mo), relative
+    to the rig file. kind: what it is, where its variables leave that open. map: role -> variable;
+    false leaves a role out.
     shares: the axis plant whose instance of this FMU this one is a further axis of; suffix: ends
     the names of the variables of one axis of several (`_1`). stroke_mm: how far a probe may be
     deflected; breaks: past it the probe breaks, which ends the program.
@@ -318,7 +323,7 @@ def _anchor_paths(table: dict[str, Any], folder: Path) -> None:
     _anchor(folder, lists, LIST_KEYS)
     _anchor(folder, _tables(table.get("drive")), MAP_KEYS)
     for entry in _tables(table.get("plant")):
-        if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith(".fmu"):
+        if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith((".fmu", MODEL_SUFFIX)):
             entry["fmu"] = str((folder / entry["fmu"]).resolve())
 
 

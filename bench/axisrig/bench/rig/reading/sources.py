@@ -3,11 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.rig.reading.file import LIST_KEYS, MAP_KEYS, load_tables
+from axisrig.bench.rig.reading.file import LIST_KEYS, MAP_KEYS, MODEL_SUFFIX, load_tables
 
 
 def rig_files(path: Path) -> list[Path]:
-    """Return a rig, its bases, and the lists, EDS files, PDO maps and FMU files that they name.
+    """Return a rig, its bases, and the lists, EDS files, PDO maps, FMU files and models they name.
 
     Raises UserError when it cannot be read.
     """
@@ -19,7 +19,11 @@ def rig_files(path: Path) -> list[Path]:
         *(name for plant in _entries(table, "plant") for name in _named(plant, ("fmu",))),
     }
     # A model or a map of this bench is called by its name
-    return [*files, *sorted(Path(name) for name in named if Path(name).is_absolute())]
+    paths = {Path(name) for name in named if Path(name).is_absolute()}
+    # A model may use those beside it
+    folders = {path.parent for path in paths if path.suffix == MODEL_SUFFIX and path.is_file()}
+    paths |= {path for folder in folders for path in folder.rglob(f"*{MODEL_SUFFIX}")}
+    return [*files, *sorted(paths)]
 
 
 def _entries(table: dict[str, Any], kind: str) -> list[Any]:

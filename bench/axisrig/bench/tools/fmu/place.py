@@ -1,9 +1,11 @@
-"""Which file a user means: a path, or a model of the library by its full or last name."""
+"""Which file a user means: an FMU, a model (.mo), or a model of the library by its name."""
 
 from pathlib import Path
 
+from axisrig.bench.machine.fmu_files import library_fmu, own_fmu
+from axisrig.bench.rig.reading.file import MODEL_SUFFIX
 from axisrig.bench.tools.fmu.library import named
-from axisrig.fmus import MODELS, BuildError, ensure_built
+from axisrig.fmus import MODELS
 from axisrig.kernel.errors import UserError, nearest
 
 
@@ -13,6 +15,8 @@ def find_fmu(text: str) -> Path:
     Raises UserError when it is neither or cannot be built.
     """
     path = Path(text)
+    if path.suffix == MODEL_SUFFIX:
+        return own_fmu(path)
     if path.suffix == ".fmu" or path.exists():
         return path
     matching = named(text)
@@ -22,7 +26,4 @@ def find_fmu(text: str) -> Path:
             value=text,
             allowed=matching or nearest(text, MODELS) or "a path, or a model of axisrig fmu list",
         )
-    try:
-        return ensure_built(matching[0])
-    except BuildError as error:
-        raise UserError(f"{matching[0]} cannot be built: {error}") from error
+    return library_fmu(matching[0])

@@ -1,0 +1,58 @@
+"""The FMU of a plant: a file, or built from a model of the library or of the user."""
+
+from functools import cache
+from pathlib import Path
+
+from axisrig.bench.rig.reading.file import MODEL_SUFFIX, PlantTable, rig_error
+from axisrig.bench.rig.settings import Settings
+from axisrig.fmus import MODELS, BuildError, ensure_built
+from axisrig.kernel.errors import UserError, nearest
+
+
+def plant_path(settings: Settings, instance: str, table: PlantTable) -> Path:
+    """Return the FMU of a plant; a model is built when the cache lacks it."""
+    if table.fmu.endswith(".fmu"):
+        return Path(table.fmu)
+    keys = ("plant", instance, "fmu")
+    if table.fmu.endswith(MODEL_SUFFIX):
+        source = Path(table.fmu)
+        if not source.is_file():
+            raise rig_error(settings.files, keys, "there is no such model", value=table.fmu)
+        return own_fmu(source)
+    if table.fmu not in MODELS:
+        raise rig_error(
+            settings.files,
+            keys,
+            "neither a model of the library nor a path that ends in .fmu or .mo",
+            value=table.fmu,
+            allowed=nearest(table.fmu, MODELS) or MODELS,
+        )
+    return library_fmu(table.fmu)
+
+
+@cache
+def library_fmu(model: str) -> Path:
+    """Return the FMU of a model of the library; looked up once per process, which costs 3 ms.
+
+    Raises UserError when it cannot be built.
+    """
+    try:
+        return ensure_built(model)
+    except BuildError as error:
+        raise UserError(f"{model} cannot be built: {error}") from error
+
+
+def own_fmu(source: Path) -> Path:
+    """Return the FMU of a model of the user, built when something has changed.
+
+    Raises UserError with the file and the line of a mistake.
+    """
+    try:
+        return ensureown_fmu(source)
+    except BuildError as error:
+        file = source.parent / error.file if error.file else source
+        raise UserError(
+            f"the model cannot be built: {error.message}",
+            file=file if file.is_file() else source,
+            line=error.line if file.is_file() else None,
+        ) from error
