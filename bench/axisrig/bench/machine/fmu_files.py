@@ -5,7 +5,7 @@ from pathlib import Path
 
 from axisrig.bench.rig.reading.file import MODEL_SUFFIX, PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
-from axisrig.fmus import MODELS, BuildError, ensure_built
+from axisrig.fmus import MODELS, BuildError, ensure_built, ensure_own_built
 from axisrig.kernel.errors import UserError, nearest
 
 
@@ -48,7 +48,7 @@ def own_fmu(source: Path) -> Path:
     Raises UserError with the file and the line of a mistake.
     """
     try:
-        return ensureown_fmu(source)
+        return ensure_own_built(source)
     except BuildError as error:
         file = source.parent / error.file if error.file else source
         raise UserError(

@@ -14,6 +14,7 @@ from axisrig.bench.rig.check import check_rig
 from axisrig.bench.rig.reading.file import LOAD, MapTable, PlantTable, rig_error
 from axisrig.bench.rig.real_axes import outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings
+from axisrig.fmus import MODELS
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError, load_fmu
 from axisrig.kernel.cosim.fmi.role_table import roles_of
 from axisrig.kernel.cosim.fmi.roles import (
