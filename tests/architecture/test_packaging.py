@@ -127,3 +127,15 @@ def test_tests_and_plans_pass_with_the_installed_wheel(python: Path, tmp_path: P
         shutil.copy(ROOT / "testplans" / name, plans)
     ended = _run(*pytest_, plans, "-k", "f3000 and not ff", cwd=tmp_path)
     assert "1 passed" in ended
+
+
+@pytest.mark.long
+def test_a_new_project_runs_from_the_wheel(python: Path, tmp_path: Path) -> None:
+    """In an empty folder outside the checkout, with a model that is built there."""
+    command = (python, "-m", "axisrig.bench.cli")
+    _run(*command, "new", "bench", cwd=tmp_path)
+    project = tmp_path / "bench"
+    printed = _run(*command, "run", "testplans/touch.csv", cwd=project)
+    assert printed.split()[-1] == str(Path("out") / "touch" / "report.html")
+    rows = (project / "out" / "touch" / "cases.csv").read_text(encoding="utf-8").splitlines()
+    assert sum(",pass," in row for row in rows if "pretravel-s" not in row) == 5

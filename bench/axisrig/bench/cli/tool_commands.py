@@ -1,5 +1,6 @@
 """Commands of tools beside plans; heavy modules are imported inside them."""
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -61,4 +62,16 @@ def scenarios(
         raise typer.Exit(1)
 
 
-TOOLS = (bus, scenarios)
+@rejecting
+def new(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to make, or an empty one.")],
+) -> None:
+    """Start a project: rig, plan, program, a model of your own, pytest and CI files."""
+    from axisrig.bench.tools.project.new import PLAN, new_project
+
+    for path in new_project(folder):
+        print(path)
+    print(f"next: cd {folder}; axisrig run {PLAN}", file=sys.stderr)
+
+
+TOOLS = (new, bus, scenarios)
