@@ -33,6 +33,7 @@ from axisrig.bench.campaign.results.stored import (
 from axisrig.bench.files import write_parts
 from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.coverage.section import Coverage, coverage_style
 from axisrig.reports.glossary import glossary
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
@@ -46,6 +47,7 @@ from axisrig.reports.run import (
     verdict_words,
 )
 from axisrig.reports.statistics.section import statistics_section, statistics_style
+from axisrig.reports.sweeps.section import sweeps_section, sweeps_style
 from axisrig.reports.topics import TOPICS
 
 WHOLE_BYTES = 10_000_000
@@ -117,6 +119,7 @@ class _Made:
     rows: list[Markup] = field(default_factory=list)
     cards: list[tuple[Verdict, Markup]] = field(default_factory=list)
     cells: list[Mapping[str, Any]] = field(default_factory=list)
+    coverage: Coverage = field(default_factory=Coverage)
     seconds: dict[str, list[float]] = field(default_factory=lambda: {"sim": [], "real": []})
 
 
@@ -131,6 +134,7 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
     for stored in results.runs:
         run = replace(stored)  # what it reads goes with it
         is_whole = is_full or (run.verdict is not Verdict.PASS and spent < WHOLE_BYTES)
+        made.coverage.add(run)
         view = run_view(run, columns, output, pages.parts, links(run), is_reduced=not is_whole)
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
         view |= {"has_plans": has_plans, "probes": probe_rows(run, probes.get(run.run, ()))}
@@ -170,7 +174,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "missing": results.missing,
             "done": len(planned),
             "planned": results.runs_planned,
-            "tested": _tested(results.runs),
+            "tested": _tested([run for run in results.runs if not run.is_probe]),
             "facts": _facts(results, made),
             "files": _files(manifest),
             "packages": manifest.get("packages", {}),
@@ -182,7 +186,9 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "glossary": glossary(),
         },
         "statistics": statistics_section(results),
-        "style": page_style() + statistics_style(),
+        "sweeps": sweeps_section(results),
+        "coverage": made.coverage.section(),
+        "style": page_style() + statistics_style() + sweeps_style() + coverage_style(),
         "scripts": plot_scripts(),
         "script": Markup(shipped_text("page.js")),
         "licences": licences(),

@@ -79,11 +79,12 @@
     ? a - b : a.localeCompare(b, "en", { numeric: true }));
 
   function filter() {
-    const wanted = new Set(boxes.filter((box) => box.checked).map((box) => box.value));
+    // A probe may have a verdict that no run has, and so no box
+    const unwanted = new Set(boxes.filter((box) => !box.checked).map((box) => box.value));
     const words = find.value.trim().toLowerCase().split(/\s+/).filter(Boolean);
     let shown = 0;
     for (const run of runs) {
-      const fits = wanted.has(run.verdict) && words.every((word) => run.find.includes(word));
+      const fits = !unwanted.has(run.verdict) && words.every((word) => run.find.includes(word));
       run.body.hidden = run.cell.hidden = !fits;
       shown += fits;
     }

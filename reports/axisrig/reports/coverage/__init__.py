@@ -1,0 +1,1 @@
+"""What the runs of a campaign have touched, against the tables of what there is."""

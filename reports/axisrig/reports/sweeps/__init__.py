@@ -1,0 +1,1 @@
+"""Metrics over the inputs that the runs of a case differ in."""
