@@ -18,6 +18,18 @@ def metrics() -> None:
 
 
 @rejecting
+def oracles(
+    word: Annotated[
+        str | None, typer.Argument(help="A name or word: these closed forms whole, not the list.")
+    ] = None,
+) -> None:
+    """List the closed forms that checks are compared with: formula and source."""
+    from axisrig.bench.tools.listings.oracles import oracle_listing
+
+    print(oracle_listing(word))
+
+
+@rejecting
 def drives(
     profile: Annotated[
         str | None, typer.Argument(help="Name of a profile: all its keys, not the list.")
@@ -105,7 +117,7 @@ def doctor() -> None:
     raise typer.Exit(0 if is_well else 1)
 
 
-LISTINGS = (metrics, drives, faults, objects, params, errors, explain, language, doctor)
+LISTINGS = (metrics, oracles, drives, faults, objects, params, errors, explain, language, doctor)
 
 plan_app = typer.Typer(no_args_is_help=True, help="Plans as they are meant.")
 

@@ -1,0 +1,38 @@
+"""`axisrig oracles`: every closed form with formula and origin."""
+
+import importlib
+import inspect
+
+import pytest
+
+from axisrig.bench.tools.listings.oracles import oracle_listing, oracles
+from axisrig.kernel.errors import UserError
+
+
+def test_every_public_function_is_listed_with_its_docstring() -> None:
+    found = oracles()
+    places = dict.fromkeys(oracle.place for oracle in found)
+    for place in places:
+        module = importlib.import_module(f"axisrig.bench.oracles.{place}")
+        public = {
+            name: inspect.getdoc(value)
+            for name, value in vars(module).items()
+            if inspect.isfunction(value)
+            and value.__module__ == module.__name__
+            and not name.startswith("_")
+        }
+        assert {one.name: one.text for one in found if one.place == place} == public
+
+
+def test_every_closed_form_says_where_it_comes_from() -> None:
+    assert [f"{one.place}.{one.name}" for one in oracles() if not one.origin] == []
+
+
+def test_a_word_shows_what_fits_whole() -> None:
+    assert "v T/kp" in oracle_listing("ramp_error_mm")
+    assert "Derivation: the offset has to grow by v T" in oracle_listing("ramp_error_mm")
+    assert "distance.limits.braking_mm" in oracle_listing("v^2/2a")
+    assert "P-AXIS-00414" in oracle_listing("braking_mm")
+    assert len(oracle_listing().splitlines()) > len(oracles())
+    with pytest.raises(UserError, match="no closed form has this word"):
+        oracle_listing("nothing of this kind")
