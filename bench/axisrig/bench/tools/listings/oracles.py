@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import resources
 from importlib.resources.abc import Traversable
+from textwrap import fill
 
 from axisrig.kernel.errors import UserError, nearest
 
@@ -17,7 +18,8 @@ _ORIGIN = re.compile(r"(?:Source|Sources|Derivation|Definition)s?:.*", re.DOTALL
 class Oracle:
     """A closed form. place: its room and module, `distance.stability`. text: its docstring.
 
-    origin: where it comes from, of its own docstring or else of its module.
+    origin: where it comes from, of its own docstring or else of its module: what is after `Source:`
+    or `Derivation:`, else all that the module says of itself.
     """
 
     place: str
@@ -31,7 +33,8 @@ def oracles() -> list[Oracle]:
     found = []
     for place, source in _modules(resources.files(_PACKAGE), ""):
         tree = ast.parse(source)
-        of_module = _origin(ast.get_docstring(tree) or "")
+        about = ast.get_docstring(tree) or ""
+        of_module = _origin(about) or " ".join(about.split())
         for node in tree.body:
             if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
                 text = ast.get_docstring(node) or ""
@@ -46,15 +49,14 @@ def oracle_listing(word: str | None = None) -> str:
     """
     every = oracles()
     if word is None:
-        lines = [
-            "Closed forms that checks are compared with; axisrig oracles NAME shows one whole."
-        ]
+        lines = ["Closed forms that checks are compared with; axisrig oracles NAME shows one."]
         for place in dict.fromkeys(oracle.place for oracle in every):
             lines += ["", place]
             of_module = [oracle for oracle in every if oracle.place == place]
             lines += [f"  {one.name:<28} {_first(one.text)}" for one in of_module]
+            origins = dict.fromkeys(one.origin for one in of_module)
             lines += [
-                f"  {text}" for text in dict.fromkeys(one.origin for one in of_module) if text
+                fill(text, 96, initial_indent="  ", subsequent_indent="  ") for text in origins
             ]
         return "\n".join(lines)
     low = word.lower()
