@@ -1,9 +1,13 @@
 """`axisrig run --resume` and `--failed`: a broken campaign ends with the bytes of a whole one."""
 
 import json
+import os
 import re
 import shutil
+import signal
+import subprocess
 import sys
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -87,3 +91,33 @@ def test_options_that_exclude_each_other(place: Path, axisrig: Call) -> None:
     shutil.rmtree(place / "out", ignore_errors=True)
     (place / "out").mkdir()
     assert "does not come from" in axisrig("run", "--resume", "-o", "out")[2]
+
+
+@pytest.mark.long
+def test_a_campaign_that_was_killed_ends_with_the_bytes_of_a_whole_one(place: Path) -> None:
+    """SIGKILL to the whole process group, once a row is there; then --resume."""
+    rows = [f"{name},part.nc,rig.toml,{feed},== 1," for name, feed in
+            zip("abcdef", range(1000, 4000, 500), strict=True)]  # fmt: skip
+    plan = write_plan(place, *rows)
+    command = [sys.executable, "-m", "axisrig.bench.cli", "run", plan, "-j", "2", "-o"]
+    subprocess.run([*command, "whole"], cwd=place, check=True, capture_output=True)
+    with subprocess.Popen(
+        [*command, "out"], cwd=place, start_new_session=True,
+        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+    ) as process:  # fmt: skip
+        table = place / "out" / "cases.csv"
+        while process.poll() is None:
+            if table.is_file() and table.read_bytes().count(b"\n") > 1:
+                break
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGKILL)
+    there = table.read_bytes().count(b"\n") - 1
+    assert 0 < there < len(rows)
+    ended = subprocess.run(
+        [*command, "out", "--resume"], cwd=place, check=False, capture_output=True, text=True
+    )
+    assert ended.returncode == 0, ended.stderr
+    kept, ran, _ = _counts(place / "out")
+    assert kept + ran == len(rows)
+    assert kept > 0
+    assert _content(place / "out") == _content(place / "whole")
