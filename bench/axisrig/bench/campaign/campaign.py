@@ -6,6 +6,7 @@ from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from axisrig.bench.campaign.cluster import run_on_cluster
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
@@ -34,10 +35,15 @@ from axisrig.kernel.errors import UserError
 
 @dataclass(frozen=True)
 class Choice:
-    """Which runs of plans a call is about. select: of `-k`. shard: of `--shard`; None: all."""
+    """Which runs of plans a call is about, and who runs them.
+
+    select: of `-k`. shard: of `--shard`; None: all. scheduler: address of that of a dask cluster
+    whose workers run them, None: processes of this machine.
+    """
 
     select: str | None = None
     shard: Shard | None = None
+    scheduler: str | None = None
 
 
 @dataclass(frozen=True)
@@ -108,9 +114,7 @@ def run_campaign(  # noqa: PLR0913
     outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
     the results that the folder has go first. going_on: which runs of the folder stay.
     build_report: writes the report while the folder is still held.
-
-    Everything is checked first, also each start value. Raises UserError before the results folder
-    is touched.
+    Raises UserError before the folder is touched: everything is checked first.
     """
     plans = _read(paths, assignments, outside)
     parts, cases = _chosen(plans, select)
@@ -125,7 +129,6 @@ def run_campaign(  # noqa: PLR0913
         if real and outside is not None:
             allow(real, outside)
         manifest = build_manifest(parts, command=command, started=started, output=str(folder))
-        manifest |= kept.counts
         statistics = CaseStatistics(plans, cases, folder, hashes, is_fresh=is_fresh)
         runs = [case.run for case in (*cases, *statistics.due)]
         results, failure = list[CaseResult](), None
@@ -133,6 +136,7 @@ def run_campaign(  # noqa: PLR0913
             suppress(KeyboardInterrupt),
             outside.open_hardware() if real and outside else nullcontext() as hardware,
         ):
+            manifest |= kept.counts
             writer = ResultsWriter(
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
@@ -146,6 +150,8 @@ def run_campaign(  # noqa: PLR0913
                 call_limit_s=call_limit_s,
                 hardware=hardware,
             )
+            if select.scheduler:
+                running = run_on_cluster(cases, writer.files_of, select.scheduler)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, CampaignProgress(len(runs), stopwatch))
         report, failure = _report(build_report, folder, failure)

@@ -54,7 +54,7 @@ def depends_sha256(case: Case) -> str:
 def _depends(case: Case) -> str:
     texts = [sources_sha256(), *_row(case)]
     if not case.runs:
-        texts += [_hash(path, _state(path)) for path in _files(case)]
+        texts += [_hash(path, _state(path)) for path in files_of_case(case)]
     return hashlib.sha256("\n".join(texts).encode()).hexdigest()
 
 
@@ -75,7 +75,7 @@ def _row(case: Case) -> list[str]:
     ]
 
 
-def _files(case: Case) -> list[Path]:
+def files_of_case(case: Case) -> list[Path]:
     """Every file that a run reads, in one order."""
     rig = _of_rig(case.rig, _state(case.rig))
     files = [*_programs(case.program, _axes(case.rig, _state(case.rig)), _state(case.program))]

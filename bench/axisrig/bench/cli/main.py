@@ -32,6 +32,7 @@ from axisrig.bench.cli.options import (
     BusOption,
     CallTimeoutOption,
     ChannelOption,
+    EngineOption,
     FailedOption,
     ForceOption,
     FreshOption,
@@ -40,11 +41,13 @@ from axisrig.bench.cli.options import (
     IsolateOption,
     JobsOption,
     ResumeOption,
+    SchedulerOption,
     SegmentOption,
     SetOption,
     ShardOption,
     VersionOption,
     YesOption,
+    on_engine,
     rejecting,
 )
 from axisrig.bench.cli.perf_command import perf
@@ -152,6 +155,8 @@ def run(
     is_resumed: ResumeOption = False,
     is_failed: FailedOption = False,
     shard: ShardOption = None,
+    engine: EngineOption = None,
+    scheduler: SchedulerOption = None,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
@@ -171,7 +176,7 @@ def run(
     campaign = run_campaign(
         plans,
         out=out,
-        select=Choice(select, Shard.of(shard) if shard else None),
+        select=Choice(select, Shard.of(shard) if shard else None, on_engine(engine, scheduler)),
         jobs=None if jobs == JOBS_AUTO else jobs,
         timeout_s=timeout_s,
         assignments=_inputs(assignments, is_forced, as_canopen),

@@ -4,7 +4,7 @@ import os
 import sys
 from collections.abc import Callable
 from functools import wraps
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -49,6 +49,23 @@ ShardOption = Annotated[
         help="Only a share of the runs, such as 1/3; `axisrig merge` joins the folders.",
     ),
 ]
+EngineOption = Annotated[
+    Literal["dask"] | None,
+    typer.Option("--engine", help="Run on a cluster: dask, with --scheduler."),
+]
+SchedulerOption = Annotated[
+    str | None,
+    typer.Option("--scheduler", metavar="ADDRESS", help="Of the cluster: tcp://host:8786."),
+]
+
+
+def on_engine(engine: str | None, scheduler: str | None) -> str | None:
+    """Return the scheduler of a cluster, None without. Raises UserError for one without other."""
+    if (engine is None) != (scheduler is None):
+        raise UserError("--engine dask and --scheduler ADDRESS go together")
+    return scheduler
+
+
 JOBS_AUTO = 0
 """What `-j auto` is for the commands."""
 

@@ -1,0 +1,218 @@
+"""`axisrig run --engine dask --scheduler tcp://...`: runs on the workers of a dask cluster.
+
+What a run reads travels by the hash of its content: a worker keeps each tree of files in its cache
+and needs no shared file system. A run of a worker that is lost goes to another one. Results come
+back as data and are written by the process of the command line alone, as those of its own runs.
+"""
+
+import dataclasses
+import hashlib
+import os
+import pickle
+import shutil
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory, mkdtemp
+from typing import Any
+
+from axisrig.bench.campaign.results.build_info import sources_sha256
+from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
+from axisrig.bench.campaign.resuming import files_of_case
+from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.series import Series
+from axisrig.kernel.errors import UserError
+
+ENGINES = ("dask",)
+_TRACE = ".parquet"
+
+
+@dataclass(frozen=True)
+class _Parcel:
+    """A case for a worker. names: name in the cache -> (hash, path here) of each file.
+
+    suffixes: of the bus logs that are wanted. probes: how many places for probes the run has.
+    """
+
+    case: Case
+    names: Mapping[str, tuple[str, str]]
+    suffixes: tuple[str, ...]
+    probes: tuple[str, ...]
+    sources_sha256: str
+
+
+@dataclass(frozen=True)
+class _Returned:
+    """What a worker gives back. files: content by name. error: why it could not run the case."""
+
+    result: CaseResult | None
+    files: Mapping[str, bytes]
+    error: str = ""
+
+
+def run_on_cluster(
+    cases: Sequence[Case],
+    files_of: Callable[[str], RunFiles],
+    scheduler: str,
+) -> Iterator[CaseResult]:
+    """Yield the results as they come, in any order.
+
+    scheduler: address, such as tcp://127.0.0.1:8786. Raises UserError without dask.distributed, and
+    where no scheduler answers. A case whose workers die again and again is in error.
+    """
+    try:
+        from distributed import Client, as_completed  # noqa: PLC0415 - an extra, and slow
+    except ImportError as error:
+        raise UserError(
+            "dask.distributed is not installed", hint="pip install 'axisrig[dask]' brings it"
+        ) from error
+    try:
+        client = Client(scheduler, timeout=10, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UserError("no scheduler answers", value=scheduler) from error
+    with client:
+        blobs: dict[str, Any] = {}
+        futures = {}
+        for case in cases:
+            parcel, contents = _packed(case, files_of(case.run))
+            for key in contents.keys() - blobs.keys():
+                # Not scattered: what a lost worker had would be lost
+                blobs[key] = client.submit(bytes, contents[key], key=f"axisrig-{key}")
+            needed = {key: blobs[key] for key in contents}
+            future = client.submit(_work, pickle.dumps(parcel), needed, pure=False)
+            futures[future] = case
+        try:
+            for future in as_completed(list(futures), loop=client.loop):
+                yield _unpacked(futures.pop(future), future, files_of)
+        finally:
+            client.cancel(list(futures))
+
+
+def _packed(case: Case, files: RunFiles) -> tuple[_Parcel, dict[str, bytes]]:
+    """Pack a case with the content of its files."""
+    paths = {os.path.abspath(path): path for path in files_of_case(case)}  # noqa: PTH100 - no links
+    base = os.path.commonpath([*map(os.path.dirname, paths), os.path.abspath(case.folder)])  # noqa: PTH100
+    names, contents = {}, {}
+    for absolute, path in paths.items():
+        content = Path(absolute).read_bytes()
+        key = hashlib.sha256(content).hexdigest()
+        contents[key] = content
+        names[os.path.relpath(absolute, base)] = (key, str(path))
+    suffixes = tuple(path.suffix for path in files.bus_logs)
+    probes = tuple(place.trace.stem for place in files.probes if place.trace is not None)
+    return _Parcel(_moved(case, base), names, suffixes, probes, sources_sha256()), contents
+
+
+def _moved(case: Case, base: str, into: str = "") -> Case:
+    """Name the files of a case from a folder, or put them into one."""
+
+    def moved(path: Path) -> Path:
+        if into:
+            return Path(into) / path
+        return Path(os.path.relpath(os.path.abspath(path), base))  # noqa: PTH100
+
+    module = case.module
+    if module is not None and module.path is not None:
+        module = dataclasses.replace(module, path=moved(module.path))
+    return dataclasses.replace(
+        case,
+        program=moved(case.program),
+        rig=moved(case.rig),
+        folder=moved(case.folder),
+        file=moved(case.file),
+        module=module,
+    )
+
+
+def _work(packed: bytes, contents: Mapping[str, bytes]) -> bytes:
+    """Run a parcel in a worker."""
+    parcel: _Parcel = pickle.loads(packed)
+    if parcel.sources_sha256 != sources_sha256():
+        return pickle.dumps(_Returned(None, {}, "the worker has another axisrig"))
+    tree = _tree(parcel, contents)
+    case = _moved(parcel.case, "", str(tree))
+    with TemporaryDirectory(prefix="axisrig-") as name:
+        folder = Path(name)
+        runs = (case.run, *parcel.probes)
+        places = [
+            RunFiles([folder / f"{run}{suffix}" for suffix in parcel.suffixes],
+                     folder / f"{run}{_TRACE}")
+            for run in runs
+        ]  # fmt: skip
+        result = run_case(case, RunFiles(places[0].bus_logs, places[0].trace, places[1:]))
+        for one in (result, *result.probes):
+            one.series = None
+        files = {path.name: path.read_bytes() for path in folder.iterdir()}
+    here = {str(tree / name): path for name, (_, path) in parcel.names.items()}
+    return pickle.dumps(_Returned(_renamed(result, here), files))
+
+
+def _tree(parcel: _Parcel, contents: Mapping[str, bytes]) -> Path:
+    """Return the folder with the files of a parcel, made where the cache lacks it."""
+    listed = "\n".join(f"{name} {key}" for name, (key, _) in sorted(parcel.names.items()))
+    import platformdirs  # noqa: PLC0415 - in a worker only
+
+    cache = Path(platformdirs.user_cache_dir("axisrig")) / "cluster"
+    tree = cache / hashlib.sha256(listed.encode()).hexdigest()
+    if not tree.is_dir():
+        cache.mkdir(parents=True, exist_ok=True)
+        made = Path(mkdtemp(prefix=".new-", dir=cache))
+        for name, (key, _) in parcel.names.items():
+            path = made / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_bytes(contents[key])
+        try:
+            made.replace(tree)
+        except OSError:  # another worker of this machine was first
+            shutil.rmtree(made, ignore_errors=True)
+    return tree
+
+
+def _renamed(value: Any, here: Mapping[str, str]) -> Any:
+    """Name files as the process that asked for the run does, wherever a text names one."""
+    if isinstance(value, str):
+        for there, path in here.items():
+            value = value.replace(there, path)
+        return value
+    if isinstance(value, Case):
+        return value  # the one who asked has its own
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        changes = {
+            field.name: _renamed(getattr(value, field.name), here)
+            for field in dataclasses.fields(value)
+            if field.init
+        }
+        return dataclasses.replace(value, **changes)
+    if type(value) in (tuple, list):
+        return type(value)(_renamed(item, here) for item in value)
+    if type(value) is dict:
+        return {key: _renamed(item, here) for key, item in value.items()}
+    return value
+
+
+def _unpacked(case: Case, future: Any, files_of: Callable[[str], RunFiles]) -> CaseResult:
+    """Put what a worker gave back where the files of its run belong."""
+    if future.status != "finished":
+        reason = f"no worker could run it: {future.exception()}"
+        return no_values(case, Verdict.ERROR, " ".join(reason.split()))
+    returned: _Returned = pickle.loads(future.result())
+    result = returned.result
+    if result is None:
+        return no_values(case, Verdict.ERROR, returned.error)
+    files = files_of(case.run)
+    for one, place in zip((result, *result.probes), (files, *files.probes), strict=False):
+        run = one.case.run
+        for path in (*place.bus_logs, *([] if place.trace is None else [place.trace])):
+            content = returned.files.get(f"{run}{path.suffix}")
+            if content is not None:
+                path.write_bytes(content)
+                if path == place.trace:
+                    one.series = Series(path)
+        if one is not result:  # the probes of the case as it is here
+            one.case = dataclasses.replace(
+                one.case, program=case.program, rig=case.rig, folder=case.folder, file=case.file
+            )
+    result.case = case
+    return result
