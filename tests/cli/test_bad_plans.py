@@ -317,3 +317,16 @@ def test_replay_after_the_plan_has_gone(place: Path, results: Path, rejected: Re
     manifest["plans"][0]["path"] = str(place / "gone.csv")
     (folder / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
     _holds(rejected("replay", folder, "plan-a"), "gone.csv", "not there any more")
+
+
+def test_every_mistake_of_one_row_is_named(place: Path, axisrig: Call) -> None:
+    """Parameters that do not exist, and start values that no plant has: one line for each."""
+    header = "case,program,rig,plant:probe.surfce_mm,plant:probe.invertd"
+    header += ",set:Z.kenngr.foo,set:channel.bar"
+    rows = ["a,part.nc,rig.toml,,,2,3,none", "b,part.nc,rig.toml,5,1,,,none"]
+    text = "\n".join([f"{header},check:alarms", *rows, ""])
+    (place / "plan.csv").write_text(text, encoding="utf-8")
+    code, _, err = axisrig("check", "plan.csv")
+    assert code == 2
+    places = [line.split(": ")[1] for line in err.splitlines()]
+    assert places == ["plan.csv:2:6", "plan.csv:2:7", "plan.csv:3:4", "plan.csv:3:5"]

@@ -6,6 +6,7 @@ from dataclasses import replace
 from fmpy.model_description import ModelVariable
 
 from axisrig.bench.plan.assignment import Assignment, parse_assignment, si_unit, suffixes_of
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.reading.file import PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.cosim.fmi.fmu import PlantError
@@ -20,26 +21,30 @@ _REALS = ("Float64", "Float32", "Real")
 def set_start_values(settings: Settings, instance: str, table: PlantTable, roles: Roles) -> None:
     """Set the start values of the rig, then those of the run.
 
-    Raises UserError with the place of the value that does not fit.
+    Raises UserError with the place of each value that does not fit.
     """
+    mistakes = Mistakes()
     for key, value in table.start.items():
         try:
             text = value if isinstance(value, str) else str(value).lower()
             _set(roles, parse_assignment(f"plant:{instance}.{key}={text}"))
         except UserError as error:
-            raise rig_error(
-                settings.files,
-                ("plant", instance, "start"),
-                f"{key}: {error.message}",
-                value=error.value,
-                allowed=error.allowed,
-                hint=error.hint,
-            ) from error
+            mistakes.add(
+                rig_error(
+                    settings.files,
+                    ("plant", instance, "start"),
+                    f"{key}: {error.message}",
+                    value=error.value,
+                    allowed=error.allowed,
+                    hint=error.hint,
+                )
+            )
     for item, located in settings.start.get(instance, []):
         try:
             _set(roles, item)
         except UserError as error:
-            raise located(error, item) from error
+            mistakes.add(located(error, item))
+    mistakes.refuse(settings.files[0])
 
 
 def _set(roles: Roles, item: Assignment) -> None:

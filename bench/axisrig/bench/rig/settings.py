@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from axisrig.bench.drive.dictionary.profiles import value_of
 from axisrig.bench.plan.assignment import Assignment
+from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
 from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
 from axisrig.bench.rig.reading.file import DriveTable, RigFile, SegmentTable
@@ -245,8 +246,11 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
         offsets=read_offsets(rig, files),
         external={name.removeprefix(VARIABLE): 0.0 for name in rig.plc},
     )
+    mistakes = Mistakes()
     for assignment, located in assignments:
-        settings.apply(assignment, located)
+        with mistakes.kept():
+            settings.apply(assignment, located)
+    mistakes.refuse(files[0])
     try:
         settings.warnings = take_over(channel, axes)
         settings.notes = inert_notes(rig, channel, axes)
