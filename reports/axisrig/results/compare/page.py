@@ -13,7 +13,7 @@ from axisrig.bench.campaign.results.stored import StoredResults
 from axisrig.bench.files import write_whole
 from axisrig.bench.record.series import TIME, Series, units_of, values_of
 from axisrig.reports.parts.shipped import page_style
-from axisrig.results.compare.drawing import overlay
+from axisrig.results.compare.drawing import Array, overlay
 from axisrig.results.compare.pairs import Comparison, RunPair
 from axisrig.results.compare.trend import Trend
 
@@ -71,8 +71,8 @@ def pictures(pair: RunPair) -> list[Markup]:
         if not len(common):
             continue
         gap = values[1][places[1]] - values[0][places[0]]
-        size = max(float(np.nanmax(v) - np.nanmin(v)) if len(v) else 0.0 for v in values)
-        most = float(np.nanmax(np.abs(gap))) if len(gap) else 0.0
+        size = max(_range(value) for value in values)
+        most = float(np.max(np.abs(gap[np.isfinite(gap)]), initial=0.0))
         if most > 0.0:
             ranked.append((most / size if size else np.inf, name, values, gap))
     ranked.sort(key=lambda entry: -entry[0])
@@ -89,6 +89,11 @@ def pictures(pair: RunPair) -> list[Markup]:
         differing = {"after minus before": (common.astype(np.float64), gap)}
         found.append(Markup(overlay(f"difference of {title}", differing, ends)))
     return found
+
+
+def _range(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(known.max() - known.min()) if len(known) else 0.0
 
 
 def _ens(pair: RunPair) -> list[float]:
