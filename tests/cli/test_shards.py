@@ -91,6 +91,7 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
     assert called("run", plan, "-o", "part", "--resume")[0] == 1
     assert _content(place / "part") == _content(place / "whole")
 
+    assert called("merge", "s1", "s2", "-o", "s1")[0] == 2
     # The same share twice is one
     code, _, err = called("merge", "s1", "s1", "s2", "s3", "-o", "twice")
     assert code == 0

@@ -119,7 +119,7 @@ def run_campaign(  # noqa: PLR0913
     plans = _read(paths, assignments, outside)
     parts, cases = _chosen(plans, select)
     real = real_cases(cases)
-    jobs = _jobs(jobs, cases, real, is_apart=is_isolated or timeout_s is not None)
+    jobs = _jobs(jobs, cases, real, is_apart=is_isolated or bool(timeout_s or select.scheduler))
     refuse_folder(folder := out or _default_folder(plans, assignments), plans, is_fresh=is_fresh)
     with FolderLock(folder):
         hashes = _hashes(plans, cases)

@@ -168,5 +168,6 @@ def refuse_processes(jobs: int, is_apart: bool) -> None:
     if jobs > 1 or is_apart:
         raise UserError(
             "a real CAN interface is driven from this process, one case after the other",
-            hint=f"leave out --jobs, --timeout, --isolate and --call-timeout, or use {SIMULATED}",
+            hint="leave out --jobs, --timeout, --isolate, --call-timeout and --engine, or use"
+            f" {SIMULATED}",
         )

@@ -73,6 +73,8 @@ def merge(
     are judged here. Raises UserError where the folders are not of one campaign: other plans,
     another axisrig, other options, files that have changed, a run with two different results.
     """
+    if into.resolve() in [folder.resolve() for folder in folders]:
+        raise UserError("the folder to make is one of those to join", file=into)
     parts = [read_results(folder) for folder in folders]
     _refuse_strangers(parts)
     plans = _plans(parts[0])

@@ -7,6 +7,7 @@ the command line gives, and beside a `conftest.py` that asks for it; not in thei
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -67,7 +68,8 @@ def pytest_collection_modifyitems(
 ) -> Generator[None, None, None]:
     """Let `-k` choose rows of plans as `axisrig run -k` does."""
     keyword = config.option.keyword
-    rows = [item for item in items if hasattr(item, "case")] if keyword else []
+    plugin = sys.modules.get("axisrig.bench.campaign.pytest_plugin") if keyword else None
+    rows = [] if plugin is None else [i for i in items if isinstance(i, plugin.RowItem)]
     if not rows:
         return (yield)
     from _pytest.mark import deselect_by_keyword
@@ -75,7 +77,8 @@ def pytest_collection_modifyitems(
     from axisrig.bench.plan.select import matches
     from axisrig.kernel.errors import UserError
 
-    others = [item for item in items if not hasattr(item, "case")]
+    of_plans = {id(item) for item in rows}
+    others = [item for item in items if id(item) not in of_plans]
     deselect_by_keyword(others, config)
     cases = [item.case for item in rows]
     exact = {case.run for case in cases if keyword in (case.case, case.run)}
@@ -99,8 +102,6 @@ def pytest_collection_modifyitems(
 
 def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
     """Name what an older axisrig has left on the search path, where plans were collected."""
-    import sys
-
     plugin = sys.modules.get("axisrig.bench.campaign.pytest_plugin")
     if plugin is not None:
         plugin.write_leftovers(terminalreporter)
