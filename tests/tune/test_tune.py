@@ -1,6 +1,7 @@
 """`axisrig tune distance` on the shipped rig: what it measures, says and refuses."""
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from axisrig.bench.cli.main import app
+from axisrig.bench.cli.main import app, main
 from axisrig.bench.oracles.distance.stability import mean_limit
 from axisrig.bench.tools.tune.distance import BOTH_ENCODERS, CONST_DIST, SET_POS, Mode, Tuning, tune
 from axisrig.bench.tools.tune.loop import Law
@@ -250,3 +251,14 @@ def test_command_refuses(arguments: tuple[str, ...], words: str, tmp_path: Path)
     assert ended.exit_code == 2
     assert words in ended.stderr
     assert "Traceback" not in ended.stderr
+
+
+def test_without_matplotlib_the_message_says_how_to_get_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delitem(sys.modules, "axisrig.bench.tools.tune.picture", raising=False)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(SystemExit) as ended:
+        main(["tune", "distance", "--rig", "nothing.toml"])
+    assert ended.value.code == 2
+    assert "pip install 'axisrig[tune]' brings it" in capsys.readouterr().err

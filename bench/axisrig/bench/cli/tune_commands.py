@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from axisrig.bench.cli.options import SetOption, rejecting
+from axisrig.kernel.errors import UserError
 
 tune_app = typer.Typer(no_args_is_help=True, help="Measure a control loop and say what to set.")
 
@@ -47,9 +48,13 @@ def distance(
     from axisrig.bench.campaign.processes import do_apart
     from axisrig.bench.tools.tune.distance import tune
     from axisrig.bench.tools.tune.measure import choose
-    from axisrig.bench.tools.tune.picture import draw, kind_of
     from axisrig.bench.tools.tune.report import data_of, text_of, warnings_of
 
+    try:
+        from axisrig.bench.tools.tune.picture import draw, kind_of
+    except ImportError as error:
+        hint = "pip install 'axisrig[tune]' brings it"
+        raise UserError("matplotlib is not installed: it draws the picture", hint=hint) from error
     bench = choose(rig, axis, variable, assignments or [])
     target = kind_of(picture or Path(f"tune-{bench.axis}.svg"))
     found = do_apart(tune, bench, step_mm, rigs=[rig], file=rig)
