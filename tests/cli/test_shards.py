@@ -92,6 +92,12 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
     assert _content(place / "part") == _content(place / "whole")
 
     assert called("merge", "s1", "s2", "-o", "s1")[0] == 2
+    # A part of the plan, with options and their values in one word
+    called("run", plan, "-ok1", "-j1", "-k", "a or c", "--shard", "1/2")
+    called("run", plan, "-o", "k2", "-k", "a or c", "--shard", "2/2")
+    called("run", plan, "-o", "k", "-k", "a or c")
+    assert called("merge", "k1", "k2", "-o", "kk")[0] == 0
+    assert _content(place / "kk") == _content(place / "k")
     # The same share twice is one
     code, _, err = called("merge", "s1", "s1", "s2", "s3", "-o", "twice")
     assert code == 0

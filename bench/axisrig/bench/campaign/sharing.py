@@ -16,13 +16,14 @@ from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.select import matches
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
 _FORM = re.compile(r"([1-9]\d{0,5})/([1-9]\d{0,5})")
 # Options of `axisrig run` that change no result -> whether a value follows
 _BESIDE = {
-    **dict.fromkeys(("--shard", "-o", "--out", "-j", "--jobs"), True),
+    **dict.fromkeys(("--shard", "-o", "--out", "-j", "--jobs", "--engine", "--scheduler"), True),
     **dict.fromkeys(("--fresh", "--resume", "--failed", "--full"), False),
 }
 _FLAGS = {"--force": FORCED, "--as-canopen": AS_CANOPEN}
@@ -78,7 +79,8 @@ def merge(
     parts = [read_results(folder) for folder in folders]
     _refuse_strangers(parts)
     plans = _plans(parts[0])
-    cases = {case.run: case for plan in plans for case in plan.cases}
+    cases = {case.run: case for plan in plans for case in _selected(plan, parts[0])}
+    rows = [row.run for plan in plans for row in plan.statistics if cases.keys() >= {*row.runs}]
     found, doubled = _runs(parts)
     hashes = {row.run: depends_sha256(row) for plan in plans for row in plan.rows}
     for run, (part, stored) in found.items():
@@ -90,7 +92,7 @@ def merge(
                 hint="run the share again with --resume, or merge where the files are as they were",
             )
     manifest = _manifest(parts, plans, started, into)
-    with ResultsWriter(into, plans, manifest, runs=None, is_fresh=is_fresh) as writer:
+    with ResultsWriter(into, plans, manifest, runs=[*cases, *rows], is_fresh=is_fresh) as writer:
         for run in cases:
             if run in found:
                 _take(writer, *found[run])
@@ -145,6 +147,8 @@ def _kept_words(command: Sequence[str], *, has_plans: bool = False) -> list[str]
         if name in _BESIDE:
             if _BESIDE[name] and "=" not in word:
                 next(rest, None)
+        elif word[:2] in ("-o", "-j"):
+            continue  # with its value in the same word
         elif has_plans or word.startswith("-") or words[-1:] in (["-k"], ["--set"]):
             words.append(word)
     return words
@@ -158,6 +162,16 @@ def _plans(part: StoredResults) -> list[Plan]:
     texts += [_FLAGS[word] for word in words if word in _FLAGS]
     changes = [parse_assignment(text) for text in texts]
     return [read_plan(Path(plan["path"])).with_inputs(changes) for plan in part.manifest["plans"]]
+
+
+def _selected(plan: Plan, part: StoredResults) -> Sequence[Case]:
+    """Return the cases that `-k` of the command of a folder has chosen; all without."""
+    words = part.manifest["command"]
+    select = next((value for word, value in pairwise(words) if word == "-k"), None)
+    if select is None:
+        return plan.cases
+    exact = [case for case in plan.cases if select in (case.case, case.run)]
+    return exact or [case for case in plan.cases if matches(select, case)]
 
 
 def _runs(
