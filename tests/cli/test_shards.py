@@ -92,6 +92,14 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
     assert _content(place / "part") == _content(place / "whole")
 
     assert called("merge", "s1", "s2", "-o", "s1")[0] == 2
+    # A folder that was copied in part; options that change no result may differ
+    (place / "s2" / "traces" / "plan-b-2500.parquet").unlink()
+    code, _, err = called("merge", "s1", "s2", "s3", "-o", "bare")
+    assert code == 4
+    assert "the trace or the file of the run is missing: plan-b-2500" in err
+    called("run", plan, "-o", "s2", "--shard", "2/3", "--fresh", "--timeout", "60", "--isolate")
+    assert called("merge", "s1", "s2", "s3", "-o", "apart", "--fresh")[0] == 0
+    assert _content(place / "apart") == _content(place / "whole")
     # A part of the plan, with options and their values in one word
     called("run", plan, "-ok1", "-j1", "-k", "a or c", "--shard", "1/2")
     called("run", plan, "-o", "k2", "-k", "a or c", "--shard", "2/2")
@@ -103,6 +111,19 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
     assert code == 0
     assert "in several folders, with equal results: plan-a" in err
     assert _content(place / "twice") == _content(place / "whole")
+
+
+@pytest.mark.long
+def test_a_share_has_its_probes(place: Path, called: Call) -> None:
+    head = "case,program,rig,plc:V.E.FEED,search:plant:probe.surface_mm,check:msg:N30"
+    rows = ["a,part.nc,rig.toml,3000,,== 1", "b,part.nc,rig.toml,3000,125.1 .. 129 to 0.5,== 1"]
+    text = "\n".join([f"{head},check:search_good", f"{rows[0]},", f"{rows[1]},126 .. 126.5", ""])
+    (place / "plan.csv").write_text(text, encoding="utf-8")
+    assert called("run", "plan.csv", "-o", "whole")[0] == 0
+    for number in (1, 2):
+        called("run", "plan.csv", "-o", f"s{number}", "--shard", f"{number}/2")
+    assert called("merge", "s1", "s2", "-o", "all")[0] == 0
+    assert _content(place / "all") == _content(place / "whole")
 
 
 @pytest.mark.long

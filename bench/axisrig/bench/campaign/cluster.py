@@ -3,6 +3,9 @@
 What a run reads travels by the hash of its content: a worker keeps each tree of files in its cache
 and needs no shared file system. A run of a worker that is lost goes to another one. Results come
 back as data and are written by the process of the command line alone, as those of its own runs.
+
+A run with a foreign FMU, or with a limit of time, gets a process of its own beside the worker: what
+crashes or hangs costs its row, not the worker.
 """
 
 import dataclasses
@@ -10,7 +13,9 @@ import hashlib
 import os
 import pickle
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import subprocess
+import sys
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
@@ -19,7 +24,7 @@ from typing import Any
 from axisrig.bench.campaign.results.build_info import sources_sha256
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.resuming import files_of_case
-from axisrig.bench.campaign.runner import run_case
+from axisrig.bench.campaign.runner import Stopwatch, run_cases
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
@@ -27,19 +32,46 @@ from axisrig.kernel.errors import UserError
 
 ENGINES = ("dask",)
 _TRACE = ".parquet"
+_LOST = ("lost", "cancelled")
+_GO_ON = "`axisrig run --resume` runs the rest"
+_APART = "from axisrig.bench.campaign.cluster import run_apart_from; run_apart_from({!r})"
+
+
+@dataclass(frozen=True)
+class Limits:
+    """How workers run what may crash or hang, as in `runner.run_cases`.
+
+    apart: rigs of which every case gets a process of its own. timeout_s: wall time of one case,
+    None = no limit. call_limit_s: wall time of one call into an FMU in such a process.
+    """
+
+    apart: Collection[Path]
+    timeout_s: float | None
+    call_limit_s: float
+
+    def of(self, case: Case) -> "Limits":
+        """Return those of one case, which may be moved."""
+        return dataclasses.replace(self, apart=[case.rig] if self.apart else [])
+
+    @property
+    def is_apart(self) -> bool:
+        """Whether a case needs a process of its own."""
+        return bool(self.apart) or self.timeout_s is not None
 
 
 @dataclass(frozen=True)
 class _Parcel:
     """A case for a worker. names: name in the cache -> (hash, path here) of each file.
 
-    suffixes: of the bus logs that are wanted. probes: how many places for probes the run has.
+    suffixes: of the bus logs that are wanted. probes: names of the places for probes.
     """
 
     case: Case
     names: Mapping[str, tuple[str, str]]
     suffixes: tuple[str, ...]
     probes: tuple[str, ...]
+    limits: Limits
+    stopwatch: Stopwatch
     sources_sha256: str
 
 
@@ -56,11 +88,15 @@ def run_on_cluster(
     cases: Sequence[Case],
     files_of: Callable[[str], RunFiles],
     scheduler: str,
+    *,
+    limits: Limits,
+    stopwatch: Stopwatch,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come, in any order.
 
     scheduler: address, such as tcp://127.0.0.1:8786. Raises UserError without dask.distributed, and
-    where no scheduler answers. A case whose workers die again and again is in error.
+    where no scheduler answers; ConnectionError when it is lost in the middle. A case whose workers
+    die again and again is in error.
     """
     try:
         from distributed import Client, as_completed  # noqa: PLC0415 - an extra, and slow
@@ -76,7 +112,7 @@ def run_on_cluster(
         blobs: dict[str, Any] = {}
         futures = {}
         for case in cases:
-            parcel, contents = _packed(case, files_of(case.run))
+            parcel, contents = _packed(case, files_of(case.run), limits, stopwatch)
             for key in contents.keys() - blobs.keys():
                 # Not scattered: what a lost worker had would be lost
                 blobs[key] = client.submit(bytes, contents[key], key=f"axisrig-{key}")
@@ -85,15 +121,26 @@ def run_on_cluster(
             futures[future] = case
         try:
             for future in as_completed(list(futures), loop=client.loop):
+                if future.status in _LOST:
+                    raise ConnectionError(f"the scheduler {scheduler} is lost; {_GO_ON}")
                 yield _unpacked(futures.pop(future), future, files_of)
         finally:
             client.cancel(list(futures))
 
 
-def _packed(case: Case, files: RunFiles) -> tuple[_Parcel, dict[str, bytes]]:
-    """Pack a case with the content of its files."""
+def _packed(
+    case: Case, files: RunFiles, limits: Limits, stopwatch: Stopwatch
+) -> tuple[_Parcel, dict[str, bytes]]:
+    """Pack a case with the content of its files. Raises UserError for files of several drives."""
     paths = {os.path.abspath(path): path for path in files_of_case(case)}  # noqa: PTH100 - no links
-    base = os.path.commonpath([*map(os.path.dirname, paths), os.path.abspath(case.folder)])  # noqa: PTH100
+    try:
+        base = os.path.commonpath([*map(os.path.dirname, paths), os.path.abspath(case.folder)])  # noqa: PTH100
+    except ValueError as error:  # Windows
+        raise UserError(
+            "the files of a run are on several drives: a cluster needs them on one",
+            file=case.file,
+            value=", ".join(paths),
+        ) from error
     names, contents = {}, {}
     for absolute, path in paths.items():
         content = Path(absolute).read_bytes()
@@ -102,7 +149,11 @@ def _packed(case: Case, files: RunFiles) -> tuple[_Parcel, dict[str, bytes]]:
         names[os.path.relpath(absolute, base)] = (key, str(path))
     suffixes = tuple(path.suffix for path in files.bus_logs)
     probes = tuple(place.trace.stem for place in files.probes if place.trace is not None)
-    return _Parcel(_moved(case, base), names, suffixes, probes, sources_sha256()), contents
+    limits = dataclasses.replace(limits, apart=[case.rig] if case.rig in limits.apart else [])
+    parcel = _Parcel(
+        _moved(case, base), names, suffixes, probes, limits, stopwatch, sources_sha256()
+    )
+    return parcel, contents
 
 
 def _moved(case: Case, base: str, into: str = "") -> Case:
@@ -141,12 +192,73 @@ def _work(packed: bytes, contents: Mapping[str, bytes]) -> bytes:
                      folder / f"{run}{_TRACE}")
             for run in runs
         ]  # fmt: skip
-        result = run_case(case, RunFiles(places[0].bus_logs, places[0].trace, places[1:]))
+        order = _Order(
+            case,
+            RunFiles(places[0].bus_logs, places[0].trace, places[1:]),
+            parcel.limits.of(case),
+            parcel.stopwatch,
+        )
+        result = _run_beside(order) if order.limits.is_apart else _run(order)
         for one in (result, *result.probes):
             one.series = None
         files = {path.name: path.read_bytes() for path in folder.iterdir()}
     here = {str(tree / name): path for name, (_, path) in parcel.names.items()}
     return pickle.dumps(_Returned(_renamed(result, here), files))
+
+
+@dataclass(frozen=True)
+class _Order:
+    """A run as `runner.run_cases` takes it."""
+
+    case: Case
+    files: RunFiles
+    limits: Limits
+    stopwatch: Stopwatch
+
+
+def _run(order: _Order) -> CaseResult:
+    (result,) = run_cases(
+        [order.case],
+        lambda _: order.files,
+        jobs=1,
+        timeout_s=order.limits.timeout_s,
+        stopwatch=order.stopwatch,
+        apart=order.limits.apart,
+        call_limit_s=order.limits.call_limit_s,
+    )
+    return result
+
+
+def _run_beside(order: _Order) -> CaseResult:
+    """Run in an interpreter of its own, which watches the process of the run.
+
+    A worker has threads, which a fork would not take along, and may have no child processes.
+    """
+    with TemporaryDirectory(prefix="axisrig-") as name:
+        path = Path(name) / "order"
+        path.write_bytes(pickle.dumps(order))
+        done = subprocess.run(
+            [sys.executable, "-c", _APART.format(str(path))],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            check=False,
+        )
+        if done.returncode != 0:
+            reason = f"the process of the run ended: exit code {done.returncode}"
+            result = no_values(order.case, Verdict.ERROR, reason)
+            result.log = done.stderr.decode(errors="replace").splitlines()
+            return result
+        returned: CaseResult = pickle.loads(path.read_bytes())
+        return returned
+
+
+def run_apart_from(path: str) -> None:
+    """Run what a worker has written to a file, and write the result there instead."""
+    file = Path(path)
+    result = _run(pickle.loads(file.read_bytes()))
+    for one in (result, *result.probes):
+        one.series = None
+    file.write_bytes(pickle.dumps(result))
 
 
 def _tree(parcel: _Parcel, contents: Mapping[str, bytes]) -> Path:

@@ -24,7 +24,8 @@ _FORM = re.compile(r"([1-9]\d{0,5})/([1-9]\d{0,5})")
 # Options of `axisrig run` that change no result -> whether a value follows
 _BESIDE = {
     **dict.fromkeys(("--shard", "-o", "--out", "-j", "--jobs", "--engine", "--scheduler"), True),
-    **dict.fromkeys(("--fresh", "--resume", "--failed", "--full"), False),
+    **dict.fromkeys(("--timeout", "--call-timeout"), True),
+    **dict.fromkeys(("--fresh", "--resume", "--failed", "--full", "--isolate"), False),
 }
 _FLAGS = {"--force": FORCED, "--as-canopen": AS_CANOPEN}
 
@@ -51,12 +52,17 @@ class Shard:
 
 @dataclass(frozen=True)
 class Merged:
-    """What `axisrig merge` made. missing: runs that no folder has. doubled: those of several."""
+    """What `axisrig merge` made.
+
+    missing: runs that no folder has. doubled: those of several. bare: runs whose folder has frames
+    in its table, and no trace or file of the run beside it.
+    """
 
     folder: Path
     runs: int
     missing: Sequence[str]
     doubled: Sequence[str]
+    bare: Sequence[str]
     report: Path | None
 
 
@@ -102,7 +108,14 @@ def merge(
             writer.add(row)
     report = build_report(into) if build_report else None
     missing = [run for run in cases if run not in found]
-    return Merged(into, len(cases) - len(missing), missing, doubled, report)
+    taken = [found[run][1] for run in cases if run in found]
+    bare = [one.run for one in taken if _is_bare(one)]
+    return Merged(into, len(cases) - len(missing), missing, doubled, bare, report)
+
+
+def _is_bare(run: StoredRun) -> bool:
+    """Whether a run that has sent frames lacks what it has recorded: its folder is a part."""
+    return bool(run.case["frame_log_sha256"]) and None in (run.trace, run.file)
 
 
 def _manifest(

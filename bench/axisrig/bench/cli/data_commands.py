@@ -78,9 +78,11 @@ def merge(
         print(f"in several folders, with equal results: {run}", file=sys.stderr)
     for run in made.missing:
         print(f"missing: {run}", file=sys.stderr)
+    for run in made.bare:
+        print(f"the trace or the file of the run is missing: {run}", file=sys.stderr)
     print(f"{made.runs} runs, {len(made.missing)} missing")
     print(made.report)
-    raise typer.Exit(4 if made.missing else 0)
+    raise typer.Exit(4 if made.missing or made.bare else 0)
 
 
 @rejecting
