@@ -1,5 +1,7 @@
 """A run in parts: what judges find does not depend on the blocks of its trace."""
 
+import gc
+import weakref
 from collections.abc import Sequence
 from itertools import pairwise
 from pathlib import Path
@@ -33,6 +35,19 @@ def series(path: Path | None, sizes: Sequence[int]) -> Series:
         writer.add({"time_ns": column_of(row * STEP_NS), "Z.truth_mm": column_of(row * 1.0)})
         begin += size
     return writer.close()
+
+
+def test_a_run_that_was_forgotten_needs_no_search_for_garbage() -> None:
+    observed = Observed(facts(axes={"Z": AxisRecord("can1", 1, 10_000.0)}), series(None, [3]))
+    observed.once(lambda whole: [whole])
+    gone = weakref.ref(observed)
+    gc.disable()
+    try:
+        observed.forget()
+        del observed
+        assert gone() is None
+    finally:
+        gc.enable()
 
 
 @settings(max_examples=40, deadline=None)

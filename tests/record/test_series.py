@@ -74,6 +74,26 @@ def test_blocks_read_back_as_the_columns_of_one(
         assert one.tolist() == other.tolist()
 
 
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_a_trace_that_was_read_whole_gives_the_same_columns_blocks_and_telegrams(
+    tmp_path: Path, is_kept: bool
+) -> None:
+    path = tmp_path / "a.parquet" if is_kept else None
+    apart, at_once = write(path, [5, 0, 9, 3]), write(path, [5, 0, 9, 3])
+    assert at_once.whole.column_names == apart.names
+    assert at_once.blocks == apart.blocks
+    for name in apart.names:
+        for block in (None, *apart.blocks):
+            one, other = at_once.column(name, block), apart.column(name, block)
+            assert (one.dtype, one.tobytes()) == (other.dtype, other.tobytes())
+    for one, other in zip(
+        at_once.telegrams("Z", ACTUAL), apart.telegrams("Z", ACTUAL), strict=True
+    ):
+        assert one.tolist() == other.tolist()
+    with pytest.raises(KeyError):
+        at_once.column("Z.other")
+
+
 def test_telegrams_are_all_of_the_bus_in_their_order(tmp_path: Path) -> None:
     """Rows 0 to 5 have 0, 1, 2, 0, 1, 2 telegrams."""
     ends, values = write(tmp_path / "a.parquet", [2, 4]).telegrams("Z", ACTUAL)

@@ -75,8 +75,10 @@ def _view(
     links: Sequence[tuple[str, str, str]],
     is_reduced: bool,
 ) -> dict[str, Any]:
-    case, info = run.case, _info(run, parts.findings)
-    trace = _trace(run)
+    series = None if run.trace is None else Series(run.trace)
+    trace = None if series is None else series.whole
+    case, info = run.case, _info(run, series, parts.findings)
+    _check_numbers(trace, run)
     alarms = [alarm_words(alarm) for alarm in info["alarms"]]
     told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
     sections = []
@@ -263,13 +265,16 @@ def _one_line(error: Exception) -> str:
     return repr(error) if type(error) is KeyError else str(error).strip().partition("\n")[0]
 
 
-def _info(run: StoredRun, findings: Findings) -> dict[str, Any]:
+def _info(run: StoredRun, series: Series | None, findings: Findings) -> dict[str, Any]:
     """What is shown of a run beside its checks: the findings, and limits to draw."""
     facts = run.recording.facts
     found: dict[str, Any] = {"alarms": [], "log": run.log, "error": run.error}
     if facts is not None:
         found = shown_facts(facts)
-        found |= {} if run.trace is None else findings(Observed(facts, Series(run.trace)))
+        if series is not None:
+            observed = Observed(facts, series)
+            found |= findings(observed)
+            observed.forget()
     checks = []
     for row in run.checks:
         with suppress(UserError):  # a metric of another version
@@ -277,16 +282,11 @@ def _info(run: StoredRun, findings: Findings) -> dict[str, Any]:
     return found | {"limits": [limit for check in checks for limit in plot_limits(check)]}
 
 
-def _trace(run: StoredRun) -> pa.Table | None:
-    """The signals of a run, None when it left none. Raises UserError when they are damaged."""
-    if run.trace is None:
-        return None
-    trace = Series(run.trace).table()
-    for name, column in zip(trace.column_names, trace.columns, strict=True):
-        kind = column.type
-        if not (pa.types.is_floating(kind) or pa.types.is_integer(kind)):
-            raise UserError(f"the trace is damaged: {name!r} holds no numbers", file=run.trace)
-    return trace
+def _check_numbers(trace: pa.Table | None, run: StoredRun) -> None:
+    """Raise UserError where a signal of a run is no number."""
+    for item in () if trace is None else trace.schema:
+        if not (pa.types.is_floating(item.type) or pa.types.is_integer(item.type)):
+            raise UserError(f"the trace is damaged: {item.name!r} holds no numbers", file=run.trace)
 
 
 def alarm_words(alarm: Mapping[str, Any]) -> dict[str, str]:

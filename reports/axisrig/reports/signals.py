@@ -1,7 +1,7 @@
 """From a trace to plots: which signal goes where, and which stretch of time is worth looking at."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -114,7 +114,7 @@ def _encode(content: pa.Table) -> tuple[list[dict[str, Any]], list[bytes]]:
             head, part = encode_signal(values.astype(np.int64), 0)
         else:
             head, part = encode_signal(values.astype(np.float64), _signal(name).digits)
-        columns.append({"name": name, **asdict(head)})
+        columns.append({"name": name, **vars(head)})
         parts.append(part)
     return columns, parts
 
@@ -147,7 +147,7 @@ def _series(columns: Sequence[str]) -> dict[str, dict[str, list[dict[str, str]]]
 
 def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
     """The plots that have something to show, in the order of `plots.csv`, unknown ones last."""
-    known = [{**row, "height": int(row["height"])} for row in shipped_table("plots.csv")]
+    known = [{**row, "height": int(row["height"])} for row in _known_plots()]
     names = {row["plot"] for row in known}
     other = [
         {"plot": name, "title": name, "unit": "", "height": _height(name)}
@@ -155,6 +155,12 @@ def _plots(series: Mapping[str, object]) -> list[dict[str, Any]]:
         if name not in names
     ]
     return [row for row in (*known, *other) if row["plot"] in series]
+
+
+@cache
+def _known_plots() -> Sequence[Mapping[str, str]]:
+    """Read `plots.csv`."""
+    return shipped_table("plots.csv")
 
 
 def _height(title: str) -> int:

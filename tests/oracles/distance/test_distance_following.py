@@ -50,6 +50,18 @@ def limited(v: float, a: float, deviation: float = math.inf) -> Limits:
     return Limits(v, a, deviation, math.inf, -math.inf, math.inf)
 
 
+@pytest.mark.parametrize(
+    "smoothing",
+    [*SMOOTH, exponential(0.05), cascade(8, 5.0, T), butterworth(4, 50.0, T)],
+    ids=lambda s: s.name,
+)
+def test_the_noise_gain_is_that_of_the_impulse_response_of_scipy(smoothing: Smoothing) -> None:
+    impulse = np.zeros(4000)
+    impulse[0] = 1.0
+    answer = signal.lfilter(smoothing.numerator, smoothing.denominator, impulse)
+    assert smoothing.noise_gain == pytest.approx(float(np.sqrt(np.sum(answer**2))), rel=1e-12)
+
+
 @pytest.mark.parametrize("mode", [CONST_DIST, BOTH, SET_POS])
 @pytest.mark.parametrize("smoothing", SMOOTH, ids=lambda s: s.name)
 @pytest.mark.parametrize("reaction", [0, 1])

@@ -162,6 +162,14 @@ class Series:
         """Return some columns, or all with one value for each row."""
         return self._read(self.names if names is None else names)
 
+    @cached_property
+    def whole(self) -> pa.Table:
+        """Every column with one value for each row, read once; `column` takes them from it then.
+
+        For who needs them all at the end: to read each by itself takes longer. Raises as `names`.
+        """
+        return self.table()
+
     def save(self, path: Path) -> None:
         """Write series that are in memory into a file; those of a file are there already.
 
@@ -195,6 +203,10 @@ class Series:
             raise MissingSignalError(min(missing))
         if not isinstance(self.source, Path):
             return self.source.select(list(names))
+        whole = self.__dict__.get("whole")  # where it has been asked for
+        if whole is not None and set(names) <= set(whole.column_names):
+            table = whole.select(list(names))
+            return table if block is None else table.slice(block.start, block.stop - block.start)
         with _readable(self.source):
             if block is None:
                 table = self._file.read(columns=list(names), use_threads=False)

@@ -126,10 +126,11 @@ def _points(
     keep: Sequence[int] = range(len(way))
     if len(way) > 2 * _POINTS:
         kept: set[int] = {0, len(way) - 1}
+        unknown = np.isnan(values)
+        lowest, highest = np.where(unknown, np.inf, values), np.where(unknown, -np.inf, values)
         for rows in np.array_split(np.arange(len(way)), _POINTS):
-            part = values[rows]
-            if np.isfinite(part).any():
-                kept |= {int(rows[np.nanargmin(part)]), int(rows[np.nanargmax(part)])}
+            bin_ = slice(rows[0], rows[-1] + 1)
+            kept |= {int(rows[lowest[bin_].argmin()]), int(rows[highest[bin_].argmax()])}
         keep = sorted(kept)
     return " ".join(
         f"{_x(float(way[row]), x_range):.1f},{_y(float(values[row]), y_range):.1f}"

@@ -44,16 +44,19 @@ def encode_signal(
     missing = np.isnan(scaled) if scaled.dtype.kind == "f" else np.zeros(len(scaled), dtype=bool)
     if np.abs(scaled[~missing]).max(initial=0) >= 2**62:
         raise OverflowError(f"values too large for {digits} decimal places")
-    integers = np.rint(np.where(missing, 0, scaled)).astype(np.int64)
-    # A gap takes the last value before it: the difference is 0 and costs next to nothing.
-    last = np.maximum.accumulate(np.where(missing, 0, np.arange(len(integers))))
-    integers = integers[last]
+    gaps = _gaps(missing) if missing.any() else []
+    integers = np.rint(np.where(missing, 0, scaled) if gaps else scaled).astype(np.int64)
+    if gaps:
+        # A gap takes the last value before it: the difference is 0 and costs next to nothing.
+        last = np.maximum.accumulate(np.where(missing, 0, np.arange(len(integers))))
+        integers = integers[last]
     start = int(integers[0])
-    steps = np.diff(integers, prepend=start)
+    steps = np.zeros_like(integers)
+    np.subtract(integers[1:], integers[:-1], out=steps[1:])
     zigzag = ((steps << 1) ^ (steps >> 63)).astype(np.uint64)
     planes = max(1, (int(zigzag.max()).bit_length() + 7) // 8)
     octets = zigzag.astype("<u8").view(np.uint8).reshape(-1, 8)[:, :planes]
-    return Encoded(start, planes, digits, _gaps(missing)), octets.T.tobytes()
+    return Encoded(start, planes, digits, gaps), octets.T.tobytes()
 
 
 def _gaps(missing: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -109,6 +109,10 @@ class Observed:
         made: Made = self._made[make]
         return made
 
+    def forget(self) -> None:
+        """Drop what `once` has made: it refers back, so that both would wait for the garbage."""
+        self._made.clear()
+
     # Rows
 
     @cached_property

@@ -15,6 +15,9 @@ from axisrig.kernel.time.clock import S, TimeNs
 
 Polynomial = npt.NDArray[np.float64]
 
+_NOISE_CYCLES = 4000
+"""So long is the impulse response of which the noise gain is the energy."""
+
 
 @dataclass(frozen=True)
 class Smoothing:
@@ -41,15 +44,7 @@ class Smoothing:
     @property
     def noise_gain(self) -> float:
         """Standard deviation of its output for white noise of 1: root of the sum of h(k)^2."""
-        answer = np.zeros(4000)
-        if len(self.denominator) == 1:
-            answer[: len(self.numerator)] = self.numerator / self.denominator[0]
-        else:
-            from scipy import signal  # noqa: PLC0415 - takes a second to load
-
-            answer[0] = 1.0
-            answer = signal.lfilter(self.numerator, self.denominator, answer)
-        return float(np.sqrt(np.sum(answer**2)))
+        return float(np.sqrt(np.sum(_impulse_response(self, _NOISE_CYCLES) ** 2)))
 
     def response(self, omega_t: Polynomial) -> npt.NDArray[np.complex128]:
         """Return the complex gain at omega T (rad per cycle)."""
@@ -58,6 +53,25 @@ class Smoothing:
         below = np.polynomial.polynomial.polyval(q, self.denominator)
         gain: npt.NDArray[np.complex128] = above / below
         return gain
+
+
+def _impulse_response(smoothing: Smoothing, cycles: int) -> Polynomial:
+    """Return h(0) .. h(cycles - 1), a(0) h(k) = b(k) - a(1) h(k - 1) - a(2) h(k - 2) ...
+
+    Equal to scipy.signal.lfilter, which takes a second to load and 60 MB.
+    """
+    first, *older = smoothing.denominator.tolist()
+    answer = np.zeros(cycles)
+    answer[: len(smoothing.numerator)] = smoothing.numerator / first
+    if older:
+        ways = [(delay, factor / first) for delay, factor in enumerate(older, start=1)][::-1]
+        values = answer.tolist()
+        for now in range(cycles):
+            for delay, factor in ways:
+                if delay <= now:
+                    values[now] -= factor * values[now - delay]
+        answer = np.array(values)
+    return answer
 
 
 def none() -> Smoothing:
