@@ -6,7 +6,7 @@ from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from axisrig.bench.campaign.cluster import Limits, run_on_cluster
+from axisrig.bench.campaign.cluster import run_on_cluster
 from axisrig.bench.campaign.hardware_runs import Outside, allow, real_cases, refuse_processes
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, usable_cores
 from axisrig.bench.campaign.results.lock import FolderLock
@@ -18,12 +18,11 @@ from axisrig.bench.campaign.results.writer import (
     refuse_folder,
 )
 from axisrig.bench.campaign.resuming import CHANGED, GoingOn, choose, depends_sha256
-from axisrig.bench.campaign.runner import Stopwatch, prepare_all, run_cases
+from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.sharing import Shard
 from axisrig.bench.campaign.shown import CampaignProgress, show_verdicts
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
-from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
 from axisrig.bench.plan.select import matches
@@ -141,39 +140,25 @@ def run_campaign(  # noqa: PLR0913
             writer = ResultsWriter(
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
-            limits = Limits(apart, timeout_s, call_limit_s)
+            limits = Limits(timeout_s, apart, call_limit_s)
             if select.scheduler:
                 running = run_on_cluster(
                     cases, writer.files_of, select.scheduler, limits=limits, stopwatch=stopwatch
                 )
             else:
-                running = _run_here(cases, writer, limits, jobs, stopwatch, hardware)
+                running = run_cases(
+                    cases,
+                    writer.files_of,
+                    jobs=jobs,
+                    limits=limits,
+                    stopwatch=stopwatch,
+                    hardware=hardware,
+                )
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, CampaignProgress(len(runs), stopwatch))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     return Campaign(folder, results, len(runs), failure, report, stay)
-
-
-def _run_here(
-    cases: Sequence[Case],
-    writer: ResultsWriter,
-    limits: Limits,
-    jobs: int,
-    stopwatch: Stopwatch,
-    hardware: Hardware | None,
-) -> Iterator[CaseResult]:
-    """Run cases in processes of this machine."""
-    return run_cases(
-        cases,
-        writer.files_of,
-        jobs=jobs,
-        timeout_s=limits.timeout_s,
-        stopwatch=stopwatch,
-        apart=limits.apart,
-        call_limit_s=limits.call_limit_s,
-        hardware=hardware,
-    )
 
 
 def _chosen(plans: Sequence[Plan], choice: Choice) -> tuple[list[Plan], list[Case]]:

@@ -15,7 +15,7 @@ import pickle
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
@@ -24,7 +24,7 @@ from typing import Any
 from axisrig.bench.campaign.results.build_info import sources_sha256
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.resuming import files_of_case
-from axisrig.bench.campaign.runner import Stopwatch, run_cases
+from axisrig.bench.campaign.runner import Limits, Stopwatch, run_cases
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
@@ -38,32 +38,11 @@ _APART = "from axisrig.bench.campaign.cluster import run_apart_from; run_apart_f
 
 
 @dataclass(frozen=True)
-class Limits:
-    """How workers run what may crash or hang, as in `runner.run_cases`.
-
-    apart: rigs of which every case gets a process of its own. timeout_s: wall time of one case,
-    None = no limit. call_limit_s: wall time of one call into an FMU in such a process.
-    """
-
-    apart: Collection[Path]
-    timeout_s: float | None
-    call_limit_s: float
-
-    def of(self, case: Case) -> "Limits":
-        """Return those of one case, which may be moved."""
-        return dataclasses.replace(self, apart=[case.rig] if self.apart else [])
-
-    @property
-    def is_apart(self) -> bool:
-        """Whether a case needs a process of its own."""
-        return bool(self.apart) or self.timeout_s is not None
-
-
-@dataclass(frozen=True)
 class _Parcel:
     """A case for a worker. names: name in the cache -> (hash, path here) of each file.
 
-    suffixes: of the bus logs that are wanted. probes: names of the places for probes.
+    suffixes: of the bus logs that are wanted. probes: names of the places for probes. limits: apart
+    is empty, or has the rig of the case.
     """
 
     case: Case
@@ -149,10 +128,9 @@ def _packed(
         names[os.path.relpath(absolute, base)] = (key, str(path))
     suffixes = tuple(path.suffix for path in files.bus_logs)
     probes = tuple(place.trace.stem for place in files.probes if place.trace is not None)
-    limits = dataclasses.replace(limits, apart=[case.rig] if case.rig in limits.apart else [])
-    parcel = _Parcel(
-        _moved(case, base), names, suffixes, probes, limits, stopwatch, sources_sha256()
-    )
+    moved = _moved(case, base)
+    limits = dataclasses.replace(limits, apart=[moved.rig] if case.rig in limits.apart else [])
+    parcel = _Parcel(moved, names, suffixes, probes, limits, stopwatch, sources_sha256())
     return parcel, contents
 
 
@@ -195,12 +173,10 @@ def _work(packed: bytes, contents: Mapping[str, bytes]) -> bytes:
         order = _Order(
             case,
             RunFiles(places[0].bus_logs, places[0].trace, places[1:]),
-            parcel.limits.of(case),
+            dataclasses.replace(parcel.limits, apart=[case.rig] if parcel.limits.apart else []),
             parcel.stopwatch,
         )
-        result = _run_beside(order) if order.limits.is_apart else _run(order)
-        for one in (result, *result.probes):
-            one.series = None
+        result = _run_beside(order) if order.limits.is_apart(case) else _run(order)
         files = {path.name: path.read_bytes() for path in folder.iterdir()}
     here = {str(tree / name): path for name, (_, path) in parcel.names.items()}
     return pickle.dumps(_Returned(_renamed(result, here), files))
@@ -217,15 +193,12 @@ class _Order:
 
 
 def _run(order: _Order) -> CaseResult:
+    """Run; the signals stay in their files."""
     (result,) = run_cases(
-        [order.case],
-        lambda _: order.files,
-        jobs=1,
-        timeout_s=order.limits.timeout_s,
-        stopwatch=order.stopwatch,
-        apart=order.limits.apart,
-        call_limit_s=order.limits.call_limit_s,
+        [order.case], lambda _: order.files, limits=order.limits, stopwatch=order.stopwatch
     )
+    for one in (result, *result.probes):
+        one.series = None
     return result
 
 
@@ -255,10 +228,7 @@ def _run_beside(order: _Order) -> CaseResult:
 def run_apart_from(path: str) -> None:
     """Run what a worker has written to a file, and write the result there instead."""
     file = Path(path)
-    result = _run(pickle.loads(file.read_bytes()))
-    for one in (result, *result.probes):
-        one.series = None
-    file.write_bytes(pickle.dumps(result))
+    file.write_bytes(pickle.dumps(_run(pickle.loads(file.read_bytes()))))
 
 
 def _tree(parcel: _Parcel, contents: Mapping[str, bytes]) -> Path:

@@ -18,7 +18,7 @@ from _pytest._code.code import ReprEntryNative, ReprExceptionInfo, ReprFileLocat
 from axisrig.bench.campaign.leftovers import leftovers
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
-from axisrig.bench.campaign.runner import Stopwatch, no_stopwatch, run_cases
+from axisrig.bench.campaign.runner import Limits, Stopwatch, no_stopwatch, run_cases
 from axisrig.bench.campaign.statistics import judged_row
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.plan import Case, read_plan
@@ -166,11 +166,11 @@ class RowItem(pytest.Item):
         (result,) = run_cases(
             [case],
             (lambda _: RunFiles()) if stored is None else stored.files_of,
-            jobs=1,
-            timeout_s=None,
+            limits=Limits(
+                apart=foreign_rigs(rigs) if call_limit_s is None else rigs,
+                call_limit_s=call_limit_s or CALL_LIMIT_S,
+            ),
             stopwatch=no_stopwatch if stored is None else stored.stopwatch,
-            apart=foreign_rigs(rigs) if call_limit_s is None else rigs,
-            call_limit_s=call_limit_s or CALL_LIMIT_S,
         )
         if case.sampled:
             self._sampled[case.run] = replace(result, series=None)

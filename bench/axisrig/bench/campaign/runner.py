@@ -8,6 +8,7 @@ import gc
 import traceback
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import closing, contextmanager
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -40,6 +41,26 @@ Stopwatch = Callable[[], float]
 def no_stopwatch() -> float:
     """Give no wall time: for runs whose duration nobody asks for."""
     return 0.0
+
+
+@dataclass(frozen=True)
+class Limits:
+    """What keeps a case that crashes or hangs from costing more than its own row.
+
+    timeout_s: wall time of one case, None = no limit. apart: rigs of which every case gets a new
+    process. call_limit_s: wall time of one call into an FMU in such a process.
+    """
+
+    timeout_s: float | None = None
+    apart: Collection[Path] = ()
+    call_limit_s: float = CALL_LIMIT_S
+
+    def is_apart(self, case: Case) -> bool:
+        """Whether a case needs a process of its own."""
+        return self.timeout_s is not None or case.rig in self.apart
+
+
+_NO_LIMITS = Limits()
 
 
 @contextmanager
@@ -183,29 +204,23 @@ def run_cases(
     cases: Sequence[Case],
     files_of: Callable[[str], RunFiles],
     *,
-    jobs: int,
-    timeout_s: float | None,
-    stopwatch: Stopwatch,
-    apart: Collection[Path] = (),
-    call_limit_s: float = CALL_LIMIT_S,
+    jobs: int = 1,
+    limits: Limits = _NO_LIMITS,
+    stopwatch: Stopwatch = no_stopwatch,
     hardware: Hardware | None = None,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
 
-    jobs: processes; 1 stays in this one unless there is a time-out. timeout_s: wall time that one
-    case may take, None = no limit. apart: rigs of which every case gets a new process. A case that
-    hangs or ends its process costs its own row only. hardware: for rigs with a real bus, one case
-    after the other, those with a real bus in this process whatever their FMUs are, until the
-    operator stops.
+    jobs: processes; 1 stays in this one unless there is a time-out. limits: a case that hangs or
+    ends its process costs its own row only. hardware: for rigs with a real bus, one case after the
+    other, those with a real bus in this process whatever their FMUs are, until the operator stops.
     """
-    run_elsewhere = partial(
-        _run_apart, files_of, stopwatch, apart, timeout_s=timeout_s, call_limit_s=call_limit_s
-    )
-    if hardware is None and (jobs > 1 or timeout_s is not None):
+    run_elsewhere = partial(_run_apart, files_of, limits, stopwatch)
+    if hardware is None and (jobs > 1 or limits.timeout_s is not None):
         yield from run_elsewhere(cases, jobs)
         return
     for case in cases:
-        if case.rig in apart and (hardware is None or not is_paced(settings_of(case))):
+        if case.rig in limits.apart and (hardware is None or not is_paced(settings_of(case))):
             yield from run_elsewhere([case], 1)
             continue
         yield run_case(case, files_of(case.run), stopwatch, hardware)
@@ -215,21 +230,19 @@ def run_cases(
 
 def _run_apart(
     files_of: Callable[[str], RunFiles],
+    limits: Limits,
     stopwatch: Stopwatch,
-    apart: Collection[Path],
     cases: Sequence[Case],
     jobs: int,
-    *,
-    timeout_s: float | None,
-    call_limit_s: float,
 ) -> Iterator[CaseResult]:
+    timeout_s = limits.timeout_s
     results = run_apart(
         run_case,
         [[case, files_of(case.run), stopwatch] for case in cases],
         jobs=jobs,
-        is_fresh=[case.rig in apart for case in cases],
+        is_fresh=[case.rig in limits.apart for case in cases],
         timeout_s=timeout_s,
-        call_limit_s=call_limit_s,
+        call_limit_s=limits.call_limit_s,
     )
     for case, result in zip(cases, results, strict=True):
         if isinstance(result, Died):

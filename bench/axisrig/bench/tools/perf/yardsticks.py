@@ -10,7 +10,7 @@ from typing import NamedTuple, Protocol
 from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import ResultsWriter
-from axisrig.bench.campaign.runner import no_stopwatch, prepare_all, run_cases
+from axisrig.bench.campaign.runner import prepare_all, run_cases
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.tools.perf.clocks import Clocks
 from axisrig.bench.tools.perf.memory import memory_mb_min
@@ -95,9 +95,7 @@ class Workers:
         prepare_all(cases, apart=(), call_limit_s=CALL_LIMIT_S)
         out = self._place.folder / "out"
         with ResultsWriter(out, [self._plan], self._manifest, is_fresh=True) as writer:
-            for result in run_cases(
-                cases, writer.files_of, jobs=jobs, timeout_s=None, stopwatch=no_stopwatch
-            ):
+            for result in run_cases(cases, writer.files_of, jobs=jobs):
                 writer.add(result)
         wall_s = (clocks.wall_ns() - began_ns) / 1e9
         return wall_s, (clocks.cpu_s() - began_s) / wall_s
