@@ -141,19 +141,11 @@ def run_campaign(  # noqa: PLR0913
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
-            if select.scheduler:
-                running = run_on_cluster(
-                    cases, writer.files_of, select.scheduler, limits=limits, stopwatch=stopwatch
-                )
-            else:
-                running = run_cases(
-                    cases,
-                    writer.files_of,
-                    jobs=jobs,
-                    limits=limits,
-                    stopwatch=stopwatch,
-                    hardware=hardware,
-                )
+            running = (
+                run_on_cluster(cases, writer.files_of, select.scheduler, limits, stopwatch)
+                if select.scheduler
+                else run_cases(cases, writer.files_of, jobs, limits, stopwatch, hardware=hardware)
+            )
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, CampaignProgress(len(runs), stopwatch))
         report, failure = _report(build_report, folder, failure)

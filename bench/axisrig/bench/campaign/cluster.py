@@ -67,7 +67,6 @@ def run_on_cluster(
     cases: Sequence[Case],
     files_of: Callable[[str], RunFiles],
     scheduler: str,
-    *,
     limits: Limits,
     stopwatch: Stopwatch,
 ) -> Iterator[CaseResult]:

@@ -203,10 +203,10 @@ def _outcome(case: Case) -> UserError | None:
 def run_cases(
     cases: Sequence[Case],
     files_of: Callable[[str], RunFiles],
-    *,
     jobs: int = 1,
     limits: Limits = _NO_LIMITS,
     stopwatch: Stopwatch = no_stopwatch,
+    *,
     hardware: Hardware | None = None,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
