@@ -74,4 +74,31 @@ def new(
     print(f"next: cd {folder}; axisrig run {PLAN}", file=sys.stderr)
 
 
-TOOLS = (new, bus, scenarios)
+@rejecting
+def probe_feed(
+    stroke_mm: Annotated[float, typer.Option("--stroke", help="Way the probe may give, mm.")],
+    deceleration: Annotated[float, typer.Option("--decel", help="Of the measuring axis, m/s2.")],
+    kv: Annotated[float, typer.Option("--kv", help="Gain of the position loop, (m/min)/mm.")],
+    cycle_ms: Annotated[float, typer.Option("--cycle", help="Interpolation cycle, ms.")],
+    *,
+    delay_ms: Annotated[
+        float, typer.Option("--delay", help="Of probe, input and set point buffer, ms.")
+    ] = 0.0,
+    ramp_ms: Annotated[
+        float, typer.Option("--ramp", help="Rise and fall of the deceleration, ms.")
+    ] = 0.0,
+    feed_forward: Annotated[
+        float, typer.Option("--feed-forward", help="Share of the velocity, 0 to 1.")
+    ] = 0.0,
+    feed_mm_min: Annotated[
+        float | None, typer.Option("--feed", help="Show the path of this feed, mm/min.")
+    ] = None,
+) -> None:
+    """Show the largest feed at which an axis stops within the stroke of its probe."""
+    from axisrig.bench.tools.probe_feed import Question, probe_feed_text
+
+    braking = (deceleration, kv, delay_ms, ramp_ms, feed_forward)
+    print(probe_feed_text(Question(stroke_mm, cycle_ms, *braking), feed_mm_min))
+
+
+TOOLS = (new, bus, probe_feed, scenarios)

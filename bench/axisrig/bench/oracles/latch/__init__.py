@@ -1,0 +1,1 @@
+"""Closed forms of a measurement run with a probe."""
