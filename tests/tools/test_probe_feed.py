@@ -1,0 +1,48 @@
+"""What `axisrig probe-feed` prints."""
+
+import pytest
+from typer.testing import CliRunner
+
+from axisrig.bench.cli.main import app
+from axisrig.bench.tools.probe_feed import Question, probe_feed_text
+from axisrig.kernel.errors import UserError
+
+
+def test_the_published_example() -> None:
+    """12.6 mm at 6000 mm/min with a reaction of 16 ms; shares 1.6, 5 and 6 mm."""
+    lines = probe_feed_text(Question(12.6, 16.0, 1.0, 1.0)).splitlines()
+    assert lines[1].split() == ["16", "6000.0", "1.6000", "5.0000", "0.0000", "6.0000", "12.6000"]
+    assert lines[2].split()[0] == "32"
+    assert lines[2].split()[-1] == "12.6000"
+
+
+def test_the_path_of_a_feed() -> None:
+    (one, two) = probe_feed_text(Question(5.0, 8.0, 1.0, 1.0), 6000.0).splitlines()[1:3]
+    assert one.split()[-1] == "11.8000"
+    assert two.split()[-1] == "12.6000"
+
+
+@pytest.mark.parametrize(
+    ("option", "value", "allowed"),
+    [
+        ("--stroke", "0", "above 0"),
+        ("--decel", "-1", "above 0"),
+        ("--kv", "nan", "above 0"),
+        ("--cycle", "-1", "0 or more"),
+        ("--feed-forward", "1.5", "0 to 1"),
+        ("--feed", "0", "above 0, mm/min"),
+    ],
+)
+def test_a_number_that_no_machine_has(option: str, value: str, allowed: str) -> None:
+    given = {"--stroke": "5", "--decel": "1", "--kv": "1", "--cycle": "8", option: value}
+    words = [word for pair in given.items() for word in pair]
+    result = CliRunner().invoke(app, ["probe-feed", *words])
+    assert result.exit_code == 2
+    assert option in result.output
+    assert allowed in result.output
+    assert "Traceback" not in result.output
+
+
+def test_errors_name_the_value() -> None:
+    with pytest.raises(UserError, match="--ramp"):
+        Question(5.0, 8.0, 1.0, 1.0, ramp_ms=-3.0)
