@@ -103,7 +103,7 @@ def _has_other_files(case: Case, prepared: Prepared) -> bool:
     parts = [part for blocks in (program.blocks, *program.subprograms.values()) for part in blocks]
     calls = [part.statement for part in parts if isinstance(part.statement, SubprogramCall)]
     return (
-        any(call.scope == "global" for call in calls)
+        any(call.scope != "local" for call in calls)
         or bool(started_files(prepared.settings))
         or any(item.kind == "drive" and item.name in MAP_KEYS for item in case.assignments())
     )

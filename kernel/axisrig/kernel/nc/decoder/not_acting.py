@@ -10,7 +10,7 @@ from axisrig.kernel.nc.text.words import commands, variables, words
 
 # They shape the text: the rooms of the text carry them out
 _LETTERS = "GMNPLV"
-_COMMANDS = ("COMMENT BEGIN", "COMMENT END")
+_COMMANDS = ("COMMENT BEGIN", "COMMENT END", "L CYCLE")
 # Their handlers refuse them, with more to say than the table has
 _REFUSED = ("TRAFO", "TRAFO ON")
 _AXIS = "<axis>"

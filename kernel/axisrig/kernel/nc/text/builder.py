@@ -41,7 +41,7 @@ _DWELL = re.compile(r"G0*4")
 # R=5 and R1=5 are the radius of an arc. TF5200 programming manual 15556764811
 _RADIUS = ("R", "R1")
 # P1=5, R[2]=3 and @P4=1 set a parameter
-_PARAMETER = re.compile(r"(?P<sign>[PR])(?P<number>[0-9]*)|@.*")
+_PARAMETER = re.compile(r"(?P<sign>[PR]|@[PS])(?P<number>[0-9]*)|@.*")
 
 Block = tuple[nodes.Head, tuple[Statement, ...]]
 
@@ -201,7 +201,7 @@ class Builder(ControlBuilder):
             self._axis_or_address(found, "R", self._number(item), item)
             return
         if item.assigned and (match := _PARAMETER.fullmatch(item.address)):
-            if match["sign"] and not match["number"]:
+            if not match["number"]:
                 raise self._no_address(item.address, item.as_written, item.offset)
             found.assignments.append(Assign(self._parameter(match), self._number(item)))
             return
@@ -340,9 +340,7 @@ class Builder(ControlBuilder):
         return item.value
 
     def _parameter(self, match: re.Match[str]) -> Variable:
-        if match["sign"]:
-            return Variable(f"{match['sign']}[]", (Number(float(match["number"])),))
-        return Variable(match.group())
+        return Variable(f"{match['sign']}[]", (Number(float(match["number"])),))
 
     def _check_groups(self, functions: Sequence[tuple[nodes.Word, Word]]) -> None:
         by_group: dict[str, Word] = {}

@@ -1,5 +1,6 @@
 """Expressions of the syntax tree: constants, variables, functions, ranks of operators."""
 
+import re
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -84,8 +85,8 @@ class ExpressionBuilder(Transformer[Token, Any]):
         token, *parts = children
         name = token.upper()
         indices: tuple[Expression, ...] = ()
-        if token.type in ("PARAMETER", "R_PARAMETER") and name[0] != "@":
-            name, indices = f"{name[0]}[]", (Number(float(name[1:])),)
+        if token.type in ("PARAMETER", "R_PARAMETER") and (match := NUMBERED.fullmatch(name)):
+            name, indices = f"{match['sign']}[]", (Number(float(match["number"])),)
         elif parts:
             name, indices = _name_and_indices(name, parts)
         return nodes.Value(self._known(name, indices, token), self.at(token))
@@ -197,6 +198,8 @@ class ExpressionBuilder(Transformer[Token, Any]):
         return value
 
 
+# P1092, R5, @P4
+NUMBERED = re.compile(r"(?P<sign>[PR]|@[PS])(?P<number>[0-9]+)")
 _SIGNS = {"OR": "||", "AND": "&&"}
 # Loosest first; operands of one rank are worked off from left to right.
 # Source: TF5200 programming manual 206014219.

@@ -22,7 +22,8 @@ class Frame:
     last value and step of the $FOR loops that run, by place. turns: how often each place was
     jumped back to. turning: the loop that has just been jumped back to. turned: the same for any
     jump back, until somebody has looked. seen: what had been changed at the last turn, by place.
-    local: the V.L variables that were made in this call. decoded: the places that have come
+    local: the V.L variables that were made in this call. cycle: its parameters @P and @S where this
+    is the call of a cycle. decoded: the places that have come
     since the machine last got something to do. again: the block under decoding has come before
     since then. called_again: the call of this frame has.
     """
@@ -37,6 +38,7 @@ class Frame:
     turned: int | None = None
     seen: dict[int, int] = field(default_factory=dict)
     local: Store = field(default_factory=dict)
+    cycle: Store | None = None
     decoded: set[int] = field(default_factory=set)
     again: bool = False
     called_again: bool = False
@@ -122,9 +124,9 @@ class Flow:
         else:
             frame.jump(target)
 
-    def call(self, routine: Routine) -> None:
-        """Go on with the first block of a subprogram."""
-        self.frames.append(Frame(routine, called_again=self.frame.again))
+    def call(self, routine: Routine, cycle: Store | None = None) -> None:
+        """Go on with the first block of a subprogram; cycle: its parameters, where it is one."""
+        self.frames.append(Frame(routine, cycle=cycle, called_again=self.frame.again))
 
     def leave(self) -> bool:
         """Go back after the call; False in the main program, which was not called."""

@@ -1,6 +1,6 @@
 """The texts a run can reach: the main program, its local subprograms, files of global ones.
 
-Source: TF5200 programming manual 206828043 (local), 206834699 (global).
+Source: TF5200 programming manual 206828043 (local), 206834699 (global), 206859019 (cycles).
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ EXTENSIONS = ("", ".nc")
 class Unit:
     """One file: its main program and its local subprograms by name.
 
-    called: the units of the global subprograms that this file calls, by name as written.
+    called: the units of the global subprograms and cycles that this file calls, by name as written.
     """
 
     program: Program
@@ -59,7 +59,7 @@ def link(program: Program) -> Unit:
     while waiting:
         unit = waiting.pop()
         for block, call in _calls(unit.program):
-            if call.scope == "global" and call.name not in unit.called:
+            if call.scope != "local" and call.name not in unit.called:
                 path = _file(program, unit.program, block, call.name)
                 key = path.resolve()
                 if key not in units:
@@ -95,7 +95,7 @@ def missing_files(program: Program) -> list[UserError]:
     """
     errors: dict[str, UserError] = {}
     for block, call in _calls(program):
-        if call.scope == "global" and call.name not in errors:
+        if call.scope != "local" and call.name not in errors:
             try:
                 _file(program, program, block, call.name)
             except UserError as error:

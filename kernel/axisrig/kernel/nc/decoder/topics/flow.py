@@ -5,6 +5,7 @@ from typing import Any
 
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.decoder.base.cells import Cell, Store
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.frames import CALLS_MAX
 from axisrig.kernel.nc.decoder.base.topic import Topic, silent
@@ -22,6 +23,7 @@ from axisrig.kernel.nc.syntax import (
     EndIf,
     EndSwitch,
     EndWhile,
+    Expression,
     For,
     Goto,
     If,
@@ -178,13 +180,27 @@ def _nothing(context: Context, block: Block, statement: Any) -> None:
 
 def _call(context: Context, block: Block, call: SubprogramCall) -> None:
     flow = context.flow
-    if call.scope not in ("local", "global"):
-        raise context.not_acting(block, f"L CYCLE {call.name}", "call of a cycle")
     if len(flow.frames) > CALLS_MAX:
         # Source of the ID: global subprograms; the local ones have none of their own
         raise context.alarm(20360, block, limit=CALLS_MAX, name=call.name)
     unit = flow.frame.routine.unit
-    flow.call(unit.local[call.name] if call.scope == "local" else unit.called[call.name].main)
+    if call.scope == "local":
+        flow.call(unit.local[call.name])
+        return
+    cycle = _parameters(context, block, call) if call.scope == "cycle" else None
+    flow.call(unit.called[call.name].main, cycle)
+
+
+def _parameters(context: Context, block: Block, call: SubprogramCall) -> Store:
+    """Return @P and @S as the call gives them; they are computed before the cycle begins."""
+    store: Store = {}
+    for keyword, option in call.parameters:
+        if not isinstance(option, Expression):
+            raise context.not_acting(block, f"L CYCLE [{keyword}", "modal call of a cycle")
+        sign, number = keyword[:2], int(keyword[2:])
+        values = store.setdefault(f"{sign}[]", Cell()).values
+        values[number,] = context.any_value(block, option)
+    return store
 
 
 def _return(context: Context, block: Block, words: Words) -> None:

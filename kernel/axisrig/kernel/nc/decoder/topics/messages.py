@@ -1,4 +1,4 @@
-"""Messages to the operator and to others (#MSG)."""
+"""Messages to the operator and to others (#MSG), errors of the program (#ERROR)."""
 
 from collections.abc import Iterator
 
@@ -6,11 +6,16 @@ from axisrig.kernel.nc import canon, message
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic
+from axisrig.kernel.nc.expressions import Value
 from axisrig.kernel.nc.syntax import Command, Expression, Text
 
 # Who can be named after #MSG; nobody: the diagnosis of the CNC.
 # Source: TF5200 programming manual 507845131
 RECEIVERS = ("", "ISG_DIAG_BED", "DIAG", "HMI", "PLC", "EVENT_LOGGER")
+
+# Source: TF5200 error management 207457163; classes: programming manual 15557035659
+USER_IDS = range(1, 1001)
+ALARM_OF_CLASS = {0: 900130, 2: 900131, 7: 900132}
 
 
 def _put_out(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
@@ -35,6 +40,44 @@ def _put_out(context: Context, block: Block, command: Command) -> Iterator[canon
     yield canon.Message(block, text, synchronous, numbers, receiver)
 
 
+def _error(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """Report an error of the program: a warning and on, or the end of the program.
+
+    Without ID the number is 0, without RC the class is 2. Raises Alarm 900131 or 900132, and
+    900133 for another number.
+    """
+    given = {
+        keyword: context.any_value(block, value)
+        for keyword, value in command.options
+        if isinstance(value, Expression)
+    }
+    number, reaction = given.pop("ID", 0.0), given.pop("RC", 2.0)
+    _demand(context, block, "ID", number, number == 0 or number in USER_IDS, "1 to 1000")
+    _demand(context, block, "RC", reaction, reaction in ALARM_OF_CLASS, "0, 2 or 7")
+    assert not isinstance(number, str)
+    assert not isinstance(reaction, str)
+    details = ", ".join(
+        f"{keyword} {value if isinstance(value, str) else format(value, 'g')}"
+        for keyword, value in given.items()
+    )
+    alarm = context.alarm(
+        ALARM_OF_CLASS[int(reaction)],
+        block,
+        number=int(number),
+        details=details or "without values",
+    )
+    if alarm.ends_program:
+        raise alarm
+    yield canon.Warn(block, alarm)
+
+
+def _demand(
+    context: Context, block: Block, keyword: str, value: Value, holds: bool, allowed: str
+) -> None:
+    if not holds:
+        raise context.alarm(900133, block, keyword=keyword, value=value, allowed=allowed)
+
+
 def _names() -> Iterator[str]:
     """Every spelling that does not ask for an acknowledgement."""
     for kind in ("MSG", "MSG INFO"):
@@ -43,4 +86,4 @@ def _names() -> Iterator[str]:
                 yield f"{kind}{mode} {receiver}".rstrip()
 
 
-TOPIC = Topic(commands=dict.fromkeys(_names(), _put_out))
+TOPIC = Topic(commands={**dict.fromkeys(_names(), _put_out), "ERROR": _error})

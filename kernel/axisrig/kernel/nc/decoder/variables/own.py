@@ -1,8 +1,9 @@
-"""Variables that the program makes itself: V.P, V.L, V.S and P parameters.
+"""Variables that the program makes itself: V.P, V.L, V.S, P parameters and those of cycles.
 
 V.P and P live as long as the program, V.L as long as the subprogram that made it and in what that
-one calls, V.S as long as the session. #VAR gives a type, sizes and first values; an assignment
-makes a single value without. Source: TF5200 programming manual 207981323 (V.L and #VAR).
+one calls, V.S as long as the session, @P and @S as long as the call of their cycle. #VAR gives a
+type, sizes and first values; an assignment makes a single value without. Source: TF5200 programming
+manual 207981323 (V.L and #VAR), 206859019 (@P).
 """
 
 import itertools
@@ -24,6 +25,7 @@ from axisrig.kernel.nc.syntax import Assign, Command, Declare, For
 
 ELEMENTS_MAX = 1_000_000
 PARAMETER = "P[]"
+OF_CYCLES = ("@P[]", "@S[]")
 
 
 @dataclass
@@ -41,6 +43,10 @@ def _stores(context: Context, name: str) -> list[Store]:
         return [own.kept]
     if name.startswith("V.L."):
         return [frame.local for frame in reversed(context.flow.frames)]
+    if name in OF_CYCLES:
+        unit = context.flow.frame.routine.unit
+        frames = [frame for frame in reversed(context.flow.frames) if frame.routine.unit is unit]
+        return [frame.cycle for frame in frames if frame.cycle is not None][:1]
     return [own.program]
 
 
@@ -49,6 +55,7 @@ def _find(context: Context, name: str) -> Cell | None:
 
 
 def _read(context: Context, block: Block, name: str, indices: tuple[int, ...]) -> Value:
+    _check_place(context, block, name, indices)
     cell = _find(context, name)
     if cell is not None:
         _check_indices(context, block, name, cell, indices)
@@ -57,6 +64,12 @@ def _read(context: Context, block: Block, name: str, indices: tuple[int, ...]) -
     raise context.alarm(
         900113, block, name=spelled(name, indices), near=_near(context, name, indices)
     )
+
+
+def _check_place(context: Context, block: Block, name: str, indices: tuple[int, ...]) -> None:
+    """Refuse @P and @S outside the program of a cycle. Source: TF5200 diagnosis 254440587."""
+    if name in OF_CYCLES and not _stores(context, name):
+        raise context.alarm(21382, block, name=spelled(name, indices))
 
 
 def _near(context: Context, name: str, indices: tuple[int, ...]) -> str:
@@ -82,8 +95,8 @@ def nearest_with_value(names: Sequence[str]) -> str:
 
 def spelled(name: str, indices: tuple[int, ...]) -> str:
     """Write a variable as a program does: `P[]` with 7 is P7, `V.P.A[]` with 2 is V.P.A[2]."""
-    if name == PARAMETER:
-        return f"P{indices[0]}"
+    if name in (PARAMETER, *OF_CYCLES):
+        return f"{name.removesuffix('[]')}{indices[0]}"
     for index in indices:
         name = name.replace("[]", f"[{index}]", 1)
     return name
@@ -93,6 +106,7 @@ def store(
     context: Context, block: Block, name: str, value: Value, indices: tuple[int, ...] = ()
 ) -> None:
     """Give a variable a value, making it where it does not exist yet."""
+    _check_place(context, block, name, indices)
     cell = _find(context, name)
     if cell is None:
         cell = _stores(context, name)[0].setdefault(name, Cell())
@@ -128,7 +142,7 @@ def _fitting(context: Context, block: Block, shown: str, kind: str | None, value
 def _declare(context: Context, block: Block, declared: Declare) -> Iterator[canon.Command]:
     """Make the variable anew, in the store of this call; V.S keeps the value it has."""
     name = declared.target.name
-    if name.startswith("V.E.") or name == PARAMETER:
+    if name.startswith("V.E.") or name in (PARAMETER, *OF_CYCLES):
         raise context.alarm(900121, block, name=name)
     sizes = tuple(int(context.value(block, size)) for size in declared.target.indices)
     if not all(sizes) or math.prod(sizes) > ELEMENTS_MAX:
@@ -176,7 +190,7 @@ def _bracket(context: Context, block: Block, statement: Command) -> None:
     """#VAR and #ENDVAR: what is between them are statements of their own."""
 
 
-_STEMS = ("V.P", "V.L", "V.S", PARAMETER)
+_STEMS = ("V.P", "V.L", "V.S", PARAMETER, *OF_CYCLES)
 TOPIC = Topic(
     statements={Assign: _assign, Declare: _declare},
     commands={"VAR": silent(_bracket), "ENDVAR": silent(_bracket)},
