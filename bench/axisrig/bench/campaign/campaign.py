@@ -25,7 +25,7 @@ from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
-from axisrig.bench.plan.select import matches
+from axisrig.bench.plan.select import chosen
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.rig.reading.foreign import foreign_rigs
@@ -270,9 +270,7 @@ def _read(paths: Sequence[Path], assignments: Sequence[str], outside: Outside | 
 def _selected(plan: Plan, select: str | None) -> Plan:
     if select is None:
         return plan
-    exact = tuple(case for case in plan.cases if select in (case.case, case.run))
-    fitting = exact or tuple(case for case in plan.cases if matches(select, case))
-    return replace(plan, cases=fitting)
+    return replace(plan, cases=chosen(plan.cases, select))
 
 
 def show_campaign(campaign: Campaign) -> None:

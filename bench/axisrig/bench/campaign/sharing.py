@@ -16,7 +16,7 @@ from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
-from axisrig.bench.plan.select import matches
+from axisrig.bench.plan.select import chosen
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
 
@@ -181,10 +181,7 @@ def _selected(plan: Plan, part: StoredResults) -> Sequence[Case]:
     """Return the cases that `-k` of the command of a folder has chosen; all without."""
     words = part.manifest["command"]
     select = next((value for word, value in pairwise(words) if word == "-k"), None)
-    if select is None:
-        return plan.cases
-    exact = [case for case in plan.cases if select in (case.case, case.run)]
-    return exact or [case for case in plan.cases if matches(select, case)]
+    return plan.cases if select is None else chosen(plan.cases, select)
 
 
 def _runs(

@@ -74,18 +74,14 @@ def pytest_collection_modifyitems(
         return (yield)
     from _pytest.mark import deselect_by_keyword
 
-    from axisrig.bench.plan.select import matches
+    from axisrig.bench.plan.select import chosen
     from axisrig.kernel.errors import UserError
 
     of_plans = {id(item) for item in rows}
     others = [item for item in items if id(item) not in of_plans]
     deselect_by_keyword(others, config)
-    cases = [item.case for item in rows]
-    exact = {case.run for case in cases if keyword in (case.case, case.run)}
     try:
-        kept = {case.run for case in cases if case.run in exact} or {
-            case.run for case in cases if matches(keyword, case)
-        }
+        kept = {case.run for case in chosen([item.case for item in rows], keyword)}
     except UserError as error:
         raise pytest.UsageError(str(error)) from None
     dropped = [item for item in rows if item.case.run not in kept]

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from axisrig.bench.cli.options import rejecting
+from axisrig.bench.cli.options import JOBS_AUTO, JobsOption, SetOption, rejecting
 
 
 @rejecting
@@ -101,4 +101,37 @@ def probe_feed(
     print(probe_feed_text(Question(stroke_mm, cycle_ms, *braking), feed_mm_min))
 
 
-TOOLS = (new, bus, probe_feed, scenarios)
+@rejecting
+def budget(
+    plan: Annotated[Path, typer.Argument(metavar="PLAN", help="A plan.")],
+    select: Annotated[str, typer.Option("-k", help="One case of it, as in `axisrig run`.")],
+    axis: Annotated[str | None, typer.Option("--axis", help="Of the measured value.")] = None,
+    assignments: SetOption = None,
+    outputs: Annotated[
+        list[Path] | None,
+        typer.Option("-o", "--output", help="Write a table (.csv) or a page (.html), too."),
+    ] = None,
+    jobs: JobsOption = JOBS_AUTO,
+) -> None:
+    """Take the error of a measured value apart: what each of its causes adds to it."""
+    from functools import partial
+
+    from axisrig.bench.campaign.processes import usable_cores
+    from axisrig.bench.campaign.results.writer import RunFiles
+    from axisrig.bench.campaign.runner import run_cases
+    from axisrig.bench.plan.assignment import parse_assignment
+    from axisrig.bench.plan.plan import read_plan
+    from axisrig.bench.plan.select import only
+    from axisrig.bench.tools.budget.budget import budget_lines, make_budget
+    from axisrig.results.budget.page import write_budget
+
+    given = [parse_assignment(text) for text in assignments or ()]
+    case = only(read_plan(plan).with_inputs(given).cases, select)
+    run = partial(run_cases, files_of=lambda _: RunFiles(), jobs=jobs or usable_cores())
+    found = make_budget(case, axis, run)
+    print("\n".join(budget_lines(found)))
+    for path in outputs or ():
+        print(write_budget(path, found))
+
+
+TOOLS = (new, bus, budget, probe_feed, scenarios)

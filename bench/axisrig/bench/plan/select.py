@@ -4,11 +4,32 @@ An expression that is the whole name of a case means that case alone.
 """
 
 import re
+from collections.abc import Sequence
 
 from axisrig.bench.plan.plan import Case
 from axisrig.kernel.errors import UserError
 
 _TOKEN = re.compile(r"\(|\)|[^\s()]+")
+
+
+def chosen(cases: Sequence[Case], expression: str) -> tuple[Case, ...]:
+    """Return the cases that fit, in their order: that of the name alone, else all that fit.
+
+    Raises UserError for an expression that cannot be read.
+    """
+    exact = tuple(case for case in cases if expression in (case.case, case.run))
+    return exact or tuple(case for case in cases if matches(expression, case))
+
+
+def only(cases: Sequence[Case], expression: str) -> Case:
+    """Return the one case that fits. Raises UserError where none does or several do."""
+    found = chosen(cases, expression)
+    if len(found) != 1:
+        raise UserError(
+            f"-k {expression!r} has to name one case, {len(found)} fit",
+            allowed=[case.run for case in found or cases],
+        )
+    return found[0]
 
 
 def matches(expression: str, case: Case) -> bool:

@@ -1,0 +1,1 @@
+"""The error of one measured value, taken apart by its causes."""
