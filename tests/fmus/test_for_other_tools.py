@@ -22,12 +22,14 @@ from axisrig.kernel.cosim.fmi.library import Capabilities, longest_internal_step
 
 ROOT = Path(__file__).parents[2]
 SCHEMAS = Path(fmpy.__file__).parent / "schema" / "fmi3"
-SMALL = """package Small
+SMALL = """// A comment before everything
+package Small
+  connector WayInput = input Way "Of a type" annotation(Icon(graphics={Line()}));
   type Way = Real(quantity="Length", unit="m", displayUnit="mm", nominal=0.1);
   type Short = Way(min=0);
   model Plant "A model of somebody else"
     extends Drawn;
-    input Way u "Input";
+    WayInput u "Input";
     input Real w(unit="m") "Of no type";
     input Short s(unit="mm") "Of another unit than its type";
     output Short y "Output";
@@ -148,6 +150,7 @@ def test_type_that_is_made_from_another_has_its_attributes(
     assert variables["y"].declaredType.name == "Small.Short"
     assert variables["y"].declaredType.displayUnit == "mm"
     assert float(variables["y"].declaredType.nominal) == 0.1
+    assert variables["u"].declaredType.name == "Small.Way"
     assert variables["w"].declaredType is None
     assert variables["s"].declaredType is None
     assert variables["s"].unit == "mm"

@@ -44,7 +44,7 @@ class Class:
     @property
     def code(self) -> str:
         """The text with blanks in place of comments and strings; as long as the text."""
-        return _NO_CODE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), self.text)
+        return _without_words(self.text)
 
     @property
     def title(self) -> str:
@@ -75,7 +75,7 @@ class Texts:
         self._classes: dict[str, Class] = {}
         self._tops: dict[int, str] = {}
         for number, (_, text) in ir.files.items():
-            within = _WITHIN.match(text)
+            within = _WITHIN.match(_without_words(text))
             package = within[1] if within else ""
             for found in _classes(text, package):
                 self._tops.setdefault(number, found.name)
@@ -94,24 +94,31 @@ class Texts:
             scope = scope.rpartition(".")[0]
 
     def declared_type(self, ir: Ir, variable: Mapping[str, Any]) -> Class | None:
-        """The class that the declaration of a variable of the compiler names, None for Real."""
+        """The class that the declaration of a variable of the compiler names, None for Real.
+
+        A connector that is an input or an output of a type counts as this type.
+        """
         span = variable["declaration"].get("span")
         if span is None or span["source"] not in self._tops:
             return None
         text = ir.files[span["source"]][1].encode()[span["start"] : span["end"]].decode()
         word = re.match(r"[\w.]+", text)
-        return self.resolve(word[0], self._tops[span["source"]]) if word else None
+        found = self.resolve(word[0], self._tops[span["source"]]) if word else None
+        while found is not None and found.keyword == "connector":
+            found = self._made_from(found)
+        return found
+
+    def _made_from(self, kind: Class) -> Class | None:
+        """The class that a short definition such as `type A = B` names; None for Real."""
+        head = re.match(rf"{KEYWORD}\s+\w+", kind.text)
+        base = head and _SHORT.match(kind.text, head.end())
+        source = self.resolve(base[1], kind.name.rpartition(".")[0]) if base else None
+        return source if source is not None and source.name != kind.name else None
 
     def attributes(self, kind: Class) -> dict[str, str]:
         """The attributes of a type, those of the types that it is made from included."""
-        found: dict[str, str] = {}
-        head = re.match(rf"{KEYWORD}\s+\w+", kind.text)
-        base = head and _SHORT.match(kind.text, head.end())
-        if not base:
-            return found
-        source = self.resolve(base[1], kind.name.rpartition(".")[0])
-        if source is not None and source.name != kind.name:
-            found |= self.attributes(source)
+        source = self._made_from(kind)
+        found = self.attributes(source) if source is not None else {}
         for name, value in _ATTRIBUTES.items():
             given = re.search(rf"\b{name}\s*=\s*{value}", kind.text)
             if given:
@@ -150,7 +157,7 @@ class Texts:
 
 def _classes(text: str, package: str) -> Iterator[Class]:
     """The classes of a text, inner ones after the one that holds them."""
-    code = _NO_CODE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+    code = _without_words(text)
     position = 0
     while head := _HEAD.search(code, position):
         name = f"{package}.{head[2]}" if package else head[2]
@@ -172,6 +179,11 @@ def _inside(code: str, begin: int) -> str:
         if depth == 0:
             return code[begin:place]
     return ""
+
+
+def _without_words(text: str) -> str:
+    """A text with blanks in place of comments and strings, as long as it was."""
+    return _NO_CODE.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
 
 
 def _plain(text: str) -> str:
