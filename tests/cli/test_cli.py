@@ -228,8 +228,8 @@ def test_small_commands(axisrig: Call) -> None:
     assert (code, err) == (0, "")
     assert set(out.split()) >= {"AxisRig.Drives.ServoAxis", "AxisRig.Sensors.TouchProbe"}
     code, out, err = axisrig("fmu", "build")
-    assert (code, out) == (0, "")
-    assert err.count(".fmu\n") == len(MODELS)
+    assert (code, err) == (0, "")
+    assert out.count(".fmu\n") == len(MODELS)
     code, out, err = axisrig("doctor")
     assert (code, err) == (0, "")
     assert "LACKS" not in out

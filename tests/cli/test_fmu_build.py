@@ -1,8 +1,13 @@
 """`axisrig fmu build`: options, several models at once, what is refused."""
 
+import hashlib
 import sys
+from pathlib import Path
 
 import pytest
+from fmpy import read_model_description, simulate_fmu
+from fmpy.cross_check.validate_vendor_repo import validate_test_fmu
+from fmpy.util import read_csv
 
 from axisrig.bench.tools.fmu import library
 from axisrig.fmus import CATALOGUE, MODELS
@@ -27,7 +32,7 @@ def two_models(monkeypatch):
 @pytest.mark.usefixtures("two_models")
 def test_all_models_are_built_in_their_order_and_then_taken_from_the_cache(own_cache):
     first = list(library.build_models(None))
-    assert [line.partition(": ")[0] for line in first] == list(SOME)
+    assert [built.model for built in first] == list(SOME)
     stamps = {path.name: path.stat().st_mtime_ns for path in own_cache.glob("*.fmu")}
     assert len(stamps) == len(SOME)
     assert list(library.build_models(None)) == first
@@ -43,7 +48,7 @@ def test_a_model_may_be_called_by_its_last_name_as_everywhere():
 @pytest.mark.usefixtures("two_models")
 def test_versions_lie_side_by_side(own_cache):
     three = list(library.build_models(SOME[0]))
-    two = list(library.build_models(SOME[0], fmi="2.0"))
+    two = list(library.build_models(SOME[0], fmi=["2.0"]))
     assert three != two
     assert len(list(own_cache.glob("*.fmu"))) == 2
 
@@ -52,9 +57,9 @@ def test_versions_lie_side_by_side(own_cache):
     ("arguments", "text"),
     [
         (("AxisRig.Drives.ServoAxs",), "AxisRig.Drives.ServoAxis"),
-        ((None, "2"), "2.0"),
-        ((None, "3.0", ["x86_64-linus"]), "x86_64-linux"),
-        ((None, "3.0", (), "gcc"), "cc, zig, omc"),
+        ((None, ["2"]), "2.0"),
+        ((None, ["3.0"], ["x86_64-linus"]), "x86_64-linux"),
+        ((None, ["3.0"], (), "gcc"), "cc, zig, omc"),
     ],
 )
 def test_unknown_words_are_refused_with_the_nearest(arguments, text):
@@ -95,6 +100,62 @@ def test_command_takes_version_platform_and_compiler(axisrig):
     assert (code, "no such FMI version" in err) == (2, True)
     code, _, err = axisrig("fmu", "build", SOME[0], "--platform", "amiga", "--compiler", "cc")
     assert (code, "no such platform" in err) == (2, True)
-    code, _, err = axisrig("fmu", "build", SOME[0], "--fmi", "2.0")
-    assert code == 0
-    assert err.startswith(f"{SOME[0]}: ")
+    code, _, err = axisrig("fmu", "build", SOME[0], "--all")
+    assert (code, "--all is every model" in err) == (2, True)
+
+
+def test_command_prints_a_path_for_each_model_and_version(axisrig):
+    code, out, err = axisrig("fmu", "build", SOME[0], "--fmi", "2.0", "--fmi", "3.0")
+    assert (code, err) == (0, "")
+    versions = [read_model_description(line).fmiVersion for line in out.splitlines()]
+    assert versions == ["2.0", "3.0"]
+
+
+# --- releases ----------------------------------------------------------------------------------
+
+
+def sums(folder):
+    """Checksums of the file SHA256SUMS by name."""
+    lines = (folder / "SHA256SUMS").read_text(encoding="utf-8").splitlines()
+    return {name: digest for digest, name in (line.split("  ") for line in lines)}
+
+
+@pytest.mark.usefixtures("two_models")
+def test_release_has_what_the_rules_of_the_cross_check_ask_for(tmp_path, axisrig):
+    """Judged by fmpy's validation of FMUs for the FMI cross-check."""
+    words = ("--all", "--fmi", "2.0", "--fmi", "3.0", "-o", tmp_path / "a")
+    code, out, _ = axisrig("fmu", "build", *words)
+    *fmus, last = map(Path, out.splitlines())
+    assert (code, len(fmus), last.name) == (0, 2 * len(SOME), "SHA256SUMS")
+    for fmu in fmus:
+        assert validate_test_fmu(str(fmu.parent)) == []
+        kinds = {path.name.removeprefix(fmu.stem) for path in fmu.parent.iterdir()}
+        assert kinds == {".fmu", "_in.csv", "_ref.csv", "_ref.opt"}
+    found = sums(tmp_path / "a")
+    assert set(found) == {
+        path.relative_to(tmp_path / "a").as_posix()
+        for path in (tmp_path / "a").rglob("*.*")
+        if path.is_file()
+    }
+    for name, digest in found.items():
+        content = (tmp_path / "a" / name).read_bytes()
+        assert hashlib.sha256(content).hexdigest() == digest
+    again = list(library.release_models(tmp_path / "b", None, ["2.0", "3.0"]))
+    assert len(again) == len(fmus) + 1
+    assert sums(tmp_path / "b") == found
+
+
+def test_importer_that_reads_the_inputs_of_a_release_gets_its_reference(tmp_path):
+    """fmpy as the importer, with the inputs as they change during the run."""
+    model = "AxisRig.Sensors.DigitalInput"
+    fmu, _ = library.release_models(tmp_path, model, ["3.0"])
+    reference = read_csv(f"{fmu.with_suffix('')}_ref.csv")
+    names = list(reference.dtype.names[1:])
+    found = simulate_fmu(
+        str(fmu), stop_time=1.0, step_size=1e-3, output_interval=1e-3, output=names,
+        input=read_csv(f"{fmu.with_suffix('')}_in.csv"),
+    )  # fmt: skip
+    assert len(found) == len(reference) == 1001
+    assert reference["level"].any()
+    for name in names:
+        assert (found[name] == reference[name]).all(), name

@@ -153,7 +153,9 @@ def test_cache_key_changes_with_every_file_of_exporter_and_library(tmp_path):
     )  # fmt: skip
     first, *changed, last = ended.stdout.split()
     assert first == last
-    assert {path.suffix for path in FILES} == {".py", ".csv", ".c", ".h", ".jinja", ".toml", ".mo"}
+    assert {path.suffix for path in FILES} == {
+        *(".py", ".csv", ".h", ".inc", ".jinja", ".toml", ".txt", ".mo"),
+    }
     assert [str(f) for f, key in zip(FILES, changed, strict=True) if key == first] == []
     assert len(set(changed)) == len(FILES)
 

@@ -42,12 +42,12 @@ def test_the_command_runs_the_tagged_rows_of_every_plan_or_all(
     monkeypatch: pytest.MonkeyPatch, words: tuple[str, ...], selected: str | None
 ) -> None:
     calls: list[tuple[Any, ...]] = []
-    monkeypatch.setattr(main, "build", lambda model: calls.append((model,)))
+    monkeypatch.setattr(main, "build_library", lambda: calls.append(()))
     monkeypatch.setattr(main, "run", lambda *args, **_: calls.append(args))
     with pytest.raises(SystemExit) as end:
         main.main(["demo", "--plans", str(TESTPLANS), "-j", "2", *words])
     assert end.value.code == 0
-    (everything,), (plans, _, select, jobs, _) = calls
-    assert everything is None
+    built, (plans, _, select, jobs, _) = calls
+    assert built == ()
     assert [Path(plan).stem for plan in plans] == list(PLANS)
     assert (select, jobs) == (selected, 2)

@@ -9,7 +9,7 @@ from axisrig.fmus.build import (
     is_ours,
     place_in_cache,
 )
-from axisrig.fmus.compiler import COMPILERS, PLATFORMS
+from axisrig.fmus.compiler import COMPILERS, PLATFORMS, this_platform
 from axisrig.fmus.reading.errors import BuildError
 
 __all__ = [
@@ -23,4 +23,5 @@ __all__ = [
     "ensure_own_built",
     "is_ours",
     "place_in_cache",
+    "this_platform",
 ]

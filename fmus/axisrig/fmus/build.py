@@ -193,13 +193,16 @@ def build(
         compile_model(model, library, _roots(library)), _step_s(model, step_s), fmi
     )
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as name:
-        work = Path(name)
+    with tempfile.TemporaryDirectory(prefix=".build-", dir=path.parent) as place:
+        work = Path(place)
         sources = work / "sources"
         _write_sources(sources, generated)
         source, binaries = sources / f"{generated.identifier}.c", work / "binaries"
         _compile(chosen, targets, source, binaries, fmi, is_optimised)
         _write(work / "modelDescription.xml", generated.description)
+        for name, content in generated.others.items():
+            (work / name).parent.mkdir(parents=True, exist_ok=True)
+            (work / name).write_bytes(content)
         packed = work / "packed"
         _pack(work, packed)
         packed.replace(path)
@@ -334,6 +337,7 @@ def cache_key(
         "library": library.name.encode() + hash_of(_models(library)),
         "roots": b"".join(hash_of(_models(root)) for root in _roots(library)),
         "exporter": hash_of(files_below(Path(__file__).parent, (".py", ".csv"))),
+        "version": _version().encode(),
         "target": hash_of(files_below(TARGET, ("",))),
         "headers": hash_of(files_named(_headers(fmi))),
     }
@@ -348,6 +352,12 @@ def _roots(library: Path) -> tuple[Path, ...]:
 def _models(library: Path) -> tuple[Stamp, ...]:
     """The files of a library, or of a model and what is beside it."""
     return files_below(library if library.is_dir() else library.parent, (".mo",))
+
+
+@cache
+def _version() -> str:
+    """The version of axisrig, which the model descriptions of its own library name."""
+    return importlib.metadata.version("axisrig")
 
 
 @cache

@@ -1,6 +1,7 @@
 """The commands `axisrig fmu ...`; heavy modules are imported inside them."""
 
 import sys
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -61,8 +62,14 @@ def show(
 @fmu_app.command("build")
 @rejecting
 def build(
-    model: Annotated[str | None, typer.Argument(help="Model; all by default.")] = None,
-    fmi: Annotated[str, typer.Option("--fmi", help="Version: 3.0 or 2.0.")] = "3.0",
+    model: Annotated[
+        str | None, typer.Argument(help="Model; every one by default, as with --all.")
+    ] = None,
+    is_all: Annotated[bool, typer.Option("--all", help="Every model of the library.")] = False,
+    fmi: Annotated[
+        list[str] | None,
+        typer.Option("--fmi", help="Version: 3.0 (default) or 2.0; several allowed."),
+    ] = None,
     platform: Annotated[
         list[str] | None,
         typer.Option(
@@ -73,9 +80,33 @@ def build(
     compiler: Annotated[
         str | None, typer.Option("--compiler", help="cc, zig or omc (OpenModelica).")
     ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            "-o",
+            help="Release folder: FMUs with reference results, inputs, options and checksums.",
+        ),
+    ] = None,
 ) -> None:
-    """Build FMUs that the cache does not have yet."""
+    """Build FMUs that the cache does not have yet; print their paths."""
+    from axisrig.bench.tools.fmu.library import build_models, release_models
+    from axisrig.kernel.errors import UserError
+
+    if is_all and model is not None:
+        raise UserError("--all is every model: leave it out, or the model", value=model)
+    versions, platforms = fmi or ("3.0",), platform or ()
+    if out is not None:
+        for path in release_models(out, model, versions, platforms, compiler):
+            print(path)
+        return
+    for built in build_models(model, versions, platforms, compiler):
+        print(built.path)
+
+
+def build_library() -> None:
+    """Build what the cache lacks of the library; say on standard error where the FMUs are."""
     from axisrig.bench.tools.fmu.library import build_models
 
-    for line in build_models(model, fmi, platform or (), compiler):
-        print(line, file=sys.stderr)
+    for built in build_models(None):
+        print(f"{built.model}: {built.path}", file=sys.stderr)

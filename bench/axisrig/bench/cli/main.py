@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Annotated, NoReturn
 import typer
 
 from axisrig.bench.cli.data_commands import DATA
-from axisrig.bench.cli.fmu_commands import build, fmu_app
+from axisrig.bench.cli.fmu_commands import build_library, fmu_app
 from axisrig.bench.cli.list_commands import LISTINGS, plan_app
 from axisrig.bench.cli.options import (
     CALL_LIMIT_S,
@@ -211,7 +211,7 @@ def demo(
     """Build the FMUs, run some rows of every shipped plan, and say where the report is."""
     from axisrig.bench.campaign.campaign import plans_in
 
-    build(None)
+    build_library()
     if not is_all:
         print(f"rows tagged {DEMO}; axisrig demo --all runs every row", file=sys.stderr)
     run(plans_in(folder), out, None if is_all else DEMO, jobs, None, is_fresh=is_fresh)

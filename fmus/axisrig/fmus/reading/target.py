@@ -3,10 +3,10 @@
 from pathlib import Path
 
 TARGET = Path(__file__).parent.parent / "target"
-RUNTIME = ("runtime.h", "equations.c", "solver.c", "slave.c")
+RUNTIME = ("runtime.h", "equations.inc", "solver.inc", "slave.inc")
 SLAVES = {
-    "3.0": ("fmi3.c", "fmi3_absent.c"),
-    "2.0": ("fmi2.c", "fmi2_absent.c"),
+    "3.0": ("fmi3.inc", "fmi3_absent.inc"),
+    "2.0": ("fmi2.inc", "fmi2_absent.inc"),
 }
 
 

@@ -1,3 +1,4 @@
+/* SPDX-License-Identifier: Apache-2.0 */
 /* What a generated model and the runtime share, and small helpers of the generated code.
  *
  * A model lives in two vectors: y (N_X states, then what follows from them at the same instant)

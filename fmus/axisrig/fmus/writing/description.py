@@ -1,5 +1,6 @@
 """Writes the model description of one FMU."""
 
+import importlib.metadata
 import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
@@ -10,6 +11,7 @@ from markupsafe import Markup
 from axisrig.fmus.equations.system import System
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.reading.target import TARGET
+from axisrig.fmus.reading.texts import Class, Texts
 from axisrig.fmus.writing.structure import output_dependencies
 from axisrig.fmus.writing.units import BASE, Unit, read_unit
 from axisrig.fmus.writing.variables import Variable
@@ -28,6 +30,10 @@ _EXPERIMENT: Mapping[str, str] = {
     "Tolerance": "tolerance",
     "Interval": "stepSize",
 }
+# The tolerance is that of the integration (solver.inc); the step is the usual cycle of a fieldbus.
+_DEFAULT_EXPERIMENT = {"startTime": 0.0, "stopTime": 1.0, "tolerance": 1e-9, "stepSize": 1e-3}
+OWN_LIBRARY = "AxisRig"
+LICENSE, AUTHOR, COPYRIGHT = "Apache-2.0", "axisrig", "Copyright the authors of axisrig"
 _NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
 
 
@@ -37,11 +43,11 @@ def identifier_of(model: str) -> str:
 
 
 def templates(**filters: Callable[..., str]) -> jinja2.Environment:
-    """The templates of the target folder; XML ones escape what they insert."""
+    """The templates of the target folder; XML and HTML ones escape what they insert."""
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(TARGET),
         undefined=jinja2.StrictUndefined,
-        autoescape=lambda name: bool(name and name.endswith(".xml.jinja")),
+        autoescape=lambda name: bool(name and name.endswith((".xml.jinja", ".html.jinja"))),
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
@@ -50,17 +56,26 @@ def templates(**filters: Callable[..., str]) -> jinja2.Environment:
     return environment
 
 
-def describe(ir: Ir, system: System, variables: Sequence[Variable], step_s: float, fmi: str) -> str:
+def describe(
+    ir: Ir,
+    texts: Texts,
+    system: System,
+    variables: Sequence[Variable],
+    step_s: float,
+    fmi: str,
+) -> str:
     """The text of modelDescription.xml, with `TOKEN_MARK` in place of the token.
 
-    variables: for version 2.0 without arrays.
+    variables: for version 2.0 without arrays. step_s: longest internal step of the integration, s.
     """
     # The time comes first, then the variables in the order of their references.
+    shown = _display_units(texts, variables)
     used = {variable.unit for variable in variables if variable.unit} | {"s"}
     types = {v.enumeration: v.literals for v in variables if v.literals}
     return (
         templates(
             base_unit=_base_unit,
+            display_unit=_display_unit,
             attributes=_attributes,
             value_attributes=_value_attributes,
             dependencies=_dependencies,
@@ -69,11 +84,15 @@ def describe(ir: Ir, system: System, variables: Sequence[Variable], step_s: floa
         .render(
             model=ir.model,
             identifier=identifier_of(ir.model),
-            text=" ".join((ir.flat["model_description"] or "").split()),
+            head=head_of(ir, texts),
             step=repr(step_s),
-            units=[(name, read_unit(name)) for name in sorted(used)],
+            units=[(name, read_unit(name), shown.get(name, [])) for name in sorted(used)],
             types=sorted(types.items()),
-            experiment=_experiment(ir),
+            real_types=[
+                (name, _type_attributes(texts, name))
+                for name in sorted({v.declared for v in variables if v.declared})
+            ],
+            experiment=_experiment(texts.get(ir.model)),
             variables=variables,
             outputs=[v for v in variables if v.causality == "output"],
             unknowns=[v for v in variables if _is_initial_unknown(v)],
@@ -89,9 +108,9 @@ def _is_initial_unknown(variable: Variable) -> bool:
     )
 
 
-def _attributes(pairs: Mapping[str, str]) -> str:
-    """XML attributes, each with a space before it."""
-    return Markup("").join(Markup(' {}="{}"').format(*pair) for pair in pairs.items())
+def _attributes(pairs: Mapping[str, str], before: str = " ") -> str:
+    """XML attributes, each with `before` before it."""
+    return Markup("").join(Markup('{}{}="{}"').format(before, *pair) for pair in pairs.items())
 
 
 def _base_unit(unit: Unit) -> str:
@@ -104,7 +123,8 @@ def _base_unit(unit: Unit) -> str:
 
 def _value_attributes(variable: Variable) -> str:
     """The attributes that a type of value has: they are the same words in both versions."""
-    pairs = {"declaredType": variable.enumeration} if variable.literals else {}
+    declared = variable.enumeration if variable.literals else variable.declared
+    pairs = {"declaredType": declared} if declared else {}
     pairs |= {"unit": variable.unit} if variable.unit else {}
     if variable.type != "Boolean" and not variable.literals:
         limits = {"min": variable.minimum, "max": variable.maximum, "nominal": variable.nominal}
@@ -128,19 +148,19 @@ def _number(variable: Variable, value: float) -> str:
     return str(int(value))
 
 
-def _dependencies(references: tuple[int, ...] | None, offset: int = 0) -> str:
+def _dependencies(references: tuple[int, ...] | None) -> str:
     """The attribute `dependencies`, none when they are not known."""
     if references is None:
         return ""
-    return _attributes({"dependencies": " ".join(str(r + offset) for r in references)})
+    return _attributes({"dependencies": " ".join(map(str, references))})
 
 
-def _experiment(ir: Ir) -> dict[str, str]:
-    """Start, stop, tolerance and step of the model's annotation experiment(), or of a second."""
-    found: dict[str, Any] = {"startTime": 0.0, "stopTime": 1.0, "stepSize": 1e-3}
-    text = re.search(r"\bexperiment\s*\(([^()]*)\)", _class_body(ir))
+def _experiment(model: Class | None) -> dict[str, str]:
+    """Start, stop, tolerance and step of the model's annotation experiment(), else the default."""
+    found: dict[str, Any] = dict(_DEFAULT_EXPERIMENT)
+    text = model.annotation("experiment") if model is not None else ""
     for word, name in _EXPERIMENT.items():
-        value = text and re.search(rf"\b{word}\s*=\s*({_NUMBER})", text.group(1))
+        value = re.search(rf"\b{word}\s*=\s*({_NUMBER})", text)
         if value:
             found[name] = float(value.group(1))
     if found["stopTime"] <= found["startTime"]:
@@ -148,12 +168,49 @@ def _experiment(ir: Ir) -> dict[str, str]:
     return {name: repr(value) for name, value in found.items()}
 
 
-def _class_body(ir: Ir) -> str:
-    """The text of the model's class, empty when no file has it."""
-    name = re.escape(ir.model.split(".")[-1])
-    body = re.compile(rf"\b(?:model|block|class)\s+{name}\b.*?\bend\s+{name}\s*;", re.DOTALL)
-    for path, text in ir.files.values():
-        found = body.search(text)
-        if found and path.stem in (*ir.model.split("."), "package"):
-            return found.group(0)
-    return ""
+def head_of(ir: Ir, texts: Texts) -> dict[str, str]:
+    """What the root element says about the model: words that both versions have.
+
+    Author, copyright and license are those of the library of axisrig; of another library nothing is
+    known but its version.
+    """
+    library = ir.model.partition(".")[0]
+    version = _version(texts.get(library))
+    found = {"description": " ".join((ir.flat["model_description"] or "").split())}
+    if library == OWN_LIBRARY:
+        version = version or importlib.metadata.version("axisrig")
+        found |= {"author": AUTHOR, "copyright": COPYRIGHT, "license": LICENSE}
+    return found | ({"version": version} if version else {})
+
+
+def _version(library: Class | None) -> str:
+    """The annotation version of a library."""
+    found = library and re.search(r'\bversion\s*=\s*"([^"]*)"', library.text)
+    return found.group(1) if found else ""
+
+
+def _display_units(texts: Texts, variables: Sequence[Variable]) -> dict[str, list[str]]:
+    """The units in which the types want values of a unit to be shown."""
+    found: dict[str, set[str]] = {}
+    for name in {variable.declared for variable in variables if variable.declared}:
+        attributes = _type_attributes(texts, name)
+        if "displayUnit" in attributes:
+            found.setdefault(attributes["unit"], set()).add(attributes["displayUnit"])
+    return {unit: sorted(shown) for unit, shown in found.items()}
+
+
+def _type_attributes(texts: Texts, name: str) -> dict[str, str]:
+    """Attributes of a type: quantity, unit, displayUnit and nominal, as far as it has them."""
+    declared = texts.get(name)
+    found = texts.attributes(declared) if declared is not None else {}
+    if "nominal" in found:
+        found["nominal"] = repr(abs(float(found["nominal"])))
+    return found
+
+
+def _display_unit(name: str, unit: Unit) -> str:
+    """Attributes of a unit to show: value shown = factor*value + offset."""
+    shown = read_unit(name)
+    pairs = {"name": name, "factor": repr(unit.factor / shown.factor)}
+    offset = (unit.offset - shown.offset) / shown.factor
+    return _attributes(pairs | ({"offset": repr(offset)} if offset else {}))

@@ -9,7 +9,7 @@ from axisrig.fmus.equations.system import Assignment, System
 from axisrig.fmus.reading.expressions import Expr, c_number
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.writing.branches import Lazy, lazy_rows
-from axisrig.fmus.writing.description import templates
+from axisrig.fmus.writing.description import OWN_LIBRARY, templates
 from axisrig.fmus.writing.variables import Variable, start_vectors
 from axisrig.fmus.writing.writer import Writer
 
@@ -38,6 +38,7 @@ def write_source(
         .get_template("model.c.jinja")
         .render(
             model=ir.model,
+            is_own=ir.model.partition(".")[0] == OWN_LIBRARY,
             slave=slave,
             system=system,
             code=source,
@@ -348,7 +349,7 @@ def _row(variable: Variable, slave: str) -> dict[str, str]:
     if variable.settable:
         class_ = "CLASS_INPUT" if variable.causality == "input" else "CLASS_PARAMETER"
     # FMI 2.0 reads an enumeration as an integer.
-    kind = "Int32" if slave == "fmi2.c" and variable.type == "Enumeration" else variable.type
+    kind = "Int32" if slave == "fmi2.inc" and variable.type == "Enumeration" else variable.type
     low = -float("inf") if variable.minimum is None else variable.minimum
     high = float("inf") if variable.maximum is None else variable.maximum
     return {

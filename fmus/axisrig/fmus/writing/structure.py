@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from axisrig.fmus.equations.system import System
 from axisrig.fmus.reading.expressions import Expr
-from axisrig.fmus.writing.variables import Variable
+from axisrig.fmus.writing.variables import TIME_REFERENCE, Variable
 
 Slot = tuple[str, int]
 TIME: Slot = ("time", 0)
@@ -38,7 +38,7 @@ def output_dependencies(
 
 
 def _time(slots: set[Slot]) -> set[int]:
-    return {0} if TIME in slots else set()
+    return {TIME_REFERENCE} if TIME in slots else set()
 
 
 def _leaves(value: Expr) -> set[Slot]:

@@ -8,6 +8,7 @@ from typing import Any
 
 from axisrig.fmus.equations.system import System
 from axisrig.fmus.reading.ir import Ir
+from axisrig.fmus.reading.texts import Texts
 from axisrig.fmus.writing.units import UnitError, read_unit
 
 FMI_TYPE = {
@@ -16,6 +17,11 @@ FMI_TYPE = {
     "boolean": "Boolean",
     "enumeration": "Enumeration",
 }
+
+# Value references count from 1 in the order of ModelVariables, where the time comes first: an
+# importer that takes a reference for an index from 1, or the other way round, finds the same one.
+TIME_REFERENCE = 1
+FIRST_REFERENCE = TIME_REFERENCE + 1
 
 # A name of Modelica; the compiler's own variables have other signs in theirs.
 _PART = r"(?:[A-Za-z_]\w*|'[^']+')(?:\[\d+(?:,\d+)*\])?"
@@ -26,11 +32,13 @@ _NAME = re.compile(rf"{_PART}(?:\.{_PART})*", re.ASCII)
 class Variable:
     """One variable that the FMU shows, a scalar or an array.
 
-    reference: value reference (0 is the time). type: Float64, Int32, Boolean or Enumeration.
+    reference: value reference, the place in ModelVariables from 1 (1 is the time). type: Float64,
+    Int32, Boolean or Enumeration.
     causality, variability, initial: words of FMI 3.0 (initial None: not to be written).
     dimensions: of an array, row by row; elements: the names of its scalars. start: one number per
     element, None where the FMU computes it. vector, index: where the first element rests ("y" or
-    "p"), the others follow. enumeration, literals: name and values of its type.
+    "p"), the others follow. enumeration, literals: name and values of its type. declared: full name
+    of the type that its declaration names, empty where it is a type of the language.
     """
 
     reference: int
@@ -51,6 +59,7 @@ class Variable:
     index: int
     enumeration: str = ""
     literals: tuple[str, ...] = ()
+    declared: str = ""
 
     @property
     def count(self) -> int:
@@ -71,7 +80,7 @@ class Variable:
 
 
 def scalars(variables: Iterable[Variable]) -> list[Variable]:
-    """The same variables with one scalar (`x[1]`) for each element, numbered anew from 1."""
+    """The same variables with one scalar (`x[1]`) for each element, numbered anew."""
     found: list[Variable] = []
     for variable in variables:
         for number, name in enumerate(variable.elements):
@@ -79,7 +88,7 @@ def scalars(variables: Iterable[Variable]) -> list[Variable]:
             found.append(
                 replace(
                     variable,
-                    reference=len(found) + 1,
+                    reference=FIRST_REFERENCE + len(found),
                     name=name,
                     dimensions=(),
                     elements=(name,),
@@ -179,7 +188,7 @@ def start_vectors(ir: Ir, system: System) -> tuple[list[float], list[float]]:
 # --- variables -------------------------------------------------------------------------------
 
 
-def read_variables(ir: Ir, system: System) -> list[Variable]:
+def read_variables(ir: Ir, system: System, texts: Texts) -> list[Variable]:
     """Every variable that the FMU shows, in the order of declaration.
 
     A parameter with a plain number can be set, that of a component by its structured name
@@ -201,8 +210,18 @@ def read_variables(ir: Ir, system: System) -> list[Variable]:
         if slots != [(vector, index + k) for k in range(len(slots))]:
             message = f"the elements of {variable['name']} are not side by side"
             raise ir.error(variable["declaration"].get("span"), message)
-        variables.append(_variable(ir, variable, len(variables) + 1, slots, computed))
+        reference = FIRST_REFERENCE + len(variables)
+        found = _variable(ir, variable, reference, slots, computed)
+        declared = _declared(ir, texts, variable, found.unit)
+        variables.append(replace(found, declared=declared))
     return variables
+
+
+def _declared(ir: Ir, texts: Texts, variable: Mapping[str, Any], unit: str | None) -> str:
+    """The type of a real variable that the model description defines; empty when it has none."""
+    declared = texts.declared_type(ir, variable) if unit else None
+    is_same = declared is not None and texts.attributes(declared).get("unit") == unit
+    return declared.name if declared is not None and is_same else ""
 
 
 def _variable(

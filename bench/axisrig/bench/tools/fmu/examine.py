@@ -49,7 +49,7 @@ def examine(path: Path) -> Examined:
     description, folder = load_description_findings(path, findings)
     if description is not None:
         findings += _binaries(description, folder)
-        findings += _capabilities(description)
+        findings += _capabilities(description, folder)
         findings += _variables(description)
     return Examined(findings, archive.sha256, not has_failed(findings))
 
@@ -153,8 +153,8 @@ def _folder_here(description: ModelDescription) -> str:
     return str(fmpy.platform if is_fmi2 else fmpy.platform_tuple)
 
 
-def _capabilities(description: ModelDescription) -> Iterator[Finding]:
-    area, can = "capabilities", Capabilities.of(description)
+def _capabilities(description: ModelDescription, folder: Path) -> Iterator[Finding]:
+    area, can = "capabilities", Capabilities.of(description, folder)
     said = {
         "saves its state": can.can_save_state,
         "serialises it": can.can_serialize_state,

@@ -3,8 +3,10 @@
 import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 from axisrig.bench.campaign.processes import Died, run_apart
+from axisrig.bench.tools.fmu.release import release, write_sums
 from axisrig.fmus import (
     CATALOGUE,
     COMPILERS,
@@ -15,6 +17,7 @@ from axisrig.fmus import (
     ensure_built,
     is_ours,
     place_in_cache,
+    this_platform,
 )
 from axisrig.kernel.errors import UserError, nearest
 
@@ -26,46 +29,64 @@ def named(text: str) -> list[str]:
     return [name for name in MODELS if text in (name, name.rsplit(".", maxsplit=1)[-1])]
 
 
+class Built(NamedTuple):
+    """An FMU that was built: full name of the model, FMI version, and where it is."""
+
+    model: str
+    fmi: str
+    path: Path
+
+
 def build_models(
     model: str | None,
-    fmi: str = "3.0",
+    fmi: Sequence[str] = ("3.0",),
     platforms: Sequence[str] = (),
     compiler: str | None = None,
-) -> Iterator[str]:
-    """Build one model or all that the cache lacks, several at once; yield a line for each.
+) -> Iterator[Built]:
+    """Build one model or all that the cache lacks, several at once; yield each in turn.
 
-    model: full name, or its last part. fmi: "3.0" or "2.0". platforms: words of FMI 3.0 or
+    model: full name, or its last part. fmi: "3.0", "2.0" or both. platforms: words of FMI 3.0 or
     `all`, by default this one. compiler: cc, zig or omc.
     Raises UserError for an unknown word and when a build fails.
     """
     names = list(MODELS) if model is None else named(model) or [model]
     for value, allowed, what in (
         *((name, MODELS, "the library has no such model") for name in names),
-        (fmi, FMI_VERSIONS, "no such FMI version"),
+        *((version, FMI_VERSIONS, "no such FMI version") for version in fmi),
         *((name, ("all", *PLATFORMS), "no such platform") for name in platforms),
         (compiler or "cc", (*COMPILERS, "omc"), "no such compiler"),
     ):
         if value not in allowed:
             near = nearest(value, allowed) if len(allowed) > _FEW else []
             raise UserError(what, value=value, allowed=near or allowed)
-    if "all" in platforms:
-        platforms = [p.name for p in PLATFORMS.values() if p.in_all]
-    yield from _built(names, fmi, platforms, compiler)
+    wanted = [(name, version) for version in dict.fromkeys(fmi) for name in names]
+    yield from _built(wanted, chosen_platforms(platforms), compiler)
+
+
+def chosen_platforms(words: Sequence[str]) -> list[str]:
+    """Return the platforms that words of the command line mean; none for this one alone."""
+    if "all" in words:
+        return [p.name for p in PLATFORMS.values() if p.in_all]
+    return list(dict.fromkeys(words))
 
 
 def _built(
-    names: Sequence[str], fmi: str, platforms: Sequence[str], compiler: str | None
-) -> Iterator[str]:
-    """A line for each model. Processes, since the Modelica compiler keeps the interpreter."""
+    wanted: Sequence[tuple[str, str]], platforms: Sequence[str], compiler: str | None
+) -> Iterator[Built]:
+    """Each in turn. Processes, since the Modelica compiler keeps the interpreter."""
     try:
-        places = {name: place_in_cache(name, None, fmi, platforms, compiler) for name in names}
+        places = {
+            (name, fmi): place_in_cache(name, None, fmi, platforms, compiler)
+            for name, fmi in wanted
+        }
     except BuildError as error:
         raise UserError(f"nothing can be built: {error}") from error
-    missing = [name for name in names if not is_ours(places[name])]
-    tasks = [[name, None, fmi, platforms, compiler] for name in missing]
+    missing = [one for one in wanted if not is_ours(places[one])]
+    tasks = [[name, None, fmi, platforms, compiler] for name, fmi in missing]
     building = run_apart(ensure_built, tasks, jobs=os.cpu_count() or 1, is_fresh=False)
-    for name in names:
-        yield f"{name}: {_next_of(building, name) if name in missing else places[name]}"
+    for name, fmi in wanted:
+        is_missing = (name, fmi) in missing
+        yield Built(name, fmi, _next_of(building, name) if is_missing else places[name, fmi])
 
 
 def _next_of(building: Iterator[Path | Died], name: str) -> Path:
@@ -77,6 +98,25 @@ def _next_of(building: Iterator[Path | Died], name: str) -> Path:
     if isinstance(built, Died):
         raise UserError(f"{name} cannot be built: {built.reason}")
     return built
+
+
+def release_models(
+    folder: Path,
+    model: str | None,
+    fmi: Sequence[str],
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
+) -> Iterator[Path]:
+    """Build models, put them into a release folder, and yield each path; the checksums come last.
+
+    Arguments and errors as `build_models`.
+    """
+    here = this_platform().name
+    names = chosen_platforms(platforms) or [here]
+    for built in build_models(model, fmi, platforms, compiler):
+        runs_here = here in names
+        yield release(folder, built.model, built.fmi, names, built.path, runs_here=runs_here)
+    yield write_sums(folder)
 
 
 def listing() -> str:

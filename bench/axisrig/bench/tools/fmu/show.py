@@ -42,7 +42,8 @@ def read_fmu(path: Path) -> Shown:
     folder = unpack(path)
     try:
         description = fmpy.read_model_description(str(folder), validate=False)
-        can = Capabilities.of(description) if description.coSimulation is not None else None
+        has_steps = description.coSimulation is not None
+        can = Capabilities.of(description, folder) if has_steps else None
     except Exception as error:  # fmpy reports what it cannot read by any Exception
         text = str(error).partition("\n")[0] or type(error).__name__
         raise UserError(

@@ -13,10 +13,10 @@ protected
   Integer sent(start = 0, fixed = true) "Number of edges that have left";
   Integer write_slot(start = 0, fixed = true) "Next slot to fill";
   Integer read_slot(start = 0, fixed = true) "Slot of the next arrival";
-  Units.Time due_0(start = never, fixed = true);
-  Units.Time due_1(start = never, fixed = true);
-  Units.Time due_2(start = never, fixed = true);
-  Units.Time due_3(start = never, fixed = true);
+  Units.Time due_0(start = never, fixed = true) "When the edge in slot 0 arrives";
+  Units.Time due_1(start = never, fixed = true) "When the edge in slot 1 arrives";
+  Units.Time due_2(start = never, fixed = true) "When the edge in slot 2 arrives";
+  Units.Time due_3(start = never, fixed = true) "When the edge in slot 3 arrives";
   Units.Time last_due(start = -never, fixed = true) "When the edge sent last arrives";
   Real random(unit = "1") "Random number of the next edge, times the modulus";
   Units.Time due "When an edge that leaves now arrives";

@@ -7,7 +7,7 @@ block SensorFilter "Bandwidth of a sensor: none, first or second order, at rest 
   output Units.Position y "Output";
 protected
   constant Real pi = 3.141592653589793;
-  final parameter Real omega(unit = "rad/s") = 2*pi*corner;
+  final parameter Real omega(unit = "rad/s") = 2*pi*corner "Corner as an angular frequency";
   Units.Position at_start(start = 0, fixed = true) "Input at the start";
   Units.Position first(start = 0, fixed = true) "Output of the first order since the start";
   Units.Position second(start = 0, fixed = true) "Output of the second order since the start";

@@ -15,12 +15,12 @@ protected
   constant Real pi = 3.141592653589793;
   constant Real weakest(unit = "1") = 1e-3 "Of the share of the contact force that unloads a pad";
   final parameter Real lever(unit = "1") = 2*length/radius "Unloading per force";
-  final parameter Real pad_1_x(unit = "1") = cos(angle);
-  final parameter Real pad_1_y(unit = "1") = sin(angle);
-  final parameter Real pad_2_x(unit = "1") = cos(angle + 2*pi/3);
-  final parameter Real pad_2_y(unit = "1") = sin(angle + 2*pi/3);
-  final parameter Real pad_3_x(unit = "1") = cos(angle - 2*pi/3);
-  final parameter Real pad_3_y(unit = "1") = sin(angle - 2*pi/3);
+  final parameter Real pad_1_x(unit = "1") = cos(angle) "x of the direction of the first pad";
+  final parameter Real pad_1_y(unit = "1") = sin(angle) "y of the direction of the first pad";
+  final parameter Real pad_2_x(unit = "1") = cos(angle + 2*pi/3) "x of the direction of the second pad";
+  final parameter Real pad_2_y(unit = "1") = sin(angle + 2*pi/3) "y of the direction of the second pad";
+  final parameter Real pad_3_x(unit = "1") = cos(angle - 2*pi/3) "x of the direction of the third pad";
+  final parameter Real pad_3_y(unit = "1") = sin(angle - 2*pi/3) "y of the direction of the third pad";
   Real towards_pad(unit = "1") "Horizontal normal times the direction of the nearest pad";
 equation
   towards_pad = max(normal_x*pad_1_x + normal_y*pad_1_y,

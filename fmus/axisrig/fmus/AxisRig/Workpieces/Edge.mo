@@ -4,8 +4,8 @@ block Edge "Straight edge: the material ends"
   parameter Units.Position position = 1e3 "Where it ends; the default lies out of reach";
   parameter Units.Angle azimuth = 0 "Direction from the material outwards, from x towards y";
 protected
-  final parameter Real out_x(unit = "1") = cos(azimuth);
-  final parameter Real out_y(unit = "1") = sin(azimuth);
+  final parameter Real out_x(unit = "1") = cos(azimuth) "x of the direction outwards";
+  final parameter Real out_y(unit = "1") = sin(azimuth) "y of the direction outwards";
 equation
   beyond = out_x*x + out_y*y - position;
   beyond_x = out_x;

@@ -5,7 +5,7 @@ block InclinedPlane "Plane that rises in one direction"
     "Inclination, positive: rises along the profile";
   parameter Units.Position origin = 0 "Where the height is 0";
 protected
-  final parameter Units.Slope rise = tan(angle);
+  final parameter Units.Slope rise = tan(angle) "Height per length along the profile";
 equation
   for i in 1:points loop
     height[i] = rise*(s[i] - origin);

@@ -3,8 +3,8 @@ partial block Profile "Surface that changes in one direction only"
   extends Surface;
   parameter Units.Angle azimuth = 0 "Direction of the profile from x towards y";
 protected
-  final parameter Real along_x(unit = "1") = cos(azimuth);
-  final parameter Real along_y(unit = "1") = sin(azimuth);
+  final parameter Real along_x(unit = "1") = cos(azimuth) "x of the direction of the profile";
+  final parameter Real along_y(unit = "1") = sin(azimuth) "y of the direction of the profile";
   Units.Position s[points] "Place on the profile";
   Units.Slope slope[slopes] "Derivative of the height by s";
 equation

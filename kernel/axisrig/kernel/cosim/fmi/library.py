@@ -2,7 +2,10 @@
 
 import ctypes
 import math
+import xml.etree.ElementTree as ET
 from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 from fmpy.model_description import ModelDescription
@@ -59,8 +62,8 @@ class Capabilities:
     """What the model description promises, in the same words for FMI 2.0 and 3.0.
 
     can_save_state: get, set and free FMU states. can_return_early: `doStep` may end at an event
-    inside the step. can_vary_step: steps may differ in length. fixed_step_s: internal step, None
-    when not given.
+    inside the step. can_vary_step: steps may differ in length. fixed_step_s: internal step, or the
+    longest one of an FMU of axisrig; None when not given.
     """
 
     can_save_state: bool
@@ -72,9 +75,11 @@ class Capabilities:
     fixed_step_s: float | None
 
     @classmethod
-    def of(cls, description: ModelDescription) -> "Capabilities":
-        """Read the flags of the co-simulation interface."""
+    def of(cls, description: ModelDescription, folder: Path) -> "Capabilities":
+        """Read the flags of the co-simulation interface. folder: the unpacked FMU."""
         declared = description.coSimulation
+        fixed = declared.fixedInternalStepSize
+        step_s = float(fixed) if fixed else longest_internal_step_s(folder)
         early = declared.mightReturnEarlyFromDoStep  # FMI 3.0 only; False for 2.0
         return cls(
             can_save_state=bool(declared.canGetAndSetFMUstate),
@@ -83,8 +88,21 @@ class Capabilities:
             can_vary_step=bool(declared.canHandleVariableCommunicationStepSize),
             once_per_process=bool(declared.canBeInstantiatedOnlyOncePerProcess),
             needs_tool=bool(declared.needsExecutionTool),
-            fixed_step_s=float(step_s) if (step_s := declared.fixedInternalStepSize) else None,
+            fixed_step_s=step_s,
         )
+
+
+@cache
+def longest_internal_step_s(folder: Path) -> float | None:
+    """Return the longest internal step of an unpacked FMU of axisrig, s; None for any other.
+
+    Its solver takes shorter ones where it must, so that `fixedInternalStepSize` would be untrue:
+    its own annotation says it (`LongestInternalStep`).
+    """
+    root = ET.parse(folder / "modelDescription.xml").getroot()
+    found = root.find(".//LongestInternalStep")
+    is_own = root.get("generationTool", "").startswith("axisrig")
+    return float(found.attrib["seconds"]) if is_own and found is not None else None
 
 
 def own_step_s(description: ModelDescription) -> float | None:

@@ -128,7 +128,7 @@ class FmuSlave(ABC):
 
     def __init__(self, path: Path, name: str, description: ModelDescription, folder: str) -> None:
         self.path, self.name, self.description = path, name, description
-        self.can = Capabilities.of(description)
+        self.can = Capabilities.of(description, Path(folder))
         self.messages: deque[LogMessage] = deque(maxlen=MESSAGES_MAX)
         self.time_ns: TimeNs = 0
         self.pointer = 0

@@ -1,9 +1,9 @@
 """Several steps of an instance in one call, where its library offers that.
 
-FMUs of `axisrig.fmus` have a function beside those of FMI (`target/slave.c`, "steps in a row"): it
-sets, steps and gets as the functions of FMI do one by one, with the same results. Where steps are
-short, the way into the library and back costs more than the step. Any other FMU is called one by
-one.
+FMUs of `axisrig.fmus` have a function beside those of FMI (`target/slave.inc`, "steps in a row").
+It sets, steps and gets as the functions of FMI do one by one, with the same results. Where steps
+are short, the way into the library and back costs more than the step. Any other FMU is called one
+by one.
 """
 
 import ctypes
@@ -20,7 +20,7 @@ ROWS = 64
 
 
 class _Row(ctypes.Structure):
-    """StepsInARow of `target/slave.c`."""
+    """StepsInARow of `target/slave.inc`."""
 
     _fields_ = (
         ("begin_ns", ctypes.c_int64),
