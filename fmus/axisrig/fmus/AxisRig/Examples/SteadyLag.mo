@@ -1,8 +1,12 @@
 within AxisRig.Examples;
 model SteadyLag "Axis in steady motion: the lag must be (1 - f) v/Kv"
-  parameter Units.Velocity feed = 0.02 "Feed";
-  parameter Units.Share feed_forward = 0 "Share of velocity feed-forward";
-  Drives.ServoAxis axis(feed_forward = feed_forward);
+  extends Icons.Experiment;
+  parameter Units.Velocity feed = 0.02 "Feed"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Share feed_forward = 0 "Share of velocity feed-forward"
+    annotation(Dialog(group = "Position loop"));
+  Drives.ServoAxis axis(feed_forward = feed_forward) "Axis under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   Units.Position lag "Demand minus position";
 equation
   axis.reference_position = 0;
