@@ -10,8 +10,8 @@ position, velocity, the instant at which they hold and the instant from which th
 (Drives.Setpoint).</p>
 <p>A sensor in an FMU of its own is stepped after the axes over the same communication step. It gets
 the motion of the step as position and rate at both ends (Sensors.MovingSensor), so that an edge has its
-instant within the step. A master that cannot give this takes Drives.ProbeOnAxis or
-Drives.DistanceSensorOnAxis: axis and sensor in one model, joined inside.</p>
+instant within the step. A master that cannot give this takes Machines.ProbeOnAxis or
+Machines.DistanceSensorOnAxis: axis and sensor in one model, joined inside.</p>
 <p>Edges are never lost between two steps: a sensor gives its level, the instant of its last rising and
 falling edge, and how many there were.</p>
 </html>"));
@@ -53,7 +53,7 @@ equation. Icons and diagrams; parameters in groups.</li>
 <li>Constants has the only pi. Renamed, since the old names are operators of the language:
 <code>Workpiece.edge</code> is <code>border</code>, <code>EdgeDelay.delay</code> is <code>dead_time</code>,
 <code>SwitchOnDelay.delay</code> is <code>start_up_time</code>.</li>
-<li>New: Drives.ProbeOnAxis and Drives.DistanceSensorOnAxis; Examples Touch, FixedStop, DistanceLoop, Homing
+<li>New: Machines.ProbeOnAxis and Machines.DistanceSensorOnAxis; Examples Touch, FixedStop, DistanceLoop, Homing
 and Gantry with reference results.</li>
 </ul>
 </html>"));

@@ -34,7 +34,7 @@ fmi3Instance fmi3InstantiateCoSimulation(
     size_t nRequiredIntermediateVariables, fmi3InstanceEnvironment instanceEnvironment,
     fmi3LogMessageCallback logMessage, fmi3IntermediateUpdateCallback intermediateUpdate)
 {
-    (void)resourcePath, (void)visible, (void)loggingOn, (void)earlyReturnAllowed;
+    (void)resourcePath, (void)visible, (void)loggingOn;
     (void)requiredIntermediateVariables, (void)intermediateUpdate;
     Instance *const me = new_instance(instanceName, instantiationToken, instanceEnvironment,
                                       (void (*)(void))logMessage);
@@ -43,6 +43,9 @@ fmi3Instance fmi3InstantiateCoSimulation(
     } else if (me != NULL && nRequiredIntermediateVariables > 0) {
         fail(me, "intermediate variables are not offered");
     } else {
+        if (me != NULL) {
+            me->early_return_allowed = earlyReturnAllowed;
+        }
         return me;
     }
     release(me);
@@ -133,10 +136,13 @@ fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 currentCommunicationPoi
 {
     BEGIN
     (void)noSetFMUStatePriorToCurrentPoint;
+    me->notes.may_return_early = me->early_return_allowed;
+    me->notes.returned_early = false;
     const Status status = step(me, "fmi3DoStep", currentCommunicationPoint, communicationStepSize);
+    me->notes.may_return_early = false;
     *eventHandlingNeeded = fmi3False;
     *terminateSimulation = status == STATUS_DISCARD;
-    *earlyReturn = fmi3False;
+    *earlyReturn = me->notes.returned_early && status <= STATUS_WARNING;
     *lastSuccessfulTime = me->now.core.t;
     return without_end(status);
 }

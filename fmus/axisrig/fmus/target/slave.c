@@ -35,6 +35,7 @@ typedef struct {
     void (*log)(void); /* the importer's function, of a type that only its version knows */
     Notes notes;
     unsigned silent; /* bits of log categories that are switched off */
+    bool early_return_allowed;
 } Instance;
 
 /* In the order of Status, from STATUS_WARNING. */

@@ -527,7 +527,19 @@ static bool falls_through(const Core *c, const double *z)
         && fabs(z[k]) > fabs(jump->z) && !passed(k, z[k], c->p);
 }
 
-/* Advance to t_end. On failure the core rests where the last internal step began.
+/* Take the levels at whose change a step may end; whether one has changed since. */
+static bool early_levels(const Core *c, double *levels)
+{
+    bool changed = false;
+    for (int k = 0; k < N_EARLY; k++) {
+        changed = changed || levels[k] != c->p[EARLY[k]];
+        levels[k] = c->p[EARLY[k]];
+    }
+    return changed;
+}
+
+/* Advance to t_end, or to the first change of a level where the importer allows it. On failure the
+ * core rests where the last internal step began.
  *
  * Internal steps end on a grid from the beginning, also after an event between two of its points,
  * and at the instants of clocks.
@@ -541,6 +553,9 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
     int ticked = tick(c, &t_clock, &clock);
     bool jumped = c->jump.relation > 0.0 && c->jump.t == c->t;
     bool fresh = true; /* slope and z0 are not those of c */
+    double levels[N_EARLY + 1];
+    notes->returned_early = false;
+    early_levels(c, levels);
     for (;;) {
         if (ticked < 0) {
             return no_interval(clock, notes);
@@ -566,7 +581,9 @@ static SolverReport advance(Core *c, double t_end, Notes *notes)
             return failed(notes, "more than %d events in one step at t = %.12g s, relation at %s",
                           MAX_EVENTS, c->t, RELATIONS[relation].place);
         }
-        if (c->t >= t_end) {
+        notes->returned_early = early_levels(c, levels) && notes->may_return_early
+            && c->t > t_begin && c->t < t_end;
+        if (c->t >= t_end || notes->returned_early) {
             break;
         }
         int bad = 0;

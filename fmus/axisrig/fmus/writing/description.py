@@ -10,6 +10,7 @@ from markupsafe import Markup
 from axisrig.fmus.equations.system import System
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.reading.target import TARGET
+from axisrig.fmus.writing.early import early_levels
 from axisrig.fmus.writing.structure import output_dependencies
 from axisrig.fmus.writing.units import BASE, Unit, read_unit
 from axisrig.fmus.writing.variables import Variable
@@ -76,6 +77,7 @@ def describe(ir: Ir, system: System, variables: Sequence[Variable], step_s: floa
             experiment=_experiment(ir),
             variables=variables,
             outputs=[v for v in variables if v.causality == "output"],
+            early=early_levels(ir, variables),
             unknowns=[v for v in variables if _is_initial_unknown(v)],
             depends=output_dependencies(system, variables),
             fmi2_types=FMI2_TYPES,

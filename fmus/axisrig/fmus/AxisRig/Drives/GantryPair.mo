@@ -320,6 +320,7 @@ equation
       Rectangle(extent = {{-80, -10}, {80, 20}}, fillColor = {220, 220, 220},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: two cascades as in ServoAxis, each with a carriage (mass and rotor), LuGre friction
 and an elastic joint to one end of CrossBeam. The encoders sit on the motors, position_1 and

@@ -58,6 +58,7 @@ equation
       Polygon(points = {{50, -30}, {70, -30}, {60, -55}}, fillColor = {0, 127, 0},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equation: m_eff dv/dt = F_motor - F_friction - F_brake - F_stop - (m g - F_c). Up is
 positive.</p>

@@ -61,6 +61,7 @@ equation
       Rectangle(extent = {{-30, -20}, {30, 30}}, fillColor = {255, 255, 255},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: with power x(t) = x_r + v_r (min(t, t_end) - t_r), without power x rests where
 the demand was when the power went. The motor encoder tells x + s g(k), g a normal number that changes every

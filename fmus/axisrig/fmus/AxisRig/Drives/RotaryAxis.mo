@@ -184,6 +184,7 @@ equation
           fillPattern = FillPattern.Solid),
       Line(points = {{0, 0}, {42, 42}}, color = {0, 0, 0}),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equation: (I + J i^2) dw/dt = M_motor - M_friction - M_stop - M_u sin(phi). The parts are those
 of a linear axis that act at a radius of 1 m, where a force in N is a torque in N.m.</p>

@@ -46,6 +46,7 @@ equation
       Line(points = {{-70, -50}, {70, -50}}, color = {0, 0, 0}),
       Text(extent = {{-30, 30}, {30, 80}}, textString = "T"),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>As ServoAxis, nearer to a digital drive: the velocity loop computes every 62.5 us and holds its
 demand, the current loop feeds a winding with a voltage limit, friction sticks.

@@ -66,6 +66,7 @@ equation
       Ellipse(extent = {{-95, -50}, {-65, -10}}, fillColor = {255, 255, 255},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equation: rotor J (2 pi/h)^2 dv_m/dt = F_motor - k_m v_m - F_s,
 slide m dv/dt = F_s - F_friction - F_stop -

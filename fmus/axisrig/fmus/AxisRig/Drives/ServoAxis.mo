@@ -46,6 +46,7 @@ equation
           fillPattern = FillPattern.Solid),
       Line(points = {{-70, -50}, {70, -50}}, color = {0, 0, 0}),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>The cascade: straight setpoint, P position loop, PI velocity loop with force limit and
 anti-windup, first-order current loop; then one rigid mass with friction, a weight and a fixed stop.

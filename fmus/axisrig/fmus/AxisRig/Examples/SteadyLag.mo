@@ -22,7 +22,7 @@ equation
   axis.reference_force = 0;
   lag = axis.demand_position - axis.position;
   annotation(
-    experiment(StopTime=3, Interval=1e-3),
+    experiment(StopTime = 3, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>After three seconds the lag of the default axis (Kv 10 1/s) at 20 mm/s is 2 mm.</p>
 </html>"));

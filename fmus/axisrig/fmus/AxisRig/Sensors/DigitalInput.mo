@@ -124,6 +124,7 @@ equation
       Rectangle(extent = {{-20, -90}, {20, -55}}, fillColor = {220, 220, 220},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>The inputs are the outputs of a probe for the same communication step. From them the level at each
 instant follows exactly: after the later of the last two edges that lie behind; before both it is the

@@ -175,6 +175,7 @@ equation
       Rectangle(extent = {{-80, -80}, {80, -56}}, fillColor = {200, 170, 120},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: the gaps at seven points of the electrode give a distance (CapacitiveElectrode), which
 is limited to 0..range, filtered (SensorFilter) and disturbed: distance = y + noise (y/d_n)^2 g(k), g a

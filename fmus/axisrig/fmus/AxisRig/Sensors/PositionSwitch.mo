@@ -83,6 +83,7 @@ equation
       Ellipse(extent = {{24, -6}, {36, 6}}, fillColor = {255, 255, 255},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: closes at low &lt;= x &lt;= high, opens beyond low - h and high + h. A limit switch of the
 positive end has its cam from its place to out of reach; a home switch a short one.</p>

@@ -92,6 +92,7 @@ equation
       Rectangle(extent = {{-20, 20}, {20, 50}}, fillColor = {220, 220, 220},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: s = offset + scale x; reading = s + A sin(2 pi s/p + phi); position = q round(reading/q).
 The rate is the derivative of the reading. Only the output is quantised: nothing inside depends on

@@ -123,6 +123,7 @@ equation
       Rectangle(extent = {{-80, -80}, {80, -56}}, fillColor = {200, 170, 120},
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: gap = n.p - d - r. Contact at gap &lt;= 0, switching at gap &lt;= -total_pretravel; the
 signal follows after trigger_delay. p is the motion of the axes over the communication step as a

@@ -189,6 +189,7 @@ equation
           -55}, {50, -57}, {60, -61}, {70, -65}, {80, -68}, {80, -80}}, fillColor = {200, 170,
           120}, fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: a ball of radius r touches the surface h(x, y) at the foot f = p + r (h_x, h_y)/N with
 N = sqrt(1 + h_x^2 + h_y^2), the slopes taken at f; then its centre is at h(f) + sqrt(r^2 - |f - p|^2).
