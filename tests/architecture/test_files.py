@@ -84,7 +84,7 @@ def _texts(package: str) -> set[str]:
     return found
 
 
-# Reference results of the Modelica examples are for other tools; tests/fmus/test_examples.py reads them
+# Reference results of the Modelica examples are for other tools (tests/fmus/test_examples.py)
 FOR_OTHERS = "ReferenceResults"
 TABLES = [
     path
