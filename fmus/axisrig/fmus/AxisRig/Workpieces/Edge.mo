@@ -6,8 +6,8 @@ block Edge "Straight edge: the material ends"
   parameter Units.Angle azimuth = 0 "Direction from the material outwards, from x towards y"
     annotation(Dialog(group = "Parameters"));
 protected
-  final parameter Real out_x(unit = "1") = cos(azimuth) "Direction outwards: x";
-  final parameter Real out_y(unit = "1") = sin(azimuth) "Direction outwards: y";
+  final parameter Real out_x(unit = "1") = cos(azimuth) "x of the direction outwards";
+  final parameter Real out_y(unit = "1") = sin(azimuth) "y of the direction outwards";
 equation
   beyond = out_x*x + out_y*y - position;
   beyond_x = out_x;

@@ -7,7 +7,7 @@ block InclinedPlane "Plane that rises in one direction"
   parameter Units.Position origin = 0 "Where the height is 0"
     annotation(Dialog(group = "Parameters"));
 protected
-  final parameter Units.Slope rise = tan(angle) "Height per length";
+  final parameter Units.Slope rise = tan(angle) "Height per length along the profile";
 equation
   for i in 1:points loop
     height[i] = rise*(s[i] - origin);

@@ -4,8 +4,8 @@ partial block Profile "Surface that changes in one direction only"
   parameter Units.Angle azimuth = 0 "Direction of the profile from x towards y"
     annotation(Dialog(group = "Parameters"));
 protected
-  final parameter Real along_x(unit = "1") = cos(azimuth) "Direction of the profile: x";
-  final parameter Real along_y(unit = "1") = sin(azimuth) "Direction of the profile: y";
+  final parameter Real along_x(unit = "1") = cos(azimuth) "x of the direction of the profile";
+  final parameter Real along_y(unit = "1") = sin(azimuth) "y of the direction of the profile";
   Units.Position s[points] "Place on the profile";
   Units.Slope slope[slopes] "Derivative of the height by s";
 equation

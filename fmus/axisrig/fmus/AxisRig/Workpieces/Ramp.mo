@@ -8,7 +8,7 @@ block Ramp "Straight rise between two levels"
   parameter Units.Length length(min = 1e-6) = 0.1 "Over which it rises"
     annotation(Dialog(group = "Parameters"));
 protected
-  final parameter Units.Slope gradient = rise/length "Height per length";
+  final parameter Units.Slope gradient = rise/length "Height per length on the ramp";
 equation
   for i in 1:points loop
     height[i] = gradient*max(0, min(length, s[i] - start));
