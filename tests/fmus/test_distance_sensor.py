@@ -49,13 +49,13 @@ def test_tilt_error_of_the_published_example(resting):
 @pytest.mark.parametrize(("beyond", "share"), [(-2e-3, 1.0), (0.0, 0.5), (1e-3, 0.1955011)])
 def test_capacitance_falls_with_the_covered_share_at_an_edge(resting, beyond, share):
     """Half the disc covered: twice the distance. The segment beyond r/2 is 0.1955 of the disc."""
-    fmu = resting(x=0.05 + beyond, z=1e-3, **{"workpiece.edge.position": 0.05})
+    fmu = resting(x=0.05 + beyond, z=1e-3, **{"workpiece.border.position": 0.05})
     assert fmu.distance == pytest.approx(1e-3 / share, rel=1e-6)
     assert fmu.valid is True
 
 
 @pytest.mark.parametrize(
-    "lost", [{"workpiece.edge.position": -3e-3}, {"workpiece.hole.radius": 3e-3}]
+    "lost", [{"workpiece.border.position": -3e-3}, {"workpiece.hole.radius": 3e-3}]
 )
 def test_loss_runs_to_full_scale_and_is_not_valid(resting, lost):
     fmu = resting(z=1e-3, residual=0.02, until=0.05, **lost)
@@ -120,7 +120,7 @@ def test_noise_repeats_with_its_seed_and_grows_with_the_square(resting):
     [
         {"workpiece.inclined.angle": -0.4, "workpiece.sine.amplitude": 1e-3},
         {"workpiece.ramp.rise": -0.03, "workpiece.inclined.angle": 0.4},
-        {"workpiece.edge.position": 2e-3},
+        {"workpiece.border.position": 2e-3},
         {"workpiece.hole.radius": 6e-3},
         {"workpiece.cylinder.radius": 0.02},
     ],

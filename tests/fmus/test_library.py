@@ -36,7 +36,7 @@ def test_package_order_lists_the_classes(order: Path):
     found = {p.stem for p in folder.glob("*.mo")} - {"package"}
     found |= {p.name for p in folder.iterdir() if (p / "package.mo").is_file()}
     inner = re.findall(
-        r"^  (?:connector|model|block|function) (\w+)",
+        r"^  (?:connector|model|block|function) (\w+)(?= |\n)",
         (folder / "package.mo").read_text(encoding="utf-8"),
         re.M,
     )
@@ -47,8 +47,71 @@ def test_package_order_lists_the_classes(order: Path):
 def test_every_real_has_a_unit(file: Path):
     """`Real` stands only with a unit; everything else uses a type of Units."""
     for line in file.read_text(encoding="utf-8").splitlines():
-        if re.search(r"\bReal\b", line) and "constant Real pi" not in line:
+        if re.search(r"\bReal\b", line) and "<" not in line:
             assert "unit =" in line, line
+
+
+# A declaration, with what follows it up to its end, strings left out
+DECLARED = re.compile(
+    r"^  (?P<words>(?:final |replaceable |redeclare |constant |parameter |discrete )*)"
+    r"(?P<type>[A-Z][\w.]*)(?:\[[^\]]*\])? (?P<name>\w+)(?P<rest>[^;]*);",
+    re.M,
+)
+
+
+def declarations(file: Path) -> list[re.Match[str]]:
+    """The components that a class declares, before its equations."""
+    text = re.sub(r'"(?:[^"\\]|\\.)*"', '""', file.read_text(encoding="utf-8"))
+    head = re.split(r"^(?:initial )?equation|^algorithm|^  annotation\(", text, flags=re.M)[0]
+    return list(DECLARED.finditer(head))
+
+
+def is_drawn(file: Path, found: re.Match[str]) -> bool:
+    """Whether a component is a connector or a block."""
+    kind = found["type"]
+    inside = LIBRARY.joinpath(*kind.split(".")).with_suffix(".mo").is_file()
+    beside = (file.parent / f"{kind}.mo").is_file()
+    return kind.startswith("Interfaces.") or inside or beside
+
+
+MODEL_FILES = [
+    f for f in FILES if re.search(r"^(partial )?(model|block) ", f.read_text("utf-8"), re.M)
+]
+
+
+@pytest.mark.parametrize("file", MODEL_FILES, ids=lambda f: f.relative_to(LIBRARY).as_posix())
+def test_a_model_can_be_drawn(file: Path):
+    """An icon of its own or of the package Icons; a place for each connector and component."""
+    text = file.read_text(encoding="utf-8")
+    assert "\n    Icon(graphics = {" in text or "\n  extends Icons." in text
+    before = text.partition("\nprotected\n")[0]
+    for found in declarations(file):
+        is_hidden_signal = found["type"].startswith("Interfaces.") and (
+            re.search(rf"\b{found['name']}\b", before) is None
+        )
+        if is_drawn(file, found) and not is_hidden_signal:
+            assert "Placement(transformation(" in found["rest"], found["name"]
+
+
+@pytest.mark.parametrize("file", MODEL_FILES, ids=lambda f: f.relative_to(LIBRARY).as_posix())
+def test_a_parameter_is_in_a_group_of_the_dialog(file: Path):
+    for found in declarations(file):
+        if "parameter " in found["words"] and "final " not in found["words"]:
+            assert "Dialog(group = " in found["rest"], found["name"]
+
+
+def test_the_library_names_version_date_and_licence():
+    text = (LIBRARY / "package.mo").read_text(encoding="utf-8")
+    project = (LIBRARY.parents[3] / "pyproject.toml").read_text(encoding="utf-8")
+    assert (
+        re.search(r'version = "([^"]+)"', text)[1]
+        == re.search(r'^version = "([^"]+)"', project, re.M)[1]
+    )
+    assert re.search(r'versionDate = "\d{4}-\d\d-\d\d"', text)
+    assert "SPDX-License-Identifier: Apache-2.0" in text
+    guide = (LIBRARY / "UsersGuide.mo").read_text(encoding="utf-8")
+    for chapter in ("Concept", "Conventions", "Contact", "ReleaseNotes"):
+        assert f'  class {chapter} "' in guide
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda f: f.relative_to(LIBRARY).as_posix())

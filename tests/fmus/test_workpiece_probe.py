@@ -70,7 +70,7 @@ def test_hole_is_measured_from_inside(touch):
 
 def test_corner_of_an_edge_is_touched_by_the_side_of_the_ball(touch):
     """Centre 2 mm beyond the edge: a ball of 3 mm comes down to sqrt(5) mm above the top."""
-    start = {"ball_radius": 0.003, "workpiece.edge.position": 0.01}
+    start = {"ball_radius": 0.003, "workpiece.border.position": 0.01}
     fmu = touch(0.6, motion={"x": (0.012, 0.0), "z": (0.02, -0.05)}, **start)
     assert fmu.contact_z == pytest.approx(math.sqrt(5) * 1e-3, abs=1e-10)
     past = touch(0.6, motion={"x": (0.0131, 0.0), "z": (0.02, -0.05)}, **start)
@@ -129,7 +129,7 @@ def test_probe_tells_nothing_until_it_is_ready(load):
         {"workpiece.inclined.angle": -0.6, "workpiece.sine.amplitude": 1e-3},
         {"workpiece.sine.amplitude": -4e-3, "workpiece.inclined.angle": 0.25},
         {"workpiece.waviness.amplitude": [1e-3, -3e-3, 0.0, 0.0]},
-        {"workpiece.edge.position": 2e-3},
+        {"workpiece.border.position": 2e-3},
         {"workpiece.hole.radius": 8e-3},
     ],
     ids=lambda start: next(iter(start)),

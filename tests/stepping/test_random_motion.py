@@ -34,7 +34,7 @@ SURFACES: dict[str, tuple[str, dict[str, float]]] = {
         | {"workpiece.sine.amplitude": 3e-4, "workpiece.sine.wavelength": 0.02}
         | {"workpiece.sine.azimuth": 0.4},
     ),
-    "end of the material": (WORKPIECE, {"workpiece.edge.position": 2e-4, "ball_radius": 2e-4}),
+    "end of the material": (WORKPIECE, {"workpiece.border.position": 2e-4, "ball_radius": 2e-4}),
 }
 
 

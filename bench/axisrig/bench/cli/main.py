@@ -51,6 +51,7 @@ from axisrig.bench.cli.options import (
     rejecting,
 )
 from axisrig.bench.cli.perf_command import perf
+from axisrig.bench.cli.rig_commands import rig_app
 from axisrig.bench.cli.start import Whole, start_lightly
 from axisrig.bench.cli.tool_commands import TOOLS
 from axisrig.bench.cli.tune_commands import tune_app
@@ -73,6 +74,7 @@ app = typer.Typer(
 app.add_typer(fmu_app, name="fmu")
 app.add_typer(tune_app, name="tune")
 app.add_typer(plan_app, name="plan")
+app.add_typer(rig_app, name="rig")
 for command in (*LISTINGS, *TOOLS, *DATA, perf):
     app.command()(command)
 

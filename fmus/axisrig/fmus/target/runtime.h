@@ -74,6 +74,7 @@ typedef struct {
     char warning[N_WARNINGS][WARNING_SIZE];
     char text[TEXT_SIZE];                 /* of what has ended the simulation */
     int reinits;                          /* events at which a state has jumped */
+    bool may_return_early, returned_early; /* of the present step: allowed, done */
 } Notes;
 
 static inline double smaller(double a, double b) { return b < a ? b : a; }

@@ -12,6 +12,7 @@ from axisrig.fmus.equations.system import System
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.reading.target import TARGET
 from axisrig.fmus.reading.texts import Class, Texts
+from axisrig.fmus.writing.early import early_levels
 from axisrig.fmus.writing.structure import output_dependencies
 from axisrig.fmus.writing.units import BASE, Unit, read_unit
 from axisrig.fmus.writing.variables import Variable
@@ -95,6 +96,7 @@ def describe(
             experiment=_experiment(texts.get(ir.model)),
             variables=variables,
             outputs=[v for v in variables if v.causality == "output"],
+            early=early_levels(ir, variables),
             unknowns=[v for v in variables if _is_initial_unknown(v)],
             depends=output_dependencies(system, variables),
             fmi2_types=FMI2_TYPES,

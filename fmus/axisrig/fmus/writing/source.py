@@ -10,6 +10,7 @@ from axisrig.fmus.reading.expressions import Expr, c_number
 from axisrig.fmus.reading.ir import Ir
 from axisrig.fmus.writing.branches import Lazy, lazy_rows
 from axisrig.fmus.writing.description import OWN_LIBRARY, templates
+from axisrig.fmus.writing.early import early_levels
 from axisrig.fmus.writing.variables import Variable, start_vectors
 from axisrig.fmus.writing.writer import Writer
 
@@ -48,6 +49,7 @@ def write_source(
             y_names=ir.solve["solve_layout"]["solver_maps"]["names"],
             variables=[_row(variable, slave) for variable in variables],
             folded=sorted(folded),
+            early=early_levels(ir, variables),
         )
     )
 

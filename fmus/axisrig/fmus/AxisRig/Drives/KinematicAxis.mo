@@ -1,21 +1,35 @@
 within AxisRig.Drives;
 model KinematicAxis "Axis without mass: the load is where the demand is"
-  input Units.Position reference_position "Demand at reference_time";
-  input Units.Velocity reference_velocity "Slope of the demand until reference_end";
-  input Units.Time reference_time "Instant of reference_position";
-  input Units.Time reference_end "Instant from which the demand rests";
-  input Boolean enabled(start = false) "Power stage on; off: the axis stands";
+  Interfaces.PositionInput reference_position "Demand at reference_time"
+    annotation(Placement(transformation(extent = {{-120, 80}, {-100, 100}})));
+  Interfaces.VelocityInput reference_velocity "Slope of the demand until reference_end"
+    annotation(Placement(transformation(extent = {{-120, 35}, {-100, 55}})));
+  Interfaces.TimeInput reference_time "Instant of reference_position"
+    annotation(Placement(transformation(extent = {{-120, -10}, {-100, 10}})));
+  Interfaces.TimeInput reference_end "Instant from which the demand rests"
+    annotation(Placement(transformation(extent = {{-120, -55}, {-100, -35}})));
+  Interfaces.BooleanInput enabled(start = false) "Power stage on; off: the axis stands"
+    annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
 
-  parameter Units.Position position_start = 0 "Position at the start";
-  parameter Units.Length noise = 0 "Standard deviation of what the motor encoder tells";
-  parameter Units.Time noise_period(min = 1e-6) = 100e-6 "From one random number to the next";
-  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the noise";
+  parameter Units.Position position_start = 0 "Position at the start"
+    annotation(Dialog(group = "Start"));
+  parameter Units.Length noise = 0 "Standard deviation of what the motor encoder tells"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Units.Time noise_period(min = 1e-6) = 100e-6 "From one random number to the next"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the noise"
+    annotation(Dialog(group = "Noise and jitter"));
 
-  output Units.Position position "Position of the slide (truth)";
-  output Units.Velocity velocity "Velocity of the slide (truth)";
-  output Units.Position motor_position "Motor encoder, in terms of the slide";
-  output Units.Velocity motor_velocity "Velocity of the motor encoder, in terms of the slide";
-  output Units.Position demand_position "Position demand";
+  Interfaces.PositionOutput position "Position of the slide (truth)"
+    annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
+  Interfaces.VelocityOutput velocity "Velocity of the slide (truth)"
+    annotation(Placement(transformation(extent = {{100, 35}, {120, 55}})));
+  Interfaces.PositionOutput motor_position "Motor encoder, in terms of the slide"
+    annotation(Placement(transformation(extent = {{100, -10}, {120, 10}})));
+  Interfaces.VelocityOutput motor_velocity "Velocity of the motor encoder, in terms of the slide"
+    annotation(Placement(transformation(extent = {{100, -55}, {120, -35}})));
+  Interfaces.PositionOutput demand_position "Position demand"
+    annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
   Units.Position held "Where it stands without power";
   Boolean moving "The demand still moves";
@@ -23,7 +37,9 @@ protected
   // since compilers fix parameters that decide an if; noise below 1e-30 is none.
   Sensors.SampledNoise noise_source(
     period = noise_period + 1e6*max(0, 1 - 1e30*abs(noise)),
-    random_seed = seed);
+    random_seed = seed)
+    "Random numbers"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
 initial equation
   pre(held) = position_start;
 equation
@@ -38,6 +54,14 @@ equation
   motor_position = position + noise*noise_source.y;
   motor_velocity = velocity;
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{-70, -50}, {70, -50}}, color = {0, 0, 0}),
+      Rectangle(extent = {{-30, -20}, {30, 30}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: with power x(t) = x_r + v_r (min(t, t_end) - t_r), without power x rests where
 the demand was when the power went. The motor encoder tells x + s g(k), g a normal number that changes every

@@ -1,13 +1,22 @@
 within AxisRig.Drives;
 block Setpoint "Demand between two instants of the fieldbus, straight in time"
-  input Units.Position reference_position "Demand at reference_time";
-  input Units.Velocity reference_velocity "Slope of the demand until reference_end";
-  input Units.Time reference_time "Instant of reference_position";
-  input Units.Time reference_end "Instant from which the demand rests";
-  input Units.Acceleration reference_acceleration "Slope of a demanded velocity until reference_end";
-  input Boolean velocity_control "The demand is a velocity";
-  output Units.Position position "Demand now";
-  output Units.Velocity velocity "Velocity demand, or slope of the position demand, now";
+  Interfaces.PositionInput reference_position "Demand at reference_time"
+    annotation(Placement(transformation(extent = {{-120, 80}, {-100, 100}})));
+  Interfaces.VelocityInput reference_velocity "Slope of the demand until reference_end"
+    annotation(Placement(transformation(extent = {{-120, 44}, {-100, 64}})));
+  Interfaces.TimeInput reference_time "Instant of reference_position"
+    annotation(Placement(transformation(extent = {{-120, 8}, {-100, 28}})));
+  Interfaces.TimeInput reference_end "Instant from which the demand rests"
+    annotation(Placement(transformation(extent = {{-120, -28}, {-100, -8}})));
+  Interfaces.AccelerationInput reference_acceleration
+    "Slope of a demanded velocity until reference_end"
+    annotation(Placement(transformation(extent = {{-120, -64}, {-100, -44}})));
+  Interfaces.BooleanInput velocity_control "The demand is a velocity"
+    annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
+  Interfaces.PositionOutput position "Demand now"
+    annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
+  Interfaces.VelocityOutput velocity "Velocity demand, or slope of the position demand, now"
+    annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
   Boolean moving "The demand still moves";
   Units.Time elapsed "For how long the demand has been moving";
@@ -18,6 +27,11 @@ equation
     elseif moving then reference_velocity else 0;
   position = reference_position + reference_velocity*elapsed;
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{-80, -60}, {-20, -20}, {20, 50}, {80, 50}}, color = {0, 0, 127}),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: x(t) = x_r + v_r (min(t, t_end) - t_r); a demanded velocity is
 v(t) = v_r + a_r (min(t, t_end) - t_r) and stays at its last value. The end is an event of its own,

@@ -1,11 +1,15 @@
 within AxisRig.Mechanics;
 model FixedStop "Obstacle that can only push, contact by Hunt and Crossley"
   extends PartialStop;
-  parameter Units.Stiffness stiffness = 20e6 "Force over penetration at the reference penetration";
-  parameter Units.Exponent exponent = 1 "Power of the penetration; 1: straight, 1.5: Hertz";
+  parameter Units.Stiffness stiffness = 20e6 "Force over penetration at the reference penetration"
+    annotation(Dialog(group = "Contact"));
+  parameter Units.Exponent exponent = 1 "Power of the penetration; 1: straight, 1.5: Hertz"
+    annotation(Dialog(group = "Fixed stop"));
   parameter Units.Length reference_penetration(min = 1e-9) = 1e-5
-    "Where the stiffness counts; without meaning for exponent 1";
-  parameter Units.ContactDamping damping = 20 "Share of the spring force per velocity";
+    "Where the stiffness counts; without meaning for exponent 1"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.ContactDamping damping = 20 "Share of the spring force per velocity"
+    annotation(Dialog(group = "Contact"));
 protected
   Units.Length depth "Penetration while there is one";
 equation
@@ -14,6 +18,15 @@ equation
     then stiffness*depth*(depth/reference_penetration)^(exponent - 1)*(1 + damping*velocity)
     else 0;
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{60, -70}, {76, 70}}, fillColor = {128, 128, 128},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{-60, -30}, {20, 30}}, fillColor = {220, 220, 220},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{20, 0}, {60, 0}}, color = {255, 0, 0}),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: F = max(0, k p (p/p_r)^(n-1) (1 + a dp/dt)) while p &gt; 0. With n = 1 it is
 F = k p (1 + a dp/dt); a = 0 then gives a plain spring.</p>

@@ -2,13 +2,19 @@ within AxisRig.Mechanics;
 model LuGreFriction "Friction with bristles: sticks, yields before it slides, Stribeck and viscous"
   extends PartialFriction;
   parameter Units.Force coulomb(min = 0) = 120
-    "Force at creeping motion beyond the Stribeck range";
-  parameter Units.Force breakaway(min = 0) = 160 "Largest force before sliding";
+    "Force at creeping motion beyond the Stribeck range"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.Force breakaway(min = 0) = 160 "Largest force before sliding"
+    annotation(Dialog(group = "Friction"));
   parameter Units.Velocity stribeck(min = 1e-9) = 5e-3
-    "Velocity over which breakaway falls to Coulomb";
-  parameter Units.Damping viscous = 800 "Force that grows with the velocity";
-  parameter Units.Stiffness bristle_stiffness(min = 1) = 20e6 "Stiffness while it sticks";
-  parameter Units.Damping bristle_damping = 4e3 "Damping while it sticks";
+    "Velocity over which breakaway falls to Coulomb"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.Damping viscous = 800 "Force that grows with the velocity"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.Stiffness bristle_stiffness(min = 1) = 20e6 "Stiffness while it sticks"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.Damping bristle_damping = 4e3 "Damping while it sticks"
+    annotation(Dialog(group = "Friction"));
   Units.Force bristle(start = 0, fixed = true) "Force of the bent bristles";
 protected
   constant Units.Velocity rest = 1e-11 "Below it the magnitude of the velocity is rounded off";
@@ -29,6 +35,26 @@ equation
   der(bristle) = bristle_rate;
   flange.f = bristle + bristle_damping/bristle_stiffness*bristle_rate + viscous*velocity;
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{-80, -60}, {80, -60}}, color = {0, 0, 0}),
+      Line(points = {{-72, -74}, {-60, -60}}, color = {0, 0, 0}),
+      Line(points = {{-52, -74}, {-40, -60}}, color = {0, 0, 0}),
+      Line(points = {{-32, -74}, {-20, -60}}, color = {0, 0, 0}),
+      Line(points = {{-12, -74}, {0, -60}}, color = {0, 0, 0}),
+      Line(points = {{8, -74}, {20, -60}}, color = {0, 0, 0}),
+      Line(points = {{28, -74}, {40, -60}}, color = {0, 0, 0}),
+      Line(points = {{48, -74}, {60, -60}}, color = {0, 0, 0}),
+      Line(points = {{68, -74}, {80, -60}}, color = {0, 0, 0}),
+      Line(points = {{-50, -60}, {-40, -30}, {-36, 0}}, color = {0, 0, 127}),
+      Line(points = {{-30, -60}, {-20, -30}, {-16, 0}}, color = {0, 0, 127}),
+      Line(points = {{-10, -60}, {0, -30}, {4, 0}}, color = {0, 0, 127}),
+      Line(points = {{10, -60}, {20, -30}, {24, 0}}, color = {0, 0, 127}),
+      Line(points = {{30, -60}, {40, -30}, {44, 0}}, color = {0, 0, 127}),
+      Rectangle(extent = {{-70, 0}, {70, 40}}, fillColor = {220, 220, 220},
+          fillPattern = FillPattern.Solid),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: dz/dt = v - s0 |v| z/g(v), F = s0 z + s1 dz/dt + k_v v with
 g(v) = F_c + (F_s - F_c) exp(-(v/v_s)^2); the state is the force s0 z.</p>

@@ -1,16 +1,27 @@
 within AxisRig.Sensors;
 block CapacitiveElectrode "What a disc electrode tells of the gaps below it"
-  parameter Units.Length radius(min = 1e-6) = 2e-3 "Radius of the disc";
-  parameter Units.Share tilt_excess(max = 20) = 0 "Tilt factor minus that of the ideal disc";
-  parameter Units.Share nonlinearity(min = -1) = 0 "Share of nonlinearity that is left";
-  parameter Units.Length full_scale(min = 1e-6) = 10e-3 "Full scale";
-  input Units.Position gaps[7] "Gaps at the points of the disc";
-  input Units.Slope slope_x "Slope of the surface below the centre: x";
-  input Units.Slope slope_y "Slope of the surface below the centre: y";
-  input Units.Share lost "Share of the disc without material below";
-  output Units.Position averaged "Distance of a plane with the same capacitance";
-  output Units.Position seen "The same with the excess of the tilt error";
-  output Units.Position linearised "What the linearised electronics tell, within 0..full_scale";
+  parameter Units.Length radius(min = 1e-6) = 2e-3 "Radius of the disc"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Share tilt_excess(max = 20) = 0 "Tilt factor minus that of the ideal disc"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Share nonlinearity(min = -1) = 0 "Share of nonlinearity that is left"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Length full_scale(min = 1e-6) = 10e-3 "Full scale"
+    annotation(Dialog(group = "Parameters"));
+  Interfaces.PositionInput gaps[7] "Gaps at the points of the disc"
+    annotation(Placement(transformation(extent = {{-120, 80}, {-100, 100}})));
+  Interfaces.SlopeInput slope_x "Slope of the surface below the centre: x"
+    annotation(Placement(transformation(extent = {{-120, 20}, {-100, 40}})));
+  Interfaces.SlopeInput slope_y "Slope of the surface below the centre: y"
+    annotation(Placement(transformation(extent = {{-120, -40}, {-100, -20}})));
+  Interfaces.ShareInput lost "Share of the disc without material below"
+    annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
+  Interfaces.PositionOutput averaged "Distance of a plane with the same capacitance"
+    annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
+  Interfaces.PositionOutput seen "The same with the excess of the tilt error"
+    annotation(Placement(transformation(extent = {{100, -10}, {120, 10}})));
+  Interfaces.PositionOutput linearised "What the linearised electronics tell, within 0..full_scale"
+    annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
   constant Units.Length smallest = 1e-6 "Gaps below count as this";
   constant Units.Share least = 1e-9 "Shares of the disc below count as this";
@@ -27,6 +38,15 @@ equation
   limited = if seen < full_scale then seen else full_scale;
   linearised = limited + nonlinearity*limited*(1 - limited/full_scale);
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{-50, 0}, {50, 20}}, fillColor = {220, 220, 220},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{0, 20}, {0, 70}}, color = {0, 0, 0}),
+      Rectangle(extent = {{-80, -50}, {80, -30}}, fillColor = {200, 170, 120},
+          fillPattern = FillPattern.Solid),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: each element of the disc is a plate capacitor, so that the disc tells the harmonic mean
 of the gaps: 1/d = (1 - lost) mean(1/d_i). The mean over the disc is a rule with seven points, exact

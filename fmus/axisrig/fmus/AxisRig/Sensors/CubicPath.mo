@@ -1,17 +1,30 @@
 within AxisRig.Sensors;
 block CubicPath "Motion through two positions with given rates, as a cubic in time"
-  input Units.Position start "Position at the beginning";
-  input Units.Velocity start_rate "Rate at the beginning";
-  input Units.Position finish "Position at the end";
-  input Units.Velocity finish_rate "Rate at the end";
-  input Units.Time span "Duration from beginning to end";
-  input Real passed(unit = "1") "Share of the duration that has passed, 0..1";
-  output Units.Position position "Position now";
+  Interfaces.PositionInput start "Position at the beginning"
+    annotation(Placement(transformation(extent = {{-120, 80}, {-100, 100}})));
+  Interfaces.VelocityInput start_rate "Rate at the beginning"
+    annotation(Placement(transformation(extent = {{-120, 44}, {-100, 64}})));
+  Interfaces.PositionInput finish "Position at the end"
+    annotation(Placement(transformation(extent = {{-120, 8}, {-100, 28}})));
+  Interfaces.VelocityInput finish_rate "Rate at the end"
+    annotation(Placement(transformation(extent = {{-120, -28}, {-100, -8}})));
+  Interfaces.TimeInput span "Duration from beginning to end"
+    annotation(Placement(transformation(extent = {{-120, -64}, {-100, -44}})));
+  Interfaces.RealInput passed(unit = "1") "Share of the duration that has passed, 0..1"
+    annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
+  Interfaces.PositionOutput position "Position now"
+    annotation(Placement(transformation(extent = {{100, -10}, {120, 10}})));
 equation
   position = start + passed*(span*start_rate
     + passed*((3*(finish - start) - span*(2*start_rate + finish_rate))
     + passed*(2*(start - finish) + span*(start_rate + finish_rate))));
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{-80, -50}, {-40, -45}, {0, 0}, {40, 45}, {80, 50}}, color = {0, 0, 127},
+          smooth = Smooth.Bezier),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: s(u) = h00 s0 + h10 T v0 + h01 s1 + h11 T v1 with the cubic Hermite base functions, written
 in the Horner form.</p>

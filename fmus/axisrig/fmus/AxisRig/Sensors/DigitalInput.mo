@@ -1,38 +1,68 @@
 within AxisRig.Sensors;
 model DigitalInput "Terminal that stamps the edges of a probe with a distributed clock"
-  input Boolean signal "Level at the end of the communication step";
-  input Units.Time rising_time "Last rising edge of it";
-  input Units.Time falling_time "Last falling edge of it";
-  input Integer rising_count "Rising edges since the start";
-  input Integer falling_count "Falling edges since the start";
-  input Boolean rearm(start = false) "A rising edge makes room for the next first edge";
-  parameter Units.Time rise_delay(min = 0) = 0 "Of the input circuit at rising edges";
-  parameter Units.Time fall_delay(min = 0) = 0 "Of the input circuit at falling edges";
-  parameter Units.Time filter_time(min = 0) = 0 "For how long a level must rest to count";
-  parameter Units.Time jitter(min = 0) = 0 "Largest deviation of a stamp to either side";
-  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the deviations";
-  parameter Units.Time clock_error = 0 "Clock of the terminal minus reference clock";
-  parameter Integer clock_seconds(min = 0) = 0 "Reference clock at time 0: seconds since 2000";
+  Interfaces.BooleanInput signal "Level at the end of the communication step"
+    annotation(Placement(transformation(extent = {{-120, 80}, {-100, 100}})));
+  Interfaces.TimeInput rising_time "Last rising edge of it"
+    annotation(Placement(transformation(extent = {{-120, 44}, {-100, 64}})));
+  Interfaces.TimeInput falling_time "Last falling edge of it"
+    annotation(Placement(transformation(extent = {{-120, 8}, {-100, 28}})));
+  Interfaces.IntegerInput rising_count "Rising edges since the start"
+    annotation(Placement(transformation(extent = {{-120, -28}, {-100, -8}})));
+  Interfaces.IntegerInput falling_count "Falling edges since the start"
+    annotation(Placement(transformation(extent = {{-120, -64}, {-100, -44}})));
+  Interfaces.BooleanInput rearm(start = false) "A rising edge makes room for the next first edge"
+    annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
+  parameter Units.Time rise_delay(min = 0) = 0 "Of the input circuit at rising edges"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time fall_delay(min = 0) = 0 "Of the input circuit at falling edges"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time filter_time(min = 0) = 0 "For how long a level must rest to count"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time jitter(min = 0) = 0 "Largest deviation of a stamp to either side"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the deviations"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Units.Time clock_error = 0 "Clock of the terminal minus reference clock"
+    annotation(Dialog(group = "Clock"));
+  parameter Integer clock_seconds(min = 0) = 0 "Reference clock at time 0: seconds since 2000"
+    annotation(Dialog(group = "Clock"));
   parameter Integer clock_nanoseconds(min = 0, max = 999999999) = 0
-    "Reference clock at time 0: nanoseconds above";
-  parameter Boolean keep_first = false "Stamps hold the first edge until rearm, else the last one";
-  output Boolean level "Level behind delay and filter";
-  output Integer stamped_rising_count "Rising edges stamped since the start";
-  output Integer stamped_rising_seconds "Stamp of a rising edge: whole seconds since 2000-01-01";
-  output Integer stamped_rising_nanoseconds "Stamp of a rising edge: nanoseconds above";
-  output Real stamped_rising_low_word(unit = "1") "Stamp in nanoseconds, its low 32 bits";
-  output Integer stamped_falling_count "Falling edges stamped since the start";
-  output Integer stamped_falling_seconds "Stamp of a falling edge: whole seconds since 2000-01-01";
-  output Integer stamped_falling_nanoseconds "Stamp of a falling edge: nanoseconds above";
-  output Real stamped_falling_low_word(unit = "1") "Stamp in nanoseconds, its low 32 bits";
+    "Reference clock at time 0: nanoseconds above"
+    annotation(Dialog(group = "Clock"));
+  parameter Boolean keep_first = false "Stamps hold the first edge until rearm, else the last one"
+    annotation(Dialog(group = "Signal"));
+  Interfaces.BooleanOutput level "Level behind delay and filter"
+    annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
+  Interfaces.IntegerOutput stamped_rising_count "Rising edges stamped since the start"
+    annotation(Placement(transformation(extent = {{100, 58}, {120, 78}})));
+  Interfaces.IntegerOutput stamped_rising_seconds
+    "Stamp of a rising edge: whole seconds since 2000-01-01"
+    annotation(Placement(transformation(extent = {{100, 35}, {120, 55}})));
+  Interfaces.IntegerOutput stamped_rising_nanoseconds "Stamp of a rising edge: nanoseconds above"
+    annotation(Placement(transformation(extent = {{100, 12}, {120, 32}})));
+  Interfaces.RealOutput stamped_rising_low_word(unit = "1") "Stamp in nanoseconds, its low 32 bits"
+    annotation(Placement(transformation(extent = {{100, -10}, {120, 10}})));
+  Interfaces.IntegerOutput stamped_falling_count "Falling edges stamped since the start"
+    annotation(Placement(transformation(extent = {{100, -32}, {120, -12}})));
+  Interfaces.IntegerOutput stamped_falling_seconds
+    "Stamp of a falling edge: whole seconds since 2000-01-01"
+    annotation(Placement(transformation(extent = {{100, -55}, {120, -35}})));
+  Interfaces.IntegerOutput stamped_falling_nanoseconds "Stamp of a falling edge: nanoseconds above"
+    annotation(Placement(transformation(extent = {{100, -78}, {120, -58}})));
+  Interfaces.RealOutput stamped_falling_low_word(unit = "1")
+    "Stamp in nanoseconds, its low 32 bits"
+    annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
   Boolean rose "The last rising edge lies behind";
   Boolean fell "The last falling edge lies behind";
   Boolean level_in "Level at the terminal now";
   Boolean level_start(start = false, fixed = true) "Level when the simulation began";
-  EdgeQueue rising_path(transit = rise_delay);
-  EdgeQueue falling_path(transit = fall_delay);
-  LevelFilter filter(rest_time = filter_time);
+  EdgeQueue rising_path(transit = rise_delay) "Input circuit for rising edges"
+    annotation(Placement(transformation(extent = {{-72, 21}, {-34, 59}})));
+  EdgeQueue falling_path(transit = fall_delay) "Input circuit for falling edges"
+    annotation(Placement(transformation(extent = {{-19, 21}, {19, 59}})));
+  LevelFilter filter(rest_time = filter_time) "Filter"
+    annotation(Placement(transformation(extent = {{34, 21}, {72, 59}})));
   EdgeStamp rising(
     multiplier = 16807,
     spread = jitter,
@@ -40,7 +70,9 @@ protected
     error = clock_error,
     epoch_seconds = clock_seconds,
     epoch_nanoseconds = clock_nanoseconds,
-    hold_first = keep_first);
+    hold_first = keep_first)
+    "Stamps rising edges"
+    annotation(Placement(transformation(extent = {{-72, -59}, {-34, -21}})));
   EdgeStamp falling(
     multiplier = 48271,
     spread = jitter,
@@ -48,7 +80,9 @@ protected
     error = clock_error,
     epoch_seconds = clock_seconds,
     epoch_nanoseconds = clock_nanoseconds,
-    hold_first = keep_first);
+    hold_first = keep_first)
+    "Stamps falling edges"
+    annotation(Placement(transformation(extent = {{-19, -59}, {19, -21}})));
 equation
   rose = rising_count > 0 and time >= rising_time;
   fell = falling_count > 0 and time >= falling_time;
@@ -74,12 +108,23 @@ equation
   stamped_rising_count = rising.count;
   stamped_rising_seconds = rising.seconds;
   stamped_rising_nanoseconds = rising.nanoseconds;
-  stamped_rising_low_word = rising.low_word;
+  connect(rising.low_word, stamped_rising_low_word)
+    annotation(Line(points = {{-32, -57}, {34, -57}, {34, 0}, {100, 0}}, color = {0, 0, 127}));
   stamped_falling_count = falling.count;
   stamped_falling_seconds = falling.seconds;
   stamped_falling_nanoseconds = falling.nanoseconds;
-  stamped_falling_low_word = falling.low_word;
+  connect(falling.low_word, stamped_falling_low_word)
+    annotation(Line(points = {{21, -57}, {60, -57}, {60, -90}, {100, -90}}, color = {0, 0, 127}));
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{-80, -40}, {-30, -40}, {-30, 40}, {30, 40}, {30, -40}, {80, -40}},
+          color = {255, 0, 255}),
+      Rectangle(extent = {{-20, -90}, {20, -55}}, fillColor = {220, 220, 220},
+          fillPattern = FillPattern.Solid),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>The inputs are the outputs of a probe for the same communication step. From them the level at each
 instant follows exactly: after the later of the last two edges that lie behind; before both it is the

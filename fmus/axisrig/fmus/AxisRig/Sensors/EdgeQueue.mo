@@ -1,15 +1,21 @@
 within AxisRig.Sensors;
 block EdgeQueue "Rising edges under way, first in first out, at most four"
   constant Real multiplier(unit = "1") = 16807 "16807 or 48271: two sequences of random numbers";
-  parameter Units.Time transit(min = 0) = 0 "How long an edge is under way";
-  parameter Units.Time spread(min = 0) = 0 "Largest deviation of it to either side";
-  parameter Integer seed(min = 0, max = 1000000) = 0 "Of the deviations";
-  input Boolean u "Input";
-  output Integer arrived(start = 0, fixed = true) "Number of edges that have arrived";
-  output Boolean waiting "An edge is under way";
+  parameter Units.Time transit(min = 0) = 0 "How long an edge is under way"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Time spread(min = 0) = 0 "Largest deviation of it to either side"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Integer seed(min = 0, max = 1000000) = 0 "Of the deviations"
+    annotation(Dialog(group = "Noise and jitter"));
+  Interfaces.BooleanInput u "Input"
+    annotation(Placement(transformation(extent = {{-120, -10}, {-100, 10}})));
+  Interfaces.IntegerOutput arrived(start = 0, fixed = true) "Number of edges that have arrived"
+    annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
+  Interfaces.BooleanOutput waiting "An edge is under way"
+    annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
-  constant Units.Time never = 1e60;
-  constant Real modulus(unit = "1") = 2147483647;
+  constant Units.Time never = 1e60 "Later than any run";
+  constant Real modulus(unit = "1") = 2147483647 "Of the random numbers, 2^31 - 1";
   Integer sent(start = 0, fixed = true) "Number of edges that have left";
   Integer write_slot(start = 0, fixed = true) "Next slot to fill";
   Integer read_slot(start = 0, fixed = true) "Slot of the next arrival";
@@ -45,6 +51,18 @@ equation
   waiting = sent > arrived;
   assert(sent - arrived < 5, "more than four edges of one direction are under way");
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{-70, -20}, {-40, 20}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{-35, -20}, {-5, 20}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{0, -20}, {30, 20}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{35, -20}, {65, 20}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: edge k arrives at max(t_k + max(0, transit + spread (2 s(k)/m - 1)), arrival of edge k - 1),
 with m = 2^31 - 1, s(k + 1) = a s(k) mod m, s(0) = a (1 + 742938285 seed mod (m - 1)) mod m. Products

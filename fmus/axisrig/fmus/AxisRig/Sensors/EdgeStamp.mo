@@ -1,23 +1,35 @@
 within AxisRig.Sensors;
 block EdgeStamp "Time stamp of rising edges from a distributed clock"
   constant Real multiplier(unit = "1") = 16807 "16807 or 48271: two sequences of random numbers";
-  parameter Units.Time spread(min = 0) = 0 "Largest deviation of a stamp to either side";
-  parameter Integer random_seed(min = 0, max = 1000000) = 0 "Of the deviations";
-  parameter Units.Time error = 0 "Clock of the terminal minus reference clock";
-  parameter Integer epoch_seconds(min = 0) = 0 "Reference clock at time 0: seconds since 2000";
+  parameter Units.Time spread(min = 0) = 0 "Largest deviation of a stamp to either side"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Integer random_seed(min = 0, max = 1000000) = 0 "Of the deviations"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Units.Time error = 0 "Clock of the terminal minus reference clock"
+    annotation(Dialog(group = "Clock"));
+  parameter Integer epoch_seconds(min = 0) = 0 "Reference clock at time 0: seconds since 2000"
+    annotation(Dialog(group = "Clock"));
   parameter Integer epoch_nanoseconds(min = 0, max = 999999999) = 0
-    "Reference clock at time 0: nanoseconds above";
-  parameter Boolean hold_first = false "Holds the first edge until rearm, else the last one";
-  input Boolean u "Signal";
-  input Boolean rearm "A rising edge makes room for the next first edge";
-  output Integer count(start = 0, fixed = true) "Rising edges since the start";
-  output Integer seconds "Stamp: whole seconds since 2000-01-01";
-  output Integer nanoseconds "Stamp: nanoseconds above, 0..999999999";
-  output Real low_word(unit = "1") "Stamp in nanoseconds, its low 32 bits";
+    "Reference clock at time 0: nanoseconds above"
+    annotation(Dialog(group = "Clock"));
+  parameter Boolean hold_first = false "Holds the first edge until rearm, else the last one"
+    annotation(Dialog(group = "Parameters"));
+  Interfaces.BooleanInput u "Signal"
+    annotation(Placement(transformation(extent = {{-120, 80}, {-100, 100}})));
+  Interfaces.BooleanInput rearm "A rising edge makes room for the next first edge"
+    annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
+  Interfaces.IntegerOutput count(start = 0, fixed = true) "Rising edges since the start"
+    annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
+  Interfaces.IntegerOutput seconds "Stamp: whole seconds since 2000-01-01"
+    annotation(Placement(transformation(extent = {{100, 20}, {120, 40}})));
+  Interfaces.IntegerOutput nanoseconds "Stamp: nanoseconds above, 0..999999999"
+    annotation(Placement(transformation(extent = {{100, -40}, {120, -20}})));
+  Interfaces.RealOutput low_word(unit = "1") "Stamp in nanoseconds, its low 32 bits"
+    annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
-  constant Real modulus(unit = "1") = 2147483647;
-  constant Real second_ns(unit = "1") = 1e9;
-  constant Real word(unit = "1") = 4294967296;
+  constant Real modulus(unit = "1") = 2147483647 "Of the random numbers, 2^31 - 1";
+  constant Real second_ns(unit = "1") = 1e9 "A second in nanoseconds";
+  constant Real word(unit = "1") = 4294967296 "2^32";
   constant Real half_word_ns(unit = "1") = 3388997632 "65536 s in nanoseconds, its low 32 bits";
   Real random(unit = "1") "Random number of the next edge, times the modulus";
   Real stamp(unit = "1", start = 0, fixed = true) "Stamp in nanoseconds since time 0";
@@ -43,6 +55,15 @@ equation
   low_word = mod(half_word_ns*floor(seconds/65536) + second_ns*mod(seconds, 65536) + nanoseconds,
     word);
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Ellipse(extent = {{-40, -40}, {40, 40}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{0, 0}, {0, 32}}, color = {0, 0, 0}),
+      Line(points = {{0, 0}, {20, -14}}, color = {0, 0, 0}),
+      Line(points = {{-90, -60}, {0, -60}, {0, -44}}, color = {255, 0, 255}),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: stamp = clock at time 0 + round(t + error + spread (2 u(k) - 1)), u(k) uniform
 within 0..1 (the sequence of EdgeQueue). Distributed clocks count 64 bit nanoseconds since

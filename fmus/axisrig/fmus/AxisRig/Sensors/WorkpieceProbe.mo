@@ -1,43 +1,78 @@
 within AxisRig.Sensors;
 model WorkpieceProbe "Touch probe against a workpiece of any shape, with bounce, radio and switching on"
   extends MovingSensor;
-  input Boolean switched_on(start = true) "Probe switched on";
-  parameter Units.Length ball_radius = 0 "Radius of the stylus ball";
-  parameter Units.Length pretravel = 0 "Deflection from contact to the switching point, everywhere";
-  parameter Units.Force seat_force = 0 "Of the three-leg seat; adds pre-travel by direction";
-  parameter Units.Length stylus_length = 50e-3 "From the plane of the pads to the ball centre";
-  parameter Units.Length seat_radius(min = 1e-4) = 10e-3 "Of the circle of the pads";
-  parameter Units.Angle seat_angle = 0 "Direction of the first pad from x";
-  parameter Units.Stiffness bending_stiffness(min = 1) = 0.2e6 "Of the stylus across its axis";
-  parameter Units.Stiffness axial_stiffness(min = 1) = 2e6 "Of the stylus along its axis";
-  parameter Units.Time trigger_delay(min = 0) = 0 "From the switching point to the edge";
-  parameter Units.Time radio_delay(min = 0) = 0 "Transmission to the receiver";
-  parameter Units.Time radio_jitter(min = 0) = 0 "Largest deviation of it to either side";
-  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the deviations";
-  parameter Integer bounce_count(min = 0, max = 100) = 0 "How often the signal opens after a touch";
+  Interfaces.BooleanInput switched_on(start = true) "Probe switched on"
+    annotation(Placement(transformation(origin = {0, 110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+  parameter Units.Length ball_radius = 0 "Radius of the stylus ball"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Length pretravel = 0 "Deflection from contact to the switching point, everywhere"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Force seat_force = 0 "Of the three-leg seat; adds pre-travel by direction"
+    annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Length stylus_length = 50e-3 "From the plane of the pads to the ball centre"
+    annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Length seat_radius(min = 1e-4) = 10e-3 "Of the circle of the pads"
+    annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Angle seat_angle = 0 "Direction of the first pad from x"
+    annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Stiffness bending_stiffness(min = 1) = 0.2e6 "Of the stylus across its axis"
+    annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Stiffness axial_stiffness(min = 1) = 2e6 "Of the stylus along its axis"
+    annotation(Dialog(group = "Three-leg seat"));
+  parameter Units.Time trigger_delay(min = 0) = 0 "From the switching point to the edge"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time radio_delay(min = 0) = 0 "Transmission to the receiver"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time radio_jitter(min = 0) = 0 "Largest deviation of it to either side"
+    annotation(Dialog(group = "Signal"));
+  parameter Integer seed(min = 0, max = 1000000) = 1 "Of the deviations"
+    annotation(Dialog(group = "Noise and jitter"));
+  parameter Integer bounce_count(min = 0, max = 100) = 0 "How often the signal opens after a touch"
+    annotation(Dialog(group = "Signal"));
   parameter Integer release_bounce_count(min = 0, max = 100) = 0
-    "How often it closes after a release";
-  parameter Units.Time bounce_time(min = 1e-9) = 1e-3 "From the first edge to the last";
-  parameter Units.Time switch_on_time(min = 0) = 0 "From switching on until the signal is valid";
-  parameter Boolean inverted = false "Signal is true while the probe is free";
-  Workpieces.Workpiece workpiece(points = 3, slopes = 3);
+    "How often it closes after a release"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time bounce_time(min = 1e-9) = 1e-3 "From the first edge to the last"
+    annotation(Dialog(group = "Signal"));
+  parameter Units.Time switch_on_time(min = 0) = 0 "From switching on until the signal is valid"
+    annotation(Dialog(group = "Signal"));
+  parameter Boolean inverted = false "Signal is true while the probe is free"
+    annotation(Dialog(group = "Signal"));
+  Workpieces.Workpiece workpiece(points = 3, slopes = 3) "What lies below"
+    annotation(Placement(transformation(extent = {{-74, -34}, {-46, -6}})));
 
-  output Boolean signal "Switching output; false until the probe is ready";
-  output Units.Time rising_time "Instant of the last rising edge of the signal";
-  output Units.Time falling_time "Instant of the last falling edge of the signal";
-  output Integer rising_count "Rising edges of the signal since the start";
-  output Integer falling_count "Falling edges of the signal since the start";
-  output Boolean contact "The ball touches the workpiece";
-  output Units.Time contact_time(start = 0, fixed = true) "Last instant at which the gap closed";
-  output Integer contact_count(start = 0, fixed = true) "How often the gap has closed";
-  output Units.Position contact_x(start = 0, fixed = true) "x at contact_time";
-  output Units.Position contact_y(start = 0, fixed = true) "y at contact_time";
-  output Units.Position contact_z(start = 0, fixed = true) "z at contact_time";
-  output Units.Position gap "Distance of the ball from the workpiece";
-  output Units.Length total_pretravel "In the direction of the surface";
-  output Units.Length clearance
-    "Distance that the ball can move without any edge; 0 while one is under way";
-  output Boolean ready "Switched on for long enough";
+  Interfaces.BooleanOutput signal "Switching output; false until the probe is ready"
+    annotation(Placement(transformation(extent = {{100, 85}, {110, 95}})));
+  Interfaces.TimeOutput rising_time "Instant of the last rising edge of the signal"
+    annotation(Placement(transformation(extent = {{100, 72}, {110, 82}})));
+  Interfaces.TimeOutput falling_time "Instant of the last falling edge of the signal"
+    annotation(Placement(transformation(extent = {{100, 59}, {110, 69}})));
+  Interfaces.IntegerOutput rising_count "Rising edges of the signal since the start"
+    annotation(Placement(transformation(extent = {{100, 46}, {110, 56}})));
+  Interfaces.IntegerOutput falling_count "Falling edges of the signal since the start"
+    annotation(Placement(transformation(extent = {{100, 34}, {110, 44}})));
+  Interfaces.BooleanOutput contact "The ball touches the workpiece"
+    annotation(Placement(transformation(extent = {{100, 21}, {110, 31}})));
+  Interfaces.TimeOutput contact_time(start = 0, fixed = true)
+    "Last instant at which the gap closed"
+    annotation(Placement(transformation(extent = {{100, 8}, {110, 18}})));
+  Interfaces.IntegerOutput contact_count(start = 0, fixed = true) "How often the gap has closed"
+    annotation(Placement(transformation(extent = {{100, -5}, {110, 5}})));
+  Interfaces.PositionOutput contact_x(start = 0, fixed = true) "x at contact_time"
+    annotation(Placement(transformation(extent = {{100, -18}, {110, -8}})));
+  Interfaces.PositionOutput contact_y(start = 0, fixed = true) "y at contact_time"
+    annotation(Placement(transformation(extent = {{100, -31}, {110, -21}})));
+  Interfaces.PositionOutput contact_z(start = 0, fixed = true) "z at contact_time"
+    annotation(Placement(transformation(extent = {{100, -44}, {110, -34}})));
+  Interfaces.PositionOutput gap "Distance of the ball from the workpiece"
+    annotation(Placement(transformation(extent = {{100, -56}, {110, -46}})));
+  Interfaces.LengthOutput total_pretravel "In the direction of the surface"
+    annotation(Placement(transformation(extent = {{100, -69}, {110, -59}})));
+  Interfaces.LengthOutput clearance
+    "Distance that the ball can move without any edge; 0 while one is under way"
+    annotation(Placement(transformation(extent = {{100, -82}, {110, -72}})));
+  Interfaces.BooleanOutput ready "Switched on for long enough"
+    annotation(Placement(transformation(extent = {{100, -95}, {110, -85}})));
 protected
   constant Units.Length rounding = 1e-13 "By how much two steps may disagree where they meet";
   constant Units.Length smallest = 1e-12 "Below it a direction is not known";
@@ -58,23 +93,34 @@ protected
     radius = seat_radius,
     angle = seat_angle,
     bending = bending_stiffness,
-    axial = axial_stiffness);
+    axial = axial_stiffness)
+    "Seat of the stylus"
+    annotation(Placement(transformation(extent = {{-34, -34}, {-6, -6}})));
   Boolean deflected "Deflected beyond the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
-  EdgeDelay path(delay = trigger_delay + radio_delay, jitter = radio_jitter,
-    random_seed = seed);
+  EdgeDelay path(dead_time = trigger_delay + radio_delay, jitter = radio_jitter,
+    random_seed = seed)
+    "From the switching point to the edge"
+    annotation(Placement(transformation(extent = {{6, -34}, {34, -6}})));
   ContactBounce bounce(
     closing_count = bounce_count,
     opening_count = release_bounce_count,
-    duration = bounce_time);
-  SwitchOnDelay power(delay = switch_on_time);
-  EdgeCounter rising;
-  EdgeCounter falling;
+    duration = bounce_time)
+    "Bouncing contact"
+    annotation(Placement(transformation(extent = {{46, -34}, {74, -6}})));
+  SwitchOnDelay power(start_up_time = switch_on_time) "Start-up of the probe"
+    annotation(Placement(transformation(extent = {{-74, -74}, {-46, -46}})));
+  EdgeCounter rising "Counts rising edges"
+    annotation(Placement(transformation(extent = {{-34, -74}, {-6, -46}})));
+  EdgeCounter falling "Counts falling edges"
+    annotation(Placement(transformation(extent = {{6, -74}, {34, -46}})));
 initial equation
   pre(deflected_at_start) = gap + total_pretravel <= 0;
 equation
-  workpiece.x[1] = x.position;
-  workpiece.y[1] = y.position;
+  connect(x.position, workpiece.x[1])
+    annotation(Line(points = {{-32, 45}, {-54, 45}, {-54, -7}, {-75, -7}}, color = {0, 0, 127}));
+  connect(y.position, workpiece.y[1])
+    annotation(Line(points = {{21, 45}, {-27, 45}, {-27, -33}, {-75, -33}}, color = {0, 0, 127}));
   for i in 1:2 loop
     workpiece.x[i + 1] = x.position + ball_radius*workpiece.slope_x[i]/norm[i];
     workpiece.y[i + 1] = y.position + ball_radius*workpiece.slope_y[i]/norm[i];
@@ -118,9 +164,11 @@ equation
   signal = ready and bounce.y <> inverted;
   rising.u = signal;
   falling.u = not signal;
-  rising_time = rising.last;
+  connect(rising.last, rising_time)
+    annotation(Line(points = {{-5, -73}, {48, -73}, {48, 77}, {100, 77}}, color = {0, 0, 127}));
   rising_count = rising.count;
-  falling_time = falling.last;
+  connect(falling.last, falling_time)
+    annotation(Line(points = {{35, -73}, {68, -73}, {68, 64}, {100, 64}}, color = {0, 0, 127}));
   falling_count = falling.count;
   clearance = if path.waiting or bounce.bouncing or power.waiting then 0
     elseif not contact then max(0, max(workpiece.beyond,
@@ -128,6 +176,20 @@ equation
     else noEvent(if workpiece.steepest > 0 or seat_force > 0 then 0
       else min(abs(gap), abs(gap + total_pretravel)));
   annotation(
+    Icon(graphics = {
+      Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},
+          fillPattern = FillPattern.Solid),
+      Rectangle(extent = {{-15, 30}, {15, 80}}, fillColor = {220, 220, 220},
+          fillPattern = FillPattern.Solid),
+      Line(points = {{0, 30}, {0, -30}}, color = {0, 0, 0}),
+      Ellipse(extent = {{-12, -54}, {12, -30}}, fillColor = {255, 0, 0},
+          fillPattern = FillPattern.Solid),
+      Polygon(points = {{-80, -80}, {-80, -56}, {-70, -59}, {-60, -63}, {-50, -67}, {-40, -69},
+          {-30, -70}, {-20, -69}, {-10, -66}, {0, -62}, {10, -58}, {20, -55}, {30, -54}, {40,
+          -55}, {50, -57}, {60, -61}, {70, -65}, {80, -68}, {80, -80}}, fillColor = {200, 170,
+          120}, fillPattern = FillPattern.Solid),
+      Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
+    experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: a ball of radius r touches the surface h(x, y) at the foot f = p + r (h_x, h_y)/N with
 N = sqrt(1 + h_x^2 + h_y^2), the slopes taken at f; then its centre is at h(f) + sqrt(r^2 - |f - p|^2).

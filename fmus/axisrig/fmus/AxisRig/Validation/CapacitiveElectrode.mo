@@ -1,11 +1,15 @@
 within AxisRig.Validation;
 model CapacitiveElectrode "An electrode that comes down over an inclined plane beside an edge"
-  parameter Units.Angle inclination = 0.2 "Of the surface";
+  extends Icons.Experiment;
+  parameter Units.Angle inclination = 0.2 "Of the surface"
+    annotation(Dialog(group = "Parameters"));
   Sensors.CapacitiveElectrode electrode(
     radius = 2e-3,
     tilt_excess = 4,
     nonlinearity = 0.02,
-    full_scale = 5.5e-3);
+    full_scale = 5.5e-3)
+    "Electrode"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position averaged "Distance of a plane with the same capacitance";
   output Units.Position seen "With the whole tilt error";
   output Units.Position linearised "What the electronics tell";

@@ -1,8 +1,13 @@
 within AxisRig.Validation;
 model ContactBounce "A contact closes and opens, once while it still bounces"
-  Sensors.ContactBounce contact(closing_count = 3, opening_count = 2, duration = 1.3e-3);
-  Sensors.EdgeCounter rising;
-  Sensors.EdgeCounter falling;
+  extends Icons.Experiment;
+  Sensors.ContactBounce contact(closing_count = 3, opening_count = 2, duration = 1.3e-3)
+    "Contact that bounces"
+    annotation(Placement(transformation(extent = {{-60, 20}, {-20, 60}})));
+  Sensors.EdgeCounter rising "Counts rising edges"
+    annotation(Placement(transformation(extent = {{20, 20}, {60, 60}})));
+  Sensors.EdgeCounter falling "Counts falling edges"
+    annotation(Placement(transformation(extent = {{-60, -60}, {-20, -20}})));
   output Units.Time rising_time "Last rising edge";
   output Units.Time falling_time "Last falling edge";
   output Integer rising_count "Rising edges";

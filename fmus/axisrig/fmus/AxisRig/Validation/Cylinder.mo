@@ -1,6 +1,9 @@
 within AxisRig.Validation;
 model Cylinder "Height and slopes along a straight path"
-  Workpieces.Cylinder surface(azimuth = 0.2, radius = 0.0302, axis = 4e-3, round = 0.9);
+  extends Icons.Experiment;
+  Workpieces.Cylinder surface(azimuth = 0.2, radius = 0.0302, axis = 4e-3, round = 0.9)
+    "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

@@ -1,5 +1,6 @@
 within AxisRig.Validation;
 model DistanceSensor "A nozzle over a ramp, a hole and an edge, and down on the sheet"
+  extends Icons.Experiment;
   Sensors.DistanceSensor sensor(
     range = 8e-3,
     electrode_radius = 2e-3,
@@ -15,8 +16,10 @@ model DistanceSensor "A nozzle over a ramp, a hole and an edge, and down on the 
     workpiece(
       plane(level = 0.4e-3),
       ramp(azimuth = 0.2, rise = 1.5e-3, start = 5e-3, length = 20e-3),
-      edge(position = 70e-3, azimuth = 0.1),
-      hole(center_x = 50e-3, center_y = 0.5e-3, radius = 3e-3)));
+      border(position = 70e-3, azimuth = 0.1),
+      hole(center_x = 50e-3, center_y = 0.5e-3, radius = 3e-3)))
+    "Sensor under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position distance "What the sensor tells";
   output Units.Position distance_true "Straight down";
   output Boolean valid "Within the range";

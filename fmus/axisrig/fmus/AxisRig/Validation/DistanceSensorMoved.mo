@@ -1,5 +1,6 @@
 within AxisRig.Validation;
 model DistanceSensorMoved "A nozzle that stands above a sheet that moves; the signal is lost"
+  extends Icons.Experiment;
   Sensors.DistanceSensor sensor(
     range = 8e-3,
     order = 0,
@@ -14,7 +15,9 @@ model DistanceSensorMoved "A nozzle that stands above a sheet that moves; the si
     sway_begin = 0.2503,
     lost_begin = 0.3301,
     lost_end = 0.3609,
-    workpiece(plane(level = 0.4e-3)));
+    workpiece(plane(level = 0.4e-3)))
+    "Sensor under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position distance "What the sensor tells";
   output Units.Position distance_true "Straight down";
   output Boolean valid "There is a signal";

@@ -1,6 +1,8 @@
 within AxisRig.Validation;
 model Edge "Distance from the material along a straight path"
-  Workpieces.Edge border(position = 0.0111, azimuth = 0.6);
+  extends Icons.Experiment;
+  Workpieces.Edge border(position = 0.0111, azimuth = 0.6) "Straight edge"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position beyond "Distance from the material";
   output Units.Slope beyond_x "Derivative of it by x";
   output Units.Slope beyond_y "Derivative of it by y";

@@ -1,8 +1,13 @@
 within AxisRig.Validation;
 model EdgeDelay "A square wave behind a delay that differs from edge to edge"
-  Sensors.EdgeDelay path(delay = 30e-3, jitter = 3e-3, random_seed = 77);
-  Sensors.EdgeCounter rising;
-  Sensors.EdgeCounter falling;
+  extends Icons.Experiment;
+  Sensors.EdgeDelay path(dead_time = 30e-3, jitter = 3e-3, random_seed = 77)
+    "From the switching point to the edge"
+    annotation(Placement(transformation(extent = {{-60, 20}, {-20, 60}})));
+  Sensors.EdgeCounter rising "Counts rising edges"
+    annotation(Placement(transformation(extent = {{20, 20}, {60, 60}})));
+  Sensors.EdgeCounter falling "Counts falling edges"
+    annotation(Placement(transformation(extent = {{-60, -60}, {-20, -20}})));
   output Units.Time rising_time "Last rising edge";
   output Units.Time falling_time "Last falling edge";
   output Integer rising_count "Rising edges";

@@ -1,11 +1,14 @@
 within AxisRig.Validation;
 model EdgeStamp "Stamps of a square wave, across the wrap of 32 bits"
+  extends Icons.Experiment;
   Sensors.EdgeStamp last(
     spread = 1.7e-6,
     random_seed = 4711,
     error = -2.3e-6,
     epoch_seconds = 846000003,
-    epoch_nanoseconds = 999900000);
+    epoch_nanoseconds = 999900000)
+    "Stamps the last edge"
+    annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));
   Sensors.EdgeStamp first(
     multiplier = 48271,
     spread = 1e-6,
@@ -13,7 +16,9 @@ model EdgeStamp "Stamps of a square wave, across the wrap of 32 bits"
     error = 4e-6,
     epoch_seconds = 0,
     epoch_nanoseconds = 0,
-    hold_first = true);
+    hold_first = true)
+    "Holds the first edge"
+    annotation(Placement(transformation(extent = {{20, -20}, {60, 20}})));
   output Integer count "Edges";
   output Integer seconds "Stamp of the last edge";
   output Integer nanoseconds "Stamp of the last edge";

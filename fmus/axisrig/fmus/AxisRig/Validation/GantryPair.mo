@@ -1,30 +1,52 @@
 within AxisRig.Validation;
 model GantryPair "Gantry with its centre of mass off the middle; one side meets a stop"
-  parameter Units.Position position_start = 1e-4 "Position of both sides at the start";
-  parameter Units.Rate kv = 20 "Gain of the position loops";
-  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward";
+  extends Icons.Experiment;
+  parameter Units.Position position_start = 1e-4 "Position of both sides at the start"
+    annotation(Dialog(group = "Start"));
+  parameter Units.Rate kv = 20 "Gain of the position loops"
+    annotation(Dialog(group = "Position loop"));
+  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward"
+    annotation(Dialog(group = "Position loop"));
   parameter Units.Frequency velocity_bandwidth = 40
-    "Bandwidth of the velocity loops, sets their gain";
-  parameter Units.Time velocity_integral_time = 12e-3 "Integral time of the velocity loops";
-  parameter Units.Time anti_windup_time = 9e-3 "Back-calculation time of the velocity loops";
-  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loops";
+    "Bandwidth of the velocity loops, sets their gain"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Time velocity_integral_time = 12e-3 "Integral time of the velocity loops"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Time anti_windup_time = 9e-3 "Back-calculation time of the velocity loops"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loops"
+    annotation(Dialog(group = "Motor and current loop"));
   parameter Units.Force force_limit_motor = 900
-    "Largest force of each motor, in terms of the slide";
-  parameter Units.Mass carriage_mass = 60 "Each carriage between screw and beam";
-  parameter Units.Inertia rotor_inertia = 6e-4 "Each motor with coupling and screw";
-  parameter Units.Length screw_lead = 0.02 "Travel per revolution";
-  parameter Units.Mass beam_mass = 400 "Beam with what it carries";
-  parameter Units.Inertia beam_inertia = 150 "About the vertical through the centre of mass";
-  parameter Units.Length span = 2 "Between both guideways";
+    "Largest force of each motor, in terms of the slide"
+    annotation(Dialog(group = "Motor and current loop"));
+  parameter Units.Mass carriage_mass = 60 "Each carriage between screw and beam"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Inertia rotor_inertia = 6e-4 "Each motor with coupling and screw"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Length screw_lead = 0.02 "Travel per revolution"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Mass beam_mass = 400 "Beam with what it carries"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Inertia beam_inertia = 150 "About the vertical through the centre of mass"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Length span = 2 "Between both guideways"
+    annotation(Dialog(group = "Masses and transmission"));
   parameter Units.Position mass_offset = 0.2
-    "Centre of mass from the middle, towards the first guideway";
-  parameter Units.Stiffness coupling_stiffness = 150e6 "Between each carriage and the beam";
-  parameter Units.Damping coupling_damping = 20e3 "Between each carriage and the beam";
+    "Centre of mass from the middle, towards the first guideway"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Stiffness coupling_stiffness = 150e6 "Between each carriage and the beam"
+    annotation(Dialog(group = "Elastic parts"));
+  parameter Units.Damping coupling_damping = 20e3 "Between each carriage and the beam"
+    annotation(Dialog(group = "Elastic parts"));
   parameter Units.Position stop_position_1 = 0.016
-    "Fixed stop of the first side, positive direction";
-  parameter Units.Position stop_position_2 = 0.0165 "Fixed stop of the second side";
-  parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of each stop";
-  parameter Units.ContactDamping stop_damping = 20 "Share of the stop's spring force per velocity";
+    "Fixed stop of the first side, positive direction"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.Position stop_position_2 = 0.0165 "Fixed stop of the second side"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of each stop"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.ContactDamping stop_damping = 20 "Share of the stop's spring force per velocity"
+    annotation(Dialog(group = "Fixed stop"));
   Drives.GantryPair axis(
     position_start = position_start,
     kv = kv,
@@ -46,7 +68,9 @@ model GantryPair "Gantry with its centre of mass off the middle; one side meets 
     stop_position_1 = stop_position_1,
     stop_position_2 = stop_position_2,
     stop_stiffness = stop_stiffness,
-    stop_damping = stop_damping);
+    stop_damping = stop_damping)
+    "Axis under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position position_1 "First end of the beam";
   output Units.Position position_2 "Second end of the beam";
   output Units.Position motor_position_1 "First encoder";

@@ -1,5 +1,6 @@
 within AxisRig.Validation;
 model GantryPairStops "Gantry whose ends meet moving stops, one in each direction"
+  extends Icons.Experiment;
   Drives.GantryPair axis(
     kv = 20,
     feed_forward = 0.3,
@@ -15,7 +16,9 @@ model GantryPairStops "Gantry whose ends meet moving stops, one in each directio
     stop_position_2 = 9e-3,
     stop_speed_2 = -0.045,
     stop_begin_2 = 0.06,
-    stop_end_2 = 0.38);
+    stop_end_2 = 0.38)
+    "Axis under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position position_1 "First end of the beam";
   output Units.Position position_2 "Second end of the beam";
   output Units.Force force_1 "First motor";

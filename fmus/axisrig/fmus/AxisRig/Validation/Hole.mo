@@ -1,6 +1,8 @@
 within AxisRig.Validation;
 model Hole "Distance from the material along a straight path"
-  Workpieces.Hole border(center_x = 4e-3, center_y = 2e-3, radius = 0.0203);
+  extends Icons.Experiment;
+  Workpieces.Hole border(center_x = 4e-3, center_y = 2e-3, radius = 0.0203) "Straight edge"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position beyond "Distance from the material";
   output Units.Slope beyond_x "Derivative of it by x";
   output Units.Slope beyond_y "Derivative of it by y";

@@ -1,6 +1,9 @@
 within AxisRig.Validation;
 model InclinedPlane "Height and slopes along a straight path"
-  Workpieces.InclinedPlane surface(azimuth = 0.4, angle = -0.5, origin = 3e-3);
+  extends Icons.Experiment;
+  Workpieces.InclinedPlane surface(azimuth = 0.4, angle = -0.5, origin = 3e-3)
+    "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

@@ -1,10 +1,13 @@
 within AxisRig.Validation;
 model KinematicAxis "Axis without mass: stands, gets power, follows two ramps, stands again"
+  extends Icons.Experiment;
   Drives.KinematicAxis axis(
     position_start = 0.021,
     noise = 2e-6,
     noise_period = 130e-6,
-    seed = 5);
+    seed = 5)
+    "Axis under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position position "Slide";
   output Units.Velocity velocity "Slide";
   output Units.Position motor_position "Motor encoder";

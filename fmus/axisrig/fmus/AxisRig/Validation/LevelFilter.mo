@@ -1,8 +1,12 @@
 within AxisRig.Validation;
 model LevelFilter "Pulses shorter and longer than the filter"
-  Sensors.LevelFilter filter(rest_time = 2e-3);
-  Sensors.EdgeCounter rising;
-  Sensors.EdgeCounter falling;
+  extends Icons.Experiment;
+  Sensors.LevelFilter filter(rest_time = 2e-3) "Filter"
+    annotation(Placement(transformation(extent = {{-60, 20}, {-20, 60}})));
+  Sensors.EdgeCounter rising "Counts rising edges"
+    annotation(Placement(transformation(extent = {{20, 20}, {60, 60}})));
+  Sensors.EdgeCounter falling "Counts falling edges"
+    annotation(Placement(transformation(extent = {{-60, -60}, {-20, -20}})));
   output Boolean level "Filtered level";
   output Units.Time rising_time "Last rising edge";
   output Units.Time falling_time "Last falling edge";

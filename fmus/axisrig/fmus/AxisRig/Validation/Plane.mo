@@ -1,6 +1,8 @@
 within AxisRig.Validation;
 model Plane "Height and slopes along a straight path"
-  Workpieces.Plane surface(level = 0.0123);
+  extends Icons.Experiment;
+  Workpieces.Plane surface(level = 0.0123) "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

@@ -1,6 +1,9 @@
 within AxisRig.Validation;
 model PositionSwitch "An axis runs over a cam and back"
-  Sensors.PositionSwitch switch(low = 5e-3, high = 15e-3, hysteresis = 1e-3, inverted = false);
+  extends Icons.Experiment;
+  Sensors.PositionSwitch switch(low = 5e-3, high = 15e-3, hysteresis = 1e-3, inverted = false)
+    "Switch under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Boolean signal "Level";
   output Units.Time rising_time "Edge of the signal";
   output Units.Time falling_time "Edge of the signal";

@@ -1,15 +1,20 @@
 within AxisRig.Validation;
 model ProbeAtWalls "A ball beside an edge, around its corner, and in a hole"
+  extends Icons.Experiment;
   Sensors.WorkpieceProbe outside(
     ball_radius = 3e-3,
     workpiece(
       plane(level = 4e-3),
-      edge(position = 11e-3, azimuth = 0.3)));
+      border(position = 11e-3, azimuth = 0.3)))
+    "Probe beside the material"
+    annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));
   Sensors.WorkpieceProbe inside(
     ball_radius = 3e-3,
     workpiece(
       plane(level = 4e-3),
-      hole(center_x = 1e-3, center_y = 2e-3, radius = 8e-3)));
+      hole(center_x = 1e-3, center_y = 2e-3, radius = 8e-3)))
+    "Probe in the hole"
+    annotation(Placement(transformation(extent = {{20, -20}, {60, 20}})));
   output Units.Position outside_gap "Distance of the ball at the edge";
   output Units.Length outside_clearance "To the next edge of the signal";
   output Units.Position inside_gap "Distance of the ball in the hole";

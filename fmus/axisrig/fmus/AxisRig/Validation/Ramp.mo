@@ -1,6 +1,9 @@
 within AxisRig.Validation;
 model Ramp "Height and slopes along a straight path"
-  Workpieces.Ramp surface(azimuth = -0.3, rise = -2e-3, start = -0.0201, length = 0.0305);
+  extends Icons.Experiment;
+  Workpieces.Ramp surface(azimuth = -0.3, rise = -2e-3, start = -0.0201, length = 0.0305)
+    "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

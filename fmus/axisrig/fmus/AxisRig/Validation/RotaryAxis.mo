@@ -1,29 +1,52 @@
 within AxisRig.Validation;
 model RotaryAxis "Rotary axis with imbalance: steady lag, contact, saturation, release, stick"
-  parameter Units.AngularVelocity feed = 0.4 "Forward";
-  parameter Units.Angle position_start = 1e-3 "Angle at the start";
-  parameter Units.Rate kv = 20 "Gain of the position loop";
-  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward";
-  parameter Units.Frequency velocity_bandwidth = 60 "Bandwidth of the velocity loop, sets its gain";
-  parameter Units.Time velocity_integral_time = 8e-3 "Integral time of the velocity loop";
-  parameter Units.Time anti_windup_time = 6e-3 "Back-calculation time of the velocity loop";
-  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loop";
-  parameter Units.Torque torque_limit_motor = 60 "Largest torque at the table";
-  parameter Units.Inertia inertia = 0.5 "Table with what it carries";
-  parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor and coupling";
-  parameter Units.Ratio gear_ratio = 60 "Turns of the motor per turn of the table";
-  parameter Units.Torque imbalance = 5 "Weight times distance of the centre of mass";
-  parameter Units.Torque coulomb_friction = 8 "Coulomb friction";
-  parameter Units.Torque breakaway_friction = 11 "Breakaway torque";
+  extends Icons.Experiment;
+  parameter Units.AngularVelocity feed = 0.4 "Forward"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Angle position_start = 1e-3 "Angle at the start"
+    annotation(Dialog(group = "Start"));
+  parameter Units.Rate kv = 20 "Gain of the position loop"
+    annotation(Dialog(group = "Position loop"));
+  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward"
+    annotation(Dialog(group = "Position loop"));
+  parameter Units.Frequency velocity_bandwidth = 60 "Bandwidth of the velocity loop, sets its gain"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Time velocity_integral_time = 8e-3 "Integral time of the velocity loop"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Time anti_windup_time = 6e-3 "Back-calculation time of the velocity loop"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loop"
+    annotation(Dialog(group = "Motor and current loop"));
+  parameter Units.Torque torque_limit_motor = 60 "Largest torque at the table"
+    annotation(Dialog(group = "Motor and current loop"));
+  parameter Units.Inertia inertia = 0.5 "Table with what it carries"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor and coupling"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Ratio gear_ratio = 60 "Turns of the motor per turn of the table"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Torque imbalance = 5 "Weight times distance of the centre of mass"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Torque coulomb_friction = 8 "Coulomb friction"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.Torque breakaway_friction = 11 "Breakaway torque"
+    annotation(Dialog(group = "Friction"));
   parameter Units.AngularVelocity stribeck_velocity = 0.01
-    "Angular velocity over which breakaway falls to Coulomb";
-  parameter Units.TorsionalDamping viscous_friction = 5 "Viscous friction";
-  parameter Units.TorsionalStiffness bristle_stiffness = 5e5 "Stiffness while it sticks";
-  parameter Units.TorsionalDamping bristle_damping = 200 "Damping while it sticks";
-  parameter Units.Angle stop_position = 0.15 "Fixed stop; the default lies out of reach";
-  parameter Units.TorsionalStiffness stop_stiffness = 1e6 "Stiffness of the stop";
+    "Angular velocity over which breakaway falls to Coulomb"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.TorsionalDamping viscous_friction = 5 "Viscous friction"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.TorsionalStiffness bristle_stiffness = 5e5 "Stiffness while it sticks"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.TorsionalDamping bristle_damping = 200 "Damping while it sticks"
+    annotation(Dialog(group = "Friction"));
+  parameter Units.Angle stop_position = 0.15 "Fixed stop; the default lies out of reach"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.TorsionalStiffness stop_stiffness = 1e6 "Stiffness of the stop"
+    annotation(Dialog(group = "Fixed stop"));
   parameter Units.TorsionalContactDamping stop_damping = 1
-    "Share of the stop's spring torque per angular velocity";
+    "Share of the stop's spring torque per angular velocity"
+    annotation(Dialog(group = "Fixed stop"));
   Drives.RotaryAxis axis(
     position_start = position_start,
     kv = kv,
@@ -45,7 +68,9 @@ model RotaryAxis "Rotary axis with imbalance: steady lag, contact, saturation, r
     bristle_damping = bristle_damping,
     stop_position = stop_position,
     stop_stiffness = stop_stiffness,
-    stop_damping = stop_damping);
+    stop_damping = stop_damping)
+    "Axis under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Angle position "Table";
   output Units.AngularVelocity velocity "Table";
   output Units.Angle demand_position "Demand";

@@ -1,6 +1,8 @@
 within AxisRig.Validation;
 model SampledNoise "Normal numbers"
-  Sensors.SampledNoise noise(period = 130e-6, random_seed = 12);
+  extends Icons.Experiment;
+  Sensors.SampledNoise noise(period = 130e-6, random_seed = 12) "Random numbers"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Real y(unit = "1") "Number now";
 equation
   y = noise.y;

@@ -1,26 +1,48 @@
 within AxisRig.Validation;
 model ScrewAxis "Two-mass axis with backlash: contact, saturation, release, stick, power off"
-  Examples.Course course;
-  parameter Units.Position position_start = 1e-4 "Position at the start";
-  parameter Units.Rate kv = 20 "Gain of the position loop";
-  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward";
-  parameter Units.Frequency velocity_bandwidth = 60 "Bandwidth of the velocity loop, sets its gain";
-  parameter Units.Time velocity_integral_time = 8e-3 "Integral time of the velocity loop";
-  parameter Units.Time anti_windup_time = 6e-3 "Back-calculation time of the velocity loop";
-  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loop";
-  parameter Units.Force force_limit_motor = 550 "Largest motor force, in terms of the slide";
-  parameter Units.Mass mass = 120 "Slide with what it carries";
-  parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor, coupling and screw";
-  parameter Units.Length screw_lead = 0.01 "Travel per revolution";
-  parameter Units.Position stop_position = 0.015 "Fixed stop; the default lies out of reach";
-  parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of the stop";
-  parameter Units.Exponent stop_exponent = 1.2 "Power of its penetration; 1: straight";
-  parameter Units.ContactDamping stop_damping = 20 "Share of the stop's spring force per velocity";
-  parameter Units.Force weight = 60 "Weight that no counterbalance carries, pulls towards negative";
-  parameter Units.Stiffness screw_stiffness = 120e6 "Screw, nut and bearing, at the slide";
-  parameter Units.Damping screw_damping = 6e3 "Damping of the screw, at the slide";
-  parameter Units.Damping motor_friction = 100 "Viscous friction of the motor, at the slide";
-  parameter Units.Length backlash = 10e-6 "Free travel of the nut; 0: preloaded nut";
+  extends Icons.Experiment;
+  Examples.Course course "Demand"
+    annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));
+  parameter Units.Position position_start = 1e-4 "Position at the start"
+    annotation(Dialog(group = "Start"));
+  parameter Units.Rate kv = 20 "Gain of the position loop"
+    annotation(Dialog(group = "Position loop"));
+  parameter Units.Share feed_forward = 0.3 "Share of velocity feed-forward"
+    annotation(Dialog(group = "Position loop"));
+  parameter Units.Frequency velocity_bandwidth = 60 "Bandwidth of the velocity loop, sets its gain"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Time velocity_integral_time = 8e-3 "Integral time of the velocity loop"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Time anti_windup_time = 6e-3 "Back-calculation time of the velocity loop"
+    annotation(Dialog(group = "Velocity loop"));
+  parameter Units.Frequency current_bandwidth = 800 "Bandwidth of the current loop"
+    annotation(Dialog(group = "Motor and current loop"));
+  parameter Units.Force force_limit_motor = 550 "Largest motor force, in terms of the slide"
+    annotation(Dialog(group = "Motor and current loop"));
+  parameter Units.Mass mass = 120 "Slide with what it carries"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Inertia rotor_inertia = 1.8e-4 "Motor, coupling and screw"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Length screw_lead = 0.01 "Travel per revolution"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Position stop_position = 0.015 "Fixed stop; the default lies out of reach"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of the stop"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.Exponent stop_exponent = 1.2 "Power of its penetration; 1: straight"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.ContactDamping stop_damping = 20 "Share of the stop's spring force per velocity"
+    annotation(Dialog(group = "Fixed stop"));
+  parameter Units.Force weight = 60 "Weight that no counterbalance carries, pulls towards negative"
+    annotation(Dialog(group = "Masses and transmission"));
+  parameter Units.Stiffness screw_stiffness = 120e6 "Screw, nut and bearing, at the slide"
+    annotation(Dialog(group = "Elastic parts"));
+  parameter Units.Damping screw_damping = 6e3 "Damping of the screw, at the slide"
+    annotation(Dialog(group = "Elastic parts"));
+  parameter Units.Damping motor_friction = 100 "Viscous friction of the motor, at the slide"
+    annotation(Dialog(group = "Motor and current loop"));
+  parameter Units.Length backlash = 10e-6 "Free travel of the nut; 0: preloaded nut"
+    annotation(Dialog(group = "Elastic parts"));
   Drives.ScrewAxis axis(
     position_start = position_start,
     kv = kv,
@@ -41,19 +63,26 @@ model ScrewAxis "Two-mass axis with backlash: contact, saturation, release, stic
     screw_stiffness = screw_stiffness,
     screw_damping = screw_damping,
     motor_friction = motor_friction,
-    backlash = backlash);
+    backlash = backlash)
+    "Axis under test"
+    annotation(Placement(transformation(extent = {{20, -20}, {60, 20}})));
   output Units.Position position "Slide";
   output Units.Velocity velocity "Slide";
   output Units.Position motor_position "Motor encoder";
   output Units.Force force "Motor force";
   output Units.Force stop_force "Force of the stop";
 equation
-  axis.reference_position = course.reference_position;
-  axis.reference_velocity = course.reference_velocity;
-  axis.reference_time = course.reference_time;
-  axis.reference_end = course.reference_end;
+  connect(course.reference_position, axis.reference_position)
+    annotation(Line(points = {{-18, 18}, {18, 18}}, color = {0, 0, 127}));
+  connect(course.reference_velocity, axis.reference_velocity)
+    annotation(Line(points = {{-18, 11}, {0, 11}, {0, 14}, {18, 14}}, color = {0, 0, 127}));
+  connect(course.reference_time, axis.reference_time)
+    annotation(Line(points = {{-18, 4}, {0, 4}, {0, 11}, {18, 11}}, color = {0, 0, 127}));
+  connect(course.reference_end, axis.reference_end)
+    annotation(Line(points = {{-18, -4}, {0, -4}, {0, 7}, {18, 7}}, color = {0, 0, 127}));
   axis.enabled = course.enabled;
-  axis.force_limit = course.force_limit;
+  connect(course.force_limit, axis.force_limit)
+    annotation(Line(points = {{-18, -18}, {0, -18}, {0, 0}, {18, 0}}, color = {0, 0, 127}));
   axis.force_limit_positive = 1e9;
   axis.force_limit_negative = 1e9;
   axis.control = 0;

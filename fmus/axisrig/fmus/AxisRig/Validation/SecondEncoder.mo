@@ -1,12 +1,15 @@
 within AxisRig.Validation;
 model SecondEncoder "An encoder on a scale that has grown"
+  extends Icons.Experiment;
   Sensors.SecondEncoder encoder(
     scale = 1.00003,
     offset = 0.2,
     periodic_error = 0.15e-6,
     signal_period = 20e-6,
     periodic_phase = 0.7,
-    resolution = 50e-9);
+    resolution = 50e-9)
+    "Encoder under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position position "Reading";
   output Units.Velocity velocity "Rate of the reading";
 equation

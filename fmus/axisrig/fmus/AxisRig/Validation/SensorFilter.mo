@@ -1,7 +1,11 @@
 within AxisRig.Validation;
 model SensorFilter "Both orders behind a sine that begins away from zero"
-  Sensors.SensorFilter first(number = 1, corner = 120);
-  Sensors.SensorFilter second(number = 2, corner = 150, damping_ratio = 0.4);
+  extends Icons.Experiment;
+  Sensors.SensorFilter first(number = 1, corner = 120) "Filter of the first order"
+    annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));
+  Sensors.SensorFilter second(number = 2, corner = 150, damping_ratio = 0.4)
+    "Filter of the second order"
+    annotation(Placement(transformation(extent = {{20, -20}, {60, 20}})));
   output Units.Position first_order "Output of the first order";
   output Units.Position second_order "Output of the second order";
 protected

@@ -1,6 +1,8 @@
 within AxisRig.Validation;
 model ServoAxisControl "Rigid axis in velocity, force and position control, unequal limits"
-  Examples.ControlCourse course;
+  extends Icons.Experiment;
+  Examples.ControlCourse course "Demand"
+    annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));
   Drives.ServoAxis axis(
     position_start = 1e-4,
     kv = 20,
@@ -8,24 +10,35 @@ model ServoAxisControl "Rigid axis in velocity, force and position control, uneq
     anti_windup_time = 6e-3,
     force_limit_motor = 550,
     stop_position = 0.009,
-    weight = 60);
+    weight = 60)
+    "Axis under test"
+    annotation(Placement(transformation(extent = {{20, -20}, {60, 20}})));
   output Units.Position position "Slide";
   output Units.Velocity velocity "Slide";
   output Units.Position demand_position "Position demand, the motor encoder without one";
   output Units.Force force "Motor force";
   output Units.Force stop_force "Force of the stop";
 equation
-  axis.reference_position = course.reference_position;
-  axis.reference_velocity = course.reference_velocity;
-  axis.reference_time = course.reference_time;
-  axis.reference_end = course.reference_end;
+  connect(course.reference_position, axis.reference_position)
+    annotation(Line(points = {{-18, 18}, {18, 18}}, color = {0, 0, 127}));
+  connect(course.reference_velocity, axis.reference_velocity)
+    annotation(Line(points = {{-18, 14}, {18, 14}}, color = {0, 0, 127}));
+  connect(course.reference_time, axis.reference_time)
+    annotation(Line(points = {{-18, 11}, {18, 11}}, color = {0, 0, 127}));
+  connect(course.reference_end, axis.reference_end)
+    annotation(Line(points = {{-18, 7}, {18, 7}}, color = {0, 0, 127}));
   axis.enabled = course.enabled;
-  axis.force_limit = course.force_limit;
-  axis.force_limit_positive = course.force_limit_positive;
-  axis.force_limit_negative = course.force_limit_negative;
+  connect(course.force_limit, axis.force_limit)
+    annotation(Line(points = {{-18, 0}, {18, 0}}, color = {0, 0, 127}));
+  connect(course.force_limit_positive, axis.force_limit_positive)
+    annotation(Line(points = {{-18, -4}, {18, -4}}, color = {0, 0, 127}));
+  connect(course.force_limit_negative, axis.force_limit_negative)
+    annotation(Line(points = {{-18, -7}, {18, -7}}, color = {0, 0, 127}));
   axis.control = course.control;
-  axis.reference_acceleration = course.reference_acceleration;
-  axis.reference_force = course.reference_force;
+  connect(course.reference_acceleration, axis.reference_acceleration)
+    annotation(Line(points = {{-18, -14}, {18, -14}}, color = {0, 0, 127}));
+  connect(course.reference_force, axis.reference_force)
+    annotation(Line(points = {{-18, -18}, {18, -18}}, color = {0, 0, 127}));
   position = axis.position;
   velocity = axis.velocity;
   demand_position = axis.demand_position;

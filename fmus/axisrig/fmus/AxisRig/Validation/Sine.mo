@@ -1,6 +1,9 @@
 within AxisRig.Validation;
 model Sine "Height and slopes along a straight path"
-  Workpieces.Sine surface(azimuth = 0.7, amplitude = -0.2e-3, wavelength = 0.03, phase = 0.5);
+  extends Icons.Experiment;
+  Workpieces.Sine surface(azimuth = 0.7, amplitude = -0.2e-3, wavelength = 0.03, phase = 0.5)
+    "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

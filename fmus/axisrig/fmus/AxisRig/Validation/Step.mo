@@ -1,6 +1,9 @@
 within AxisRig.Validation;
 model Step "Height and slopes along a straight path"
-  Workpieces.Step surface(azimuth = 0.3, rise = 2.8e-3, start = -0.0201, flank = 6.03e-3, width = 0.0307);
+  extends Icons.Experiment;
+  Workpieces.Step surface(azimuth = 0.3, rise = 2.8e-3, start = -0.0201, flank = 6.03e-3, width = 0.0307)
+    "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

@@ -1,7 +1,10 @@
 within AxisRig.Validation;
 model SwitchOnDelay "A device on at the start, switched off and on again"
-  Sensors.SwitchOnDelay device(delay = 0.0123);
-  Sensors.EdgeCounter rising;
+  extends Icons.Experiment;
+  Sensors.SwitchOnDelay device(start_up_time = 0.0123) "Device under test"
+    annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));
+  Sensors.EdgeCounter rising "Counts rising edges"
+    annotation(Placement(transformation(extent = {{20, -20}, {60, 20}})));
   output Boolean ready "Ready";
   output Boolean waiting "Not yet ready";
   output Units.Time ready_time "When it became ready";

@@ -1,6 +1,8 @@
 within AxisRig.Validation;
 model ThicknessOffset "Height and slopes along a straight path"
-  Workpieces.ThicknessOffset surface(deviation = 0.26e-3);
+  extends Icons.Experiment;
+  Workpieces.ThicknessOffset surface(deviation = 0.26e-3) "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

@@ -1,7 +1,10 @@
 within AxisRig.Validation;
 model TouchProbe "A ball touches an inclined plane and retreats"
-  parameter Units.Angle inclination = 0.3 "Of the normal from z";
-  parameter Units.Angle azimuth = 0.4 "Of the normal from x";
+  extends Icons.Experiment;
+  parameter Units.Angle inclination = 0.3 "Of the normal from z"
+    annotation(Dialog(group = "Parameters"));
+  parameter Units.Angle azimuth = 0.4 "Of the normal from x"
+    annotation(Dialog(group = "Parameters"));
   Sensors.TouchProbe probe(
     normal_x = sin(inclination)*cos(azimuth),
     normal_y = sin(inclination)*sin(azimuth),
@@ -15,7 +18,9 @@ model TouchProbe "A ball touches an inclined plane and retreats"
     seat_angle = 0.1,
     bending_stiffness = 0.2e6,
     axial_stiffness = 2e6,
-    trigger_delay = 3e-3);
+    trigger_delay = 3e-3)
+    "Probe under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position gap "Distance of the ball";
   output Units.Length clearance "To the next edge";
   output Units.Time contact_time "Touch";

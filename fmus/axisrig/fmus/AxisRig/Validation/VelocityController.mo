@@ -1,11 +1,16 @@
 within AxisRig.Validation;
 model VelocityController "A mass follows a step of the velocity demand through the force limit"
+  extends Icons.Experiment;
   Drives.VelocityController controller(
     gain = 7e4,
     integral_time = 8e-3,
-    anti_windup_time = 5e-3);
-  Drives.ForceActuator actuator(bandwidth = 800);
-  Mechanics.Slide slide(mass = 190, weight = 40);
+    anti_windup_time = 5e-3)
+    "Velocity loop under test"
+    annotation(Placement(transformation(extent = {{-60, 20}, {-20, 60}})));
+  Drives.ForceActuator actuator(bandwidth = 800) "Current loop and motor"
+    annotation(Placement(transformation(extent = {{20, 20}, {60, 60}})));
+  Mechanics.Slide slide(mass = 190, weight = 40) "Moving mass"
+    annotation(Placement(transformation(extent = {{-60, -60}, {-20, -20}})));
   output Units.Velocity velocity "Velocity of the mass";
   output Units.Force force "Force of the motor";
   output Units.Force integral "Integral part";
@@ -17,8 +22,10 @@ equation
   controller.force_control = false;
   controller.force_demand = 0;
   controller.enabled = time < 0.17;
-  actuator.force_reference = controller.force_reference;
-  connect(actuator.flange, slide.flange);
+  connect(controller.force_reference, actuator.force_reference)
+    annotation(Line(points = {{-18, 40}, {18, 40}}, color = {0, 0, 127}));
+  connect(actuator.flange, slide.flange)
+    annotation(Line(points = {{40, 20}, {0, 20}, {0, -60}, {-40, -60}}, color = {0, 127, 0}));
   velocity = slide.velocity;
   force = actuator.force;
   integral = controller.integral;

@@ -1,7 +1,10 @@
 within AxisRig.Validation;
 model Waviness "Height and slopes along a straight path"
+  extends Icons.Experiment;
   Workpieces.Waviness surface(azimuth = -0.5, amplitude = {0.1e-3, -0.3e-3, 0.5e-3, -0.8e-3},
-    wavelength = {0.017, 0.031, 0.053, 0.11}, phase = {0.3, 1, 2, 3});
+    wavelength = {0.017, 0.031, 0.053, 0.11}, phase = {0.3, 1, 2, 3})
+    "Surface that is looked at"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

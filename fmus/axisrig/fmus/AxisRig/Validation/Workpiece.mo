@@ -1,5 +1,6 @@
 within AxisRig.Validation;
 model Workpiece "All surfaces and borders at once along a straight path"
+  extends Icons.Experiment;
   Workpieces.Workpiece workpiece(
     plane(level = 0.0123),
     thickness(deviation = 0.26e-3),
@@ -10,8 +11,10 @@ model Workpiece "All surfaces and borders at once along a straight path"
     waviness(azimuth = -0.5, amplitude = {0.1e-3, 0.3e-3, 0.5e-3, 0.8e-3},
       wavelength = {0.017, 0.031, 0.053, 0.11}, phase = {0.3, 1, 2, 3}),
     cylinder(azimuth = 0.2, radius = 0.0302, axis = 4e-3, round = 0.9),
-    edge(position = 0.0251, azimuth = 0.6),
-    hole(center_x = 4e-3, center_y = 2e-3, radius = 6.3e-3));
+    border(position = 0.0251, azimuth = 0.6),
+    hole(center_x = 4e-3, center_y = 2e-3, radius = 6.3e-3))
+    "What lies below"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position height "Height on the path";
   output Units.Slope slope_x "Derivative of it by x";
   output Units.Slope slope_y "Derivative of it by y";

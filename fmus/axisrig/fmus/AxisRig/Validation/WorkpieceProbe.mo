@@ -1,5 +1,6 @@
 within AxisRig.Validation;
 model WorkpieceProbe "A ball scans down on waves, retreats, and is switched off"
+  extends Icons.Experiment;
   Sensors.WorkpieceProbe probe(
     ball_radius = 3e-3,
     pretravel = 5e-6,
@@ -19,7 +20,9 @@ model WorkpieceProbe "A ball scans down on waves, retreats, and is switched off"
     switch_on_time = 0.0319,
     workpiece(
       inclined(azimuth = 0.3, angle = 0.2, origin = 1e-3),
-      sine(azimuth = 0.1, amplitude = 0.3e-3, wavelength = 0.05, phase = 0.4)));
+      sine(azimuth = 0.1, amplitude = 0.3e-3, wavelength = 0.05, phase = 0.4)))
+    "Probe under test"
+    annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position gap "Distance of the ball";
   output Units.Time contact_time "Touch";
   output Units.Position contact_x "x there";

@@ -1,0 +1,39 @@
+"""The commands `axisrig rig ...`; heavy modules are imported inside them."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from axisrig.bench.cli.options import SetOption, rejecting
+
+rig_app = typer.Typer(no_args_is_help=True, help="Rigs for other tools.")
+
+
+@rig_app.callback()
+def _group() -> None:
+    """Keep `export` a word of its own while it is the only command."""
+
+
+@rig_app.command()
+@rejecting
+def export(
+    rig: Annotated[Path, typer.Argument(help="Rig file (TOML).")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="File; RIG.ssp here when not said.")
+    ] = None,
+    fmi: Annotated[str, typer.Option("--fmi", help="Version of the FMUs: 2.0 or 3.0.")] = "2.0",
+    assignments: SetOption = None,
+) -> None:
+    """Write the plants of a rig as one package (SSP 1.0) that other co-simulation masters open.
+
+    A sensor and the axes it reads become one FMU. What a rig has that cannot be exported is said.
+    """
+    from axisrig.bench.rig.contents import settings_of
+    from axisrig.bench.tools.rig_export.package import SUFFIX, export_rig
+
+    target = output or Path(rig.with_suffix(SUFFIX).name)
+    for line in export_rig(settings_of(rig, assignments or []), target, fmi):
+        print(line, file=sys.stderr)
+    print(target)

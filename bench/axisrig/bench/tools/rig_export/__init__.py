@@ -1,0 +1,1 @@
+"""A rig as a System Structure and Parameterization package, for other co-simulation masters."""
