@@ -25,7 +25,7 @@ def _rows() -> dict[str, dict[str, str]]:
 ROWS = _rows()
 TAGGED = {
     tag: [name for name, row in ROWS.items() if tag in row["tags"].split()]
-    for tag in ("table", "target", "ramp-time", "stop", "in-ramp", "weights", "stroke", "run-up")
+    for tag in ("table", "target", "ramp-time", "stop", "in-ramp", "weights", "stroke", "run-up", "hold")
 }
 
 
@@ -151,6 +151,17 @@ def test_weights_act_with_p_chan_00296_and_never_on_the_stop(case: str) -> None:
     a = _run_up(row)[0] * (0.5 if _flags(row)[0] else 1.0)
     assert _exact(row["check:set_acceleration_mm_s2_max"], a, 0.001)
     assert _exact(row["check:set_deceleration_mm_s2_max"], _stop(row)[0], 0.001)
+
+
+@pytest.mark.parametrize("case", TAGGED["hold"])
+def test_a_feedhold_is_by_p_chan_00097_alone(case: str) -> None:
+    """P-CHAN-00214 lets the signal brake with rapid values, so that both are told apart."""
+    row = ROWS[case]
+    kind = "feedh" if _flags(row)[2] else "grenz"
+    held = _value(row, f"a_{kind}"), _value(row, f"tr_{kind}")
+    assert _stop(row) == (1000.0, 0.025)
+    assert _exact(row["check:set_deceleration_mm_s2_max"], held[0], 0.001)
+    assert _exact(row["check:set_jerk_mm_s3_max"], held[0] / held[1], 1.0)
 
 
 def _stop_from(v: float, u: float, a: float, t: float) -> float:
