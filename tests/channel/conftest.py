@@ -45,6 +45,8 @@ from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.measuring.latest_edge import StampClock
 from axisrig.kernel.measuring.rules import MeasuringAxis
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
+from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_ramps import Shape
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import MS, US, S
@@ -60,7 +62,8 @@ _NUMBERS = count()  # open segments have names of their own
 class AxisSpec:
     """One axis of a bench.
 
-    a_mm_s2: of every ramp. stop_mm_s2: of a stop, None = as the others. probed: whether the probe
+    a_mm_s2: of every ramp. stop_mm_s2: of a stop, None = as the others. ramp_s: of the slopes with
+    ramps, at rest and of a stop. probed: whether the probe
     leads to its drive. stop_mm: a fixed stop, beyond which the axis does not get. height_mm: of a
     surface by the time; its second encoder tells how far the axis is below it, in its increments.
     """
@@ -71,6 +74,7 @@ class AxisSpec:
     droop_mm: float = 0.0
     a_mm_s2: float = 1000.0
     stop_mm_s2: float | None = None
+    ramp_s: tuple[float, float] = (0.05, 0.05)
     speed_max_mm_s: float = 500.0
     may_measure: bool = True
     probing_offset_mm: float = 0.0
@@ -108,6 +112,12 @@ class AxisSpec:
         stop_mm_s2 = self.stop_mm_s2 or self.a_mm_s2
         stop = Slope(stop_mm_s2, stop_mm_s2, self.speed_max_mm_s)
         dynamics = Dynamics(slope, slope, stop, self.speed_max_mm_s)
+        jerk_limited = {}
+        for shape in Shape:
+            ramped = JerkSlope(self.a_mm_s2, self.ramp_s[0], self.ramp_s[0], shape)
+            own = JerkSlope(stop_mm_s2, self.ramp_s[1], self.ramp_s[1], shape)
+            limits = Dynamics(ramped, ramped, own, self.speed_max_mm_s)
+            jerk_limited[shape] = dict.fromkeys(Motion, limits)
         return AxisSettings(
             self.name,
             self.may_measure,
@@ -119,6 +129,7 @@ class AxisSpec:
             limits=self.limits,
             tells_newer_ids=self.tells_newer_ids,
             override_mode=self.override_mode,
+            jerk_limited=jerk_limited,
         )
 
 

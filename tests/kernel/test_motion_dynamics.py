@@ -141,7 +141,7 @@ def test_axis_that_stands_does_not_limit() -> None:
 
 
 def test_path_without_motion_is_a_defect() -> None:
-    with pytest.raises(ValueError, match="empty"):
+    with pytest.raises(ValueError, match="no axis moves"):
         path_dynamics([dynamics(1.0, 1.0, 1.0, 1.0)], [0.0])
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from axisrig.bench.oracles.fixed_stop.slopes import Slope, slopes_as_written
+from axisrig.bench.oracles.fixed_stop.slopes import Slope, has_ramps, slopes_as_written
 from axisrig.kernel.motion.dynamics import Motion, axis_slopes
 from axisrig.kernel.motion.profile import Slope as KernelSlope
 from axisrig.kernel.parameters import ParameterSet
@@ -129,3 +129,12 @@ def test_the_kernel_has_derived_the_same(
     ours = slopes_as_written(dict(axis.items()), dict(channel.items()))
     assert same(ours.up, kernels.acceleration, speed_mm_s)
     assert same(ours.on_signal, kernels.stop_deceleration, speed_mm_s)
+
+
+def test_what_is_here_holds_for_the_linear_slope_only() -> None:
+    assert not has_ramps({})
+    assert [has_ramps({"prog_start.slope.profile": value}) for value in range(3)] == [
+        False,
+        True,
+        True,
+    ]

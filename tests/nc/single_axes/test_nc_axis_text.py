@@ -42,7 +42,9 @@ N30 M30
         ("POS=3 FEED=100 G90 G01 ACC_WEIGHT=40", {"feed_mm_min": 100.0, "acceleration_share": 0.4}),
         ("G90 G0 POS=3 RAPID_ACC_WEIGHT=10", {"acceleration_share": 0.1}),
         ("G90 G0 POS=3 INCL_OFFSETS", {"target_acs_mm": 8.0}),
-        ("G90 G0 POS=3 SLOPE_TYPE=STEP", {"target_acs_mm": 3.0}),
+        ("G90 G0 POS=3 SLOPE_TYPE=STEP", {"target_acs_mm": 3.0, "slope": "STEP"}),
+        ("G90 G0 POS=3 SLOPE_TYPE=sin2", {"target_acs_mm": 3.0, "slope": "SIN2"}),
+        ("G90 G0 POS=3", {"slope": None}),
     ],
 )
 def test_spellings_of_independent_motion(
@@ -64,7 +66,7 @@ def test_m_and_h_functions_are_told_before_the_axis_moves(run: Run) -> None:
     assert isinstance(commands[2], canon.IndependentMove)
 
 
-@pytest.mark.parametrize("word", ["DRY_RUN", "SLOPE_TYPE=SIN2"])
+@pytest.mark.parametrize("word", ["DRY_RUN"])
 def test_what_does_not_act_yet(run: Run, word: str) -> None:
     with pytest.raises(Alarm, match="900100"):
         run(f"%t\nN10 X[INDP_SYN G90 G0 POS=2 {word}]\nN20 M30\n")

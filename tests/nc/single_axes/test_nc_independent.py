@@ -206,7 +206,6 @@ REFUSED = [
     (900194, alone("X", "G90", "G1", POS=1), {"what": "no FEED or TIME or FEED_MAX_WEIGHT"}),
     (900194, alone("X", "G90", "G1", POS=1, FEED=1, TIME=1), {"what": "FEED and TIME at a time"}),
     (900194, alone("X", "G90", "G91", "G0", POS=1), {"what": "G90 and G91 at a time"}),
-    (900100, alone("X", "G90", "G0", POS=1, SLOPE_TYPE="TRAPEZ"), {"word": "SLOPE_TYPE=TRAPEZ"}),
 ]  # fmt: skip
 
 

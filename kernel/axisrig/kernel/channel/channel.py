@@ -82,6 +82,7 @@ class Channel(ChannelView):
             self.path.brake,
             self.single.stop,
             self.measurement.reset,
+            self.path.programmed.begin,
             self.distance.reset,
             self.pauses.reset,
             self.functions.reset,
@@ -150,6 +151,7 @@ class Channel(ChannelView):
         known.register(canon.LinearMove, self._move)
         known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
+        path.programmed.assign(known)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
         known.register(canon.ProbeSettings, measurement.choose, ready=measurement.may_choose)
@@ -399,6 +401,7 @@ class Channel(ChannelView):
         else:
             self.state, self.end_ns = ChannelState.ENDED, self._clock.now_ns
         self.measurement.end_program()
+        self.path.programmed.begin()
         self.distance.end_program(command.block.place)
 
     # What the PLC side commands

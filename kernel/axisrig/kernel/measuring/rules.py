@@ -6,11 +6,11 @@ independent axis and the path ask the same functions.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import dist, inf, sqrt
+from math import dist, inf
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
-from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.nc.measuring_types import MeasuringType
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import TimeNs
@@ -90,32 +90,23 @@ class MeasuringAxis:
         return next((known[name] for name in kind.overtravel if known[name]), 0.0)
 
 
-def speed_within(stroke_mm: float, deceleration: Slope) -> float:
-    """Return the highest speed, mm/s, from which a path can stop on `stroke_mm`.
-
-    The inverse of `Slope.distance_mm`: v^2 = 2 a_low s up to the change-over speed v_s, above it
-    v^2 = v_s^2 + 2 a_high (s - v_s^2 / 2 a_low).
-    """
-    change_mm_s = deceleration.change_over_mm_s
-    below_mm = change_mm_s * change_mm_s / (2.0 * deceleration.a_low_mm_s2)
-    if stroke_mm <= below_mm:
-        return sqrt(2.0 * deceleration.a_low_mm_s2 * stroke_mm)
-    return sqrt(change_mm_s**2 + 2.0 * deceleration.a_high_mm_s2 * (stroke_mm - below_mm))
-
-
 def highest_speed(
-    kind: MeasuringType, moving: Sequence[MeasuringAxis], stop_deceleration: Slope
+    kind: MeasuringType,
+    moving: Sequence[MeasuringAxis],
+    stop_deceleration: AnySlope,
+    run_up: AnySlope,
 ) -> float:
     """Return how fast, mm/s, a run may be so that it stops within the stroke of its probe.
 
     moving: the axes that the path moves; the smallest stroke counts for the whole path.
-    stop_deceleration: the slope of the path that acts at the signal. Neither the time until it
-    acts nor the lag of the drives is counted: the manual has the stroke of the list allow for it.
+    stop_deceleration: the slope of the path that acts at the signal. run_up: the one with which it
+    gets to its speed; a signal may come meanwhile. Neither the time until the stop acts nor the lag
+    of the drives is counted: the manual has the stroke of the list allow for it.
     Source: FCT-C4, P-AXIS-00086 with its remark.
     """
     if not kind.keeps_stroke:
         return inf
-    return speed_within(min(axis.stroke_mm for axis in moving), stop_deceleration)
+    return stop_deceleration.speed_within(min(axis.stroke_mm for axis in moving), run_up)
 
 
 def lengthened(

@@ -1,7 +1,8 @@
 """Which parameters of the axes shape a motion, and what they allow along a path.
 
 `measuring_dynamics.csv` says per kind of motion and per setting of the channel which slopes act
-(x = any setting); `slopes.csv` says which axis parameters make a slope.
+(x = any setting); `slopes.csv` says which axis parameters make a linear slope, `jerk_slopes.csv`
+which make one with a limited jerk.
 """
 
 import csv
@@ -9,12 +10,16 @@ import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from functools import cache
+from functools import cache, reduce
 from importlib import resources
 
+from axisrig.kernel.motion.course import NO_WEIGHTS, AnySlope, Weights
 from axisrig.kernel.motion.curves import Arc, swing
+from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_ramps import Shape
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import S
 
 CHANNEL_SETTINGS = ("meas_use_std_dynamic", "meas_deceleration_mode", "use_drive_curr_limit")
 _GEAR = "getriebe[0]"
@@ -34,22 +39,45 @@ class Dynamics:
 
     stop_deceleration: on the measuring signal of a measurement run, and where an alarm stops.
     feedhold: of the PLC side, None = the deceleration of the motion. Source: P-CHAN-00097.
+    contour_mm_s3: jerk that a curve may make at constant speed (P-AXIS-00199); the linear slope
+    has no such limit. highest_mm_s2: of a weighted acceleration (P-AXIS-00008), where it is known.
     """
 
-    acceleration: Slope
-    deceleration: Slope
-    stop_deceleration: Slope
+    acceleration: AnySlope
+    deceleration: AnySlope
+    stop_deceleration: AnySlope
     speed_max_mm_s: float
-    feedhold: Slope | None = None
+    feedhold: AnySlope | None = None
+    contour_mm_s3: float = math.inf
+    highest_mm_s2: float = math.inf
 
-    def weighted(self, share: float) -> "Dynamics":
-        """Return the same with both ramps scaled; what a signal or feedhold brakes with stays."""
-        if share == 1.0:
+    def weighted(self, weights: Weights) -> "Dynamics":
+        """Return the same with both ramps weighted; what a signal or feedhold brakes with stays."""
+        if weights == NO_WEIGHTS:
             return self
+        acceleration, deceleration = self.acceleration.weighted(
+            self.deceleration, weights, self.highest_mm_s2
+        )
         return replace(
             self,
-            acceleration=self.acceleration.scaled(share),
-            deceleration=self.deceleration.scaled(share),
+            acceleration=acceleration,
+            deceleration=deceleration,
+            contour_mm_s3=self.contour_mm_s3 / weights.contour_time,
+        )
+
+    def weaker(self, other: "Dynamics") -> "Dynamics":
+        """Return what two axes may do that move together."""
+        feedhold = self.feedhold
+        if feedhold is not None:
+            feedhold = feedhold.weaker(other.feedhold or other.deceleration)
+        return Dynamics(
+            self.acceleration.weaker(other.acceleration),
+            self.deceleration.weaker(other.deceleration),
+            self.stop_deceleration.weaker(other.stop_deceleration),
+            min(self.speed_max_mm_s, other.speed_max_mm_s),
+            feedhold,
+            min(self.contour_mm_s3, other.contour_mm_s3),
+            min(self.highest_mm_s2, other.highest_mm_s2),
         )
 
 
@@ -82,21 +110,61 @@ def axis_slope(axis: ParameterSet, slope: str) -> Slope:
     )
 
 
-def axis_slopes(axis: ParameterSet, channel: ParameterSet, motion: Motion) -> Dynamics:
+def jerk_slope(axis: ParameterSet, slope: str, shape: Shape, *, keeps_time: bool) -> JerkSlope:
+    """Read the slope `slope` of `jerk_slopes.csv` from the parameters of an axis.
+
+    P-AXIS-00008 limits the acceleration where a list sets it, P-AXIS-00201 is the least ramp time.
+    keeps_time: P-CHAN-00349, which acts on the values of feed blocks.
+    """
+    (row,) = (row for row in _rows("jerk_slopes.csv") if row["slope"] == slope)
+    profile = f"{_GEAR}.slope_profil"
+    least_s = axis.ns(f"{_GEAR}.dynamik.tr_min") / S
+    rise_s, fall_s = (
+        max(axis.ns(f"{profile}.{row[name]}") / S, least_s) for name in ("rise", "fall")
+    )
+    a_mm_s2 = min(axis.mm_s2(f"{profile}.{row['a']}"), _highest(axis))
+    keeps_time = keeps_time and row["keeps_time"] == "P-CHAN-00349"
+    return JerkSlope(a_mm_s2, rise_s, fall_s, shape, keeps_time)
+
+
+def _highest(axis: ParameterSet) -> float:
+    path = f"{_GEAR}.dynamik.a_max"
+    return math.inf if axis.resolve(path).origin is None else axis.mm_s2(path)
+
+
+def axis_slopes(
+    axis: ParameterSet, channel: ParameterSet, motion: Motion, shape: Shape | None = None
+) -> Dynamics:
     """Return the dynamics of one axis that act in `motion`.
 
-    Rapid motion is limited by the rapid speed P-AXIS-00209, all other by P-AXIS-00212.
+    shape: of the ramps, None = the linear slope. Rapid motion is limited by the rapid speed
+    P-AXIS-00209, all other by P-AXIS-00212. Of the jerk-limited slope an acceleration falls as in
+    its own pulse before the motion brakes, and as the stop or feedhold builds up before these.
     """
     row = effective_row(channel, motion)
+    keeps_time = channel.flag("prog_start.slope.mode_ramp_time")
+
+    def read(slope: str) -> AnySlope:
+        if shape is None:
+            return axis_slope(axis, slope)
+        return jerk_slope(axis, slope, shape, keeps_time=keeps_time)
+
     speed_mm_s = axis.mm_s(f"{_GEAR}.dynamik.vb_max")
     if motion is Motion.RAPID:
         speed_mm_s = min(speed_mm_s, axis.mm_s(f"{_GEAR}.vb_eilgang"))
+    acceleration = read(row["acceleration"])
+    contour_mm_s3 = math.inf
+    if shape is not None:
+        time_s = axis.ns(f"{_GEAR}.dynamik.tr_geom") / S
+        contour_mm_s3 = acceleration.least_mm_s2 / time_s if time_s > 0.0 else math.inf
     return Dynamics(
-        axis_slope(axis, row["acceleration"]),
-        axis_slope(axis, row["deceleration"]),
-        axis_slope(axis, row["stop_deceleration"]),
+        acceleration,
+        read(row["deceleration"]).after(acceleration),
+        read(row["stop_deceleration"]),
         speed_mm_s,
-        axis_slope(axis, "feedhold") if channel.flag("use_drive_curr_limit") else None,
+        read("feedhold") if channel.flag("use_drive_curr_limit") else None,
+        contour_mm_s3,
+        _highest(axis),
     )
 
 
@@ -108,17 +176,19 @@ def path_dynamics(axes: Sequence[Dynamics], deltas_mm: Sequence[float]) -> Dynam
     Raises ValueError if no axis moves.
     """
     length_mm = math.hypot(*deltas_mm)
+    if length_mm == 0.0:
+        raise ValueError("no axis moves")
     moving = [
         (axis, abs(delta) / length_mm)
         for axis, delta in zip(axes, deltas_mm, strict=True)
         if delta != 0.0
     ]
     return Dynamics(
-        _path_slope((axis.acceleration, share) for axis, share in moving),
-        _path_slope((axis.deceleration, share) for axis, share in moving),
-        _path_slope((axis.stop_deceleration, share) for axis, share in moving),
+        _together(axis.acceleration.along(share) for axis, share in moving),
+        _together(axis.deceleration.along(share) for axis, share in moving),
+        _together(axis.stop_deceleration.along(share) for axis, share in moving),
         min(axis.speed_max_mm_s / share for axis, share in moving),
-        _path_slope((axis.feedhold or axis.deceleration, share) for axis, share in moving)
+        _together((axis.feedhold or axis.deceleration).along(share) for axis, share in moving)
         if any(axis.feedhold for axis, _ in moving)
         else None,
     )
@@ -147,19 +217,21 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
         normal = turn * turn * amplitude_mm
         if normal > 0.0:
             speed_mm_s = min(speed_mm_s, math.sqrt(_weakest(axis) / math.sqrt(2.0) / normal))
+            speed_mm_s = min(speed_mm_s, (axis.contour_mm_s3 / (turn * normal)) ** (1.0 / 3.0))
     peak_mm_s = min(speed_mm_s, feed_mm_s)
 
-    def along(slope_of: Callable[[Dynamics], Slope]) -> Slope:
+    def along(slope_of: Callable[[Dynamics], AnySlope]) -> AnySlope:
         a_mm_s2 = min(
             _tangential(
-                _least(slope_of(axis)),
+                slope_of(axis).least_mm_s2,
                 turn * amplitude_mm,
                 peak_mm_s * peak_mm_s * turn * turn * amplitude_mm,
                 abs(rise) / arc.length_mm,
             )
             for axis, _, amplitude_mm, rise in moving
         )
-        return Slope(a_mm_s2, a_mm_s2, speed_mm_s)
+        slopes = [slope_of(axis).along(steepest) for axis, steepest, _, _ in moving if steepest]
+        return _together(slopes).flat(a_mm_s2, speed_mm_s)
 
     return Dynamics(
         along(lambda axis: axis.acceleration),
@@ -176,13 +248,9 @@ def _steepest(a_mm: float, b_mm: float, turn: float, climb: float, angle_rad: fl
     return max(abs(turn * low + climb), abs(turn * high + climb))
 
 
-def _least(slope: Slope) -> float:
-    return min(slope.a_low_mm_s2, slope.a_high_mm_s2)
-
-
 def _weakest(axis: Dynamics) -> float:
     slopes = (axis.acceleration, axis.deceleration, axis.stop_deceleration, axis.feedhold)
-    return min(_least(slope) for slope in slopes if slope is not None)
+    return min(slope.least_mm_s2 for slope in slopes if slope is not None)
 
 
 def _tangential(limit: float, share: float, centripetal: float, climb: float) -> float:
@@ -196,24 +264,6 @@ def _tangential(limit: float, share: float, centripetal: float, climb: float) ->
     return rest / (limit * climb + root)
 
 
-def _path_slope(slopes: Iterable[tuple[Slope, float]]) -> Slope:
-    """Combine the slopes of axes, each with its direction cosine, to the slope of the path.
-
-    Above the change-over speed of the path an axis may still be below its own; there both of its
-    steps limit the path.
-    """
-    scaled = [
-        Slope(s.a_low_mm_s2 / share, s.a_high_mm_s2 / share, s.change_over_mm_s / share)
-        for s, share in slopes
-    ]
-    change_mm_s = min(slope.change_over_mm_s for slope in scaled)
-    return Slope(
-        min(slope.a_low_mm_s2 for slope in scaled),
-        min(
-            slope.a_high_mm_s2
-            if slope.change_over_mm_s <= change_mm_s
-            else min(slope.a_low_mm_s2, slope.a_high_mm_s2)
-            for slope in scaled
-        ),
-        change_mm_s,
-    )
+def _together(slopes: Iterable[AnySlope]) -> AnySlope:
+    """Combine what the axes let a path do."""
+    return reduce(lambda one, other: one.weaker(other), slopes)

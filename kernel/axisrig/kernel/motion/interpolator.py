@@ -3,8 +3,9 @@
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 
+from axisrig.kernel.motion.course import AnySlope, Course
 from axisrig.kernel.motion.curves import Curve, Line, Positions, put
-from axisrig.kernel.motion.profile import Profile, Slope, plan_rest
+from axisrig.kernel.motion.profile import Profile
 from axisrig.kernel.time.clock import S, TimeNs
 
 __all__ = ["Interpolator", "Positions", "SetpointBuffer"]
@@ -25,7 +26,7 @@ class Interpolator:
         self.speed_mm_s = 0.0
         self._cycle_ns = cycle_ns
         self._path: Curve = Line(self.positions_mm, self.positions_mm)
-        self._profile = Profile(0.0, 0.0, ())
+        self._profile: Course = Profile(0.0, 0.0, ())
         self._end_mm = 0.0  # of the path, where the move will have ended
         self._cycle = 0
         self._braking = False
@@ -61,7 +62,7 @@ class Interpolator:
         self.positions_mm = put(self.positions_mm, index, position_mm)
 
     def start(
-        self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Profile
+        self, start_mm: Mapping[str, float], target_mm: Mapping[str, float], profile: Course
     ) -> None:
         """Begin a straight move, as `follow` does.
 
@@ -72,7 +73,7 @@ class Interpolator:
         target = tuple(target_mm.get(axis, held[axis]) for axis in self.axes)
         self.follow(Line(start, target), profile)
 
-    def follow(self, path: Curve, profile: Profile) -> None:
+    def follow(self, path: Curve, profile: Course) -> None:
         """Begin a move on a path; the next `advance` gives the positions one cycle later.
 
         profile: as long as the path. Raises ValueError if it is not, or if a move has not ended.
@@ -100,7 +101,7 @@ class Interpolator:
             self.positions_mm = self._path.at(path_mm)
         return self.positions_mm
 
-    def brake(self, deceleration: Slope) -> None:
+    def brake(self, deceleration: AnySlope) -> None:
         """Delete the distance to go: stop on the path from the last set positions on."""
         if self.is_standing:
             return
@@ -108,10 +109,10 @@ class Interpolator:
         self._end_mm = self._profile.end_mm
         self._cycle, self._braking = 0, True
 
-    def feedhold(self, feedhold: Slope, deceleration: Slope) -> None:
+    def feedhold(self, feedhold: AnySlope, deceleration: AnySlope) -> None:
         """Stop on the path from the last set positions on, no further than its end.
 
-        feedhold, deceleration: as `Profile.held` has them. The distance to go is kept; where it is
+        feedhold, deceleration: as `Course.held` has them. The distance to go is kept; where it is
         deleted already nothing changes.
         """
         if not self.is_standing and not self._braking:
@@ -119,16 +120,14 @@ class Interpolator:
             self._profile = self._profile.held(time_s, feedhold, deceleration)
             self._cycle = 0
 
-    def go_on(self, feed_mm_s: float, acceleration: Slope, deceleration: Slope) -> None:
+    def go_on(self, feed_mm_s: float, acceleration: AnySlope, deceleration: AnySlope) -> None:
         """Move on to the end of the path at this feed, from whatever speed there is.
 
         Where the distance to go is deleted already nothing changes.
         """
         if not self.is_standing and not self._braking:
-            path_mm, speed_mm_s = self._profile.at(self._cycle * self._cycle_ns / S)
-            self._profile = plan_rest(
-                path_mm, self._end_mm, feed_mm_s, acceleration, deceleration, speed_mm_s
-            )
+            state = self._profile.state(self._cycle * self._cycle_ns / S)
+            self._profile = acceleration.rest(state, self._end_mm, feed_mm_s, deceleration)
             self._cycle = 0
 
 

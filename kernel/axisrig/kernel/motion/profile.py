@@ -9,11 +9,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
+from axisrig.kernel.motion.course import AnySlope, Course, State, Weights
+
 _SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
 
 
 @dataclass(frozen=True)
-class Slope:
+class Slope(AnySlope):
     """Acceleration (or deceleration, also positive) below and above the change-over speed."""
 
     a_low_mm_s2: float
@@ -24,12 +26,45 @@ class Slope:
         if min(self.a_low_mm_s2, self.a_high_mm_s2, self.change_over_mm_s) <= 0.0:
             raise ValueError(f"a slope needs positive values: {self}")
 
-    def scaled(self, share: float) -> "Slope":
-        """Return the slope with both steps times `share`."""
-        return Slope(self.a_low_mm_s2 * share, self.a_high_mm_s2 * share, self.change_over_mm_s)
+    def scaled(self, share: float, highest_mm_s2: float = math.inf) -> "Slope":
+        """Return the slope with both steps times `share`, none of them raised above a value."""
+        low, high = (
+            min(a * share, max(a, highest_mm_s2)) for a in (self.a_low_mm_s2, self.a_high_mm_s2)
+        )
+        return Slope(low, high, self.change_over_mm_s)
 
-    def weaker(self, other: "Slope") -> "Slope":
-        """Return the slope that both allow at every speed."""
+    def weighted(
+        self, deceleration: AnySlope, weights: Weights, highest_mm_s2: float
+    ) -> tuple[AnySlope, AnySlope]:
+        """Return both slopes with their accelerations weighted; there are no ramp times."""
+        assert isinstance(deceleration, Slope)
+        return (
+            self.scaled(weights.acceleration, highest_mm_s2),
+            deceleration.scaled(weights.deceleration, highest_mm_s2),
+        )
+
+    @property
+    def least_mm_s2(self) -> float:
+        """The smaller one of both steps."""
+        return min(self.a_low_mm_s2, self.a_high_mm_s2)
+
+    def along(self, share: float) -> "Slope":
+        """Return what a path may do of which the axis moves by `share`."""
+        return Slope(
+            self.a_low_mm_s2 / share, self.a_high_mm_s2 / share, self.change_over_mm_s / share
+        )
+
+    def flat(self, a_mm_s2: float, speed_mm_s: float) -> "Slope":
+        """Return a slope with one acceleration up to a speed."""
+        return Slope(a_mm_s2, a_mm_s2, speed_mm_s)
+
+    def weaker(self, other: AnySlope) -> "Slope":
+        """Return the slope that both allow at every speed.
+
+        Above the smaller change-over speed the other slope may still be below its own; there both
+        of its steps limit.
+        """
+        assert isinstance(other, Slope)
         change_mm_s = min(self.change_over_mm_s, other.change_over_mm_s)
         high = [
             s.a_high_mm_s2
@@ -64,6 +99,49 @@ class Slope:
             steps.append((high_bottom, speed_mm_s, self.a_high_mm_s2))
         return steps
 
+    def speed_within(self, stroke_mm: float, run_up: AnySlope) -> float:
+        """Return the highest speed, mm/s, from which a path can stop on `stroke_mm`.
+
+        The inverse of `distance_mm`: v² = 2 a_low s up to the change-over speed v_s, above it
+        v² = v_s² + 2 a_high (s - v_s² / 2 a_low). A run-up is slower, and adds nothing.
+        """
+        change_mm_s = self.change_over_mm_s
+        below_mm = change_mm_s * change_mm_s / (2.0 * self.a_low_mm_s2)
+        if stroke_mm <= below_mm:
+            return math.sqrt(2.0 * self.a_low_mm_s2 * stroke_mm)
+        return math.sqrt(change_mm_s**2 + 2.0 * self.a_high_mm_s2 * (stroke_mm - below_mm))
+
+    def plan(self, distance_mm: float, feed_mm_s: float, deceleration: AnySlope) -> "Profile":
+        """Plan a path from standstill to standstill, see `plan`."""
+        assert isinstance(deceleration, Slope)
+        return plan(distance_mm, feed_mm_s, self, deceleration)
+
+    def rest(
+        self, state: State, end_mm: float, feed_mm_s: float, deceleration: AnySlope
+    ) -> "Profile":
+        """Plan the rest of a path, see `plan_rest`."""
+        assert isinstance(deceleration, Slope)
+        path_mm, speed_mm_s, _ = state
+        return plan_rest(path_mm, end_mm, feed_mm_s, self, deceleration, speed_mm_s)
+
+    def stopped(self, state: State) -> "Profile":
+        """Return the profile that stops from a state with this slope."""
+        path_mm, speed_mm_s, _ = state
+        end_mm = path_mm + self.distance_mm(speed_mm_s)
+        return _joined(path_mm, end_mm, [], 0.0, self.steps(speed_mm_s))
+
+    def held(self, state: State, end_mm: float, deceleration: AnySlope) -> "Profile":
+        """Return the profile that stops from a state no further than `end_mm`."""
+        assert isinstance(deceleration, Slope)
+        path_mm, speed_mm_s, _ = state
+        for slope in (self, deceleration):
+            stop_mm = path_mm + slope.distance_mm(speed_mm_s)
+            if stop_mm <= end_mm:
+                break
+        if stop_mm > end_mm - _SAME_MM:
+            stop_mm = end_mm
+        return _joined(path_mm, stop_mm, [], 0.0, slope.steps(speed_mm_s))
+
 
 class Segment(NamedTuple):
     """A part of constant acceleration: times, path and speed at both ends."""
@@ -77,19 +155,17 @@ class Segment(NamedTuple):
     a_mm_s2: float
 
 
-class Profile:
+class Profile(Course):
     """Path and speed over time from `start_mm` to `end_mm`; time counts from 0.
 
     segments: in order, without gaps in time; empty for a profile at standstill.
     """
 
-    __slots__ = ("duration_s", "end_mm", "segments", "start_mm")
+    __slots__ = ("segments",)
 
     def __init__(self, start_mm: float, end_mm: float, segments: tuple[Segment, ...]) -> None:
-        self.start_mm = start_mm
-        self.end_mm = end_mm
+        super().__init__(start_mm, end_mm, segments[-1].end_s if segments else 0.0)
         self.segments = segments
-        self.duration_s = segments[-1].end_s if segments else 0.0
 
     def at(self, t_s: float) -> tuple[float, float]:
         """Return path in mm and speed in mm/s at `t_s`; from the duration on exactly the end.
@@ -112,29 +188,10 @@ class Profile:
         s, v = s1 - (v1 - 0.5 * a * dt) * dt, v1 - a * dt
         return (s if s > s0 else s0), (v if v < v0 else v0)
 
-    def brake(self, t_s: float, deceleration: Slope) -> "Profile":
-        """Return the profile that stops from the state at `t_s`; its time counts from 0 there.
-
-        The path runs on from its value at `t_s`; the distance to go is deleted.
-        """
+    def state(self, t_s: float) -> State:
+        """Return where the path is at `t_s`; the acceleration of this slope may jump."""
         path_mm, speed_mm_s = self.at(t_s)
-        end_mm = path_mm + deceleration.distance_mm(speed_mm_s)
-        return _joined(path_mm, end_mm, [], 0.0, deceleration.steps(speed_mm_s))
-
-    def held(self, t_s: float, feedhold: Slope, deceleration: Slope) -> "Profile":
-        """Return the profile that stops from the state at `t_s` no further than the end.
-
-        It brakes with `feedhold`; where that would go past the end, with the deceleration that the
-        path was planned with, which never does.
-        """
-        path_mm, speed_mm_s = self.at(t_s)
-        for slope in (feedhold, deceleration):
-            end_mm = path_mm + slope.distance_mm(speed_mm_s)
-            if end_mm <= self.end_mm:
-                break
-        if end_mm > self.end_mm - _SAME_MM:
-            end_mm = self.end_mm
-        return _joined(path_mm, end_mm, [], 0.0, slope.steps(speed_mm_s))
+        return State(path_mm, speed_mm_s, 0.0)
 
 
 def plan(

@@ -1,6 +1,7 @@
 """The ramp of one axis that stops by itself, off the path."""
 
-from axisrig.kernel.motion.profile import Profile, Slope, plan
+from axisrig.kernel.motion.course import AnySlope, Course, State
+from axisrig.kernel.motion.profile import Profile
 from axisrig.kernel.time.clock import S, TimeNs
 
 STANDING_MM_S = 1e-6  # below it is what rounding leaves of standstill
@@ -13,15 +14,18 @@ class Ramp:
     """
 
     def __init__(
-        self, position_mm: float, velocity_mm_s: float, deceleration: Slope | None, cycle_ns: TimeNs
+        self,
+        position_mm: float,
+        velocity_mm_s: float,
+        deceleration: AnySlope | None,
+        cycle_ns: TimeNs,
     ) -> None:
         self._start_mm, self._cycle_ns, self._cycle = position_mm, cycle_ns, 0
         self._sign = 1.0 if velocity_mm_s > 0.0 else -1.0
-        self._profile = Profile(0.0, 0.0, ())
+        self._profile: Course = Profile(0.0, 0.0, ())
         speed_mm_s = abs(velocity_mm_s)
         if deceleration is not None and speed_mm_s > STANDING_MM_S:
-            way_mm = deceleration.distance_mm(speed_mm_s)
-            self._profile = plan(way_mm, speed_mm_s, deceleration, deceleration, speed_mm_s)
+            self._profile = deceleration.stopped(State(0.0, speed_mm_s, 0.0))
 
     @property
     def is_standing(self) -> bool:

@@ -49,6 +49,29 @@ class LinearMove:
 
 
 @dataclass(frozen=True)
+class SlopeChoice:
+    """The acceleration profile of the path from here on (#SLOPE).
+
+    profile: STEP, TRAPEZ or SIN2; None = that of P-CHAN-00071.
+    """
+
+    block: Block
+    profile: str | None
+
+
+@dataclass(frozen=True)
+class DynamicWeights:
+    """Weights of feed blocks from here on (G130 to G134).
+
+    what: acceleration, ramp_time or contour_time. shares: 1 = as in the lists, by axis.
+    """
+
+    block: Block
+    what: str
+    shares: Mapping[str, float]
+
+
+@dataclass(frozen=True)
 class ArcMove:
     """An arc of a circle; everything else moves in proportion to its angle.
 
@@ -266,6 +289,7 @@ class IndependentMove:
     the whole motion) and speed_share (FEED_MAX_WEIGHT, of P-AXIS-00212); all None in rapid
     traverse (G00). acceleration_share: ACC_WEIGHT or RAPID_ACC_WEIGHT. measuring_type: of a
     measurement run (G100), else None; error_no_signal: of that run, None = P-CHAN-00176.
+    slope: its acceleration profile (SLOPE_TYPE), None = P-CHAN-00071.
     """
 
     block: Block
@@ -277,6 +301,7 @@ class IndependentMove:
     acceleration_share: float = 1.0
     measuring_type: int | None = None
     error_no_signal: bool | None = None
+    slope: str | None = None
 
 
 @dataclass(frozen=True)
@@ -381,6 +406,8 @@ Measuring = MeasuringRun | ProbeSettings | DefaultProbes | PrepareProbe
 Command = (
     LinearMove
     | ArcMove
+    | SlopeChoice
+    | DynamicWeights
     | Measuring
     | Message
     | DriveCommand

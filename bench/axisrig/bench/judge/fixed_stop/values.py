@@ -11,7 +11,7 @@ from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.oracles.fixed_stop.false_triggers import Motion, false_triggers
 from axisrig.bench.oracles.fixed_stop.lists import Limits
 from axisrig.bench.oracles.fixed_stop.pressing import Pressing
-from axisrig.bench.oracles.fixed_stop.slopes import slopes_as_written
+from axisrig.bench.oracles.fixed_stop.slopes import has_ramps, slopes_as_written
 from axisrig.bench.oracles.fixed_stop.timing import bus_lag_mm
 from axisrig.kernel.time.clock import S
 
@@ -24,6 +24,7 @@ LATCHED_MM = 1e-3
 
 
 _AT_MOST = "at most force limit less weight and friction, and v sqrt(k m) of what still rings"
+_RAMPS = "no closed form with the ramps of P-CHAN-00071"
 
 
 @dataclass(frozen=True)
@@ -158,6 +159,8 @@ def _excess(run: StopRun, truth: AxisTruth) -> Value:
         return Value("command_excess", label, "mm", truth.name, measured, note=restless)
     approach = run.approach(axis)
     channel = run.observed.facts.channel
+    if has_ramps(channel):
+        return Value("command_excess", label, "mm", axis, measured, note=_RAMPS)
     slope = slopes_as_written(truth.written, channel).on_signal
     cycles = run.cycles_of(axis).judged
     late_ns = (cycles.delay_cycles - 1 + cycles.buffer_cycles) * cycles.period_ns
@@ -177,6 +180,8 @@ def prediction(run: StopRun) -> str:
     """Say in one sentence what the settings of a run foretell."""
     if run.limits and not any(limits.detects for limits in run.limits.values()):
         return "nothing can detect: no criterion is on"
+    if has_ramps(run.observed.facts.channel):
+        return _RAMPS
     reasons = [
         f"{axis}: {reason}"
         for axis, limits in run.limits.items()

@@ -104,6 +104,17 @@ def reaction_ms(_observed: Observed, seen: Touch, _axis: str) -> Observation:
 
 
 @_of_run
+def stop_way_mm(observed: Observed, seen: Touch, axis: str) -> Observation:
+    """Way of the set position from the last one before the run brakes to its end."""
+    if seen.run.goes_on or seen.run.signal_ns is None:
+        return Observation(None, note="no signal has ended the measurement run")
+    brakes = observed.index_at(seen.run.signal_ns) + observed.facts.timing.buffer_cycles
+    last = observed.index_at(seen.end_ns)
+    places = [observed.value(axis, "set_mm", row) for row in (brakes - 1, last)]
+    return Observation(abs(places[1] - places[0]))
+
+
+@_of_run
 def standstill_mm(observed: Observed, seen: Touch, axis: str) -> Observation:
     """True position at the end of the measurement run."""
     position_mm, rest_mm = _stand(observed, seen, axis)

@@ -11,7 +11,7 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.plan.checks import Check, known_metrics, rotary_twin
 
 FORCE, TORQUE = "N", "N.m"
-LENGTHS = ("mm", "um", "mm/s", "mm/s2")
+LENGTHS = ("mm", "um", "mm/s", "mm/s2", "mm/s3")
 ANGLES = ("deg", "mdeg", "deg/s")
 
 

@@ -1,11 +1,14 @@
 """The metrics of a whole program: alarms, duration, buses, lags, printed values."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import MetricFunction
 from axisrig.bench.plan.checks import Check
+from axisrig.bench.record.series import Signal
 
 PROGRAM_METRICS: dict[str, MetricFunction] = {}
 
@@ -112,3 +115,36 @@ def _largest(column: str) -> MetricFunction:
 PROGRAM_METRICS["lag_mm_max"] = _largest("cnc_lag_mm")
 PROGRAM_METRICS["drive_lag_mm_max"] = _largest("drive_lag_peak_mm")
 PROGRAM_METRICS["velocity_mm_s_max"] = _largest("velocity_mm_s")
+
+
+def _of_set_positions(name: str, order: int, chosen: Callable[[Signal, Signal], Signal]) -> None:
+    """Register the largest of what is chosen of a difference of the set positions.
+
+    order: 2 = acceleration, 3 = jerk, over whole cycles. chosen: gives values to compare, from the
+    difference and the speed beside it. Inside a cycle the motion may do more; a part that lasts
+    `order` cycles is read exactly.
+    """
+
+    def largest(observed: Observed, axis: str | None) -> Observation:
+        start_ns, timing = observed.facts.start_ns, observed.facts.timing
+        if start_ns is None:
+            return Observation(None, note="the drives were never enabled")
+        rows, period_s = observed.between(start_ns, observed.facts.end_ns), timing.period_ns / 1e9
+        found = [0.0]
+        for each in [axis] if axis else list(observed.axes):
+            for part in observed.parts(rows, before=order):
+                first = max(part.inside.start - order, 0)
+                set_mm = part.observed.column(each, "set_mm", slice(first, part.inside.stop))
+                values = np.diff(set_mm, order) / period_s**order
+                speed = np.diff(set_mm)
+                beside = speed[: len(values)] + speed[len(speed) - len(values) :]
+                if len(values):
+                    found.append(float(np.max(chosen(values, beside))))
+        return Observation(max(found))
+
+    PROGRAM_METRICS[name] = largest
+
+
+_of_set_positions("set_acceleration_mm_s2_max", 2, lambda a, v: a * np.sign(v))
+_of_set_positions("set_deceleration_mm_s2_max", 2, lambda a, v: -a * np.sign(v))
+_of_set_positions("set_jerk_mm_s3_max", 3, lambda j, _v: np.abs(j))

@@ -47,6 +47,14 @@ class MeasuringSlopes:
     on_signal: Slope
 
 
+def has_ramps(channel: Written) -> bool:
+    """Return whether the list of the channel chooses a profile with a limited jerk (P-CHAN-00071).
+
+    What is here is of the linear slope: nothing of it holds then.
+    """
+    return bool(_number(channel, "prog_start.slope.profile", 0.0))
+
+
 def slopes_as_written(axis: Written, channel: Written) -> MeasuringSlopes:
     """Return the slopes of an axis from its list and that of the channel.
 

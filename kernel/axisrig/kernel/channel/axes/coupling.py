@@ -11,7 +11,6 @@ from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.motion.dynamics import Dynamics
 from axisrig.kernel.nc import canon
 
 BEYOND_FIRST, BEYOND_SECOND = 900192, 900193
@@ -96,20 +95,15 @@ class Couplings:
 
 def _for_both(master: AxisSettings, slave: AxisSettings) -> AxisSettings:
     """Let the master move only as both axes may."""
-    return replace(
-        master,
-        dynamics={
-            motion: _weaker(dynamics, slave.dynamics[motion])
-            for motion, dynamics in master.dynamics.items()
-        },
-    )
-
-
-def _weaker(one: Dynamics, other: Dynamics) -> Dynamics:
-    return Dynamics(
-        one.acceleration.weaker(other.acceleration),
-        one.deceleration.weaker(other.deceleration),
-        one.stop_deceleration.weaker(other.stop_deceleration),
-        min(one.speed_max_mm_s, other.speed_max_mm_s),
-        one.feedhold and one.feedhold.weaker(other.feedhold or other.deceleration),
-    )
+    weaker = {
+        motion: dynamics.weaker(slave.dynamics[motion])
+        for motion, dynamics in master.dynamics.items()
+    }
+    limited = {
+        shape: {
+            motion: dynamics.weaker(slave.jerk_limited[shape][motion])
+            for motion, dynamics in of_motions.items()
+        }
+        for shape, of_motions in master.jerk_limited.items()
+    }
+    return replace(master, dynamics=weaker, jerk_limited=limited)

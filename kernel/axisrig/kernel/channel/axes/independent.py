@@ -15,10 +15,10 @@ from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun
 from axisrig.kernel.measuring.run import MeasuringRun, Order
+from axisrig.kernel.motion.course import Weights
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator
-from axisrig.kernel.motion.profile import plan
 from axisrig.kernel.motion.timed import speed_for
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.measuring_types import measuring_types
@@ -136,7 +136,7 @@ class IndependentAxes:
             command,
             settings,
             self._links[axis],
-            settings.dynamics[_motion(command)].weighted(command.acceleration_share),
+            self._dynamics(settings, command),
             interpolator,
             Settling(self._clock, self._timing.period_ns),
         )
@@ -146,6 +146,13 @@ class IndependentAxes:
             _start(mover)
         self._movers[axis] = mover
         path.lead(axis, here_mm)
+
+    def _dynamics(self, settings: AxisSettings, command: canon.IndependentMove) -> Dynamics:
+        """Return what the axis may do: weights of the path do not act on it."""
+        slope = command.slope or self._path.programmed.default_slope
+        share = command.acceleration_share
+        weights = Weights(acceleration=share, deceleration=share)
+        return settings.dynamics_of(_motion(command), slope).weighted(weights)
 
     # Each cycle
 
@@ -305,7 +312,7 @@ def _go(mover: Mover, target_mm: float) -> None:
     length_mm = abs(target_mm - here_mm)
     if length_mm:
         feed = mover.feed = Feed(mover.speed_mm_s, dynamics, _share(mover))
-        profile = plan(length_mm, feed.speed_mm_s, dynamics.acceleration, dynamics.deceleration)
+        profile = dynamics.acceleration.plan(length_mm, feed.speed_mm_s, dynamics.deceleration)
         axis = mover.command.axis
         mover.interpolator.is_held = not mover.override_permille
         mover.interpolator.start({axis: here_mm}, {axis: target_mm}, profile)

@@ -107,6 +107,7 @@ class SingleAxes:
         """Nothing moves: the drive of an axis that is away holds it."""
         for axis in command.given:
             self._measurement.forget_prepared(axis)
+            self._path.programmed.forget_times(axis)
 
     def _home(self, command: canon.Homing) -> None:
         for group in command.groups:

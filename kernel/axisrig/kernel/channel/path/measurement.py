@@ -290,7 +290,8 @@ class Measurement:
         self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
     ) -> float:
         axes = [self._path.settings(name).measuring for name in moving]
-        return highest_speed(measuring_types()[measuring_type], axes, dynamics.stop_deceleration)
+        slopes = dynamics.stop_deceleration, dynamics.acceleration
+        return highest_speed(measuring_types()[measuring_type], axes, *slopes)
 
     def within_stroke(
         self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics

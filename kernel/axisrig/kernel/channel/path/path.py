@@ -4,6 +4,7 @@ from collections import deque
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
 
 from axisrig.kernel.channel.distance.offsets import Offsets
+from axisrig.kernel.channel.path.programmed import ProgrammedDynamics
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Settling
 from axisrig.kernel.drives.link import AxisLink
@@ -14,7 +15,6 @@ from axisrig.kernel.motion.curves import put as with_axis
 from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_dynamics
 from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
-from axisrig.kernel.motion.profile import plan
 from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.time.clock import Clock, S
 
@@ -24,6 +24,7 @@ class Path:
 
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
+    programmed: what the program chooses of the dynamics.
     """
 
     def __init__(
@@ -40,6 +41,7 @@ class Path:
         self._index = {axis.name: index for index, axis in enumerate(axes)}
         self.interpolator = Interpolator([axis.name for axis in axes], timing.period_ns)
         self._buffer = SetpointBuffer(timing.buffer_cycles, self.interpolator.positions_mm)
+        self.programmed = ProgrammedDynamics(settings)
         self._feed: Feed | None = None  # of the present move
         self.override_max_permille = settings.override_max_permille
         self._override_permille = FULL
@@ -172,7 +174,7 @@ class Path:
             angle_rad=angle_rad,
         )
         feed_mm_s = feed_mm_min / 60.0
-        axes = [axis.dynamics[Motion.FEED] for axis in self._axes]
+        axes = [self.programmed.dynamics(axis, Motion.FEED) for axis in self._axes]
         for corner_mm in arc.box_mm():
             self._require_reach(corner_mm)
         highest_mm_s = feed_mm_s * self.override_max_permille / FULL
@@ -186,7 +188,8 @@ class Path:
         ]
         if not any(deltas):
             return None
-        return path_dynamics([axis.dynamics[motion] for axis in self._axes], deltas)
+        axes = [self.programmed.dynamics(axis, motion) for axis in self._axes]
+        return path_dynamics(axes, deltas)
 
     def begin(
         self,
@@ -229,9 +232,8 @@ class Path:
     def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
         full_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
         feed = self._feed = Feed(full_mm_s, dynamics, self._share(curve))
-        profile = plan(
-            curve.length_mm, feed.speed_mm_s, dynamics.acceleration, dynamics.deceleration
-        )
+        acceleration, deceleration = dynamics.acceleration, dynamics.deceleration
+        profile = acceleration.plan(curve.length_mm, feed.speed_mm_s, deceleration)
         self._settling.restart()
         if self._held_axes:
             self.interpolator.is_held = self._wants_hold or self._moves_held_axis(curve)

@@ -6,12 +6,18 @@ from enum import IntEnum
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.distance.settings import names_newer
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import MeasuringAxis
+from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.motion.dynamics import Dynamics, Motion, axis_slopes
 from axisrig.kernel.motion.feed import FULL
+from axisrig.kernel.motion.jerk_ramps import Shape
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import MS, US, TimeNs
+
+SLOPES = ("STEP", "TRAPEZ", "SIN2", "HSC")
+"""The acceleration profiles by their numbers in P-CHAN-00071."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +42,9 @@ class ChannelSettings:
     P-CHAN-00266, a run to a fixed stop that finds none goes on. each_axis_halts: P-CHAN-00218,
     every axis brakes by its own ramp when one is faulty. override_max_permille: P-CHAN-00056.
     start_after_ns: how long after a programmed stop the operator starts again; None when nobody
-    does. optional_stop: whether M1 stops.
+    does. optional_stop: whether M1 stops. slope: the acceleration profile of a program that has
+    chosen none, P-CHAN-00071. weighted_acceleration, weighted_time: what the weights of a program
+    act on, P-CHAN-00001 and 00073. weighs_measuring: also on measurement runs, P-CHAN-00296.
     """
 
     error_no_signal: bool = False
@@ -45,6 +53,10 @@ class ChannelSettings:
     override_max_permille: int = FULL
     start_after_ns: TimeNs | None = None
     optional_stop: bool = False
+    slope: str = SLOPES[0]
+    weighted_acceleration: int = 0
+    weighted_time: int = 0
+    weighs_measuring: bool = False
 
     @classmethod
     def read(
@@ -58,6 +70,10 @@ class ChannelSettings:
             override_max_permille=channel.integer("max_vb_override"),
             start_after_ns=start_after_ns,
             optional_stop=optional_stop,
+            slope=SLOPES[channel.integer("prog_start.slope.profile")],
+            weighted_acceleration=channel.integer("prog_start.slope.acceleration"),
+            weighted_time=channel.integer("prog_start.slope.ramp_time"),
+            weighs_measuring=channel.flag("meas_use_std_dynamic"),
         )
 
 
@@ -74,11 +90,12 @@ class AxisSettings:
     """One axis as the channel sees it.
 
     may_measure: P-AXIS-00118. window_mm: P-AXIS-00236, exact stop. settling_ns: P-AXIS-00532 or
-    P-AXIS-00151, 0 = not monitored. dynamics: per kind of motion. measuring: of its runs. number:
-    P-AXIS-00016. emergency: P-AXIS-00003, else P-AXIS-00008, None without either. distance:
-    control of the distance, None where P-AXIS-00328 does not release it. tells_newer_ids: 3100xx of
-    distance control, not 703xx. limits: its software limit
-    switches, None where they are not monitored. override_mode: of its motions beside the path.
+    P-AXIS-00151, 0 = not monitored. dynamics: per kind of motion, of the linear slope.
+    jerk_limited: of those with ramps. measuring: of its runs. number: P-AXIS-00016. emergency:
+    P-AXIS-00003, else P-AXIS-00008, None without either. distance: control of the distance, None
+    where P-AXIS-00328 does not release it. tells_newer_ids: 3100xx of distance control, not 703xx.
+    limits: its software limit switches, None where they are not monitored. override_mode: of its
+    motions beside the path.
     """
 
     name: str
@@ -93,9 +110,21 @@ class AxisSettings:
     tells_newer_ids: bool = False
     limits: SoftLimits | None = None
     override_mode: OverrideMode = OverrideMode.CHANNEL
+    jerk_limited: dict[Shape, dict[Motion, Dynamics]] = field(default_factory=dict)
+
+    def dynamics_of(self, motion: Motion, slope: str) -> Dynamics:
+        """Return what the axis may do in a kind of motion with an acceleration profile.
+
+        Raises Alarm 900100 for HSC.
+        """
+        if slope == SLOPES[0]:
+            return self.dynamics[motion]
+        if slope not in SLOPES[:3]:
+            raise Alarm(900100, word=f"the acceleration profile {slope}", what="HSC slope")
+        return self.jerk_limited[Shape(slope)][motion]
 
     @property
-    def own_stop(self) -> Slope:
+    def own_stop(self) -> AnySlope:
         """How the axis brakes when it stops by itself: its emergency stop, else its feedhold."""
         return self.emergency or self.dynamics[Motion.FEED].stop_deceleration
 
@@ -108,6 +137,10 @@ class AxisSettings:
             window_mm=axis.mm("getriebe[0].window"),
             settling_ns=axis.ns("getriebe[0].position_settling_time"),
             dynamics={motion: axis_slopes(axis, channel, motion) for motion in Motion},
+            jerk_limited={
+                shape: {motion: axis_slopes(axis, channel, motion, shape) for motion in Motion}
+                for shape in Shape
+            },
             measuring=MeasuringAxis.read(axis),
             number=axis.integer("kopf.achs_nr"),
             emergency=_emergency(axis),

@@ -22,6 +22,7 @@ from axisrig.kernel.nc.decoder.topics import (
     offsets,
     pauses,
     probes,
+    slopes,
     technology,
     tools,
 )
@@ -36,6 +37,7 @@ TOPICS = tuple(
     module.TOPIC
     for module in (
         motion,
+        slopes,
         pauses,
         circles,
         measuring,

@@ -32,8 +32,12 @@ from axisrig.kernel.nc.text.controls import ControlBuilder
 from axisrig.kernel.nc.text.values import Part
 from axisrig.kernel.nc.text.words import Word, words
 
-ZERO_GROUP = "G159"
-NEEDS_AXES = ("G74", "G92", "G100", "G101", "G310", "G210")
+# G functions with a value after `=`, and how they are written
+VALUED = {
+    "G159": "G159 = 0 .. 96, the group",
+    **{name: f"{name} = 70, a weight in %" for name in ("G131", "G133", "G134")},
+}
+NEEDS_AXES = ("G74", "G92", "G100", "G101", "G130", "G132", "G310", "G210")
 # Their jump depends on the signal. Source: FCT-C4 section 3, type 5
 _JUMP_BEHIND = {"G310", "G210"}
 _FUNCTION_NUMBER = re.compile(r"[0-9]+")
@@ -195,8 +199,8 @@ class Builder(ControlBuilder):
         if item.address in ("G", "M"):
             found.functions.append((item, self._function(item)))
             return
-        if item.address == ZERO_GROUP:  # its value is among the addresses
-            found.functions.append((item, words("G")[ZERO_GROUP]))
+        if item.address in VALUED:  # its value is among the addresses
+            found.functions.append((item, words("G")[item.address]))
         if item.assigned and item.address in _RADIUS:
             self._axis_or_address(found, "R", self._number(item), item)
             return
@@ -308,8 +312,8 @@ class Builder(ControlBuilder):
             return Word(name, "M", "", True, "", "")
         if word is None:
             raise self.unknown(f"{item.address} function", name, item.offset, words(item.address))
-        if name == ZERO_GROUP:
-            raise self.source.error(f"{name} needs a group", item.offset, allowed="G159 = 0 .. 96")
+        if name in VALUED:
+            raise self.source.error(f"{name} needs a value", item.offset, allowed=VALUED[name])
         if not word.acts:
             self.note(name, word.meaning, item.offset)
         return word

@@ -26,8 +26,6 @@ MOTIONS: Final = ("G0", "G1", "G100")
 DIMENSIONS: Final = ("G90", "G91")
 SPEEDS: Final = {"FEED": "feed_mm_min", "TIME": "time_s", "FEED_MAX_WEIGHT": "speed_share"}
 PERCENT: Final = 100.0
-# The acceleration profile that the kernel has: without a limit of the jerk
-LINEAR_SLOPE: Final = "STEP"
 
 
 # ---- around the words of a block
@@ -132,8 +130,7 @@ def wait(context: Context, block: Block, command: Command) -> Iterator[canon.Com
 def move(context: Context, block: Block, command: AxisCommand) -> Iterator[canon.Command]:
     """INDP_SYN or INDP_ASYN of one axis.
 
-    Raises Alarm 21068, 21071, 21481, 21588, 50603, 900103 and 900194; 900100 for DRY_RUN and
-    other slopes than the linear one.
+    Raises Alarm 21068, 21071, 21481, 21588, 50603, 900103 and 900194; 900100 for DRY_RUN.
     """
     axis, options = command.axis, dict(command.options)
     _check(context, block, command, options)
@@ -148,6 +145,7 @@ def move(context: Context, block: Block, command: AxisCommand) -> Iterator[canon
         if measures:
             raise context.alarm(900103, block, axes=axis)
         return
+    slope = options.get("SLOPE_TYPE")
     yield canon.IndependentMove(
         block,
         axis,
@@ -155,6 +153,7 @@ def move(context: Context, block: Block, command: AxisCommand) -> Iterator[canon
         acceleration_share=weight,
         measuring_type=measuring_type,
         error_no_signal=context.part(measuring.Measurements).error_no_signal,
+        slope=slope.value.upper() if isinstance(slope, Name) else None,
         **speed,
     )
     if measures:
@@ -169,9 +168,6 @@ def _check(
     for word, _ in command.options:
         if word[0] == "G" and word[1:].isdigit() and word not in MOTIONS + DIMENSIONS:
             raise context.alarm(21068, block, g_function=word, axis=axis)
-    slope = options.get("SLOPE_TYPE")
-    if isinstance(slope, Name) and slope.value != LINEAR_SLOPE:
-        raise context.not_acting(block, f"SLOPE_TYPE={slope.value}", "acceleration profile")
     if context.coordinates.transformed and axis in context.coordinates.main_axes:
         raise context.alarm(21071, block, axis=axis, transformation="Cartesian")
     group = states(context).group_of(axis)

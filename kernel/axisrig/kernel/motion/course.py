@@ -1,0 +1,143 @@
+"""What every slope offers: plan a path, stop it, go on with it; and where the path is at a time.
+
+A path begins and ends at standstill, so that its slopes are all of one kind: the linear one with
+two steps (`profile`) or one with a limited jerk (`jerk`). Interpolator and feed know no difference.
+"""
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+
+class State(NamedTuple):
+    """Where a path is, how fast, and its acceleration, negative while it brakes.
+
+    a_mm_s2: 0 where the slope has no ramps, since nothing depends on it.
+    """
+
+    path_mm: float
+    speed_mm_s: float
+    a_mm_s2: float
+
+
+class Weights(NamedTuple):
+    """Shares of accelerations and ramp times that a program sets, 1 = as in the lists.
+
+    contour_time: of the ramp time of curves (G134). Source: P-CHAN-00001, P-CHAN-00073.
+    """
+
+    acceleration: float = 1.0
+    deceleration: float = 1.0
+    rise: float = 1.0
+    fall: float = 1.0
+    brake_rise: float = 1.0
+    brake_fall: float = 1.0
+    contour_time: float = 1.0
+
+
+NO_WEIGHTS = Weights()
+
+
+class Course(ABC):
+    """Path and speed over time from `start_mm` to `end_mm`; time counts from 0."""
+
+    __slots__ = ("duration_s", "end_mm", "start_mm")
+
+    def __init__(self, start_mm: float, end_mm: float, duration_s: float) -> None:
+        self.start_mm = start_mm
+        self.end_mm = end_mm
+        self.duration_s = duration_s
+
+    @abstractmethod
+    def at(self, t_s: float) -> tuple[float, float]:
+        """Return path in mm and speed in mm/s at `t_s`; from the duration on exactly the end."""
+
+    @abstractmethod
+    def state(self, t_s: float) -> State:
+        """Return what a new plan from `t_s` on begins with."""
+
+    def brake(self, t_s: float, deceleration: "AnySlope") -> "Course":
+        """Return the course that stops from the state at `t_s`; its time counts from 0 there.
+
+        The path runs on from its value at `t_s`; the distance to go is deleted.
+        """
+        return deceleration.stopped(self.state(t_s))
+
+    def held(self, t_s: float, feedhold: "AnySlope", deceleration: "AnySlope") -> "Course":
+        """Return the course that stops from the state at `t_s` no further than the end.
+
+        It brakes with `feedhold`; where that would go past the end, with the deceleration that the
+        path was planned with, which never does.
+        """
+        return feedhold.held(self.state(t_s), self.end_mm, deceleration)
+
+
+class AnySlope(ABC):
+    """What an axis or a path may do to change its speed, upwards or downwards.
+
+    Slopes that meet in one call are of one kind.
+    """
+
+    @property
+    @abstractmethod
+    def least_mm_s2(self) -> float:
+        """The acceleration that is there at every speed."""
+
+    @abstractmethod
+    def weighted(
+        self, deceleration: "AnySlope", weights: Weights, highest_mm_s2: float
+    ) -> "tuple[AnySlope, AnySlope]":
+        """Return this acceleration and a deceleration with weights.
+
+        highest_mm_s2: what none of them may be raised above.
+        """
+
+    def after(self, acceleration: "AnySlope") -> "AnySlope":
+        """Return this deceleration for a motion that accelerates with another slope."""
+        return self
+
+    @abstractmethod
+    def along(self, share: float) -> "AnySlope":
+        """Return what a path may do of which the axis moves by `share`, from 0 to 1."""
+
+    @abstractmethod
+    def weaker(self, other: "AnySlope") -> "AnySlope":
+        """Return the slope that both allow at every speed."""
+
+    @abstractmethod
+    def flat(self, a_mm_s2: float, speed_mm_s: float) -> "AnySlope":
+        """Return a slope with one acceleration up to a speed, with the jerk of this one."""
+
+    @abstractmethod
+    def distance_mm(self, speed_mm_s: float) -> float:
+        """Return the path between standstill and a speed."""
+
+    @abstractmethod
+    def speed_within(self, stroke_mm: float, run_up: "AnySlope") -> float:
+        """Return the highest speed, mm/s, of a path that can stop on `stroke_mm` at any time.
+
+        run_up: the slope with which it gets to that speed; this one stops it.
+        """
+
+    @abstractmethod
+    def plan(self, distance_mm: float, feed_mm_s: float, deceleration: "AnySlope") -> Course:
+        """Plan a path from standstill to standstill; this slope accelerates.
+
+        Raises ValueError if the path cannot be driven.
+        """
+
+    @abstractmethod
+    def rest(
+        self, state: State, end_mm: float, feed_mm_s: float, deceleration: "AnySlope"
+    ) -> Course:
+        """Plan the rest of a path that ends at rest at `end_mm`; this slope accelerates."""
+
+    @abstractmethod
+    def stopped(self, state: State) -> Course:
+        """Return the course that stops with this slope as soon as it can."""
+
+    @abstractmethod
+    def held(self, state: State, end_mm: float, deceleration: "AnySlope") -> Course:
+        """Return the course that stops with this slope, no further than `end_mm`.
+
+        deceleration: brakes where this one would go past it.
+        """

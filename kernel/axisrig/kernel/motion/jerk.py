@@ -1,0 +1,258 @@
+"""The jerk-limited slope (TRAPEZ, SIN2): planned in the shortest time from any state to an end."""
+
+import math
+from dataclasses import dataclass, replace
+
+from axisrig.kernel.motion.course import AnySlope, State, Weights
+from axisrig.kernel.motion.jerk_profile import JerkProfile, joined
+from axisrig.kernel.motion.jerk_ramps import (
+    JerkLimits,
+    Ramp,
+    braking,
+    downwards,
+    halved,
+    pulse,
+    run_up_mm,
+    way,
+    with_jerk,
+)
+
+_SAME_MM = 1e-9  # more than rounding leaves of a path, less than anything shows
+_SAME_SPEED = 1e-12  # share of a speed that is rounding
+
+
+@dataclass(frozen=True)
+class JerkSlope(JerkLimits):
+    """The limits of an acceleration with its ramps, and what a path does with them."""
+
+    def scaled(
+        self, share: float, rise: float, fall: float, highest_mm_s2: float = math.inf
+    ) -> "JerkSlope":
+        """Return the slope with shares of acceleration and ramp times."""
+        return replace(
+            self,
+            a_mm_s2=min(self.a_mm_s2 * share, max(self.a_mm_s2, highest_mm_s2)),
+            rise_s=self.rise_s * rise,
+            fall_s=self.fall_s * fall,
+        )
+
+    def weighted(
+        self, deceleration: AnySlope, weights: Weights, highest_mm_s2: float
+    ) -> tuple[AnySlope, AnySlope]:
+        """Return both slopes with accelerations and ramp times weighted."""
+        assert isinstance(deceleration, JerkSlope)
+        up = self.scaled(weights.acceleration, weights.rise, weights.fall, highest_mm_s2)
+        times = weights.brake_rise, weights.brake_fall
+        down = deceleration.scaled(weights.deceleration, *times, highest_mm_s2)
+        return up, down.after(up)
+
+    def after(self, acceleration: AnySlope) -> "JerkSlope":
+        """Return this deceleration for a motion that accelerates with another slope.
+
+        Before it brakes, an acceleration falls with the jerk that it always falls with.
+        """
+        assert isinstance(acceleration, JerkSlope)
+        return replace(self, release_s=acceleration.falling_s3_mm * self.a_mm_s2)
+
+    def along(self, share: float) -> "JerkSlope":
+        """Return what a path may do of which the axis moves by `share`: a and jerk over it."""
+        return replace(self, a_mm_s2=self.a_mm_s2 / share)
+
+    def weaker(self, other: AnySlope) -> "JerkSlope":
+        """Return the slope with the smaller acceleration and the smaller jerk of both."""
+        assert isinstance(other, JerkSlope)
+        return with_jerk(
+            self,
+            min(self.a_mm_s2, other.a_mm_s2),
+            max(self.rising_s3_mm, other.rising_s3_mm),
+            max(self.falling_s3_mm, other.falling_s3_mm),
+            max(self.releasing_s3_mm, other.releasing_s3_mm),
+        )
+
+    def flat(self, a_mm_s2: float, speed_mm_s: float) -> "JerkSlope":
+        """Return the slope with another acceleration and the same jerk."""
+        return with_jerk(self, a_mm_s2, self.rising_s3_mm, self.falling_s3_mm, self.releasing_s3_mm)
+
+    def distance_mm(self, speed_mm_s: float) -> float:
+        """Return the path from a constant speed to standstill.
+
+        With equal ramps t_r it is v²/2a + v t_r/2 for v >= a t_r, else v sqrt(v t_r/a).
+        """
+        return way(speed_mm_s, braking(speed_mm_s, 0.0, self), self.shape)[0]
+
+    def speed_within(self, stroke_mm: float, run_up: AnySlope) -> float:
+        """Return the highest speed, mm/s, of a path that can stop on `stroke_mm` at any time.
+
+        At constant speed that is a (-t_r/2 + sqrt(t_r²/4 + 2 H/a)) with equal ramps. In the run-up
+        the path is slower, but its acceleration has to fall first.
+        """
+        assert isinstance(run_up, JerkSlope)
+
+        def needed_mm(speed_mm_s: float) -> float:
+            return max(self.distance_mm(speed_mm_s), run_up_mm(speed_mm_s, run_up, self))
+
+        highest_mm_s = math.sqrt(2.0 * self.a_mm_s2 * stroke_mm)  # without ramps
+        if needed_mm(highest_mm_s) <= stroke_mm:
+            return highest_mm_s
+        return halved(needed_mm, stroke_mm, 0.0, highest_mm_s)
+
+    def plan(self, distance_mm: float, feed_mm_s: float, deceleration: AnySlope) -> JerkProfile:
+        """Plan a path from standstill to standstill; this slope accelerates.
+
+        Raises ValueError for a negative length and without a feed.
+        """
+        if distance_mm < 0.0 or feed_mm_s <= 0.0:
+            raise ValueError(f"no path: {distance_mm} mm at {feed_mm_s} mm/s")
+        return self.rest(State(0.0, 0.0, 0.0), distance_mm, feed_mm_s, deceleration)
+
+    def rest(
+        self, state: State, end_mm: float, feed_mm_s: float, deceleration: AnySlope
+    ) -> JerkProfile:
+        """Plan the rest of a path from any state on, in the shortest time; this one accelerates.
+
+        A speed above the feed comes down to it at once. Where the path is too short for that, it
+        brakes into its end, as weakly as it can while it is at the feed.
+        """
+        assert isinstance(deceleration, JerkSlope)
+        return _Rest(state, end_mm, feed_mm_s, self, deceleration).planned()
+
+    def stopped(self, state: State) -> JerkProfile:
+        """Return the profile that stops from a state with this slope."""
+        path_mm, speed_mm_s, a_mm_s2 = state
+        ramps = braking(speed_mm_s, a_mm_s2, self)
+        end_mm = path_mm + way(speed_mm_s, ramps, self.shape)[0]
+        return joined(state, end_mm, ramps, [], self.shape)
+
+    def held(self, state: State, end_mm: float, deceleration: AnySlope) -> JerkProfile:
+        """Return the profile that stops from a state no further than `end_mm`."""
+        assert isinstance(deceleration, JerkSlope)
+        for slope in (self, deceleration):
+            stopped = slope.stopped(state)
+            if stopped.end_mm < end_mm - _SAME_MM:
+                return stopped
+        return joined(state, end_mm, [], _fitted(state, end_mm, deceleration), self.shape)
+
+
+def _fitted(state: State, end_mm: float, down: JerkSlope) -> list[Ramp]:
+    """Return the ramps that brake at once, with shorter ones where the end is too near.
+
+    It is after a stop that was harder than this slope and has been let go.
+    """
+    path_mm, speed_mm_s, a_mm_s2 = state
+    length_mm = end_mm - path_mm
+
+    def ramps(share: float) -> list[Ramp]:
+        rising, falling = down.rising_s3_mm * share, down.falling_s3_mm * share
+        shorter = with_jerk(down, down.a_mm_s2, rising, falling, down.releasing_s3_mm * share)
+        return braking(speed_mm_s, a_mm_s2, shorter)
+
+    def way_mm(share: float) -> float:
+        return way(speed_mm_s, ramps(share), down.shape)[0]
+
+    if way_mm(1.0) <= length_mm + _SAME_MM:
+        return ramps(1.0)
+    if way_mm(0.0) < length_mm:
+        return ramps(halved(way_mm, length_mm, 0.0, 1.0))
+    if length_mm <= 0.0 or speed_mm_s <= 0.0:
+        return []
+    hard_mm_s2 = 0.5 * speed_mm_s * speed_mm_s / length_mm
+    return [Ramp(-hard_mm_s2, -hard_mm_s2, speed_mm_s / hard_mm_s2)]
+
+
+class _Rest:
+    """Plans to the end: over the highest speed possible, or with the least braking at first.
+
+    The time is shortest with the highest speed between a first part, that accelerates or slows
+    down, and one that brakes; its way grows with that speed. Where even the speed that is reached
+    at once is too high, braking goes on: the deceleration falls no further than it must.
+    """
+
+    def __init__(
+        self, state: State, end_mm: float, feed_mm_s: float, up: JerkSlope, down: JerkSlope
+    ) -> None:
+        self._state, self._end_mm, self._feed_mm_s = state, end_mm, feed_mm_s
+        self._speed_mm_s, self._a = state.speed_mm_s, state.a_mm_s2
+        self._length_mm = end_mm - state.path_mm
+        # An acceleration falls as it would at the end of its own pulse
+        self._up, self._shape = up, up.shape
+        rising, falling = down.rising_s3_mm, down.falling_s3_mm
+        self._down = with_jerk(down, down.a_mm_s2, rising, falling, up.falling_s3_mm)
+        self._now = max(-self._a, 0.0)  # deceleration
+        self._falling = falling
+        if 0.5 * self._now * self._now * falling > self._speed_mm_s:
+            self._falling = 2.0 * self._speed_mm_s / (self._now * self._now)
+        release_s = abs(self._a) * (up.falling_s3_mm if self._a > 0.0 else self._falling)
+        self._at_once_mm_s = self._speed_mm_s + 0.5 * self._a * release_s
+        self._first = [Ramp(self._a, 0.0, release_s)] if release_s > 0.0 else []
+        self._is_too_fast = self._at_once_mm_s > feed_mm_s * (1.0 + _SAME_SPEED)
+
+    def planned(self) -> JerkProfile:
+        """Return the course of the rest."""
+        length_mm = self._length_mm
+        if length_mm <= 0.0 and self._speed_mm_s <= 0.0:
+            return JerkProfile(self._end_mm, self._end_mm, (), self._shape)
+        if not self._is_too_fast:
+            if self._way_over(self._feed_mm_s) <= length_mm:
+                return self._over(self._feed_mm_s)
+            if self._way_over(self._at_once_mm_s) <= length_mm:
+                between = self._at_once_mm_s, self._feed_mm_s
+                return self._over(halved(self._way_over, length_mm, *between))
+        if self._way_with(0.0) <= length_mm:
+            return self._with(0.0)
+        hardest = self._hardest()
+        if hardest > 0.0 and self._way_with(hardest) < length_mm:
+            return self._with(halved(self._way_with, length_mm, hardest, 0.0))
+        ramps = _fitted(self._state, self._end_mm, self._down)
+        return joined(self._state, self._end_mm, [], ramps, self._shape)
+
+    # Over a peak speed, from the one that is reached at once to the feed
+
+    def _lead_to(self, peak_mm_s: float) -> list[Ramp]:
+        if self._a > 0.0 and peak_mm_s > self._at_once_mm_s:
+            return pulse(peak_mm_s - self._speed_mm_s, self._up, self._a)
+        return self._first + pulse(peak_mm_s - self._at_once_mm_s, self._up)
+
+    def _way_over(self, peak_mm_s: float) -> float:
+        lead_mm, _ = way(self._speed_mm_s, self._lead_to(peak_mm_s), self._shape)
+        return lead_mm + self._down.distance_mm(peak_mm_s)
+
+    def _over(self, peak_mm_s: float) -> JerkProfile:
+        tail = braking(peak_mm_s, 0.0, self._down)
+        return joined(self._state, self._end_mm, self._lead_to(peak_mm_s), tail, self._shape)
+
+    # With a deceleration that is still there at the feed, or at the end of its fall
+
+    def _slow_to(self, left: float) -> list[Ramp]:
+        if not self._is_too_fast:
+            t_s = (self._now - left) * self._falling
+            return [Ramp(-self._now, -left, t_s)] if t_s > 0.0 else []
+        if self._a > 0.0:
+            change_mm_s = self._at_once_mm_s - self._feed_mm_s
+            return self._first + downwards(pulse(change_mm_s, self._down, 0.0, left))
+        change_mm_s = self._speed_mm_s - self._feed_mm_s
+        return downwards(pulse(change_mm_s, self._down, self._now, left))
+
+    def _hardest(self) -> float:
+        """Return the deceleration at the feed of a path that brakes as hard as it can."""
+        if not self._is_too_fast:
+            return self._now
+        down, now = self._down, self._now
+        from_mm_s = self._at_once_mm_s if self._a > 0.0 else self._speed_mm_s
+        limits = [max(down.a_mm_s2, now)]
+        if down.rise_s > 0.0:
+            square = 2.0 * (from_mm_s - self._feed_mm_s) / down.rising_s3_mm + now * now
+            limits.append(math.sqrt(square))
+        if down.fall_s > 0.0:
+            limits.append(math.sqrt(2.0 * self._feed_mm_s / down.falling_s3_mm))
+        return min(limits)
+
+    def _way_with(self, left: float) -> float:
+        lead_mm, speed_mm_s = way(self._speed_mm_s, self._slow_to(left), self._shape)
+        tail_mm, _ = way(speed_mm_s, braking(speed_mm_s, -left, self._down), self._shape)
+        return lead_mm + tail_mm
+
+    def _with(self, left: float) -> JerkProfile:
+        lead = self._slow_to(left)
+        _, speed_mm_s = way(self._speed_mm_s, lead, self._shape)
+        tail = braking(speed_mm_s, -left, self._down)
+        return joined(self._state, self._end_mm, lead, tail, self._shape)

@@ -1,0 +1,386 @@
+"""The jerk-limited slope by closed forms, by integration, and against other ways to plan it."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
+from scipy.integrate import cumulative_simpson
+from scipy.optimize import linprog, minimize
+
+from axisrig.kernel.motion.course import State
+from axisrig.kernel.motion.jerk import JerkSlope
+from axisrig.kernel.motion.jerk_profile import JerkProfile
+from axisrig.kernel.motion.jerk_ramps import Shape
+
+TRAPEZ, SIN2 = Shape.TRAPEZ, Shape.SIN2
+BOTH = pytest.mark.parametrize("shape", [TRAPEZ, SIN2])
+EXACT = pytest.approx
+# Peak of the jerk over its mean in a ramp
+PEAK = {TRAPEZ: 1.0, SIN2: math.pi / 2.0}
+SHARE = {TRAPEZ: 1.0 / 6.0, SIN2: 0.25 - 1.0 / math.pi**2}
+
+
+def equal(a: float, ramp_s: float, shape: Shape = TRAPEZ, *, keeps_time: bool = False) -> JerkSlope:
+    return JerkSlope(a, ramp_s, ramp_s, shape, keeps_time)
+
+
+def stop(slope: JerkSlope, speed: float, a: float = 0.0) -> JerkProfile:
+    return slope.stopped(State(0.0, speed, a))
+
+
+# Closed forms of one ramp
+
+
+@BOTH
+@pytest.mark.parametrize(("v", "a", "t_r"), [(100, 1000, 0.05), (50, 1000, 0.05), (80, 700, 0.01)])
+def test_a_ramp_with_a_constant_part(shape: Shape, v: float, a: float, t_r: float) -> None:
+    """v >= a t_r: v/a + t_r on v²/2a + v t_r/2, whatever the course of the acceleration."""
+    braked = stop(equal(a, t_r, shape), v)
+    assert braked.duration_s == EXACT(v / a + t_r, rel=1e-12)
+    assert braked.end_mm == EXACT(v * v / (2 * a) + v * t_r / 2, rel=1e-12)
+
+
+@BOTH
+def test_a_small_change_of_speed_has_a_smaller_peak(shape: Shape) -> None:
+    """5 mm/s, 1000 mm/s², 30 ms: with constant jerk 0.0612 mm, with constant ramp time 0.1500."""
+    peak = math.sqrt(5.0 * 1000.0 / 0.03)
+    braked = stop(equal(1000.0, 0.03, shape), 5.0)
+    assert braked.duration_s == EXACT(2.0 * math.sqrt(5.0 * 0.03 / 1000.0), rel=1e-12)
+    assert braked.end_mm == EXACT(5.0 * math.sqrt(5.0 * 0.03 / 1000.0), rel=1e-12)
+    assert braked.end_mm == EXACT(0.0612, abs=5e-5)
+    assert braked.state(braked.duration_s / 2).a_mm_s2 == EXACT(-peak, rel=1e-9)
+
+    kept = stop(equal(1000.0, 0.03, shape, keeps_time=True), 5.0)
+    assert kept.duration_s == EXACT(0.06, rel=1e-12)
+    assert kept.end_mm == EXACT(0.15, rel=1e-12)
+    assert kept.state(0.03).a_mm_s2 == EXACT(-5.0 / 0.03, rel=1e-9)
+
+
+@BOTH
+def test_unequal_ramps(shape: Shape) -> None:
+    """v²/2a + v t1/2 + a (k - 1/8)(t2² - t1²); with TRAPEZ that is a (t2² - t1²)/24."""
+    v, a, t1, t2 = 100.0, 1000.0, 0.02, 0.06
+    braked = stop(JerkSlope(a, t1, t2, shape), v)
+    extra = a * (SHARE[shape] - 0.125) * (t2**2 - t1**2)
+    assert braked.duration_s == EXACT(v / a + (t1 + t2) / 2, rel=1e-12)
+    assert braked.end_mm == EXACT(v * v / (2 * a) + v * t1 / 2 + extra, rel=1e-12)
+
+
+def test_unequal_straight_ramps_as_in_the_literature() -> None:
+    v, a, t1, t2 = 90.0, 800.0, 0.05, 0.01
+    way = v * v / (2 * a) + v * t1 / 2 + a * (t2**2 - t1**2) / 24
+    assert stop(JerkSlope(a, t1, t2), v).end_mm == EXACT(way, rel=1e-12)
+
+
+def test_without_ramps_it_is_the_linear_slope() -> None:
+    braked = stop(equal(1000.0, 0.0), 60.0)
+    assert (braked.end_mm, braked.duration_s) == EXACT((1.8, 0.06))
+    path = equal(1000.0, 0.0).plan(10.0, 50.0, equal(500.0, 0.0))
+    assert path.duration_s == EXACT(0.05 + 0.1 + (10.0 - 1.25 - 2.5) / 50.0)
+
+
+@pytest.mark.parametrize(
+    ("length", "v", "a", "j"),
+    [
+        (100.0, 50.0, 1000.0, 20_000.0),  # with a part at constant speed
+        (10.0, 500.0, 1000.0, 20_000.0),  # D >= 2a³/j² = 5 mm: without one
+        (3.0, 500.0, 1000.0, 20_000.0),  # nor with a constant acceleration
+    ],
+)
+def test_from_rest_to_rest(length: float, v: float, a: float, j: float) -> None:
+    """The three cases of the S curve with one jerk for all ramps."""
+    slope = equal(a, a / j)
+    if v == 50.0:
+        expected = 2.0 * (v / a + a / j) + (length - 2 * (v * v / (2 * a) + v * a / j / 2)) / v
+    elif length >= 2 * a**3 / j**2:
+        peak = (a / 2) * (-a / j + math.sqrt((a / j) ** 2 + 4 * length / a))
+        expected = 2.0 * (peak / a + a / j)
+    else:
+        expected = 4.0 * (length / (2 * j)) ** (1 / 3)
+    path = slope.plan(length, v, slope)
+    assert path.duration_s == EXACT(expected, rel=1e-9)
+    assert path.at(path.duration_s) == (length, 0.0)
+
+
+# A stop inside a ramp
+
+
+def test_while_the_acceleration_falls_the_speed_still_grows() -> None:
+    """The example of docs/motion.md: 30 mm/s and 1000 mm/s² when the signal comes."""
+    braked = stop(equal(1000.0, 0.05), 30.0, 1000.0)
+    assert braked.state(0.05) == EXACT((30 * 0.05 + 1000 * 0.05**2 / 3, 55.0, 0.0), abs=1e-9)
+    assert braked.end_mm == EXACT(2.0 + 1.0 / 3.0 + 55.0**2 / 2000.0 + 55.0 * 0.025, rel=1e-12)
+    harder = stop(equal(5000.0, 0.01), 30.0, 1000.0)
+    assert max(harder.at(k * 1e-4)[1] for k in range(100)) == EXACT(30.0 + 1000 * 0.002 / 2)
+    assert harder.end_mm == EXACT(0.184 / 3 + 31.0 * math.sqrt(31.0 * 0.01 / 5000.0), rel=1e-9)
+
+
+def test_a_larger_deceleration_stays() -> None:
+    """60 mm/s braked with 5000 mm/s²; a stop with 1000 goes on with 5000: 60²/10000 and a ramp."""
+    braked = stop(equal(1000.0, 0.01), 60.0, -5000.0)
+    assert min(braked.state(k * 1e-4).a_mm_s2 for k in range(200)) == -5000.0
+    assert braked.end_mm < 60.0**2 / 2000.0
+
+
+# Stroke of a probe
+
+
+@pytest.mark.parametrize(("ramp_ms", "speed"), [(0, 100.0), (10, 95.12), (50, 78.08)])
+def test_what_a_stroke_of_5_mm_allows_at_constant_speed(ramp_ms: int, speed: float) -> None:
+    """a (-t/2 + sqrt(t²/4 + 2H/a)); a run-up that is very gentle adds nothing."""
+    t_r = ramp_ms / 1000.0
+    slope, gentle = equal(1000.0, t_r), equal(1e-3, 0.0)
+    expected = 1000.0 * (-t_r / 2 + math.sqrt(t_r**2 / 4 + 2 * 5.0 / 1000.0))
+    assert slope.speed_within(5.0, gentle) == EXACT(expected, rel=1e-5)
+    assert expected == EXACT(speed, abs=0.005)
+    assert slope.distance_mm(expected) == EXACT(5.0, rel=1e-12)
+
+
+def test_a_short_stroke_is_inside_the_ramps() -> None:
+    """s = v sqrt(v t_r/a): 0.1 mm, 1000 mm/s², 50 ms are (s² a/t_r)^(1/3) = 5.848 mm/s."""
+    slope = equal(1000.0, 0.05)
+    found = slope.speed_within(0.1, equal(1e-3, 0.0))
+    assert found == EXACT((0.1**2 * 1000.0 / 0.05) ** (1 / 3), rel=1e-4)
+
+
+@BOTH
+@pytest.mark.parametrize("own", [(1000.0, 0.0), (1000.0, 0.01), (1000.0, 0.05), (4000.0, 0.02)])
+def test_from_every_instant_of_the_run_up_it_stops_inside_the_stroke(
+    shape: Shape, own: tuple[float, float]
+) -> None:
+    """The longest stop of a run-up to the speed that is allowed is the stroke itself."""
+    up, down = equal(1000.0, 0.05, shape), equal(*own, shape)
+    speed = down.speed_within(5.0, up)
+    path = up.plan(1000.0, speed, up)
+    run_up_s = speed / 1000.0 + 0.05
+    ways = [
+        down.stopped(state).end_mm - state.path_mm
+        for state in (path.state(k * run_up_s / 2000.0) for k in range(2200))
+    ]
+    assert max(ways) <= 5.0 * (1.0 + 1e-9)
+    assert max(ways) == EXACT(5.0, abs=speed * run_up_s / 2000.0)  # between two instants
+
+
+# Every state
+
+
+def slopes(shape: Shape) -> st.SearchStrategy[JerkSlope]:
+    times = st.sampled_from([0.0, 1e-6, 0.001, 0.01, 0.05]) | st.floats(1e-6, 0.1)
+    return st.builds(
+        JerkSlope, st.floats(50.0, 5000.0), times, times, st.just(shape), st.booleans()
+    )
+
+
+Case = tuple[JerkProfile, State, JerkSlope, JerkSlope, float, bool]
+
+
+@st.composite
+def replanned(draw: st.DrawFn) -> Case:
+    """A path of which the rest is planned anew at any time with any feed, maybe after a hold."""
+    shape = draw(st.sampled_from(Shape))
+    up, down, hold = (draw(slopes(shape)) for _ in range(3))
+    length, feed = draw(st.floats(1e-3, 300.0)), draw(st.floats(0.5, 200.0))
+    path = up.plan(length, feed, down)
+    was_held = draw(st.booleans())
+    if was_held:
+        path = hold.held(path.state(draw(st.floats(0, 1)) * path.duration_s), length, down)
+    state = path.state(draw(st.floats(0.0, 1.0)) * path.duration_s)
+    feed = draw(st.floats(0.5, 200.0))
+    return up.rest(state, length, feed, down), state, up, down, feed, was_held
+
+
+def jerks(path: JerkProfile) -> list[tuple[float, float, float]]:
+    """Mean jerk, larger speed and length of every ramp of a path."""
+    return [
+        ((p.end_mm_s2 - p.start_mm_s2) / (p.end_s - p.start_s), p.start_mm_s2, p.end_s - p.start_s)
+        for p in path.phases
+        if p.start_mm_s2 != p.end_mm_s2
+    ]
+
+
+@pytest.mark.long
+@settings(max_examples=400, deadline=None)
+@given(replanned())
+def test_no_limit_is_passed_and_the_end_is_hit(case: Case) -> None:
+    """Speed, acceleration and jerk to 1e-9; the path never goes back, its end is exact."""
+    path, state, up, down, feed, was_held = case
+    now = state.a_mm_s2
+    highest = max(feed, state.speed_mm_s + max(now, 0.0) ** 2 * up.falling_s3_mm / 2.0)
+    before = state
+    for at in np.linspace(0.0, path.duration_s, 150):
+        here = path.state(float(at))
+        assert here.path_mm >= before.path_mm - 1e-12
+        assert -1e-9 <= here.speed_mm_s <= highest * (1 + 1e-9)
+        assert here.a_mm_s2 <= max(up.a_mm_s2, now) * (1 + 1e-9)
+        assert here.a_mm_s2 >= -max(down.a_mm_s2, -now) * (1 + 1e-9) or was_held
+        before = here
+    assert path.at(path.duration_s)[1] == 0.0
+    assert path.at(path.duration_s + 1.0) == path.at(path.duration_s)
+    for one, two in pairwise(path.phases):
+        assert two.start_s == one.end_s
+        assert two.start_mm == EXACT(one.end_mm, abs=1e-9)
+        assert two.start_mm_s == EXACT(one.end_mm_s, rel=1e-7, abs=1e-7)
+    if was_held and now < 0.0:
+        return  # what a harder hold has begun may have to end sooner than these ramps let it
+    for jerk, start, _ in jerks(path):
+        slope = up if start > 0.0 or (jerk > 0.0 and start == 0.0) else down
+        limit = max(slope.a_mm_s2 / t for t in (slope.rise_s, slope.fall_s, 1e-300) if t > 0.0)
+        assert abs(jerk) <= limit * (1 + 1e-9)
+    if min(up.rise_s, up.fall_s, down.rise_s, down.fall_s) > 0.0:
+        short_s = 1e-8  # what rounding leaves at constant speed, and very short ramps
+        steps = [p for p in path.phases if p.end_s - p.start_s > short_s]
+        steepest = max(s.a_mm_s2 / t for s in (up, down) for t in (s.rise_s, s.fall_s))
+        for one, two in pairwise(steps):
+            assert two.start_mm_s2 == EXACT(
+                one.end_mm_s2, rel=1e-6, abs=1e-3 + 2 * short_s * steepest
+            )
+
+
+@settings(max_examples=60, deadline=None)
+@given(replanned())
+def test_the_trajectory_is_the_integral_of_its_acceleration(case: Case) -> None:
+    """Path and speed of every phase against Simpson's rule over the acceleration alone."""
+    path, *_ = case
+    for phase in path.phases:
+        assume(phase.end_s - phase.start_s > 1e-6)
+        inside = np.linspace(phase.start_s, phase.end_s, 81)[:-1]
+        states = [path.state(float(at)) for at in inside]
+        times, a = inside - inside[0], [state.a_mm_s2 for state in states]
+        v = states[0].speed_mm_s + cumulative_simpson(a, x=times, initial=0.0)
+        s = states[0].path_mm + cumulative_simpson(v, x=times, initial=0.0)
+        scale = 1e-6 * (1.0 + abs(phase.start_mm_s) + abs(phase.end_mm_s))
+        assert v == EXACT([state.speed_mm_s for state in states], abs=scale)
+        assert s == EXACT([state.path_mm for state in states], abs=scale)
+
+
+# Shortest time
+
+
+def _feasible(
+    steps: int, dt: float, state: State, length: float, v: float, a: float, j: float
+) -> bool:
+    """Whether any jerk, constant in each step, leads from a state to rest at the end.
+
+    A linear program over the jerks alone: no structure of ramps is assumed.
+    """
+    k = np.arange(1, steps + 1)[:, None]
+    i = np.arange(steps)[None, :]
+    after = np.clip(k - i - 1, 0, None) * dt
+    is_past = (k > i).astype(float)
+    to_a = is_past * dt
+    to_v = is_past * (dt * dt / 2 + after * dt)
+    to_s = is_past * (dt**3 / 6 + after * dt * dt / 2 + after**2 * dt / 2)
+    times = k[:, 0] * dt
+    free_v = state.speed_mm_s + state.a_mm_s2 * times
+    total = steps * dt
+    free_s = state.speed_mm_s * total + state.a_mm_s2 * total**2 / 2
+    upper = np.vstack([to_a, -to_a, to_v, -to_v])
+    limits = np.concatenate(
+        [
+            np.full(steps, a - state.a_mm_s2),
+            np.full(steps, a + state.a_mm_s2),
+            v - free_v,
+            free_v,
+        ]
+    )
+    last = np.vstack([to_a[-1], to_v[-1], to_s[-1]])
+    wanted = [-state.a_mm_s2, -free_v[-1], length - free_s]
+    found = linprog(np.zeros(steps), upper, limits, last, wanted, bounds=(-j, j), method="highs")
+    return bool(found.status == 0)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("length", "speed", "a0"),
+    [
+        (20.0, 0.0, 0.0),
+        (2.0, 0.0, 0.0),
+        (20.0, 40.0, 600.0),
+        (3.3, 40.0, 200.0),  # just enough to stop
+        (4.0, 60.0, -500.0),  # braking already, and there is room
+        (2.45, 60.0, -800.0),
+        (8.0, 21.0, -900.0),
+    ],
+)
+def test_nothing_is_faster_by_a_linear_program(length: float, speed: float, a0: float) -> None:
+    """Two steps less have no solution at all, three more have one; v 80, a 1000, j 20 000."""
+    slope, state = equal(1000.0, 0.05), State(0.0, speed, a0)
+    path = slope.rest(state, length, 80.0, slope)
+    steps = 120
+    dt = path.duration_s / steps
+    limits = 80.0, 1000.0, 20_000.0
+    assert path.end_mm == length
+    assert not _feasible(steps - 2, dt, state, length, *limits)
+    assert _feasible(steps + 3, dt, state, length, *limits)
+
+
+@pytest.mark.long
+@settings(max_examples=25, deadline=None)
+@given(
+    st.tuples(*[st.floats(0.005, 0.08)] * 4),
+    st.floats(300.0, 3000.0),
+    st.floats(300.0, 3000.0),
+    st.floats(0.5, 60.0),
+    st.floats(20.0, 120.0),
+)
+def test_a_search_over_switching_times_finds_nothing_faster(
+    times: tuple[float, float, float, float], a: float, d: float, length: float, feed: float
+) -> None:
+    """Seven durations between jerks of both signs, ramps of four different times."""
+    t1, t2, t3, t4 = times
+    up, down = JerkSlope(a, t1, t2), JerkSlope(d, t3, t4)
+    path = up.plan(length, feed, down)
+    j = np.array([a / t1, 0.0, -a / t2, 0.0, -d / t3, 0.0, d / t4])
+
+    def run(durations: np.ndarray) -> np.ndarray:
+        s = v = acc = peak_v = peak_a = low_a = mid_a = 0.0
+        for index, (jerk, t) in enumerate(zip(j, durations, strict=True)):
+            s += v * t + acc * t * t / 2 + jerk * t**3 / 6
+            v += acc * t + jerk * t * t / 2
+            acc += jerk * t
+            if index == 0:
+                peak_a = acc
+            if index == 2:
+                mid_a, peak_v = acc, v
+            if index == 4:
+                low_a = acc
+        return np.array([s, v, acc, peak_v, peak_a, low_a, mid_a])
+
+    scale = path.duration_s
+    found = []
+    for guess in (np.full(7, 1 / 7), np.array([1, 3, 1, 5, 1, 3, 1]) / 15.0):
+        solved = minimize(
+            np.sum,
+            guess,
+            method="SLSQP",
+            bounds=[(0.0, 2.0)] * 7,
+            constraints=[
+                {
+                    "type": "eq",
+                    "fun": lambda x: (
+                        run(x * scale)[[0, 1, 2, 6]] / np.array([length, feed, a, a])
+                        - np.array([1.0, 0.0, 0.0, 0.0])
+                    ),
+                },
+                {
+                    "type": "ineq",
+                    "fun": lambda x: np.array(
+                        [
+                            1 - run(x * scale)[3] / feed,
+                            1 - run(x * scale)[4] / a,
+                            1 + run(x * scale)[5] / d,
+                        ]
+                    ),
+                },
+            ],
+            options={"ftol": 1e-12, "maxiter": 400},
+        )
+        error = np.abs(run(solved.x * scale)[[0, 1, 2, 6]] / np.array([length, feed, a, a]))
+        error[0] = abs(run(solved.x * scale)[0] / length - 1.0)
+        if solved.success and np.max(error) < 1e-7:
+            found.append(float(solved.fun))
+    assume(found)
+    assert min(found) >= 1.0 - 1e-6
