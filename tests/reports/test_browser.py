@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.reports.swept import GRID, searched, wide
+from tests.reports.swept import folder as folder_of
 from tests.tools.chromium import MISSING, Browser, chromium
 
 from axisrig.reports.build import build_report
@@ -323,9 +325,8 @@ def test_hostile_text_stays_text(page: Browser) -> None:
     assert page.errors == []
 
 
-@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
-@pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
-def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool) -> None:
+def violations(page: Browser, *, is_dark: bool) -> list[Any]:
+    """What axe finds with everything open."""
     path = _axe()
     assert path is not None
     page.dark(is_dark)
@@ -340,4 +341,35 @@ def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool
         )
     finally:
         page.dark(False)
-    assert found == []
+    return list(found)
+
+
+@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
+@pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
+def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool) -> None:
+    assert violations(page, is_dark=is_dark) == []
+
+
+@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
+def test_axe_finds_nothing_in_sweeps_searches_and_sensitivity(
+    browser: Browser, tmp_path: Path
+) -> None:
+    grid = [
+        ((a, b, HOSTILE.replace('"', "'").replace(",", ";") if c == "NEG" else "&"), float(a), word)
+        for (a, b, c), word in zip(GRID, ["pass", "fail", "inconclusive"] * 4, strict=True)
+    ]
+    two = [("c", a, b, float(b), "pass") for a, b, _ in GRID]
+    for name in ("two", "grid", "search"):
+        (tmp_path / name).mkdir()
+    for place in (
+        folder_of(tmp_path / "two", two),
+        wide(tmp_path / "grid", grid),
+        searched(tmp_path / "search", ("300", "325")),
+    ):
+        build_report(place)
+        browser.open(tmp_path)
+        browser.errors.clear()
+        browser.open(place / "report.html")
+        assert browser.run("document.querySelectorAll('main img, main script').length") == 0
+        assert [violations(browser, is_dark=is_dark) for is_dark in (False, True)] == [[], []]
+        assert browser.errors == []

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.reports.swept import GRID, folder, searched, wide
 
 from axisrig.bench.campaign.results.stored import StoredRun, read_results
 from axisrig.bench.plan.verdict import Verdict
@@ -20,22 +21,6 @@ from axisrig.reports.sweeps.drawing import DOTS_MAX, HEIGHT, WIDTH, drawing, sho
 from axisrig.reports.sweeps.searches import search_pictures, searched_column, searches_section
 from axisrig.reports.sweeps.section import sweeps, sweeps_section
 from axisrig.reports.sweeps.sensitivity import sensitivities, sensitivity_section
-
-CASES = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,plc:V.E.A,plc:V.E.B"
-CHECKS = "plan,case,run,check,metric,value,unit,lower,upper,uncertainty,verdict,reference"
-
-
-def folder(place: Path, rows: list[tuple[str, str, str, float, str]]) -> Path:
-    """rows: case, V.E.A, V.E.B, value, verdict; the upper limit is ten times V.E.A."""
-    cases, checks = [CASES], [CHECKS]
-    for number, (case, a, b, value, verdict) in enumerate(rows):
-        cases.append(f"p,{case},r{number},{verdict},1,1,1,,,{a},{b}")
-        limit = float(a) * 10 if a.isdigit() else ""
-        checks.append(f"p,{case},r{number},,m,{value},um,,{limit},0.1,{verdict},p.csv:2")
-        checks.append(f"p,{case},r{number},none,alarms,,,,,0.0,pass,")
-    (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
-    (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
-    return place
 
 
 def test_a_metric_over_one_input_is_drawn_with_its_limits(tmp_path: Path) -> None:
@@ -135,20 +120,6 @@ def test_the_transitions_are_those_of_the_tables() -> None:
     assert len(drive_transitions()) >= 14
 
 
-def wide(place: Path, rows: list[tuple[tuple[str, str, str], float, str]]) -> Path:
-    """A case over three inputs; rows: V.E.A, V.E.B, V.E.C, value, verdict."""
-    cases, checks = [f"{CASES},plc:V.E.C"], [CHECKS]
-    for number, (inputs, value, verdict) in enumerate(rows):
-        cases.append(f"p,c,r{number},{verdict},1,1,1,,,{','.join(inputs)}")
-        checks.append(f"p,c,r{number},,m,{value},um,,100,0.1,{verdict},p.csv:2")
-    (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
-    (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
-    return place
-
-
-GRID = [(a, b, c) for a in ("1", "2", "3") for b in ("10", "20") for c in ("POS", "NEG")]
-
-
 def test_three_inputs_are_a_picture_each_with_the_others_as_points(tmp_path: Path) -> None:
     rows = [((a, b, c), int(a) * 2.0 + int(b), "pass") for a, b, c in GRID]
     text = sweeps_section(read_results(wide(tmp_path, rows)))
@@ -201,24 +172,6 @@ def test_of_many_runs_those_that_did_not_pass_are_drawn(tmp_path: Path) -> None:
     drawn = shown(sweep.samples)
     assert len(drawn) == DOTS_MAX
     assert sum(sample.verdict is Verdict.FAIL for sample in drawn) == 10
-
-
-SEARCH = f"{CASES},search:plc:V.E.A,runs,probe"
-
-
-def searched(place: Path, ends: tuple[str, str]) -> Path:
-    """A row that has searched V.E.A from 100 to 500; m is V.E.A and has to be 310 at most."""
-    cases, checks = [SEARCH], [CHECKS]
-    for number, value in enumerate((100, 500, 300, 400, 350, 325), 1):
-        verdict = "pass" if value <= 310 else "fail"
-        cases.append(f"p,c,p-c-s{number:02},{verdict},1,1,1,,,{value},1,100 .. 500 to 50,,p-c")
-        checks.append(f"p,c,p-c-s{number:02},<= 310,m,{value},um,,310,1,{verdict},p.csv:2")
-    cases.append("p,c,p-c,pass,1,1,1,,,,1,100 .. 500 to 50,6,")
-    for metric, value in zip(("search_good", "search_bad"), ends, strict=True):
-        checks.append(f"p,c,p-c,,{metric},{value},,,,0,pass,p.csv:2")
-    (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
-    (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
-    return place
 
 
 def test_a_search_is_drawn_with_its_probes_its_bounds_and_the_limit(tmp_path: Path) -> None:
