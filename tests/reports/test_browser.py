@@ -186,6 +186,20 @@ _DRAWN = """Object.fromEntries([...document.querySelectorAll('.opened')].map((ro
 }))"""
 
 
+# How many plots of position of each run that is open show the signal, by its colour
+_SIGNALS = """Object.fromEntries([...document.querySelectorAll('.opened')].map((row) => {
+  const plots = [...row.querySelectorAll('.uplot canvas')].slice(1, 2);
+  const blue = (d, i) => d[i] === 0x56 && d[i + 1] === 0xb4 && d[i + 2] === 0xe9;
+  const found = plots.map((c) => {
+    const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+    let count = 0;
+    for (let i = 0; i < d.length; i += 4) count += blue(d, i);
+    return count;
+  });
+  return [row.parentNode.dataset.run, found];
+}))"""
+
+
 def test_what_is_printed_is_drawn_and_only_failures_are(page: Browser, tmp_path: Path) -> None:
     verdicts = page.run(
         "Object.fromEntries([...document.querySelectorAll('.verdicts > tbody')]"
@@ -197,6 +211,8 @@ def test_what_is_printed_is_drawn_and_only_failures_are(page: Browser, tmp_path:
     assert set(drawn) == bad
     assert all(done == there for done, there in drawn.values())
     assert sum(there > 0 for _, there in drawn.values()) == 4  # two have left no signals
+    signals = page.run(_SIGNALS)
+    assert all(count > 100 for counts in signals.values() for count in counts), signals
     unprinted = page.run("[...document.querySelectorAll('.unprinted')].map((b) => b.dataset.run)")
     assert set(unprinted) == set(verdicts) - bad
     page.run("dispatchEvent(new Event('afterprint'))")

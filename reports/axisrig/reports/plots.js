@@ -368,9 +368,10 @@ const axisrigPlots = (() => {
     return state;
   }
 
-  /* Draw again in the colours that now hold. */
+  /* Draw again in the colours that now hold. What was just made has no scales yet, and uPlot would
+     keep those that it does not have: so paths and scales stay as they are. */
   function redraw(state) {
-    for (const u of state.plots) u.redraw();
+    for (const u of state.plots) u.redraw(false);
   }
 
   return { unpack, draw, redraw };

@@ -53,12 +53,15 @@ def blocks_view(
     most = REDUCED_TABLE_MAX if is_reduced else TABLE_MAX
     count, half = trace.count, most // 2
     kept = range(count) if count <= most else [*range(half), *range(count - half, count)]
+    files = {_file(line) for line in trace.lines}
     shown = [_row(trace, rows, place, address) for place in kept]
     return {
         "rows": shown,
         "left_out": count - len(shown),
         "half": half if count > len(shown) else -1,
         "words": _words(trace, rows),
+        # The name of the file is in the rows where there are several
+        "file": files.pop() if len(files) == 1 else "",
         "again": _again(trace, rows, address),
         "has_waits": any(row["waited"] for row in shown),
         "has_feed": any(row["feed"] for row in shown),
@@ -101,6 +104,10 @@ def _label(line: ProgramLine) -> str:
     return f"{line.line}: {line.text}"
 
 
+def _file(line: ProgramLine) -> str:
+    return line.file.replace("\\", "/").rpartition("/")[2]
+
+
 def _row(trace: BlockTrace, rows: BlockRows, at: int, address: Address) -> dict[str, Any]:
     kind, state = trace.kinds[rows.kind[at]], STATES[rows.state[at]]
     known = block_kinds().get(kind, {"group": "other", "meaning": kind})
@@ -128,11 +135,12 @@ def _row(trace: BlockTrace, rows: BlockRows, at: int, address: Address) -> dict[
 
 def _place(line: ProgramLine, address: Address) -> dict[str, str]:
     """Where a block is written; the address asks the browser to show its text."""
-    name = line.file.replace("\\", "/").rpartition("/")[2]
+    name = _file(line)
     where = address(line.file) if line.file else ""
     text = quote(line.text, safe="").replace("-", "%2D")
     return {
         "where": f"{name}:{line.line}" if name else f"line {line.line}",
+        "line": f"line {line.line}",
         "address": f"{where}#:~:text={text}" if where else "",
         "text": line.text,
     }
