@@ -2,6 +2,8 @@
 
 import json
 import shutil
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -83,10 +85,25 @@ def test_a_long_loop_is_shortened_and_says_so() -> None:
         assert view["left_out"] == count - most
         (again,) = view["again"]
         assert (again["text"], again["count"], again["lasts"]) == ("N10 G1 Z1", 4999, "49990.000")
-    lane = blocks_lane(trace, is_reduced=False)
+
+
+def test_the_lane_of_a_long_loop_is_without_gaps() -> None:
+    """Short neighbours are one stretch, a long command stays by itself."""
+    steps = [Step("N10 G1 Z1", "feed", 10 * n, 10 * n, 10 * n + 10) for n in range(5000)]
+    steps.insert(2500, Step("N20 G4 X9", "dwell", 25_000, 25_000, 34_000, line=2))
+    steps[2501:] = [replace(s, due_ms=s.due_ms + 9000, begin_ms=s.begin_ms + 9000,
+                            end_ms=s.end_ms + 9000) for s in steps[2501:]]  # fmt: skip
+    lane = blocks_lane(block_trace(steps), is_reduced=False)
     assert lane is not None
-    assert len(lane["rows"]) == LANE_MAX
-    assert 2500 in [row[0] for row in lane["rows"]]  # the longest is always there
+    assert len(lane["rows"]) < LANE_MAX
+    ends = [(row[1], row[3]) for row in lane["rows"]]
+    assert ends[0][0] == 0
+    assert ends[-1][1] == 59_000 * MS
+    assert all(one[1] == other[0] for one, other in pairwise(ends))
+    (dwell,) = [row for row in lane["rows"] if row[4] == "wait"]
+    assert (dwell[0], dwell[6]) == (2500, "N20 G4 X9")
+    # 59 s in 2000 parts, of which a stretch takes two: 59 ms are six commands
+    assert lane["rows"][0][6] == "6 from N10 G1 Z1"
 
 
 def test_what_has_no_blocks_has_no_table() -> None:

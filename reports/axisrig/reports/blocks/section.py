@@ -1,6 +1,6 @@
 """The block trace of a run: its table, and the lane over its plots.
 
-Of many commands the table has the first and the last ones, the lane those that take the longest.
+Of many commands the table has the first and the last ones; in the lane short neighbours are one.
 """
 
 import math
@@ -23,7 +23,7 @@ from axisrig.bench.record.blocks import (
 )
 
 TABLE_MAX, LANE_MAX = 300, 2000
-"""So many commands the table and the lane of a run have at most."""
+"""So many commands the table of a run has at most; the lane joins short ones above its number."""
 REDUCED_TABLE_MAX, REDUCED_LANE_MAX = 60, 400
 """The same of a run that passed."""
 PLOT = "block"
@@ -77,24 +77,57 @@ def blocks_lane(trace: BlockTrace | None, *, is_reduced: bool) -> dict[str, Any]
     if trace is None or not trace.count:
         return None
     rows, kinds = trace.rows(), block_kinds()
-    places: Sequence[int] = range(trace.count)
-    most = REDUCED_LANE_MAX if is_reduced else LANE_MAX
-    if trace.count > most:
-        longest = sorted(places, key=lambda at: int(rows.due_ns[at] - rows.end_ns[at]))
-        places = sorted(longest[:most])
     drawn: list[list[Any]] = []
-    for at in places:
+    for at in range(trace.count):
         kind = trace.kinds[rows.kind[at]]
         line = trace.lines[rows.line[at]]
         begin_ns, end_ns = int(rows.begin_ns[at]), int(rows.end_ns[at])
         lane = int(kind.startswith(_BESIDE))
         group = kinds[kind]["group"] if kind in kinds else "other"
         drawn.append([at, int(rows.due_ns[at]), begin_ns, end_ns, group, lane, _label(line)])
+    most = REDUCED_LANE_MAX if is_reduced else LANE_MAX
+    if trace.count > most:
+        whole_ns = int(rows.end_ns.max() - rows.due_ns.min())
+        shortest_ns = max(2 * whole_ns // most, 1)
+        lanes = [[row for row in drawn if row[5] == lane] for lane in (0, 1)]
+        drawn = [row for lane in lanes for row in _joined(lane, shortest_ns)]
     return {
         "rows": drawn,
         "lanes": 1 + max(row[5] for row in drawn),
         "holds": [list(hold) for hold in trace.holds],
     }
+
+
+def _joined(rows: Sequence[list[Any]], shortest_ns: int) -> list[list[Any]]:
+    """Join neighbours that are short until together they are not; a stretch has the group of most.
+
+    rows: of one lane, as `blocks_lane` has them.
+    """
+    found: list[list[Any]] = []
+    together: list[list[Any]] = []
+
+    def close() -> None:
+        if len(together) > 1:
+            spent: Counter[str] = Counter()
+            for _, due_ns, _, end_ns, group, _, _ in together:
+                spent[group] += end_ns - due_ns
+            first, end_ns = together[0], max(row[3] for row in together)
+            group, label = spent.most_common(1)[0][0], f"{len(together)} from {first[6]}"
+            found.append([first[0], first[1], first[1], end_ns, group, first[5], label])
+        else:
+            found.extend(together)
+        together.clear()
+
+    for row in rows:
+        if row[3] - row[1] >= shortest_ns:
+            close()
+            found.append(row)
+            continue
+        together.append(row)
+        if row[3] - together[0][1] >= shortest_ns:
+            close()
+    close()
+    return found
 
 
 def _label(line: ProgramLine) -> str:
