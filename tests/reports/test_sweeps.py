@@ -175,7 +175,7 @@ def test_of_many_runs_those_that_did_not_pass_are_drawn(tmp_path: Path) -> None:
 
 
 def test_a_search_is_drawn_with_its_probes_its_bounds_and_the_limit(tmp_path: Path) -> None:
-    text = searches_section(read_results(searched(tmp_path, ("300", "325"))))
+    text = searches_section(read_results(searched(tmp_path, ("300.0", "325.0"))))
     assert "6 probes, 2 hold, 4 do not" in text
     assert 'href="#p-c"' in text
     assert (text.count("<circle"), text.count('class="sw-fail"')) == (2, 4)

@@ -62,7 +62,7 @@ def _marks(run: StoredRun) -> list[Mark]:
     """The two values between which the limit is, where the search has found them."""
     values = {row["metric"]: row["value"] for row in run.checks}
     return [
-        Mark(values[name], kind, f"{words} {values[name]}")
+        Mark(values[name], kind, f"{words} {float(values[name]):.12g}")
         for name, kind, words in ((GOOD, "holds", "holds at"), (BAD, "fails", "not at"))
         if number(values.get(name, "")) is not None
     ]

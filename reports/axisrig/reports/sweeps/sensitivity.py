@@ -11,14 +11,14 @@ from html import escape
 
 from markupsafe import Markup
 
-from axisrig.bench.statistics.estimates import Effect, effects
+from axisrig.bench.statistics.estimates import Effect, Estimate, effects
 from axisrig.kernel.errors import UserError
 from axisrig.reports.sweeps.drawing import number
 from axisrig.reports.sweeps.section import PICTURES_MAX, Sweep
 
 WIDTH, ROW = 420, 30
 _LEFT, _RIGHT, _TOP = 8.0, 8.0, 4.0
-_POOR = 0.7
+_POOR, _NOTHING = 0.7, 1e-9
 
 
 @dataclass(frozen=True)
@@ -163,8 +163,9 @@ def _bar(column: str, effect: Effect, unit: str, x: object, top: float) -> str:
     change = effect.change
     left, right = sorted((x(0.0), x(change.value)))
     low, high = (f"{v:.6g}" if isinstance(v, float) else v for v in (effect.low, effect.high))
-    said = f"{column} {low} to {high}: {change.value:+.3g}"
-    bounds = f"{change.lower:+.3g} to {change.upper:+.3g}"
+    value, lower, upper = _rounded(change)
+    said = f"{column} {low} to {high}: {value}"
+    bounds = f"{lower} to {upper}"
     words = f"{said} ({bounds}){f' {unit}' if unit else ''}"
     kind = "sw-sure" if _is_sure(effect) else "sw-unsure"
     middle = top + 21
@@ -177,3 +178,10 @@ def _bar(column: str, effect: Effect, unit: str, x: object, top: float) -> str:
         f'<line class="sw-zero" x1="{x(0.0):.1f}" x2="{x(0.0):.1f}" y1="{top + 13:g}"'
         f' y2="{top + ROW - 1:g}"/>'
     )
+
+
+def _rounded(change: Estimate) -> list[str]:
+    """Value and bounds with three digits; what is nothing beside the largest of them is 0."""
+    values = (change.value, change.lower, change.upper)
+    least = _NOTHING * max(abs(value) for value in values)
+    return [f"{value:+.3g}" if abs(value) > least else "0" for value in values]
