@@ -1,12 +1,15 @@
 """Recordings of runs that were never run: the least facts, and series written to their file."""
 
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.record.blocks import STATES, BlockTrace, ProgramLine, pack_rows
 from axisrig.bench.record.facts import AlarmRecord, Facts, Timing, read_run
 from axisrig.bench.record.series import Series, SeriesWriter
 from axisrig.kernel.errors import Alarm
@@ -47,6 +50,43 @@ def alarm(
         place,
         is_further,
     )
+
+
+@dataclass(frozen=True)
+class Step:
+    """A row of a block trace, times in ms."""
+
+    text: str
+    kind: str
+    due_ms: float
+    begin_ms: float
+    end_ms: float
+    state: str = "done"
+    feed_mm_min: float = float("nan")
+    path_mm: float = float("nan")
+    travelled_mm: float = float("nan")
+    file: str = "programs/probe.nc"
+    line: int = 1
+
+
+def block_trace(steps: Sequence[Step], holds: Sequence[tuple[int, int]] = ()) -> BlockTrace:
+    """The block trace of some steps; the number of a block is that after its N."""
+    lines: dict[ProgramLine, int] = {}
+    kinds: dict[str, int] = {}
+    rows = []
+    for step in steps:
+        word = step.text.split(maxsplit=1)[0] if step.text else ""
+        number = int(word[1:]) if word[:1] == "N" and word[1:].isdigit() else None
+        line = ProgramLine(step.file, step.line, number, step.text)
+        whole = [
+            lines.setdefault(line, len(lines)),
+            kinds.setdefault(step.kind, len(kinds)),
+            *(round(at * MS) for at in (step.due_ms, step.begin_ms, step.end_ms)),
+            STATES.index(step.state),
+        ]
+        rows.append([*whole, step.feed_mm_min, step.path_mm, step.travelled_mm])
+    packed = pack_rows(np.array(rows, dtype=np.float64).T) if rows else ""
+    return BlockTrace(tuple(lines), tuple(kinds), len(rows), packed, tuple(holds))
 
 
 def only_run(out: Path) -> Observed:

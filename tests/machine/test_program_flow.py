@@ -1,8 +1,10 @@
 """A program with a subprogram, loops, own variables and a value for the PLC side, on a rig."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from tests.machine.conftest import Outcome
 
 from axisrig.bench.campaign.single import run_program
 
@@ -48,3 +50,35 @@ def test_a_word_that_does_not_act_ends_the_program_when_the_machine_gets_there(
     texts, said = run(program)
     assert texts == ["there 110.000000"]
     assert "ID 900100" in said[-1]
+
+
+def test_the_block_trace_follows_loop_subprogram_and_branch(
+    run_own: Callable[..., Outcome], tmp_path: Path
+) -> None:
+    """Each turn has its rows, those of the subprogram with lines of their own."""
+    program = """%L UP
+N100 G1 Z129 F6000
+N110 M17
+%MAIN
+N10 $FOR P1 = 0, 2, 1
+N20 $IF P1 == 1
+N30 G4 0.01
+N40 $ELSE
+N50 LL UP
+N60 $ENDIF
+N70 G1 Z130 F6000
+N80 $ENDFOR
+N90 M30
+"""
+    path = tmp_path / "flow.nc"
+    path.write_text(program, encoding="utf-8")
+    trace = run_own(path, PLANS / "rigs" / "probe-z.toml").facts.blocks
+    assert trace is not None
+    rows = trace.rows()
+    lines = [trace.lines[place] for place in rows.line]
+    # N70 of the second turn has no way: Z is at 130 already, nothing is carried out
+    assert [line.number for line in lines] == [100, 70, 30, 100, 70, 90]
+    written = program.splitlines()
+    assert all(written[line.line - 1] == line.text for line in lines)
+    assert rows.path_mm[[0, 1, 3, 4]].tolist() == pytest.approx([1.0] * 4)
+    assert rows.end_ns[2] - rows.begin_ns[2] == 10_000_000

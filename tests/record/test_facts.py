@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from tests.recordings import facts
 
-from axisrig.bench.record import axes, bus, distance, measuring
+from axisrig.bench.record import axes, blocks, bus, distance, measuring
 from axisrig.bench.record import facts as record
 from axisrig.bench.record.axes import Value
 from axisrig.bench.record.facts import VERSION, Facts, RunFile, read_run, run_text
@@ -59,7 +59,7 @@ def classes(*modules: Any) -> list[type[Frozen]]:
     return [c for c in dict.fromkeys(found) if issubclass(c, Frozen) and is_dataclass(c)]
 
 
-CLASSES = classes(axes, bus, distance, measuring, record)
+CLASSES = classes(axes, blocks, bus, distance, measuring, record)
 
 
 def written(path: Path, file: RunFile) -> RunFile:
@@ -176,7 +176,7 @@ def test_bytes_that_are_no_text_are_named(tmp_path: Path) -> None:
         read_run(path)
 
 
-@pytest.mark.parametrize("version", [0, 2, "1", None])
+@pytest.mark.parametrize("version", [0, 3, "1", None])
 def test_another_version_is_told_from_damage(tmp_path: Path, version: object) -> None:
     """Also that of older folders, which name none."""
 

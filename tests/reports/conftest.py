@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 import pytest
-from tests.recordings import alarm, facts, kept
+from tests.recordings import Step, alarm, block_trace, facts, kept
 
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
@@ -19,6 +19,7 @@ from axisrig.bench.plan.checks import CheckResult, judge
 from axisrig.bench.plan.plan import Case, read_plan
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.axes import AxisRecord, Contact, Edge, Latch, ProbeRecord
+from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.facts import Facts, MessageRecord, Note
 from axisrig.bench.record.measuring import MeasurementRun
 
@@ -119,6 +120,7 @@ def probed(case: Case, samples: int, feed: float, contact: int, shown: str) -> F
         axes=axes,
         probes={"probe": probe},
         runs=(run,),
+        blocks=program(contact / 1e6, run.end_ns / 1e6) if run.end_ns else None,
         alarms=(alarm(50052, contact, axis="Z"),) if case.index == 9 else (),
         messages=tuple(
             MessageRecord(None, (), text)
@@ -126,6 +128,22 @@ def probed(case: Case, samples: int, feed: float, contact: int, shown: str) -> F
         ),
         notes=tuple(Note("printed", line) for line in lines),
     )
+
+
+def program(contact_ms: float, end_ms: float) -> BlockTrace:
+    """The blocks of a touch: a measurement run that waited 50 ms, its message, the way back."""
+    steps = [
+        Step("N10 G0 X120", "rapid", 100, 100, 250, path_mm=20.0, travelled_mm=20.0),
+        Step(
+            "N20 G100 Z0 F1000",
+            *("measurement run", 250, 300, end_ms, "signal", 1000.0, 60.0, 41.5),
+            line=2,
+        ),
+        Step("N30 #MSG", "message", end_ms, end_ms, end_ms, line=3),
+        Step("N40 G1 Z50", "feed", end_ms, end_ms, end_ms + 40, feed_mm_min=3000.0, line=4),
+    ]
+    hold = round(0.5 * (300 + contact_ms) * 1e6)
+    return block_trace(steps, [(hold, hold + 5_000_000)])
 
 
 def result(case: Case, samples: int, file: Path | None) -> CaseResult:

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from tests.reports.swept import GRID, searched, wide
+from tests.reports.swept import folder as folder_of
 from tests.tools.chromium import MISSING, Browser, chromium
 
 from axisrig.reports.build import build_report
@@ -51,6 +53,7 @@ def folder(campaign: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     content = json.loads(path.read_text(encoding="utf-8"))
     content["facts"]["messages"][0]["shown"] = HOSTILE
     content["facts"]["notes"][0]["text"] = HOSTILE
+    content["facts"]["blocks"]["lines"][1]["text"] = HOSTILE
     path.write_text(json.dumps(content), encoding="utf-8")
     build_report(part)
     return part
@@ -183,6 +186,20 @@ _DRAWN = """Object.fromEntries([...document.querySelectorAll('.opened')].map((ro
 }))"""
 
 
+# How many plots of position of each run that is open show the signal, by its colour
+_SIGNALS = """Object.fromEntries([...document.querySelectorAll('.opened')].map((row) => {
+  const plots = [...row.querySelectorAll('.uplot canvas')].slice(1, 2);
+  const blue = (d, i) => d[i] === 0x56 && d[i + 1] === 0xb4 && d[i + 2] === 0xe9;
+  const found = plots.map((c) => {
+    const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+    let count = 0;
+    for (let i = 0; i < d.length; i += 4) count += blue(d, i);
+    return count;
+  });
+  return [row.parentNode.dataset.run, found];
+}))"""
+
+
 def test_what_is_printed_is_drawn_and_only_failures_are(page: Browser, tmp_path: Path) -> None:
     verdicts = page.run(
         "Object.fromEntries([...document.querySelectorAll('.verdicts > tbody')]"
@@ -194,6 +211,8 @@ def test_what_is_printed_is_drawn_and_only_failures_are(page: Browser, tmp_path:
     assert set(drawn) == bad
     assert all(done == there for done, there in drawn.values())
     assert sum(there > 0 for _, there in drawn.values()) == 4  # two have left no signals
+    signals = page.run(_SIGNALS)
+    assert all(count > 100 for counts in signals.values() for count in counts), signals
     unprinted = page.run("[...document.querySelectorAll('.unprinted')].map((b) => b.dataset.run)")
     assert set(unprinted) == set(verdicts) - bad
     page.run("dispatchEvent(new Event('afterprint'))")
@@ -214,6 +233,99 @@ def pages(path: Path) -> int:
     return data.count(b"/Type /Page") - data.count(b"/Type /Pages")
 
 
+def colour_at(page: Browser, plot: int, share: float) -> list[int]:
+    """The colour of a plot of the open run at a share of its width, near its upper edge."""
+    found = page.run(
+        f"(() => {{ const c = document.querySelectorAll('.opened .uplot canvas')[{plot}];"
+        f" const o = c.parentNode.querySelector('.u-over'), r = devicePixelRatio;"
+        f" const x = (o.offsetLeft + {share} * o.offsetWidth) * r, y = (o.offsetTop + 3) * r;"
+        " return [...c.getContext('2d').getImageData(x, y, 1, 1).data]; })()"
+    )
+    return list(found)
+
+
+CHOSEN = "#ffe9a8"
+
+
+def test_a_block_is_chosen_in_the_table_and_in_the_lane(page: Browser) -> None:
+    open_run(page, "probing-feed_50_a")
+    rows = "document.querySelectorAll('.opened .blocks tr[data-at]')"
+    assert page.run(f"{rows}.length") == 4
+    chosen = f"[...{rows}].findIndex((row) => row.classList.contains('chosen'))"
+    stretch = "[...document.querySelectorAll('.tools button')].find((b) => b.textContent === {})"
+    page.run(stretch.format("'edge'") + ".click()")
+    click(page, ".opened .blocks tr[data-at='0'] .pick")
+    assert page.run(chosen) == 0
+    assert page.run(f"{rows}[0].querySelector('.pick').getAttribute('aria-pressed')") == "true"
+    page.run("new Promise((done) => setTimeout(done, 100))")
+    # It was not seen, so it is zoomed to, with a quarter of its time on either side
+    rgb = [int(CHOSEN[at : at + 2], 16) for at in (1, 3, 5)]
+    assert colour_at(page, 1, 0.5)[:3] == rgb
+    assert colour_at(page, 1, 0.02)[:3] != rgb
+    # The lane of the whole run, 499 ms: a click chooses the block under it, again none
+    page.run(stretch.format("'whole run'") + ".click()")
+    page.run("document.querySelector('.opened .u-over').scrollIntoView({ block: 'center' })")
+    left, top, width, height = page.run(
+        "(() => { const b = document.querySelector('.opened .u-over').getBoundingClientRect();"
+        " return [b.left, b.top, b.width, b.height]; })()"
+    )
+    for time_ms, row in ((175, -1), (327, 1)):
+        x = left + time_ms / 499 * width
+        for kind, buttons in (("mouseMoved", 0), ("mousePressed", 1), ("mouseReleased", 0)):
+            mouse(page, kind, x, top + height / 2, buttons)
+        assert page.run(chosen) == row
+    page.run("new Promise((done) => setTimeout(done, 100))")
+    assert colour_at(page, 1, 327 / 499)[:3] == rgb
+    legend = page.run("document.querySelector('.opened .u-legend').textContent")
+    assert "N20 G100 Z0 F1000" in legend
+    assert page.errors == []
+
+
+def in_the_map(page: Browser, run: str, row: int) -> tuple[float, float]:
+    """Where the cell of a run is in the window; row 0 is the run, then its metrics."""
+    place = page.run(
+        "(() => { const c = document.querySelector('.map canvas');"
+        " c.scrollIntoView({ block: 'center' }); const b = c.getBoundingClientRect();"
+        " return [b.left, b.top, b.width, b.height]; })()"
+    )
+    left, top, width, height = place
+    runs, rows, size = shown(page), 7, 15  # six metrics
+    assert abs(height - (rows * size + 4)) <= 1
+    begin = left + width - len(runs) * size
+    return begin + (runs.index(run) + 0.5) * size, top + 2 + (row + 0.5) * size
+
+
+def test_the_map_shows_what_is_filtered_and_a_cell_opens_its_run(page: Browser) -> None:
+    x, y = in_the_map(page, "probing-feed_50_a", 1)
+    mouse(page, "mouseMoved", x, y, 0)
+    said = "document.querySelector('.map-at').textContent"
+    assert page.run(said) == "probing-feed_50_a · latch_error_um:Z: ✖ fail"
+    for kind, buttons in (("mousePressed", 1), ("mouseReleased", 0)):
+        mouse(page, kind, x, y, buttons)
+    assert page.run("document.querySelector('.opened').parentNode.dataset.run") == (
+        "probing-feed_50_a"
+    )
+    click(page, ".filter input[value=pass]")
+    label = "document.querySelector('.map canvas').getAttribute('aria-label')"
+    assert page.run(label).startswith(f"probing: {len(shown(page))} runs across, 6 metrics down: ")
+    assert "pass" not in page.run(label)
+    # The filter stays, and what is opened by the keyboard is what is chosen
+    page.run(
+        "(() => { const c = document.querySelector('.map canvas'); c.focus();"
+        " for (const key of ['ArrowRight', 'ArrowRight', 'ArrowDown', 'Enter'])"
+        " c.dispatchEvent(new KeyboardEvent('keydown', { key, bubbles: true })); })()"
+    )
+    assert page.run(said).startswith(f"{shown(page)[1]} · latch_error_um:Z")
+    opened = page.run(
+        "[...document.querySelectorAll('.opened')].map((r) => r.parentNode.dataset.run)"
+    )
+    assert shown(page)[1] in opened
+    assert "verdict=" in page.run("location.hash")
+    find(page, "no such run")
+    assert page.run("document.querySelector('.map figure').hidden")
+    assert page.errors == []
+
+
 def test_hostile_text_stays_text(page: Browser) -> None:
     for run in ("probing-feed_1_a", "probing-feed_50_a"):
         open_run(page, run)
@@ -223,14 +335,14 @@ def test_hostile_text_stays_text(page: Browser) -> None:
     assert title == HOSTILE
     printed = page.run("document.querySelector('.opened pre').textContent")
     assert HOSTILE in printed
+    assert page.run("document.querySelectorAll('.opened .pick')[1].textContent") == HOSTILE
     find(page, '"taken"</script>')
     assert len(shown(page)) == 14
     assert page.errors == []
 
 
-@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
-@pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
-def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool) -> None:
+def violations(page: Browser, *, is_dark: bool) -> list[Any]:
+    """What axe finds with everything open."""
     path = _axe()
     assert path is not None
     page.dark(is_dark)
@@ -245,4 +357,35 @@ def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool
         )
     finally:
         page.dark(False)
-    assert found == []
+    return list(found)
+
+
+@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
+@pytest.mark.parametrize("is_dark", [False, True], ids=["light", "dark"])
+def test_axe_finds_nothing_with_every_plot_drawn(page: Browser, *, is_dark: bool) -> None:
+    assert violations(page, is_dark=is_dark) == []
+
+
+@pytest.mark.skipif(_axe() is None, reason="no axe-core here: npm install axe-core, NODE_PATH")
+def test_axe_finds_nothing_in_sweeps_searches_and_sensitivity(
+    browser: Browser, tmp_path: Path
+) -> None:
+    grid = [
+        ((a, b, HOSTILE.replace('"', "'").replace(",", ";") if c == "NEG" else "&"), float(a), word)
+        for (a, b, c), word in zip(GRID, ["pass", "fail", "inconclusive"] * 4, strict=True)
+    ]
+    two = [("c", a, b, float(b), "pass") for a, b, _ in GRID]
+    for name in ("two", "grid", "search"):
+        (tmp_path / name).mkdir()
+    for place in (
+        folder_of(tmp_path / "two", two),
+        wide(tmp_path / "grid", grid),
+        searched(tmp_path / "search", ("300", "325")),
+    ):
+        build_report(place)
+        browser.open(tmp_path)
+        browser.errors.clear()
+        browser.open(place / "report.html")
+        assert browser.run("document.querySelectorAll('main img, main script').length") == 0
+        assert [violations(browser, is_dark=is_dark) for is_dark in (False, True)] == [[], []]
+        assert browser.errors == []

@@ -1,5 +1,6 @@
 """The page: nothing from outside, nothing unescaped, everything that a reader looks for."""
 
+import json
 import re
 import shutil
 from collections import Counter
@@ -78,7 +79,7 @@ def test_nothing_is_loaded_from_outside(page: Page, source: str) -> None:
             target = attributes.get(name)
             # A link that the reader follows may lead to a file of the campaign, nothing loads it
             is_file = (tag, name) == ("a", "href") and re.fullmatch(
-                r"[\w%+-][\w./%+-]*", target or ""
+                r"(\.\./)*[\w%+-][\w./%+-]*(#[\w.:~=%]+)?", target or ""
             )
             assert target is None or target.startswith("#") or is_file, (tag, target)
     assert page.find("link") == []
@@ -111,17 +112,21 @@ def test_text_of_the_bench_cannot_become_markup(page: Page, source: str) -> None
     )
 
 
-def test_every_run_has_a_target_a_row_a_cell_and_a_replay_command(page: Page) -> None:
+def test_every_run_has_a_target_a_row_a_cell_and_a_replay_command(page: Page, source: str) -> None:
     rows = [a for a in page.find("tbody") if "data-run" in a]
     runs = [a["data-run"] for a in rows]
     assert len(runs) == len(set(runs)) == 14
     assert runs[0] == "probing-feed_1_a"
     assert [a["id"] for a in rows] == runs
     links = Counter(a["href"] for a in page.find("a"))
-    # Row and cell, and a card where it did not pass
+    # Row, and a card where it did not pass
     good = {"pass", "marginal"}
-    wanted = {f"#{a['data-run']}": 2 + (a["data-verdict"] not in good) for a in rows}
+    wanted = {f"#{a['data-run']}": 1 + (a["data-verdict"] not in good) for a in rows}
     assert {link: links[link] for link in wanted} == wanted
+    found = re.search(r'id="map_data">(.*?)</script>', source)
+    assert found is not None
+    (plan,) = json.loads(found[1])["plans"]
+    assert [run for run, _ in plan["runs"]] == runs
     copies = [a["data-text"] for a in page.find("button") if a.get("class") == "copy"]
     assert copies[0] == "axisrig replay out/probing probing-feed_1_a"
     ids = [a["id"] for _, a in page.tags if a.get("id")]

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 import pytest
+from tests.reports.swept import GRID, folder, searched, wide
 
 from axisrig.bench.campaign.results.stored import StoredRun, read_results
 from axisrig.bench.plan.verdict import Verdict
@@ -16,31 +17,18 @@ from axisrig.reports.coverage.section import (
     distance_transitions,
     drive_transitions,
 )
-from axisrig.reports.sweeps.section import HEIGHT, WIDTH, drawing, sweeps, sweeps_section
-
-CASES = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256,plc:V.E.A,plc:V.E.B"
-CHECKS = "plan,case,run,check,metric,value,unit,lower,upper,uncertainty,verdict,reference"
-
-
-def folder(place: Path, rows: list[tuple[str, str, str, float, str]]) -> Path:
-    """rows: case, V.E.A, V.E.B, value, verdict; the upper limit is ten times V.E.A."""
-    cases, checks = [CASES], [CHECKS]
-    for number, (case, a, b, value, verdict) in enumerate(rows):
-        cases.append(f"p,{case},r{number},{verdict},1,1,1,,,{a},{b}")
-        limit = float(a) * 10 if a.isdigit() else ""
-        checks.append(f"p,{case},r{number},,m,{value},um,,{limit},0.1,{verdict},p.csv:2")
-        checks.append(f"p,{case},r{number},none,alarms,,,,,0.0,pass,")
-    (place / "cases.csv").write_text("\n".join([*cases, ""]), encoding="utf-8")
-    (place / "results.csv").write_text("\n".join([*checks, ""]), encoding="utf-8")
-    return place
+from axisrig.reports.sweeps.drawing import DOTS_MAX, HEIGHT, WIDTH, drawing, shown
+from axisrig.reports.sweeps.searches import search_pictures, searched_column, searches_section
+from axisrig.reports.sweeps.section import sweeps, sweeps_section
+from axisrig.reports.sweeps.sensitivity import sensitivities, sensitivity_section
 
 
 def test_a_metric_over_one_input_is_drawn_with_its_limits(tmp_path: Path) -> None:
     rows = [("c", str(a), "5", a * 9.0 if a < 4 else 41.0, "pass" if a < 4 else "fail")
             for a in (1, 2, 3, 4)]  # fmt: skip
-    (sweep,), notes = sweeps(read_results(folder(tmp_path, rows)))
-    assert (sweep.case, sweep.metric, sweep.columns, notes) == ("p-c", "m", ("plc:V.E.A",), [])
-    text = drawing(sweep)
+    (sweep,) = sweeps(read_results(folder(tmp_path, rows)))
+    assert (sweep.case, sweep.metric, sweep.columns) == ("p-c", "m", ("plc:V.E.A",))
+    text = drawing(sweep.samples, "m over A", sweep.unit)
     assert text.count("<circle") == 3
     assert text.count("<path") == 1  # what failed has another sign, not only another colour
     assert text.count('class="sw-limit"') == 3
@@ -130,3 +118,85 @@ def test_the_transitions_are_those_of_the_tables() -> None:
     assert all(one != other for one, other in distance_transitions())
     # CiA 402-2: 14 transitions have a state before them (1 to 14), 16 with 15 and 16
     assert len(drive_transitions()) >= 14
+
+
+def test_three_inputs_are_a_picture_each_with_the_others_as_points(tmp_path: Path) -> None:
+    rows = [((a, b, c), int(a) * 2.0 + int(b), "pass") for a, b, c in GRID]
+    text = sweeps_section(read_results(wide(tmp_path, rows)))
+    assert text.count("<svg") == 3
+    assert text.count("<circle") == 3 * len(GRID)
+    for column in ("plc:V.E.A", "plc:V.E.B", "plc:V.E.C"):
+        assert f"over {column}" in text
+    assert text.count("≤ 100") == 3
+
+
+def test_sensitivity_is_the_slope_that_went_in(tmp_path: Path) -> None:
+    """m = 2 A + 0.5 B, and 3 more with NEG: over their ranges 4, 5 and 3."""
+    rows = [((a, b, c), 2.0 * int(a) + 0.5 * int(b) + 3 * (c == "NEG"), "pass") for a, b, c in GRID]
+    found = sweeps(read_results(wide(tmp_path, rows)))
+    (one,), notes = sensitivities(found)
+    assert notes == []
+    assert [effect.change.value for effect in one.effects] == pytest.approx([4.0, 5.0, 3.0])
+    assert [effect.change.bound for effect in one.effects] == pytest.approx([0.0] * 3, abs=1e-9)
+    assert (one.effects[2].low, one.effects[2].high) == ("POS", "NEG")
+    assert one.width == pytest.approx(12.0)
+    text = sensitivity_section(found)
+    assert text.count("<svg") == 1
+    assert "▲ +33 %" in text
+    assert "plc:V.E.B 10 to 20: +5 (+5 to +5) um" in text
+    # The longest bar is the first one
+    assert text.index("plc:V.E.B 10") < text.index("plc:V.E.A 1") < text.index("plc:V.E.C POS")
+
+
+def test_inputs_that_go_together_have_no_sensitivity(tmp_path: Path) -> None:
+    rows = [((a, a, c), float(a), "pass") for a, _, c in GRID]
+    found = sweeps(read_results(wide(tmp_path, rows)))
+    made, (note,) = sensitivities(found)
+    assert made == []
+    assert note == "p-c: m has no sensitivity: the settings depend on each other"
+    assert note in sensitivity_section(found)
+
+
+def test_hostile_settings_stay_text(tmp_path: Path) -> None:
+    rows = [((a, b, "<i>" if c == "NEG" else "&"), float(a), "pass") for a, b, c in GRID]
+    results = read_results(wide(tmp_path, rows))
+    text = sweeps_section(results) + sensitivity_section(sweeps(results))
+    assert "<i>" not in text
+    assert "&lt;i&gt;" in text
+
+
+def test_of_many_runs_those_that_did_not_pass_are_drawn(tmp_path: Path) -> None:
+    rows = [("c", str(n), "1", float(n % 7), "fail" if n % 100 == 3 else "pass")
+            for n in range(1000)]  # fmt: skip
+    (sweep,) = sweeps(read_results(folder(tmp_path, rows)))
+    drawn = shown(sweep.samples)
+    assert len(drawn) == DOTS_MAX
+    assert sum(sample.verdict is Verdict.FAIL for sample in drawn) == 10
+
+
+def test_a_search_is_drawn_with_its_probes_its_bounds_and_the_limit(tmp_path: Path) -> None:
+    text = searches_section(read_results(searched(tmp_path, ("300.0", "325.0"))))
+    assert "6 probes, 2 hold, 4 do not" in text
+    assert 'href="#p-c"' in text
+    assert (text.count("<circle"), text.count('class="sw-fail"')) == (2, 4)
+    assert "≤ 310" in text
+    # The two upright lines are between the probes at 300 and 350, at their values
+    circles = sorted(float(x) for x in re.findall(r'<circle cx="([\d.]+)"', text))
+    marks = [float(x) for x in re.findall(r'class="sw-mark sw-\w+" x1="([\d.]+)"', text)]
+    assert marks[0] == circles[1]
+    per_unit = (circles[1] - circles[0]) / 200
+    assert marks[1] - marks[0] == pytest.approx(25 * per_unit, abs=0.11)
+    assert "holds at 300" in text
+    assert "not at 325" in text
+
+
+def test_a_search_without_a_limit_between_has_no_bounds(tmp_path: Path) -> None:
+    results = read_results(searched(tmp_path, ("", "")))
+    assert "sw-mark" not in searches_section(results)
+    assert sweeps_section(results) == ""  # probes are no sweep
+
+
+def test_a_run_that_searches_nothing_has_no_picture(tmp_path: Path) -> None:
+    results = read_results(searched(tmp_path, ("300", "325")))
+    assert [searched_column(run) for run in results.runs] == [""] * 6 + ["plc:V.E.A"]
+    assert search_pictures(results.runs[0], []) == ""

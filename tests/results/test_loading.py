@@ -69,6 +69,45 @@ def test_events_are_those_of_the_run_file(results: Results, folder_of_results: P
     assert events.loc[events["kind"] == "state", "text"].tolist() == [s["state"] for s in states]
 
 
+def test_blocks_are_those_of_the_program(results: Results, folder_of_results: Path) -> None:
+    """Against the text of the program, the set positions of the trace and the measurement run."""
+    blocks, signals = results.blocks("touch-slow"), results.signals("touch-slow")
+    program = folder_of_results.parent / "programs" / "probe-z.nc"
+    lines = program.read_text(encoding="utf-8").splitlines()
+    for _, row in blocks.iterrows():
+        assert lines[row["line"] - 1].startswith(row["text"])
+        assert row["text"].startswith(f"N{row['number']}")
+        assert Path(row["file"]).name == "probe-z.nc"
+    assert (blocks["due_ns"] <= blocks["begin_ns"]).all()
+    assert (blocks["begin_ns"] <= blocks["end_ns"]).all()
+    assert blocks["begin_ns"].is_monotonic_increasing
+    (run,) = json.loads(
+        (folder_of_results / "runs" / "touch-slow.json").read_text(encoding="utf-8")
+    )["facts"]["runs"]
+    (row,) = [row for _, row in blocks.iterrows() if row["kind"] == "measurement run"]
+    assert (row["begin_ns"], row["end_ns"]) == (run["begin_ns"], run["end_ns"])
+    assert (row["state"], row["group"], row["feed_mm_min"]) == ("signal", "measuring", 600)
+    # The set position moves within blocks that move, and nowhere else
+    moved = signals["time_ns"][signals["Z.set_mm"].diff().abs() > 1e-9]
+    moving = blocks[blocks["group"].isin(["motion", "measuring"])]
+    period_ns = 1_000_000
+    for at in moved:
+        assert ((moving["begin_ns"] - period_ns <= at) & (at <= moving["end_ns"])).any()
+    assert blocks.attrs["units"]["begin_ns"] == "ns"
+
+
+def test_an_older_recording_has_no_block_trace(folder_of_results: Path, tmp_path: Path) -> None:
+    shutil.copytree(folder_of_results, tmp_path / "old")
+    path = tmp_path / "old" / "runs" / "touch-slow.json"
+    content = json.loads(path.read_text(encoding="utf-8")) | {"version": 1}
+    del content["facts"]["blocks"]
+    path.write_text(json.dumps(content), encoding="utf-8")
+    older = load(tmp_path / "old")
+    assert not older.events("touch-slow").empty
+    with pytest.raises(UserError, match="the run left no block trace"):
+        older.blocks("touch-slow")
+
+
 def test_frames_are_those_of_python_can(results: Results, folder_of_results: Path) -> None:
     frames = results.frames("touch-slow")
     plain = list(can.LogReader(folder_of_results / "bus" / "touch-slow.blf"))

@@ -22,6 +22,7 @@ from axisrig.bench.plan.checks import Value, judge
 from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import worst
 from axisrig.bench.record.axes import AxisRecord, Contact, Edge, Latch, ProbeRecord
+from axisrig.bench.record.blocks import BlockTrace, ProgramLine, pack_rows
 from axisrig.bench.record.facts import Facts, Timing
 from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.bench.record.series import Series, SeriesWriter
@@ -107,6 +108,18 @@ def _write_series(path: Path, samples: int, seed: int) -> None:
     writer.close()
 
 
+def _blocks(contact_ns: int) -> BlockTrace:
+    """A program of a dozen blocks, the measurement run among them."""
+    lines = [ProgramLine("touch.nc", n, 10 * n, f"N{10 * n} G1 Z{140 - n} F600") for n in range(12)]
+    lines[5] = ProgramLine("touch.nc", 5, 50, "N50 G100 Z0 F600")
+    begin = np.arange(12) * 1.0 * MS
+    begin[6:] = contact_ns + 150 * MS + begin[6:]
+    end = np.append(begin[1:], begin[-1] + MS)
+    whole = [np.arange(12), np.arange(12) == 5, begin, begin, end, np.arange(12) == 5]
+    columns = np.array([*whole, np.full(12, 600.0), np.full(12, 1.0), np.full(12, 1.0)])
+    return BlockTrace(tuple(lines), ("feed", "measurement run"), 12, pack_rows(columns))
+
+
 def _facts(samples: int) -> Facts:
     """A touch at 60 % of the time."""
     contact = round(0.6 * (samples - 1)) * MS
@@ -123,6 +136,7 @@ def _facts(samples: int) -> Facts:
         axes={"Z": replace(_AXIS, latches=(Latch(contact + 4_000, 1),))},
         probes={"probe": ProbeRecord(True, 1.0, (Contact(contact, {"Z": _SURFACE_MM}),), edges)},
         runs=(run,),
+        blocks=_blocks(contact),
     )
 
 

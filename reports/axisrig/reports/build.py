@@ -33,6 +33,8 @@ from axisrig.bench.campaign.results.stored import (
 from axisrig.bench.files import write_parts
 from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.blocks.section import blocks_style
+from axisrig.reports.campaign_map.section import CampaignMap, map_style
 from axisrig.reports.coverage.section import Coverage, coverage_style
 from axisrig.reports.glossary import glossary
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
@@ -47,7 +49,9 @@ from axisrig.reports.run import (
     verdict_words,
 )
 from axisrig.reports.statistics.section import statistics_section, statistics_style
-from axisrig.reports.sweeps.section import sweeps_section, sweeps_style
+from axisrig.reports.sweeps.searches import search_pictures, searches_section
+from axisrig.reports.sweeps.section import sweeps, sweeps_section, sweeps_style
+from axisrig.reports.sweeps.sensitivity import sensitivity_section
 from axisrig.reports.topics import TOPICS
 
 WHOLE_BYTES = 10_000_000
@@ -75,7 +79,8 @@ def build_report(
     """
     path = results_dir / "report.html"
     results = read_results(results_dir)
-    pages = _Pages(Parts(findings, topics))
+    folder = str(results.manifest.get("output", ""))
+    pages = _Pages(Parts(findings, topics, lambda path: _relative(path, folder)))
     with TemporaryFile("w+", encoding="ascii", newline="") as store:
         made = _made(results, pages, store, is_full=is_full)
         head, tail = pages.page.render(_page(results, made, topics)).split(_STORE)
@@ -85,6 +90,10 @@ def build_report(
 
 
 _STORE = "<!-- packed runs -->"
+_STYLES = (
+    *(page_style, blocks_style, map_style),
+    *(statistics_style, sweeps_style, coverage_style),
+)
 
 
 class _Pages:
@@ -118,7 +127,7 @@ class _Made:
 
     rows: list[Markup] = field(default_factory=list)
     cards: list[tuple[Verdict, Markup]] = field(default_factory=list)
-    cells: list[Mapping[str, Any]] = field(default_factory=list)
+    campaign: CampaignMap = field(default_factory=CampaignMap)
     coverage: Coverage = field(default_factory=Coverage)
     seconds: dict[str, list[float]] = field(default_factory=lambda: {"sim": [], "real": []})
 
@@ -137,12 +146,14 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         made.coverage.add(run)
         view = run_view(run, columns, output, pages.parts, links(run), is_reduced=not is_whole)
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
-        view |= {"has_plans": has_plans, "probes": probe_rows(run, probes.get(run.run, ()))}
+        own = probes.get(run.run, ())
+        view |= {"has_plans": has_plans, "probes": probe_rows(run, own)}
+        view["searched"] = search_pictures(run, own) if view["probes"] else ""
         made.rows.append(Markup(pages.row.render(run=view)))
         if run.is_in_plan and not run.is_probe and not view["is_good"]:
             card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
             made.cards.append((run.verdict, card))
-        made.cells.append({name: view[name] for name in ("id", "case", "verdict")})
+        made.campaign.add(run)
         if not run.is_probe:  # its row has the time of its probes
             clock = "real" if view["clock"] == "ran" else "sim"
             made.seconds[clock].append(float(run.case["sim_s"]))
@@ -166,6 +177,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
     manifest, planned = results.manifest, results.planned
     verdicts = Counter(run.verdict for run in planned)
     cards = sorted(made.cards, key=lambda card: -card[0])
+    swept = sweeps(results)
     return {
         "view": {
             "plans": list(dict.fromkeys(run.case["plan"] for run in results.runs)),
@@ -180,15 +192,18 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "packages": manifest.get("packages", {}),
             "failed": len(made.cards),
             "cards": [card for _, card in cards if card],
-            "cells": made.cells,
             "rows": made.rows,
             "legends": [topic.legend for topic in topics if topic.legend],
             "glossary": glossary(),
         },
         "statistics": statistics_section(results),
-        "sweeps": sweeps_section(results),
+        "sweeps": searches_section(results)
+        + sweeps_section(results, swept)
+        + sensitivity_section(swept),
         "coverage": made.coverage.section(),
-        "style": page_style() + statistics_style() + sweeps_style() + coverage_style(),
+        "map": made.campaign.data(),
+        "map_script": Markup(shipped_text("campaign_map/map.js")),
+        "style": Markup("").join(style() for style in _STYLES),
         "scripts": plot_scripts(),
         "script": Markup(shipped_text("page.js")),
         "licences": licences(),
@@ -242,6 +257,11 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
 
 def _address(*parts: str) -> str:
     return quote(posixpath.join(*parts))
+
+
+def _relative(path: str, output: str) -> str:
+    """Return the address of a program as a recording names it, empty where it has none."""
+    return relative_address(path.replace("\\", "/"), output) if output else ""
 
 
 def relative_address(path: str, output: str) -> str:

@@ -5,19 +5,19 @@
   const table = document.querySelector(".verdicts");
   const stored = new Map();
   for (const node of document.querySelectorAll("script.stored")) stored.set(node.dataset.run, node);
-  const cells = new Map();
-  for (const node of document.querySelectorAll(".map .cell")) cells.set(node.dataset.run, node);
   const runs = [...table.tBodies].map((body, index) => ({
     id: body.dataset.run,
     body,
     index,
     verdict: body.dataset.verdict,
     find: body.dataset.find,
-    cell: cells.get(body.dataset.run),
     opened: null,
     plots: null,
   }));
   const byId = new Map(runs.map((run) => [run.id, run]));
+
+  const map = axisrigMap.make(document.querySelector(".map"),
+    JSON.parse(document.getElementById("map_data").textContent), (id) => show(byId.get(id)));
 
   /* ---- one run ---- */
 
@@ -85,12 +85,13 @@
     let shown = 0;
     for (const run of runs) {
       const fits = !unwanted.has(run.verdict) && words.every((word) => run.find.includes(word));
-      run.body.hidden = run.cell.hidden = !fits;
+      run.body.hidden = !fits;
       shown += fits;
     }
     document.getElementById("found").textContent =
       shown < runs.length ? `${shown} of ${runs.length}` : "";
     document.getElementById("nothing").hidden = shown > 0;
+    map.filter((id) => !byId.get(id).body.hidden);
   }
 
   function clearFilter() {
@@ -162,7 +163,7 @@
       open(run);
       openedToPrint.push(run);
     }
-    for (const run of runs) if (run.plots) axisrigPlots.redraw(run.plots);
+    repaint();
   }
 
   function afterPrint() {
@@ -173,6 +174,7 @@
   }
 
   const repaint = () => {
+    map.draw();
     for (const run of runs) if (run.plots) axisrigPlots.redraw(run.plots);
   };
 

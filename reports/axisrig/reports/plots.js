@@ -199,12 +199,14 @@ const axisrigPlots = (() => {
     const grid = { stroke: () => css("faint"), width: 1 };
     const ticks = { stroke: () => css("line"), width: 1, size: 4 };
     const font = "11px system-ui, sans-serif";
-    const binary = plot.plot === "probe", lane = plot.plot === "state";
+    const binary = plot.plot === "probe", blocks = plot.plot === "block";
+    const lane = plot.plot === "state" || blocks;
+    const draws = blocks ? axisrigBlocks.lane(state) : lane ? stateLane(state) : bands(state);
     const range = lane ? [0, 6] : binary ? [-0.15, 1.15] : chart.ranges?.[plot.plot]?.[state.axis];
     const sinceZero = (t) => t - state.zero.ms;
     return {
       width: figure.clientWidth,
-      height: plot.height + (place.first ? LANES * LANE_HEIGHT : 0) + (place.last ? 34 : 0),
+      height: plot.height * (blocks ? chart.blocks.lanes : 1) + (place.first ? LANES * LANE_HEIGHT : 0) + (place.last ? 34 : 0),
       padding: [place.first ? LANES * LANE_HEIGHT + 4 : 6, 14, place.last ? 0 : 4, 0],
       cursor: { sync: { key: state.key }, drag: { x: true, y: false }, y: false },
       scales: {
@@ -237,15 +239,19 @@ const axisrigPlots = (() => {
           auto: entry.style !== "stop",
           dash: entry.style === "set" ? [5, 3] : undefined,
           points: { show: false },
-          value: lane ? (u, value) => STATES[value] || "–" : legendValue(entry.unit),
+          value: blocks ? (u, value, i, at) => axisrigBlocks.at(state, u.data[0][at])?.[6] || "–"
+            : lane ? (u, value) => STATES[value] || "–" : legendValue(entry.unit),
           paths: lane ? () => null : binary ? uPlot.paths.stepped({ align: 1 }) : undefined,
         })),
       ],
       hooks: {
-        drawClear: lane ? [stateLane(state)] : [bands(state)],
+        drawClear: [axisrigBlocks.band(state), draws],
         draw: [limitLines(limits), eventLines(events, place.first)],
         setScale: [(u, key) => key === "x" && follow(state, u)],
-        ready: [(u) => place.first && u.root.querySelector(".u-series").classList.add("u-keep")],
+        ready: [(u) => {
+          if (place.first) u.root.querySelector(".u-series").classList.add("u-keep");
+          if (blocks) axisrigBlocks.click(state, u);
+        }],
       },
     };
   }
@@ -333,6 +339,7 @@ const axisrigPlots = (() => {
   function draw(figure, chart, packed, key) {
     const signals = decode(chart, packed);
     const times = signals.time_ms;
+    if (chart.blocks) signals.block = times.map(() => 0);
     const windows = chart.windows.map((w) =>
       Object.assign([w.start_ns / NS_PER_MS, w.end_ns / NS_PER_MS], {
         label: w.label,
@@ -345,6 +352,7 @@ const axisrigPlots = (() => {
       axis: chart.axis, view: first, zero: first.zero, key,
     };
     buildTools(state);
+    axisrigBlocks.connect(state, { zoom, redraw });
     render(state);
     const observer = new ResizeObserver(() => {
       const width = figure.clientWidth;
@@ -360,9 +368,10 @@ const axisrigPlots = (() => {
     return state;
   }
 
-  /* Draw again in the colours that now hold. */
+  /* Draw again in the colours that now hold. What was just made has no scales yet, and uPlot would
+     keep those that it does not have: so paths and scales stay as they are. */
   function redraw(state) {
-    for (const u of state.plots) u.redraw();
+    for (const u of state.plots) u.redraw(false);
   }
 
   return { unpack, draw, redraw };

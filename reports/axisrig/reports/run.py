@@ -21,6 +21,7 @@ from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_num
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
+from axisrig.reports.blocks.section import Address, blocks_lane, blocks_view
 from axisrig.reports.parts.bar import bar
 from axisrig.reports.parts.picture import picture
 from axisrig.reports.parts.realtime import real_time
@@ -41,10 +42,11 @@ _GOOD = (Verdict.PASS, Verdict.MARGINAL)
 
 @dataclass(frozen=True)
 class Parts:
-    """Who says what is shown of a run, and the topics that show it."""
+    """Who says what is shown of a run, the topics that show it, and where programs are."""
 
     findings: Findings
     topics: Sequence[ReportTopic]
+    address: Address
 
 
 def run_view(
@@ -79,6 +81,7 @@ def _view(
     trace = None if series is None else series.whole
     case, info = run.case, _info(run, series, parts.findings)
     _check_numbers(trace, run)
+    blocks, lane = _blocks(run, parts.address, is_reduced=is_reduced)
     alarms = [alarm_words(alarm) for alarm in info["alarms"]]
     told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
     sections = []
@@ -87,9 +90,9 @@ def _view(
             found = topic.sections(info, trace, run.run, told)
         sections.append({"template": f"{topic.name}/{SECTION}", "found": found})
     with readable(run, "trace"):
-        drawn = (
-            ({}, "") if trace is None else chart(trace, info, parts.topics, is_reduced=is_reduced)
-        )
+        drawn: tuple[dict[str, Any], str] = ({}, "")
+        if trace is not None:
+            drawn = chart(trace, info | {"lane": lane}, parts.topics, is_reduced=is_reduced)
         pictures = _pictures(run, trace, info, drawn[0], parts.topics)
     checks = [_check(row) for row in run.checks]
     commands = [["replay", output, run.recorded]] if run.file else []
@@ -122,6 +125,7 @@ def _view(
         "log": info.get("log", []),
         "sections": sections,
         "events": event_rows(info),
+        "blocks": blocks,
         "real_time": real_time(info.get("real_time")),
         "buses": [_bus(bus) for bus in info.get("bus", [])],
         "commands": [shlex.join(["axisrig", *words]) for words in commands],
@@ -130,6 +134,20 @@ def _view(
         "links": links,
         "find": _find_text(run, alarms, inputs),
     }
+
+
+def _blocks(
+    run: StoredRun, address: Address, *, is_reduced: bool
+) -> tuple[dict[str, Any] | None, dict[str, Any] | None]:
+    """The table of NC blocks and their lane."""
+    facts = run.recording.facts
+    trace = None if facts is None else facts.blocks
+    try:
+        lane = blocks_lane(trace, is_reduced=is_reduced)
+        return blocks_view(trace, address, is_reduced=is_reduced), lane
+    except UserError as error:
+        error.file = error.file or str(run.file)
+        raise
 
 
 def probe_rows(run: StoredRun, probes: Sequence[StoredRun]) -> list[dict[str, Any]]:

@@ -17,6 +17,8 @@ from axisrig.reports.topics import TOPICS
 
 SHARED = "*"
 """Stands for the axis where a signal belongs to every axis, such as a probe."""
+BLOCKS = "block"
+"""The plot of NC blocks, a lane that has no signal."""
 
 _UNKNOWN_DIGITS = 6
 _APART_NS = 500_000_000
@@ -63,7 +65,8 @@ def chart(
 ) -> tuple[dict[str, Any], str]:
     """Return what the page needs to draw a run: the description, and the packed signals.
 
-    content: its trace. info: what is shown of it (events, limits, a block for each topic).
+    content: its trace. info: what is shown of it (events, limits, a block for each topic, the lane
+    of NC blocks).
     is_reduced: keep smallest and largest values only (`parts.envelope`); `rows` of the description
     is then below `rows_recorded`. The description is empty when the trace is.
     """
@@ -72,6 +75,10 @@ def chart(
     content = with_signals(content, info, topics)
     added = [topic.plots(content, info) for topic in topics]
     series = _series(content.column_names)
+    lane = info.get("lane")
+    if lane:
+        entry = {"column": BLOCKS, "label": BLOCKS, "unit": "", "style": "state"}
+        series[BLOCKS] = {SHARED: [entry]}
     axes = sorted({axis for plot in series.values() for axis in plot if axis != SHARED})
     time_ns = values_of(content.column("time_ns"))
     events = info.get("events", [])
@@ -86,6 +93,8 @@ def chart(
         ],
         "windows": _windows(events, added, int(time_ns[0]), int(time_ns[-1])),
     }
+    if lane:
+        description["blocks"] = lane
     for plots in added:
         description |= plots.more
     kept = content

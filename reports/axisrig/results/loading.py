@@ -21,6 +21,7 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import events
 from axisrig.bench.plan.assignment import find_form, parse_column
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.bench.record.blocks import STATES, block_kinds, held_ns
 from axisrig.bench.record.series import Series
 from axisrig.bench.tools.bus_log.bus_log import logs_of, messages_of
 from axisrig.kernel.errors import UserError, nearest
@@ -105,6 +106,46 @@ class Results:
         table = pd.DataFrame(rows, columns=["time_ns", "kind", "axis", "text"])
         table.attrs["units"] = {"time_ns": "ns"}
         return table.astype({"time_ns": "int64"})
+
+    def blocks(self, run: str) -> pd.DataFrame:
+        """The block trace of a run: a row for each command of an NC block, in order of begin.
+
+        `file`, `line`, `number` and `text` are of the program; `due_ns`, `begin_ns` and `end_ns` of
+        the set position; `waited_ns` and `held_ns`: before the begin, and in a feedhold since then;
+        `kind`, `group` and `state` are words (docs/recording.md). Raises as `signals`, also for a
+        recording of an older version, which has none.
+        """
+        facts = self._run(run).recording.facts
+        if facts is None or facts.blocks is None:
+            raise UserError("the run left no block trace", file=self.folder, value=run)
+        trace = facts.blocks
+        rows, kinds = trace.rows(), block_kinds()
+        lines = [trace.lines[place] for place in rows.line]
+        words = [trace.kinds[place] for place in rows.kind]
+        spans = zip(rows.begin_ns.tolist(), rows.end_ns.tolist(), strict=True)
+        columns = {
+            "file": [line.file for line in lines],
+            "line": [line.line for line in lines],
+            "number": pd.array([line.number for line in lines], dtype="Int64"),
+            "text": [line.text for line in lines],
+            "kind": words,
+            "group": [kinds[word]["group"] if word in kinds else "other" for word in words],
+            "due_ns": rows.due_ns,
+            "begin_ns": rows.begin_ns,
+            "end_ns": rows.end_ns,
+            "waited_ns": rows.begin_ns - rows.due_ns,
+            "held_ns": [held_ns(trace.holds, begin, end) for begin, end in spans],
+            "feed_mm_min": rows.feed_mm_min,
+            "path_mm": rows.path_mm,
+            "travelled_mm": rows.travelled_mm,
+            "state": [STATES[place] for place in rows.state],
+        }
+        table = pd.DataFrame(columns)
+        table.attrs["units"] = {
+            **dict.fromkeys((name for name in columns if name.endswith("_ns")), "ns"),
+            **{"feed_mm_min": "mm/min", "path_mm": "mm", "travelled_mm": "mm"},
+        }
+        return table.astype({"held_ns": "int64"})
 
     def frames(self, run: str) -> pd.DataFrame:
         """Every frame of a run: `time_ns`, `segment`, `id`, `data` (hex) and what kind it is.

@@ -70,6 +70,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         distance={name: _distance(machine, name) for name in channel.distance.axes},
         channel=dict(settings.channel.items()),
         runs=tuple(_run(machine, record) for record in channel.records),
+        blocks=machine.blocks.trace(),
         alarms=tuple(_alarms(machine)),
         messages=tuple(
             MessageRecord(message.block.number, message.values, message.shown)

@@ -26,6 +26,7 @@ from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.machine.plc.sensors import PlcSensors
 from axisrig.bench.machine.plc.side import PlcSide
+from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
@@ -229,6 +230,7 @@ class Machine:
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
         self.distance_log = DistanceLog()
+        self.blocks = self.channel.execution.watch = BlockLog(self.scheduler, self.channel)
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]

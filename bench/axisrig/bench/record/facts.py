@@ -20,6 +20,7 @@ from axisrig.bench.record.axes import (
     ProbeRecord,
     Value,
 )
+from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
@@ -27,8 +28,10 @@ from axisrig.bench.record.measuring import MeasurementRun
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
-VERSION: Final = 1
+VERSION: Final = 2
 """Counts up with every change after which an older version cannot read what is written."""
+READABLE: Final = (1, 2)
+"""Versions that are read. 1 has no `blocks`."""
 
 _AGAIN = "run the case again with this version"
 
@@ -116,7 +119,7 @@ class Facts(Frozen):
     start_ns: first enabled cycle, None when the drives were never enabled. end_ns: end of the
     period in which the program ended. sim_ns: simulated time. is_stopped: by the operator.
     axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes.
-    fine_ns: step in which the plants keep their motion.
+    fine_ns: step in which the plants keep their motion. blocks: None in recordings of version 1.
     """
 
     timing: Timing
@@ -134,6 +137,7 @@ class Facts(Frozen):
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()
+    blocks: BlockTrace | None = None
     alarms: tuple[AlarmRecord, ...] = ()
     messages: tuple[MessageRecord, ...] = ()
     plc: tuple[PlcNote, ...] = ()
@@ -148,7 +152,7 @@ class Facts(Frozen):
 class RunFile(Frozen):
     """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
 
-    version: Literal[1]
+    version: Literal[1, 2]
     facts: Facts | None = None
     error: str | None = None
     log: tuple[str, ...] = ()
@@ -176,9 +180,9 @@ def read_run(path: Path) -> RunFile:
         return _adapter().validate_json(content)
     except ValidationError as error:
         version = _version_of(content)
-        if version != VERSION:
+        if version not in READABLE:
             raise UserError(
-                "a recording of another version", file=path, value=version, allowed=[VERSION],
+                "a recording of another version", file=path, value=version, allowed=list(READABLE),
                 hint=_AGAIN,
             ) from error  # fmt: skip
         first = error.errors(include_url=False, include_input=False)[0]

@@ -223,3 +223,88 @@ def line(x: Sample, y: Sample) -> Line:
         s,
         0.0 if total == 0.0 else 1.0 - left / total,
     )
+
+
+@dataclass(frozen=True)
+class Effect:
+    """How far a setting moves a value, the other settings held.
+
+    change: of the value from the setting `low` to the setting `high`, unit of the value; of numbers
+    these are the smallest and the largest one, of words those with the lowest and highest value.
+    r_squared: share of the variance of the value that all settings of the fit take up together.
+    """
+
+    change: Estimate
+    low: float | str
+    high: float | str
+    r_squared: float
+
+
+def effects(
+    values: Sample, settings: Sequence[Sequence[float] | Sequence[str]]
+) -> tuple[Effect, ...]:
+    """Return the effect of each setting by least squares over all of them together.
+
+    y = b_0 + sum b_j x_j for numbers, and a constant for each word; bounds by t with n - p degrees
+    of freedom, p constants. The bounds of words hold for two words chosen beforehand. settings:
+    samples of shape (n,). Source: NIST/SEMATECH e-Handbook, 4.1.4.1, and StRD, linear regression.
+    Raises UserError where n is not above p, for a setting that does not vary, and for settings that
+    depend on each other.
+    """
+    target = numbers(values, 2)
+    n = len(target)
+    parts: list[Numbers] = [np.ones((n, 1))]
+    for setting in settings:
+        if len(setting) != n:
+            raise UserError("each value needs one of each setting", value=n)
+        parts.append(_design(setting))
+    design = np.hstack(parts)
+    places = np.cumsum([0, *(part.shape[1] for part in parts)]).tolist()
+    p = design.shape[1]
+    if n <= p:
+        raise UserError("too few values for these settings", value=n, allowed=f"{p + 1} or more")
+    if int(np.linalg.matrix_rank(design)) < p:
+        raise UserError("the settings depend on each other")
+    solved: Numbers = np.linalg.lstsq(design, target, rcond=None)[0].astype(np.float64)
+    rest = target - design @ solved
+    away = target - np.mean(target)
+    total = float(away @ away)
+    r_squared = 0.0 if total == 0.0 else max(1.0 - float(rest @ rest) / total, 0.0)
+    spread_of = np.linalg.pinv(design) * (float(rest @ rest) / (n - p)) ** 0.5
+    t = t_quantile(n - p)
+    found = []
+    for setting, begin, end in zip(settings, places[1:], places[2:], strict=False):
+        low, high, weights = _contrast(setting, solved[begin:end])
+        change = float(weights @ solved[begin:end])
+        bound = t * float(np.linalg.norm(weights @ spread_of[begin:end]))
+        found.append(
+            Effect(Estimate(change, change - bound, change + bound, n), low, high, r_squared)
+        )
+    return tuple(found)
+
+
+def _design(setting: Sequence[float] | Sequence[str]) -> Numbers:
+    """Return the columns of a setting: numbers from 0 to 1, or one for each word but the first."""
+    words = list(dict.fromkeys(setting))
+    if len(words) < 2:
+        raise UserError("a setting does not vary", value=words[0] if words else None)
+    if isinstance(words[0], str):
+        return np.array([[float(one == word) for word in words[1:]] for one in setting])
+    scaled = numbers([float(one) for one in setting], 2)
+    least, most = float(np.min(scaled)), float(np.max(scaled))
+    return ((scaled - least) / (most - least))[:, np.newaxis]
+
+
+def _contrast(
+    setting: Sequence[float] | Sequence[str], solved: Numbers
+) -> tuple[float | str, float | str, Numbers]:
+    """Return two settings, and the weights of the coefficients that give the change between."""
+    words: list[float | str] = list(dict.fromkeys(setting))
+    if not isinstance(words[0], str):
+        return min(words), max(words), np.ones(1)
+    heights = np.concatenate([[0.0], solved])
+    low, high = int(np.argmin(heights)), int(np.argmax(heights))
+    weights = np.zeros(len(words))
+    weights[high] += 1.0
+    weights[low] -= 1.0
+    return words[low], words[high], weights[1:]

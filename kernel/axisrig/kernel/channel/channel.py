@@ -14,7 +14,7 @@ from axisrig.kernel.channel.control_units import ControlUnits
 from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.distance_controls import DistanceControls
-from axisrig.kernel.channel.path.execution import Execution
+from axisrig.kernel.channel.path.execution import BlockEnd, Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.monitor import Monitor, PowerUp
 from axisrig.kernel.channel.path.path import Path
@@ -302,6 +302,7 @@ class Channel(ChannelView):
 
     def _stand_behind_alarm(self) -> None:
         """Go into ERROR for a PLC side that may reset, else end."""
+        self.execution.close(BlockEnd.STOPPED)
         self.distance.end_by_error()
         if self.plc.outlives_program:
             self.state = ChannelState.ERROR

@@ -27,9 +27,12 @@ def page_style() -> Markup:
 def plot_scripts() -> Markup:
     """Return what goes into an element `script` before the script of a page that draws plots.
 
-    uPlot, the inflate of pako, and `plots.js`, which gives `axisrigPlots`.
+    uPlot, the inflate of pako, the lane of NC blocks, and `plots.js`, which gives `axisrigPlots`.
     """
-    names = ("vendor/uplot/uPlot.iife.min.js", "vendor/pako/pako_inflate.min.js", "plots.js")
+    names = (
+        *("vendor/uplot/uPlot.iife.min.js", "vendor/pako/pako_inflate.min.js"),
+        *("blocks/lane.js", "plots.js"),
+    )
     return Markup("\n".join(shipped_text(name) for name in names))
 
 

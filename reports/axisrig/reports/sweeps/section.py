@@ -1,39 +1,28 @@
-"""The section of sweeps: metrics of a case over the one or two inputs that its runs differ in."""
+"""The section of sweeps: metrics of a case over the inputs that its runs differ in.
 
-import math
+One input is a picture, two are a grid, more have a picture for each, with the others as points.
+"""
+
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from importlib import resources
-from itertools import pairwise
 
 from markupsafe import Markup
 
 from axisrig.bench.campaign.results.stored import StoredResults, StoredRun
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_column
 from axisrig.bench.plan.verdict import Verdict
+from axisrig.reports.sweeps.drawing import DOTS_MAX, Sample, drawing, number
 
 PICTURES_MAX, CELLS_MAX, RUNS_MIN = 12, 400, 3
-WIDTH, HEIGHT = 420, 180
-_LEFT, _RIGHT, _TOP, _BOTTOM = 8.0, 8.0, 18.0, 18.0
-_ROOM = 0.06
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A metric in one run. at: values of the swept columns. u: its uncertainty."""
-
-    run: str
-    at: tuple[str, ...]
-    value: float
-    u: float
-    limits: tuple[float | None, float | None]
-    verdict: Verdict
+_IN_ALL = 48
+"""Pictures of single inputs that the section has at most, of all metrics together."""
 
 
 @dataclass(frozen=True)
 class Sweep:
-    """A metric of a case over its swept columns, one or two."""
+    """A metric of a case over its swept columns."""
 
     case: str
     metric: str
@@ -46,47 +35,58 @@ class Sweep:
         """The worst verdict of the metric."""
         return max(sample.verdict for sample in self.samples)
 
+    @property
+    def is_grid(self) -> bool:
+        """Whether it is drawn as a grid."""
+        return len(self.columns) == 2 and len(self.samples) <= CELLS_MAX
+
+    @property
+    def pictures(self) -> int:
+        """How many pictures it takes."""
+        return 1 if self.is_grid else len(self.columns)
+
 
 def sweeps_style() -> Markup:
     """Return the rules of the section, for the element `style` of a page."""
     return Markup(resources.files(__package__).joinpath("style.css").read_text(encoding="utf-8"))
 
 
-def sweeps_section(results: StoredResults) -> Markup:
-    """Write the section of a results folder, empty where no case has runs that differ in inputs."""
-    found, notes = sweeps(results)
-    found.sort(key=lambda sweep: -sweep.worst)
-    blocks = [_block(sweep) for sweep in found[:PICTURES_MAX]]
-    if len(found) > PICTURES_MAX:
-        notes.append(f"{len(found) - PICTURES_MAX} more metrics over swept inputs are not drawn")
-    if not blocks and not notes:
+def sweeps_section(results: StoredResults, found: Sequence[Sweep] | None = None) -> Markup:
+    """Write the section of a results folder, empty where no case has runs that differ in inputs.
+
+    found: its sweeps, where they are known.
+    """
+    ranked = sorted(sweeps(results) if found is None else found, key=lambda sweep: -sweep.worst)
+    drawn, pictures = 0, 0
+    for sweep in ranked[:PICTURES_MAX]:
+        pictures += sweep.pictures
+        if drawn and pictures > _IN_ALL:
+            break
+        drawn += 1
+    if not ranked:
         return Markup("")
-    said = "".join(f'<p class="note">{escape(note)}.</p>' for note in notes)
+    blocks = "".join(_block(sweep) for sweep in ranked[:drawn])
+    if drawn < len(ranked):
+        more = f"{len(ranked) - drawn} more metrics over swept inputs are not drawn"
+        blocks += f'<p class="note">{more}.</p>'
     return Markup(
         '<section class="sweeps" aria-labelledby="sweeps_title"><h2 id="sweeps_title">Sweeps</h2>'
-        f"{''.join(blocks)}{said}</section>"
+        f"{blocks}</section>"
     )
 
 
-def sweeps(results: StoredResults) -> tuple[list[Sweep], list[str]]:
-    """Return what can be drawn, and notes on what cannot: cases that sweep more than two inputs."""
+def sweeps(results: StoredResults) -> list[Sweep]:
+    """Return each metric of each case whose runs differ in inputs, three runs at least."""
     cases: dict[tuple[str, str], list[StoredRun]] = {}
     for run in results.planned:
         if not run.is_statistic:
             cases.setdefault((run.case["plan"], run.case["case"]), []).append(run)
-    found, notes = [], []
+    found = []
     for (plan, case), runs in cases.items():
         columns = _swept(runs)
-        if not case or len(runs) < RUNS_MIN or not columns:
-            continue
-        name = f"{plan}-{case}"
-        if len(columns) > 2:
-            notes.append(f"{name} sweeps {len(columns)} inputs: {', '.join(columns)}")
-        elif len(columns) == 2 and len(runs) > CELLS_MAX:
-            notes.append(f"{name} has {len(runs)} runs, a grid has {CELLS_MAX} at most")
-        else:
-            found += _of_case(name, runs, columns)
-    return found, notes
+        if case and len(runs) >= RUNS_MIN and columns:
+            found += _of_case(f"{plan}-{case}", runs, columns)
+    return found
 
 
 def _swept(runs: Sequence[StoredRun]) -> tuple[str, ...]:
@@ -99,21 +99,9 @@ def _of_case(name: str, runs: Sequence[StoredRun], columns: tuple[str, ...]) -> 
     units: dict[str, str] = {}
     for run in runs:
         at = tuple(run.case.get(column, "") for column in columns)
-        for row in run.checks:
-            value = _number(row["value"])
-            if value is None or row["metric"] == "alarms":
-                continue
-            units[row["metric"]] = row["unit"]
-            samples.setdefault(row["metric"], []).append(
-                Sample(
-                    run.run,
-                    at,
-                    value,
-                    _number(row["uncertainty"]) or 0.0,
-                    (_number(row["lower"]), _number(row["upper"])),
-                    Verdict.of(row["verdict"]),
-                )
-            )
+        for metric, unit, sample in samples_of(run, at):
+            units[metric] = unit
+            samples.setdefault(metric, []).append(sample)
     return [
         Sweep(name, metric, units[metric], columns, tuple(of_metric))
         for metric, of_metric in samples.items()
@@ -122,100 +110,53 @@ def _of_case(name: str, runs: Sequence[StoredRun], columns: tuple[str, ...]) -> 
     ]
 
 
-def _number(text: str) -> float | None:
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
+def samples_of(run: StoredRun, at: tuple[str, ...]) -> list[tuple[str, str, Sample]]:
+    """Return each metric of a run that is a number: its name, its unit, and the sample."""
+    found = []
+    for row in run.checks:
+        value = number(row["value"])
+        if value is None or row["metric"] == "alarms":
+            continue
+        limits = (number(row["lower"]), number(row["upper"]))
+        u, verdict = number(row["uncertainty"]) or 0.0, Verdict.of(row["verdict"])
+        sample = Sample(run.run, at, value, u, limits, verdict)
+        found.append((row["metric"], row["unit"], sample))
+    return found
 
 
 def _block(sweep: Sweep) -> str:
     words = f"{sweep.metric}, {sweep.unit}" if sweep.unit else sweep.metric
-    over = " and ".join(_with_unit(column) for column in sweep.columns)
-    body = drawing(sweep) if len(sweep.columns) == 1 else _grid(sweep)
-    return (
-        f"<figure><figcaption><b>{escape(sweep.case)}</b>: {escape(words)} over {escape(over)}"
-        f"</figcaption>{body}</figure>"
-    )
+    head = f"<b>{escape(sweep.case)}</b>: {escape(words)} over "
+    if sweep.is_grid:
+        over = " and ".join(with_unit(column) for column in sweep.columns)
+        return f"<figure><figcaption>{head}{escape(over)}</figcaption>{_grid(sweep)}</figure>"
+    several = len(sweep.columns) > 1
+    samples = _with_common_limits(sweep.samples) if several else sweep.samples
+    count = len(samples)
+    said = f", {DOTS_MAX} of {count} runs drawn" if count > DOTS_MAX else ""
+    figures = []
+    for place, column in enumerate(sweep.columns):
+        title = f"{sweep.metric} over {column}"
+        picture = drawing(samples, title, sweep.unit, place)
+        caption = f"{head}{escape(with_unit(column) + said)}"
+        if several and place:
+            caption = f"over {escape(with_unit(column))}"
+        figures.append(f"<figure><figcaption>{caption}</figcaption>{picture}</figure>")
+    row = "".join(figures)
+    return f'<div class="sw-row">{row}</div>' if several else row
 
 
-def _with_unit(column: str) -> str:
+def _with_common_limits(samples: Sequence[Sample]) -> list[Sample]:
+    """Keep the limits that all samples have: others go with inputs that the picture hides."""
+    common = [known.pop() if len(known := {s.limits[side] for s in samples}) == 1 else None
+              for side in (0, 1)]  # fmt: skip
+    return [replace(sample, limits=(common[0], common[1])) for sample in samples]
+
+
+def with_unit(column: str) -> str:
+    """Return the name of an input column with its unit."""
     unit = parse_column(column, "0").unit.replace("_", "/")
     return f"{column} in {unit}" if unit else column
-
-
-# ---- one input
-
-
-def drawing(sweep: Sweep) -> str:
-    """Draw a metric over one input: values with uncertainty and verdict, limits that go with them.
-
-    An input that is no number has its values side by side, in their order.
-    """
-    texts = list(dict.fromkeys(sample.at[0] for sample in sweep.samples))
-    numbers = {text: _number(text) for text in texts}
-    is_number = all(number is not None for number in numbers.values())
-    places = {
-        text: (numbers[text] or 0.0) if is_number else float(at) for at, text in enumerate(texts)
-    }
-    samples = sorted(sweep.samples, key=lambda sample: places[sample.at[0]])
-    ends = [s.value + sign * s.u for s in samples for sign in (-1, 1)]
-    ends += [limit for s in samples for limit in s.limits if limit is not None]
-    low, high = min(ends), max(ends)
-    room = _ROOM * (high - low) or max(abs(high) * 1e-3, 1e-9)
-    low, high = low - room, high + room
-    first, last = min(places.values()), max(places.values())
-
-    def x(text: str) -> float:
-        share = (places[text] - first) / (last - first)
-        return _LEFT + 10 + share * (WIDTH - _LEFT - _RIGHT - 20)
-
-    def y(value: float) -> float:
-        return _TOP + (high - value) / (high - low) * (HEIGHT - _TOP - _BOTTOM)
-
-    title = escape(f"{sweep.metric} over {sweep.columns[0]}", quote=True)
-    parts = [
-        f'<svg class="sw" viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{title}">',
-        f'<text x="{_LEFT:g}" y="12">{min(ends):.6g} to {max(ends):.6g}'
-        f"{escape(f' {sweep.unit}' if sweep.unit else '')}</text>",
-        f'<rect class="sw-field" x="{_LEFT:g}" y="{_TOP:g}" width="{WIDTH - _LEFT - _RIGHT:g}"'
-        f' height="{HEIGHT - _TOP - _BOTTOM:g}"/>',
-    ]
-    for side in (0, 1):
-        for one, other in pairwise(samples):
-            heights = (one.limits[side], other.limits[side])
-            if heights[0] is not None and heights[1] is not None:
-                parts.append(
-                    f'<line class="sw-limit" x1="{x(one.at[0]):.1f}" y1="{y(heights[0]):.1f}"'
-                    f' x2="{x(other.at[0]):.1f}" y2="{y(heights[1]):.1f}"/>'
-                )
-    parts += [_dot(sample, x(sample.at[0]), y) for sample in samples]
-    foot = HEIGHT - 4
-    parts += [
-        f'<text x="{_LEFT:g}" y="{foot}">{escape(samples[0].at[0] or "empty")}</text>',
-        f'<text x="{WIDTH - _RIGHT:g}" y="{foot}" text-anchor="end">'
-        f"{escape(samples[-1].at[0] or 'empty')}</text>",
-        "</svg>",
-    ]
-    return "".join(parts)
-
-
-def _dot(sample: Sample, x: float, y: object) -> str:
-    assert callable(y)
-    verdict, height = sample.verdict, y(sample.value)
-    bar = ""
-    if sample.u:
-        bar = (
-            f'<line class="sw-u" x1="{x:.1f}" x2="{x:.1f}" y1="{y(sample.value - sample.u):.1f}"'
-            f' y2="{y(sample.value + sample.u):.1f}"/>'
-        )
-    title = f"{sample.run}: {sample.value:.7g} at {sample.at[0]}, {verdict.word}"
-    if verdict <= Verdict.MARGINAL:
-        sign = f'<circle cx="{x:.1f}" cy="{height:.1f}" r="3.2"/>'
-    else:  # colour is never the only carrier
-        sign = f'<path d="M{x - 4:.1f},{height - 4:.1f}l8,8m0,-8l-8,8"/>'
-    return f'{bar}<g class="sw-{verdict.word}"><title>{escape(title)}</title>{sign}</g>'
 
 
 # ---- two inputs

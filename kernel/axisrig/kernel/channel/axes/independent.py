@@ -22,7 +22,7 @@ from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.timed import speed_for
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.measuring_types import measuring_types
-from axisrig.kernel.time.clock import Clock
+from axisrig.kernel.time.clock import Clock, TimeNs
 
 # What the run of an axis reports by these is one documented alarm for independent axes
 NOT_ARMED, SWITCHED_OFF, NOT_INITIALISED = 900002, 900082, 50664
@@ -79,6 +79,7 @@ class IndependentAxes:
     """Begins, leads and ends the independent motions of a channel; links: by axis.
 
     override_permille: gives what the PLC side makes of the feed of an axis, in 0.1 %; 0 holds it.
+    ended: every motion that has come to its end, with its cycle.
     """
 
     def __init__(
@@ -94,6 +95,7 @@ class IndependentAxes:
         self._measurement, self._links = measurement, links
         self._override_permille = override_permille
         self._movers: dict[str, Mover] = {}
+        self.ended: list[tuple[TimeNs, canon.IndependentMove]] = []
 
     @property
     def is_moving(self) -> bool:
@@ -242,7 +244,8 @@ class IndependentAxes:
                 mover.interpolator.brake(mover.dynamics.stop_deceleration)
 
     def _end(self, axis: str) -> None:
-        del self._movers[axis]
+        mover = self._movers.pop(axis)
+        self.ended.append((self._clock.now_ns, mover.command))
         self._path.release(axis)
 
     def has_stopped(self, mover: Mover) -> bool:

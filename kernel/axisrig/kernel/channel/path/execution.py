@@ -7,6 +7,7 @@ begins until it is not.
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from enum import Enum
 from typing import Any
 
 from axisrig.kernel.channel.path.lookahead import Lookahead
@@ -22,6 +23,27 @@ def at_once() -> bool:
     return True
 
 
+class BlockEnd(Enum):
+    """How a command came to its end: carried out, by an alarm, or by a reset of the PLC side."""
+
+    DONE = "done"
+    STOPPED = "stopped"
+    RESET = "reset"
+
+
+class BlockWatch:
+    """Notes when commands begin and end, and changes nothing; this one keeps nothing."""
+
+    def waits(self, command: canon.Command) -> None:
+        """Note a command that is the next one and may not begin yet; called once for each."""
+
+    def begins(self, command: canon.Command) -> None:
+        """Note a command that begins in this cycle."""
+
+    def ends(self, how: BlockEnd) -> None:
+        """Note that nothing of the last command keeps the next one waiting from this cycle on."""
+
+
 @dataclass(frozen=True)
 class _Step:
     ready: Ready
@@ -33,6 +55,7 @@ class Execution:
     """The queue of a channel and who carries out what.
 
     block: the block under execution, for the place of an alarm. begun: the last command begun.
+    watch: notes what begins and ends.
     """
 
     def __init__(self, put_out: Callable[[canon.Message], None]) -> None:
@@ -42,6 +65,9 @@ class Execution:
         self._queue: Lookahead | None = None
         self.block: canon.Block | None = None
         self.begun: canon.Command | None = None
+        self.watch = BlockWatch()
+        self._awaited: canon.Command | None = None
+        self._is_under_way = False
         self.register(canon.Message, put_out, is_block=False)
 
     def register(
@@ -65,7 +91,14 @@ class Execution:
 
     def drop(self) -> None:
         """Forget the program: nothing of it is carried out any more."""
+        self.close(BlockEnd.RESET)
         self._queue = self.block = self.begun = None
+
+    def close(self, how: BlockEnd) -> None:
+        """Report the end of the command under way, or of the one that has not begun."""
+        if self._is_under_way or self._awaited is not None:
+            self._is_under_way, self._awaited = False, None
+            self.watch.ends(how)
 
     @property
     def failed(self) -> Alarm | None:
@@ -89,17 +122,24 @@ class Execution:
         assert self._queue is not None
         self._queue.begin_cycle()
         while not self.is_busy():
+            if self._is_under_way:
+                self.close(BlockEnd.DONE)
             self._queue.refill()
             if self._queue.is_empty:
                 return
             command = self._queue.head
             step = self._steps[type(command)]
             if not step.ready():
+                if self._awaited is not command:
+                    self._awaited = command
+                    self.watch.waits(command)
                 return
             if step.is_block:
                 self.block = command.block
-            self.begun = command
+            self.begun, self._awaited, self._is_under_way = command, None, True
+            self.watch.begins(command)
             step.begin(command)
             self._queue.pop()
             if isinstance(command, canon.EndOfProgram):
+                self.close(BlockEnd.DONE)
                 return

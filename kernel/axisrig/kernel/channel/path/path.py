@@ -16,7 +16,7 @@ from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_
 from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from axisrig.kernel.motion.ramp import Ramp
-from axisrig.kernel.time.clock import Clock, S
+from axisrig.kernel.time.clock import Clock, S, TimeNs
 
 
 class Path:
@@ -25,6 +25,7 @@ class Path:
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
     programmed: what the program chooses of the dynamics.
+    holds: cycles in which a feedhold came (True) or went (False).
     """
 
     def __init__(
@@ -53,6 +54,7 @@ class Path:
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
         self._wants_hold = False
+        self.holds: list[tuple[TimeNs, bool]] = []
         self._recent = deque([self.interpolator.positions_mm] * 3, maxlen=3)
 
     def position_acs_mm(self, axis: str) -> float:
@@ -237,6 +239,7 @@ class Path:
         self._settling.restart()
         if self._held_axes:
             self.interpolator.is_held = self._wants_hold or self._moves_held_axis(curve)
+            self._note_hold()
         self.interpolator.follow(curve, profile)
 
     def brake(self) -> None:
@@ -275,6 +278,12 @@ class Path:
             is_on = is_on or (self.is_moving and self._moves_held_axis(self.interpolator.path))
         if is_on != self.interpolator.is_held:
             self._lead(is_held=is_on)
+            self._note_hold()
+
+    def _note_hold(self) -> None:
+        is_held = self.interpolator.is_held
+        if is_held != (bool(self.holds) and self.holds[-1][1]):
+            self.holds.append((self._clock.now_ns, is_held))
 
     def _moves_held_axis(self, curve: Curve) -> bool:
         return not self._held_axes.isdisjoint(moved_axes(curve))

@@ -1,0 +1,142 @@
+"""NC blocks of a run in the report: rows of the table, the lane, addresses, long programs."""
+
+import json
+import shutil
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from tests.recordings import MS, Step, block_trace
+from tests.reports.pages import opened
+
+from axisrig.kernel.errors import UserError
+from axisrig.reports.blocks.section import (
+    LANE_MAX,
+    REDUCED_TABLE_MAX,
+    TABLE_MAX,
+    blocks_lane,
+    blocks_view,
+)
+from axisrig.reports.build import build_report
+
+STEPS = (
+    Step("N10 M3", "function", 10, 10, 20),
+    Step("N10 M3", "feed", 20, 20, 120, feed_mm_min=600.0, path_mm=1.0, travelled_mm=1.0),
+    Step(
+        "N20 G100 Z0 F600", "measurement run", 120, 150, 400, "no signal", 600.0, 5.0, 2.5, line=7
+    ),
+    Step("X[INDP_ASYN]", "independent move", 400, 400, 900, line=9, file="sub.nc"),
+    Step("N30 G60", "exact stop", 400, 400, 400, "not begun", line=8),
+)
+
+
+def nowhere(_path: str) -> str:
+    return ""
+
+
+def test_a_row_says_when_and_how_it_ended() -> None:
+    view = blocks_view(block_trace(STEPS, [(160 * MS, 260 * MS)]), nowhere, is_reduced=False)
+    assert view is not None
+    function, feed, run, beside, stop = view["rows"]
+    assert (function["lasts"], function["group"], function["feed"]) == ("10.000", "wait", "")
+    assert (feed["feed"], feed["way"], feed["state"]) == ("600", "1", "done")
+    assert (run["begin"], run["lasts"], run["waited"]) == ("150.000", "250.000", "30.000")
+    assert (run["held"], run["way"], run["where"]) == ("100.000", "2.5 of 5", "probe.nc:7")
+    assert [row["is_ordinary"] for row in view["rows"]] == [True, True, False, True, False]
+    assert (beside["where"], beside["text"]) == ("sub.nc:9", "X[INDP_ASYN]")
+    assert (stop["state"], stop["lasts"]) == ("not begun", "")
+    # 10 ms of the function and 30 ms before the run; the axis beside the path keeps nobody waiting
+    assert view["words"] == "5 commands in 0.890 s, of it 0.040 s waiting, feedhold 0.100 s"
+
+
+def test_a_block_leads_to_its_line() -> None:
+    trace = block_trace([Step("N20 G1 X-1,5", "feed", 0, 0, 9, line=7)])
+    view = blocks_view(trace, lambda path: f"../{path}", is_reduced=True)
+    assert view is not None
+    address = view["rows"][0]["address"]
+    assert address == "../programs/probe.nc#:~:text=N20%20G1%20X%2D1%2C5"
+
+
+def test_axes_beside_the_path_have_a_lane_of_their_own() -> None:
+    lane = blocks_lane(block_trace(STEPS), is_reduced=False)
+    assert lane is not None
+    assert lane["lanes"] == 2
+    assert [row[5] for row in lane["rows"]] == [0, 0, 0, 1, 0]
+    assert lane["rows"][2] == [
+        *(2, 120 * MS, 150 * MS, 400 * MS),
+        *("measuring", 0, "N20 G100 Z0 F600"),
+    ]
+    assert lane["rows"][3][6] == "9: X[INDP_ASYN]"
+
+
+def test_a_long_loop_is_shortened_and_says_so() -> None:
+    count = 5000
+    steps = [Step("N10 G1 Z1", "feed", 10 * n, 10 * n, 10 * n + 10) for n in range(count)]
+    steps[2500] = Step("N20 G4 X9", "dwell", 25_000, 25_000, 25_010.5, line=2)
+    trace = block_trace(steps)
+    for is_reduced, most in ((False, TABLE_MAX), (True, REDUCED_TABLE_MAX)):
+        view = blocks_view(trace, nowhere, is_reduced=is_reduced)
+        assert view is not None
+        assert [row["at"] for row in view["rows"]] == [
+            *range(most // 2),
+            *range(count - most // 2, count),
+        ]
+        assert view["left_out"] == count - most
+        (again,) = view["again"]
+        assert (again["text"], again["count"], again["lasts"]) == ("N10 G1 Z1", 4999, "49990.000")
+
+
+def test_the_lane_of_a_long_loop_is_without_gaps() -> None:
+    """Short neighbours are one stretch, a long command stays by itself."""
+    steps = [Step("N10 G1 Z1", "feed", 10 * n, 10 * n, 10 * n + 10) for n in range(5000)]
+    steps.insert(2500, Step("N20 G4 X9", "dwell", 25_000, 25_000, 34_000, line=2))
+    steps[2501:] = [replace(s, due_ms=s.due_ms + 9000, begin_ms=s.begin_ms + 9000,
+                            end_ms=s.end_ms + 9000) for s in steps[2501:]]  # fmt: skip
+    lane = blocks_lane(block_trace(steps), is_reduced=False)
+    assert lane is not None
+    assert len(lane["rows"]) < LANE_MAX
+    ends = [(row[1], row[3]) for row in lane["rows"]]
+    assert ends[0][0] == 0
+    assert ends[-1][1] == 59_000 * MS
+    assert all(one[1] == other[0] for one, other in pairwise(ends))
+    (dwell,) = [row for row in lane["rows"] if row[4] == "wait"]
+    assert (dwell[0], dwell[6]) == (2500, "N20 G4 X9")
+    # 59 s in 2000 parts, of which a stretch takes two: 59 ms are six commands
+    assert lane["rows"][0][6] == "6 from N10 G1 Z1"
+
+
+def test_what_has_no_blocks_has_no_table() -> None:
+    for trace in (None, block_trace([])):
+        assert blocks_view(trace, nowhere, is_reduced=False) is None
+        assert blocks_lane(trace, is_reduced=False) is None
+
+
+def test_a_kind_of_a_later_version_is_shown_by_its_word() -> None:
+    trace = block_trace([Step("N10", "teleport", 0, 0, 5)])
+    view, lane = blocks_view(trace, nowhere, is_reduced=False), blocks_lane(trace, is_reduced=True)
+    assert view is not None
+    assert lane is not None
+    assert (view["rows"][0]["kind"], lane["rows"][0][4]) == ("teleport", "other")
+
+
+def test_the_page_has_table_and_lane(campaign: Path) -> None:
+    run = opened(build_report(campaign))["probing-feed_1_a"]
+    assert run.html.count('class="pick"') == 4
+    assert "4 commands in" in run.html
+    assert len(run.chart["blocks"]["rows"]) == 4
+    assert run.chart["plots"][0]["plot"] == "block"
+    # The folder of the plan is beside the results, the program below it
+    assert 'href="../../programs/probe.nc#:~:text=N20%20G100%20Z0%20F1000"' in run.html
+
+
+def test_a_damaged_block_trace_names_its_run(campaign: Path, tmp_path: Path) -> None:
+
+    shutil.copytree(campaign, tmp_path / "out")
+    path = tmp_path / "out" / "runs" / "probing-feed_1_a.json"
+    content = json.loads(path.read_text(encoding="utf-8"))
+    content["facts"]["blocks"]["packed"] = "AAAA"
+    path.write_text(json.dumps(content), encoding="utf-8")
+    with pytest.raises(UserError, match="the recording is damaged: blocks") as raised:
+        build_report(tmp_path / "out")
+    assert raised.value.file == str(path)

@@ -1,0 +1,70 @@
+"""The map of a campaign: a character for each run and metric, in JSON inside the page."""
+
+import json
+from typing import Any
+
+from axisrig.bench.campaign.results.stored import StoredRun
+from axisrig.reports.campaign_map.section import METRICS_MAX, CampaignMap
+
+
+def run(name: str, verdict: str, plan: str = "p", **checks: str) -> StoredRun:
+    rows = [{"metric": metric, "verdict": word} for metric, word in checks.items()]
+    return StoredRun({"plan": plan, "run": name, "verdict": verdict}, rows, None, None)
+
+
+def data(*runs: StoredRun) -> dict[str, Any]:
+    campaign = CampaignMap()
+    for one in runs:
+        campaign.add(one)
+    found: dict[str, Any] = json.loads(campaign.data())
+    return found
+
+
+def test_a_run_has_a_character_for_itself_and_for_each_metric_of_its_plan() -> None:
+    found = data(
+        run("p-a", "fail", a="pass", b="fail"),
+        run("p-b", "error", c="error"),
+        run("q-a", "marginal", plan="q", z="marginal"),
+    )
+    assert [word for word, _ in found["verdicts"]] == [
+        *("pass", "marginal", "inconclusive", "fail", "aborted", "error")
+    ]
+    first, second = found["plans"]
+    assert (first["name"], first["metrics"], first["left_out"]) == ("p", ["a", "b", "c"], 0)
+    assert first["runs"] == [["p-a", "303-"], ["p-b", "5--5"]]
+    assert second["runs"] == [["q-a", "11"]]
+
+
+def test_of_several_checks_of_a_metric_the_worst_counts() -> None:
+    one = run("p-a", "fail")
+    rows = [{"metric": "m", "verdict": word} for word in ("pass", "fail", "marginal")]
+    found = data(StoredRun(one.case, rows, None, None))
+    assert found["plans"][0]["runs"] == [["p-a", "33"]]
+
+
+def test_of_many_metrics_the_worst_are_kept_in_their_order() -> None:
+    verdicts = {f"m{n}": "pass" for n in range(METRICS_MAX + 5)}
+    verdicts[f"m{METRICS_MAX + 3}"] = "fail"
+    (plan,) = data(run("p-a", "fail", **verdicts))["plans"]
+    assert plan["left_out"] == 5
+    assert plan["metrics"][0] == "m0"
+    assert plan["metrics"][-1] == f"m{METRICS_MAX + 3}"
+
+
+def test_text_of_others_cannot_end_the_element() -> None:
+    campaign = CampaignMap()
+    hostile = "</script><script>alert(1)</script><!--&amp;"
+    campaign.add(run("p-a", "pass", plan=hostile, **{hostile: "pass"}))
+    text = campaign.data()
+    assert not set("<>&") & set(text)
+    (plan,) = json.loads(text)["plans"]
+    assert (plan["name"], plan["metrics"]) == (hostile, [hostile])
+
+
+def test_ten_thousand_cells_are_small() -> None:
+    checks = {f"metric_{n}_um:Z": "pass" for n in range(9)}
+    runs = [run(f"p-touch-{n:04}", "pass", **checks) for n in range(1000)]
+    campaign = CampaignMap()
+    for one in runs:
+        campaign.add(one)
+    assert len(campaign.data()) < 40_000
