@@ -136,10 +136,11 @@
     element.dataset.shown = text + unit;
     element.replaceChildren(text, " ", make("small", "", unit));
   };
-  const thousandth = (value, unit) => `${number(value * 1000, 1)} ${SMALL_OF[unit]}`;
+  const milli = (value) => (value === null ? null : 1000 * value);
+  const thousandth = (value, unit) => `${number(milli(value), 1)} ${SMALL_OF[unit]}`;
   const ON = ["operation enabled"];
   const BAD = ["fault", "fault reaction active", "quick stop active", "error"];
-  const LEVEL = { true: "high: the edge is there", false: "low", null: "not mapped (60FD)" };
+  const LEVEL = { true: "actuated", false: "not actuated", null: "not mapped (60FD)" };
   const drawAxis = (axis, time) => {
     const key = `axis ${axis.axis}`;
     const get = (name) => fields.get(`${key}.${name}`);
@@ -158,7 +159,7 @@
       latch ? `${number(latch.position)} ${axis.unit}, ${latch.block}, ${seconds(latch.time_ns)} s` : "none",
     );
     plot(`${axis.axis}.position`, time, [axis.set, axis.actual], axis.unit);
-    plot(`${axis.axis}.lag`, time, [1000 * axis.lag], SMALL_OF[axis.unit]);
+    plot(`${axis.axis}.lag`, time, [milli(axis.lag)], SMALL_OF[axis.unit]);
   };
   const FOLLOWS = ["active", "active const dist"];
   const drawDistance = (one, time) => {

@@ -23,7 +23,8 @@ PAUSES_MAX = 20
 _END_S = 1.0
 # Nothing but what the page itself brings, and its events
 _POLICY = (
-    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; connect-src 'self'"
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline';"
+    " connect-src 'self'; img-src data:"
 )
 _PACKAGE = "axisrig.bench.cli.beside"
 

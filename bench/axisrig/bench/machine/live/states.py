@@ -15,6 +15,7 @@ from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.unfinished import at_work, waited_for
 from axisrig.bench.rig.rotary import is_rotary
+from axisrig.kernel.channel import ChannelState
 from axisrig.kernel.channel.distance.axis import AxisDistance, source_word
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.drives.link import AxisLink
@@ -65,7 +66,8 @@ def _plain(value: Any) -> Any:
 def state_of(machine: Machine) -> State:
     """Return what a machine does now.
 
-    Positions of axes have the unit of their axis (`unit`: mm or °); times are simulated, ns.
+    Positions of axes have the unit of their axis (`unit`: mm or °) and are None before its drive has
+    started; times are simulated, ns.
     """
     channel = machine.channel
     command = at_work(channel)
@@ -93,15 +95,16 @@ def _word(name: str) -> str:
 
 
 def _axis(machine: Machine, link: AxisLink) -> State:
-    name = link.name
-    measuring = machine.channel.single.measuring_state(name)
+    name, channel = link.name, machine.channel
+    measuring = channel.single.measuring_state(name)
+    is_known = channel.state is not ChannelState.STARTING
     return {
         "axis": name,
         "unit": "°" if is_rotary(machine.settings, name) else "mm",
         "is_outside": name in machine.outside,
-        "set": link.set_mm,
-        "actual": link.actual_mm,
-        "lag": link.lag_mm,
+        "set": link.set_mm if is_known else None,
+        "actual": link.actual_mm if is_known else None,
+        "lag": link.lag_mm if is_known else None,
         "drive": _word(link.state.name),
         "measuring": None if measuring is None else _word(measuring),
         "input": link.is_actuated,
