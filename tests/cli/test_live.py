@@ -202,7 +202,7 @@ def test_the_terminal_shows_what_the_page_does() -> None:
         "programs/p.nc line 4, block N20: N20 G100 Z80 F600  waits for the end of its move",
         *("99.7503", "99.5000", "-0.2503", "operation enabled", "armed", "moving", "100.0001"),
         *("active const dist", "0.1250", "-1.5000", "probe probe on"),
-        "can1 41.2 %, 12345 frames, 3 error frames",
+        "bus can1 41.2 %, 12345 frames, 3 error frames",
         "real time: 7 of the last 500 SYNCs late, the latest 812 us",
         "50052: [bold]x[/]",  # text of others stays a text
     ):

@@ -30,7 +30,8 @@ class CampaignProgress:
     """Writes a line for each run to standard error, and how far the campaign is.
 
     On a terminal that is a line at the bottom; else one of its own every 30 s. The runs themselves
-    may take longer than that: `tick` has to be called by somebody who does not wait for them.
+    may take longer than that: `tick` has to be called by somebody who does not wait for them, often
+    enough for a line that moves.
     """
 
     def __init__(self, count: int, stopwatch: Stopwatch, console: Console | None = None) -> None:
@@ -42,9 +43,9 @@ class CampaignProgress:
         self._waiting: set[str] = set()
         self._ended: deque[tuple[str, Verdict]] = deque(maxlen=ENDED_MAX)
         self._console = console or Console(stderr=True, highlight=False, markup=False, emoji=False)
-        self._bar = _Bar(
-            SpinnerColumn(), TextColumn("{task.description}"), console=self._console, transient=True
-        )
+        # A thread of rich would print while processes are forked
+        columns = (SpinnerColumn(), TextColumn("{task.description}"))
+        self._bar = _Bar(*columns, console=self._console, transient=True, auto_refresh=False)
         self._task = self._bar.add_task(self.state)
 
     def __enter__(self) -> Self:
@@ -62,7 +63,7 @@ class CampaignProgress:
             self._bar.stop()
 
     def show_beneath(self, draw: Callable[[], RenderableType] | None) -> None:
-        """Draw something beneath the line at the bottom of a terminal, ten times a second."""
+        """Draw something beneath the line at the bottom of a terminal, with each tick."""
         self._bar.draw = draw
 
     def began(self, run: str) -> None:
@@ -87,7 +88,7 @@ class CampaignProgress:
     def tick(self) -> None:
         """Say how far it is, where that is due."""
         if self._console.is_terminal:
-            self._bar.update(self._task, description=self.state)
+            self._bar.update(self._task, description=self.state, refresh=True)
         elif (now_s := self._stopwatch()) - self._said_s >= LINE_EVERY_S:
             self._said_s = now_s
             self._console.print(self.state, soft_wrap=True)

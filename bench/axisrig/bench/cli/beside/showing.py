@@ -16,8 +16,8 @@ from axisrig.kernel.errors import UserError
 
 PIPE = "live"
 SWITCH_S = 1e-4
-"""So long the thread of the runs waits for one of those that show it, at most. In real time the 5 ms
-that Python takes otherwise would make SYNCs late."""
+"""So long the thread of the runs waits for one of those that show it, at most: the 5 ms that Python
+takes otherwise would make SYNCs late in real time."""
 
 
 def showing(

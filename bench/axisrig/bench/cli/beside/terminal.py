@@ -23,7 +23,7 @@ def drawing(look: Look) -> RenderableType:
     parts: list[RenderableType] = [*_head(look, state), _axes(state["axes"])]
     if state["distance"]:
         parts.append(_distance(state["distance"]))
-    parts.append(_bus(state))
+    parts += _probes_and_buses(state)
     parts += [Text(text, style="bold red") for text in state["alarms"]]
     parts += [Text(text) for text in state["messages"][-2:]]
     return Group(*parts)
@@ -54,7 +54,7 @@ def _real_time(kept: Mapping[str, Any] | None) -> list[Text]:
 
 
 def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4f}"
+    return "-" if value is None else f"{value:z.4f}"
 
 
 def _word(word: str) -> Text:
@@ -96,11 +96,11 @@ def _distance(controls: Sequence[Mapping[str, Any]]) -> Table:
     return table
 
 
-def _bus(state: Mapping[str, Any]) -> Text:
+def _probes_and_buses(state: Mapping[str, Any]) -> list[Text]:
     probes = [f"probe {one['probe']} {'on' if one['level'] else 'off'}" for one in state["probes"]]
     buses = [
-        f"{one['segment']} {one['load_pct']:.1f} %, {one['frames']} frames,"
+        f"bus {one['segment']} {one['load_pct']:.1f} %, {one['frames']} frames,"
         f" {one['error_frames']} error frames{', lost' if one['lost'] else ''}"
         for one in state["bus"]
     ]
-    return Text("; ".join([*probes, *buses]))
+    return [Text(line) for line in (*probes, *buses)]

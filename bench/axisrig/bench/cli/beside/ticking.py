@@ -8,7 +8,7 @@ from threading import Event, Lock, Thread
 
 from axisrig.bench.campaign.shown import CampaignProgress
 
-TICK_S = 1.0
+TICK_S = 0.1
 # Held while the thread prints and while a process is forked: a child that is forked in the middle
 # of a print would find the locks of the stream held for ever
 _FORKS = Lock()

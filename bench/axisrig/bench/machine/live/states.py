@@ -66,8 +66,8 @@ def _plain(value: Any) -> Any:
 def state_of(machine: Machine) -> State:
     """Return what a machine does now.
 
-    Positions of axes have the unit of their axis (`unit`: mm or °) and are None before its drive has
-    started; times are simulated, ns.
+    Positions of axes have the unit of their axis (`unit`: mm or °) and are None before the drives
+    have started; times are simulated, ns.
     """
     channel = machine.channel
     command = at_work(channel)
