@@ -20,6 +20,8 @@ from cli_plan import write_plan
 from rich.console import Console
 from tests.live_states import AXIS, DISTANCE, REAL_TIME, SEGMENT, as_sent, state
 
+from axisrig.bench.campaign.results.writer import RunFiles
+from axisrig.bench.campaign.resuming import stored_arguments
 from axisrig.bench.cli.beside import ticking
 from axisrig.bench.cli.beside.feed import IDLE_S, PERIOD_S, Feed, Look
 from axisrig.bench.cli.beside.server import serving
@@ -374,3 +376,16 @@ def _without_wall_s(path: Path) -> list[list[str]]:
     head, *rows = [line.split(",") for line in path.read_text(encoding="utf-8").splitlines()]
     place = head.index("wall_s")
     return [[*row[:place], *row[place + 1 :]] for row in (head, *rows)]
+
+
+def test_going_on_has_a_live_view_when_this_call_asks_for_one(tmp_path: Path) -> None:
+    """Of the words of a stored command those of one call go."""
+    words = ["axisrig", "run", "plan.csv", "--live", "--fresh", "--isolate", "--live-terminal"]
+    (tmp_path / "manifest.json").write_text(json.dumps({"command": words}), encoding="utf-8")
+    assert stored_arguments(tmp_path) == ["plan.csv", "--isolate"]
+
+
+def test_probes_of_a_search_are_shown_too(tmp_path: Path) -> None:
+    files = RunFiles(probes=[RunFiles(), RunFiles()]).with_live(tmp_path)
+    assert [files.live, *(probe.live for probe in files.probes)] == [tmp_path] * 3
+    assert RunFiles().with_live(None) == RunFiles(probes=[])
