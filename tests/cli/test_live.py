@@ -250,7 +250,9 @@ def test_no_process_is_forked_while_a_line_is_written(monkeypatch: pytest.Monkey
     """A child that is forked in the middle of it would wait for its locks for ever."""
     monkeypatch.setattr(ticking, "TICK_S", 0.001)
     progress = _Progress()
+    interval_s = sys.getswitchinterval()
     with ticking.ticking(progress):  # type: ignore[arg-type]
+        assert sys.getswitchinterval() == pytest.approx(ticking.SWITCH_S)
         assert progress.is_inside.wait(10)
         forked: list[int] = []
 
@@ -268,6 +270,7 @@ def test_no_process_is_forked_while_a_line_is_written(monkeypatch: pytest.Monkey
         forking.join(10)
         assert len(forked) == 1
         os.waitpid(forked[0], 0)
+    assert sys.getswitchinterval() == interval_s
     ticks = progress.ticks
     time.sleep(0.01)
     assert progress.ticks == ticks  # its thread has ended

@@ -15,9 +15,6 @@ from axisrig.kernel.cosim.fmi.archive import session_folder
 from axisrig.kernel.errors import UserError
 
 PIPE = "live"
-SWITCH_S = 1e-4
-"""So long the thread of the runs waits for one of those that show it, at most: the 5 ms that Python
-takes otherwise would make SYNCs late in real time."""
 
 
 def showing(
@@ -40,8 +37,6 @@ def showing(
     def beside(progress: CampaignProgress) -> Iterator[None]:
         with ExitStack() as open_:
             inlet = open_.enter_context(closing(Inlet(live)))
-            open_.callback(sys.setswitchinterval, sys.getswitchinterval())
-            sys.setswitchinterval(SWITCH_S)
             feed = Feed(inlet, clock, progress.as_data)
             open_.enter_context(ticking(progress))
             if in_terminal:

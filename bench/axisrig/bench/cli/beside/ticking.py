@@ -1,14 +1,18 @@
 """A thread that lets a campaign say how far it is, however long one of its runs takes."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from threading import Event, Lock, Thread
 
 from axisrig.bench.campaign.shown import CampaignProgress
 
 TICK_S = 0.1
+SWITCH_S = 1e-4
+"""So long the thread of the runs waits for one of those beside it, at most: the 5 ms that Python
+takes otherwise would make SYNCs late in real time."""
 # Held while the thread prints and while a process is forked: a child that is forked in the middle
 # of a print would find the locks of the stream held for ever
 _FORKS = Lock()
@@ -19,7 +23,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def _tick(progress: CampaignProgress) -> None:
-    with _FORKS:
+    with _FORKS, suppress(OSError):  # a reader that has gone is met by the runs themselves
         progress.tick()
 
 
@@ -44,5 +48,10 @@ def _every(period_s: float, do: Callable[[], None]) -> Iterator[None]:
 @contextmanager
 def ticking(progress: CampaignProgress) -> Iterator[None]:
     """Say once in a while how far a campaign is, as `CampaignProgress` does it."""
-    with _every(TICK_S, partial(_tick, progress)):
-        yield
+    before_s = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_S)
+    try:
+        with _every(TICK_S, partial(_tick, progress)):
+            yield
+    finally:
+        sys.setswitchinterval(before_s)
