@@ -240,7 +240,7 @@
     put(
       at("realtime"),
       `real time: ${kept.late} of the last ${kept.looked_at} SYNCs more than ${number(kept.late_us, 0)} us late,` +
-        ` the latest ${number(kept.worst_us, 0)} us; plan moved by ${number(kept.slipped_ms, 1)} ms in all` +
+        ` ${number(kept.worst_us, 0)} us at most; plan moved by ${number(kept.slipped_ms, 1)} ms in all` +
         (kept.send_errors ? `; ${kept.send_errors} frames not taken by the interface` : ""),
     );
   };

@@ -50,7 +50,7 @@ def _real_time(kept: Mapping[str, Any] | None) -> list[Text]:
     if kept is None:
         return []
     late = f"{kept['late']} of the last {kept['looked_at']} SYNCs late"
-    return [Text(f"real time: {late}, the latest {kept['worst_us']:.0f} us")]
+    return [Text(f"real time: {late}, {kept['worst_us']:.0f} us at most")]
 
 
 def _number(value: float | None) -> str:
