@@ -29,3 +29,14 @@ def test_a_process_ends_after_so_many_tasks() -> None:
     done = list(run_apart(os.getpid, [[] for _ in range(7)], jobs=1, is_fresh=False, tasks_max=3))
     counts = [done.count(process) for process in dict.fromkeys(done)]
     assert counts == [3, 3, 1]
+
+
+def test_who_follows_hears_of_each_task_when_it_begins_and_when_it_has_ended() -> None:
+    """Three tasks in two processes: two begin at once, the third when one has ended."""
+    heard: list[tuple[int, bool]] = []
+    tasks = [[number] for number in range(3)]
+    done = run_apart(abs, tasks, jobs=2, is_fresh=False, news=lambda *one: heard.append(one))
+    assert list(done) == [0, 1, 2]
+    assert heard[:2] == [(0, True), (1, True)]
+    assert sorted(heard) == [(number, begins) for number in range(3) for begins in (False, True)]
+    assert heard.index((2, True)) > min(heard.index((0, False)), heard.index((1, False)))

@@ -2,7 +2,7 @@
 
 import io
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 from rich.console import Console
 
@@ -11,18 +11,85 @@ from axisrig.bench.campaign.shown import CampaignProgress
 from axisrig.bench.plan.verdict import Verdict
 
 
+class Told:
+    """A progress whose clock the test sets, without a terminal."""
+
+    def __init__(self, count: int) -> None:
+        self.now_s, self._text = 0.0, io.StringIO()
+        console = Console(
+            file=self._text, force_terminal=False, width=200, highlight=False, markup=False
+        )
+        self.progress = CampaignProgress(count, lambda: self.now_s, console)
+
+    def wait(self, seconds: int) -> None:
+        """Let time pass, with the tick of every second."""
+        for _ in range(seconds):
+            self.now_s += 1.0
+            self.progress.tick()
+
+    def show(self, run: str, verdict: Verdict = Verdict.PASS) -> None:
+        result = SimpleNamespace(verdict=verdict, case=SimpleNamespace(run=run))
+        self.progress.show(cast(CaseResult, result))
+
+    @property
+    def lines(self) -> list[str]:
+        return self._text.getvalue().splitlines()
+
+
 def test_a_line_every_thirty_seconds_says_how_far_it_is() -> None:
-    now_s, text = [0.0], io.StringIO()
-    console = Console(file=text, force_terminal=False, width=200, highlight=False, markup=False)
-    with CampaignProgress(300, lambda: now_s[0], console) as progress:
+    told = Told(300)  # lines are due at 31 s and 61 s: nothing ticks at 30 s and 60 s
+    with told.progress:
         for number in range(7):
-            now_s[0] += 10.0
-            verdict = Verdict.FAIL if number == 2 else Verdict.PASS
-            case = SimpleNamespace(run=f"r{number}")
-            progress.show(cast(CaseResult, SimpleNamespace(verdict=verdict, case=case)))
-    lines = text.getvalue().splitlines()
-    assert [line for line in lines if "runs/s" in line] == [
-        "3/300 runs, 2 pass, 1 fail, 0.1 runs/s, 49 min 30 s left",
-        "6/300 runs, 5 pass, 1 fail, 0.1 runs/s, 49 min 00 s left",
+            told.wait(9)
+            told.now_s += 1.0
+            told.show(f"r{number}", Verdict.FAIL if number == 2 else Verdict.PASS)
+    assert [line for line in told.lines if "runs/s" in line] == [
+        "3/300 runs, 2 pass, 1 fail, 0.0968 runs/s, 51 min 09 s left",
+        "6/300 runs, 5 pass, 1 fail, 0.0984 runs/s, 49 min 49 s left",
     ]
-    assert sum(line.split()[-1].startswith("r") for line in lines) == 7
+    assert sum(line.split()[-1].startswith("r") for line in told.lines) == 7
+
+
+def test_a_long_run_has_its_lines_while_it_lasts() -> None:
+    """600 s of one run: 20 lines, at 30, 60, ... s, that name it with its time."""
+    told = Told(2)
+    with told.progress:
+        told.wait(5)
+        told.show("first")
+        told.progress.began("slow-1")
+        told.wait(600)
+    lines = [line for line in told.lines if "runs/s" in line]
+    assert len(lines) == 20
+    assert lines[0] == "1/2 runs, 1 pass, 0.0333 runs/s, 30 s left; running: slow-1 for 25 s"
+    assert lines[19].endswith("; running: slow-1 for 9 min 55 s")
+
+
+def test_runs_that_ended_before_their_turn_count_and_the_longest_are_named() -> None:
+    told = Told(9)
+    for number in range(6):
+        told.progress.began(f"r{number}")
+        told.now_s += 10.0
+    told.progress.ended("r1")
+    assert told.progress.state == (
+        "1/9 runs, 1 shown later, in plan order, 0.0167 runs/s, 8 min 00 s left;"
+        " running: r0 for 1 min 00 s, r2 for 40 s, r3 for 30 s, 2 more"
+    )
+    told.progress.ended("r0")
+    told.show("r0")
+    told.show("r1", Verdict.FAIL)
+    assert told.progress.state.startswith("2/9 runs, 1 pass, 1 fail, 0.0333 runs/s")
+
+
+def test_a_page_gets_counts_and_the_runs_that_ended_last() -> None:
+    told = Told(20)
+    for number in range(10):
+        told.show(f"r{number}", Verdict.FAIL if number == 9 else Verdict.PASS)
+    data = told.progress.as_data()
+    assert (data["count"], data["done"]) == (20, 10)
+    assert [(row["verdict"], row["runs"]) for row in cast(list[Any], data["verdicts"])] == [
+        ("pass", 9),
+        ("fail", 1),
+    ]
+    ended = cast(list[Any], data["ended"])
+    assert [row["run"] for row in ended] == [f"r{number}" for number in range(2, 10)]
+    assert ended[-1]["glyph"] == Verdict.FAIL.glyph

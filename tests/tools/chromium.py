@@ -120,8 +120,12 @@ class Browser:
 
     def open(self, path: Path, hash_: str = "") -> float:
         """Open a file by its `file://` address; return the time until it was loaded, s."""
+        return self.go(path.resolve().as_uri() + hash_)
+
+    def go(self, address: str) -> float:
+        """Open an address; return the time until it was loaded, s."""
         begin = time.perf_counter()
-        self.call("Page.navigate", url=path.resolve().as_uri() + hash_)
+        self.call("Page.navigate", url=address)
         self.wait("Page.loadEventFired")
         self.run("new Promise((done) => requestAnimationFrame(() => setTimeout(done, 0)))")
         return time.perf_counter() - begin

@@ -1,5 +1,9 @@
 """Plans and programs against drives in a process of their own, over TCP and a serial line."""
 
+import json
+import subprocess
+import sys
+import urllib.request
 from pathlib import Path
 from typing import Any
 
@@ -7,6 +11,7 @@ import pyarrow.parquet as pq
 import pytest
 from both_sides import (
     INCREMENTS_PER_MM,
+    LIMIT_S,
     RIG,
     ROOT,
     Drives,
@@ -16,6 +21,7 @@ from both_sides import (
     rows,
     socketcand,
 )
+from tests.live_states import REAL_TIME
 
 
 def _check_latch_plan(drives: Drives, out: Path, *interface: str) -> None:
@@ -154,3 +160,29 @@ def test_one_axis_simulated_and_one_outside_move_together(tmp_path: Path) -> Non
     assert abs(ours.column("X.truth_mm").to_pylist()[-1] - 1.0) < 0.01
     assert abs(theirs.column("Z.truth_mm").to_pylist()[-1] - 4.0) < 0.01
     assert abs(ours.column("Z.actual_mm").to_pylist()[-1] - 4.0) < 0.01
+
+
+@pytest.mark.long
+def test_a_run_on_real_drives_is_shown_while_it_lasts(tmp_path: Path) -> None:
+    plan, out = patient_plan(tmp_path), tmp_path / "out"
+    words = ["--interface", "axisrig_tcp", "--channel", "127.0.0.1:0", "--by-sync"]
+    with drives_at(tmp_path / "drives", *words) as drives:
+        command = [sys.executable, "-m", "axisrig.bench.cli", "run", str(plan), "-k", "f600"]
+        command += ["-o", str(out), "--yes", "--live", *socketcand(drives)]
+        run = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
+        assert run.stderr is not None
+        address = next(line.split()[1] for line in run.stderr if line.startswith("live: "))
+        with urllib.request.urlopen(f"{address}states", timeout=60) as answer:
+            found = [line.partition(b": ")[2] for line in answer if line.startswith(b"data: ")]
+        run.communicate(timeout=LIMIT_S)
+        drives.stop()
+    assert run.returncode == 3
+    states = [look["state"] for look in map(json.loads, found) if look["state"]]
+    assert len(states) > 5
+    last = states[-1]
+    assert last["real_time"].keys() == REAL_TIME.keys()
+    assert 0 < last["real_time"]["looked_at"] <= 500
+    assert [one["is_outside"] for one in (*last["axes"], *last["bus"])] == [True, True]
+    assert last["probes"] == []
+    assert last["bus"][0]["frames"] > 0
+    assert {one["axes"][0]["drive"] for one in states} >= {"operation enabled"}

@@ -78,6 +78,10 @@ class Deadlines:
         """How many of them were late."""
         return sum(late > self.late_ns for late in self._lateness_ns)
 
+    def latest_ns(self, count: int) -> Sequence[TimeNs]:
+        """Return by how much each of the last `count` SYNCs was late."""
+        return self._lateness_ns[-count:]
+
     def histogram(self) -> list[int]:
         """Return how many SYNCs were late by each bin of BINS_US."""
         counts = [0] * len(BINS_US)

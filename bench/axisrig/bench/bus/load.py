@@ -40,6 +40,17 @@ class LoadFigures:
     worst_delay_ns: dict[int, TimeNs]
 
 
+@dataclass(frozen=True)
+class LoadNow:
+    """Frames and error frames of a segment so far, and the share (0..1) of the last stretch in
+    which it was busy.
+    """
+
+    frames: int
+    error_frames: int
+    busy_share: float
+
+
 class LoadMeter:
     """Adds up what a segment carries.
 
@@ -130,6 +141,16 @@ class LoadMeter:
             raise ValueError(f"window of {window_ns} ns is not a multiple of {WINDOW_NS} ns")
         self.settle()
         return [self._bits_of(busy_ns) for busy_ns in self._sums_ns(window_ns // WINDOW_NS)]
+
+    def now(self, until_ns: TimeNs, span_ns: TimeNs) -> LoadNow:
+        """Return what was carried until now; load of the whole windows in `span_ns` before."""
+        self.settle()
+        end = until_ns // WINDOW_NS
+        begin = max(end - span_ns // WINDOW_NS, 0)
+        busy_ns = sum(self._busy_ns[begin:end])
+        whole_ns = (end - begin) * WINDOW_NS
+        share = busy_ns / whole_ns if whole_ns else 0.0
+        return LoadNow(self._frames, self._error_frames, share)
 
     def _sums_ns(self, step: int) -> Iterable[int]:
         """Return the busy time of every `step` windows."""

@@ -6,7 +6,7 @@ import can
 
 from axisrig.bench.bus.frame import Frame
 from axisrig.bench.bus.journal import Entry, FrameObserver, Journal
-from axisrig.bench.bus.load import LoadMeter
+from axisrig.bench.bus.load import LoadMeter, LoadNow
 from axisrig.bench.bus.simbus import message
 from axisrig.kernel.time.clock import TimeNs
 
@@ -49,6 +49,10 @@ class Traffic:
     def busy_bits(self, window_ns: TimeNs) -> list[int]:
         """Return the busy bits of each window since 0; `window_ns` is a multiple of 1 ms."""
         return self._meter.busy_bits(window_ns)
+
+    def load_now(self, until_ns: TimeNs, span_ns: TimeNs) -> LoadNow:
+        """Return what was carried until now, with the load of the last `span_ns`."""
+        return self._meter.now(until_ns, span_ns)
 
     def record(self, frame: Frame, time_ns: TimeNs, *, is_error: bool) -> None:
         """Give a frame to the records before anyone reacts to it."""

@@ -14,15 +14,17 @@ from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import (
     CaseResult,
     ResultsWriter,
+    RunFiles,
     no_values,
     refuse_folder,
 )
 from axisrig.bench.campaign.resuming import CHANGED, GoingOn, choose, depends_sha256
 from axisrig.bench.campaign.runner import Limits, Stopwatch, prepare_all, run_cases
 from axisrig.bench.campaign.sharing import Shard
-from axisrig.bench.campaign.shown import CampaignProgress, show_verdicts
+from axisrig.bench.campaign.shown import CampaignProgress, Watch, show_verdicts
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
+from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
 from axisrig.bench.plan.select import chosen
@@ -31,6 +33,8 @@ from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.rig.reading.foreign import foreign_rigs
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
+
+_NOBODY = Watch()
 
 
 @dataclass(frozen=True)
@@ -105,6 +109,7 @@ def run_campaign(  # noqa: PLR0913
     is_fresh: bool = False,
     going_on: GoingOn = GoingOn.NO,
     build_report: Callable[[Path], Path] | None = None,
+    watch: Watch = _NOBODY,
 ) -> Campaign:
     """Run plans into a results folder; an interrupt or a full disk ends it with what it has.
 
@@ -113,12 +118,13 @@ def run_campaign(  # noqa: PLR0913
     they drive real hardware. call_limit_s: wall time of one call into an FMU there.
     outside: interfaces for axes on real hardware. bus_logs: kinds of `bench.bus.logs`. is_fresh:
     the results that the folder has go first. going_on: which runs of the folder stay.
-    build_report: writes the report while the folder is still held.
+    build_report: writes the report while the folder is still held. watch: what goes on beside.
     Raises UserError before the folder is touched: everything is checked first.
     """
     plans = _read(paths, assignments, outside)
     parts, cases = _chosen(plans, select)
     real = real_cases(cases)
+    jobs = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
     jobs = _jobs(jobs, cases, real, is_apart=is_isolated or bool(timeout_s or select.scheduler))
     refuse_folder(folder := out or _default_folder(plans, assignments), plans, is_fresh=is_fresh)
     with FolderLock(folder):
@@ -141,16 +147,31 @@ def run_campaign(  # noqa: PLR0913
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
-            running = (
-                run_on_cluster(cases, writer.files_of, select.scheduler, limits, stopwatch)
-                if select.scheduler
-                else run_cases(cases, writer.files_of, jobs, limits, stopwatch, hardware=hardware)
-            )
+            progress = CampaignProgress(len(runs), stopwatch)
+            files_of = watch.files_of(writer.files_of)
+            how = (jobs, limits, stopwatch, hardware, progress)
+            running = _running(cases, files_of, select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
-            failure = _write(running, writer, results, CampaignProgress(len(runs), stopwatch))
+            failure = _write(running, writer, results, progress, watch)
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     return Campaign(folder, results, len(runs), failure, report, stay)
+
+
+def _running(
+    cases: Sequence[Case],
+    files_of: Callable[[str], RunFiles],
+    scheduler: str | None,
+    jobs: int,
+    limits: Limits,
+    stopwatch: Stopwatch,
+    hardware: Hardware | None,
+    progress: CampaignProgress,
+) -> Iterator[CaseResult]:
+    """Return what runs the cases: processes of this machine, or a cluster."""
+    if scheduler:
+        return run_on_cluster(cases, files_of, scheduler, limits, stopwatch)
+    return run_cases(cases, files_of, jobs, limits, stopwatch, hardware=hardware, follower=progress)
 
 
 def _chosen(plans: Sequence[Plan], choice: Choice) -> tuple[list[Plan], list[Case]]:
@@ -197,6 +218,16 @@ def _jobs(
     return jobs
 
 
+def _one_at_a_time(jobs: int | None, scheduler: str | None) -> int:
+    """Return one process; raise UserError where several runs are asked for at the same time."""
+    if (jobs or 1) > 1 or scheduler is not None:
+        raise UserError(
+            "a live view shows one run at a time, on this machine",
+            hint="leave out --jobs and --engine, or --live and --live-terminal",
+        )
+    return 1
+
+
 def _dated(running: Iterator[CaseResult], hashes: Mapping[str, str]) -> Iterator[CaseResult]:
     """Give results the hash of what they depend on; one of two states of its files is an error."""
     with closing(running):  # type: ignore[type-var]
@@ -224,10 +255,11 @@ def _write(
     writer: ResultsWriter,
     results: list[CaseResult],
     progress: CampaignProgress,
+    watch: Watch,
 ) -> OSError | None:
     """Write the results as they come and add them to `results`; return why it ended early."""
     try:
-        with closing(running), writer, progress:  # type: ignore[type-var]
+        with closing(running), writer, progress, watch.beside(progress):  # type: ignore[type-var]
             for result in running:
                 writer.add(result)
                 results.append(result)

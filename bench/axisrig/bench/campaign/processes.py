@@ -175,7 +175,8 @@ class _Worker:
 class _Crew:
     """Processes at work on tasks; `answers` has those that came and were not taken, by number.
 
-    is_fresh: for each task, whether it gets a new process that does nothing else.
+    is_fresh: for each task, whether it gets a new process that does nothing else. news: called with
+    the number of a task when it begins (True) and when it has ended (False).
     """
 
     function: Callable[..., Any]
@@ -186,6 +187,7 @@ class _Crew:
     timeout_s: float | None
     call_limit_s: float
     tasks_max: int
+    news: Callable[[int, bool], None]
 
     def __post_init__(self) -> None:
         self.answers: dict[int, _Answer] = {}
@@ -220,6 +222,7 @@ class _Crew:
             journal.create(note)
             order = _Order(note, self.function, self.tasks[self._next])
             if worker.order(self._next, order):
+                self.news(self._next, True)
                 self._next += 1
             else:
                 self._dismiss(worker)
@@ -257,6 +260,7 @@ class _Crew:
     def _take(self, worker: _Worker, answer: _Answer, *, is_last: bool) -> None:
         assert worker.number is not None
         self.answers[worker.number] = answer
+        self.news(worker.number, False)
         worker.done += 1
         if is_last or self.is_fresh[worker.number] or worker.done >= self.tasks_max:
             self._dismiss(worker)
@@ -309,7 +313,7 @@ def usable_cores(cpu_max: Path = Path("/sys/fs/cgroup/cpu.max")) -> int:
     return min(cores, limit)
 
 
-def run_apart(
+def run_apart(  # noqa: PLR0913
     function: Callable[..., T],
     tasks: Sequence[Sequence[Any]],
     *,
@@ -319,6 +323,7 @@ def run_apart(
     call_limit_s: float = CALL_LIMIT_S,
     is_unrelated: bool = False,
     tasks_max: int = TASKS_MAX,
+    news: Callable[[int, bool], None] = lambda _number, _begins: None,
 ) -> Generator[T | Died, None, None]:
     """Yield `function(*task)` of every task, in their order, from processes.
 
@@ -326,11 +331,12 @@ def run_apart(
     several. is_unrelated: new processes share no memory layout with this one, and start slower.
     tasks_max: after so many tasks a process ends and a new one takes its place.
     timeout_s: wall time of one task, None = no limit. call_limit_s: wall time that one call into
-    an FMU may take. Exceptions of the function are raised here.
+    an FMU may take. news: called with the number of a task when it begins (True) and when it has
+    ended (False). Exceptions of the function are raised here.
     """
     fresh = [is_fresh] * len(tasks) if isinstance(is_fresh, bool) else is_fresh
     context = get_context("spawn" if is_unrelated else None)
-    crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s, tasks_max)
+    crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s, tasks_max, news)
     try:
         for number in range(len(tasks)):
             while number not in crew.answers:

@@ -34,6 +34,9 @@ from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.decoder.base.subprograms import link, reachable
 from axisrig.kernel.nc.text.parser import read_program
 
+LIVE = ("--live", "--live-terminal")
+"""Options that change nothing that is written."""
+_OF_ONE_CALL = ("--fresh", "--resume", "--failed")
 CHANGED = "files that the run depends on have changed since the campaign began"
 
 
@@ -227,4 +230,4 @@ def stored_arguments(folder: Path | None) -> list[str]:
             value=" ".join(command) or None,
             hint="name the plans to go on with",
         )
-    return [word for word in command[2:] if word not in ("--fresh", "--resume", "--failed")]
+    return [word for word in command[2:] if word not in (*_OF_ONE_CALL, *LIVE)]

@@ -6,11 +6,12 @@ case is built from its row and its seed alone.
 
 import gc
 import traceback
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Protocol
 
 from axisrig.bench.campaign.preparing import prepare, recall, settings_of
 from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
@@ -20,6 +21,8 @@ from axisrig.bench.files import DISK_FULL
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.machine.facts import facts_of
+from axisrig.bench.machine.live.pipe import Outlet
+from axisrig.bench.machine.live.states import LiveStates
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.composition import Mistakes
@@ -36,6 +39,21 @@ from axisrig.kernel.nc.text.parser import read_program
 
 Stopwatch = Callable[[], float]
 """Gives seconds of wall time; handed down by the command line, which alone may read a clock."""
+
+
+class Follower(Protocol):
+    """Who hears which run begins, and which one has ended although its turn has not come."""
+
+    def began(self, run: str) -> None: ...  # noqa: D102
+    def ended(self, run: str) -> None: ...  # noqa: D102
+
+
+class _Nobody:
+    def began(self, run: str) -> None:
+        pass
+
+    def ended(self, run: str) -> None:
+        pass
 
 
 def no_stopwatch() -> float:
@@ -121,6 +139,7 @@ def _run_case(
         else:
             settings, program = prepared
         about = {"run": case.run, "rig": path_from(case.folder, case.rig)}
+        onlooker = None if files.live is None else _live(case, files.live, about)
         machine = Machine(
             settings,
             program,
@@ -128,6 +147,7 @@ def _run_case(
             seed=case.seed,
             hardware=hardware,
             trace=SeriesWriter(files.trace, about),
+            onlooker=onlooker,
         )
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))
@@ -154,6 +174,17 @@ def _run_case(
     result = CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
     result.samples = sampled(observed, case.sampled, module=case.module)
     return result
+
+
+def _live(case: Case, pipe: Path, about: Mapping[str, str]) -> LiveStates:
+    """Make what sends the states of a run to a page or the terminal."""
+    row = {
+        "plan": case.plan,
+        "row": f"{case.file.name}:{case.line}",
+        "title": case.title,
+        "program": path_from(case.folder, case.program),
+    }
+    return LiveStates(Outlet(pipe), {**about, **row})
 
 
 def prepare_all(
@@ -208,6 +239,7 @@ def run_cases(
     stopwatch: Stopwatch = no_stopwatch,
     *,
     hardware: Hardware | None = None,
+    follower: Follower | None = None,
 ) -> Iterator[CaseResult]:
     """Yield the results as they come.
 
@@ -215,7 +247,8 @@ def run_cases(
     ends its process costs its own row only. hardware: for rigs with a real bus, one case after the
     other, those with a real bus in this process whatever their FMUs are, until the operator stops.
     """
-    run_elsewhere = partial(_run_apart, files_of, limits, stopwatch)
+    follower = follower or _Nobody()
+    run_elsewhere = partial(_run_apart, files_of, limits, stopwatch, follower)
     if hardware is None and (jobs > 1 or limits.timeout_s is not None):
         yield from run_elsewhere(cases, jobs)
         return
@@ -223,6 +256,7 @@ def run_cases(
         if case.rig in limits.apart and (hardware is None or not is_paced(settings_of(case))):
             yield from run_elsewhere([case], 1)
             continue
+        follower.began(case.run)
         yield run_case(case, files_of(case.run), stopwatch, hardware)
         if hardware is not None and hardware.stop():
             return
@@ -232,10 +266,15 @@ def _run_apart(
     files_of: Callable[[str], RunFiles],
     limits: Limits,
     stopwatch: Stopwatch,
+    follower: Follower,
     cases: Sequence[Case],
     jobs: int,
 ) -> Iterator[CaseResult]:
     timeout_s = limits.timeout_s
+
+    def follow(number: int, begins: bool) -> None:
+        (follower.began if begins else follower.ended)(cases[number].run)
+
     results = run_apart(
         run_case,
         [[case, files_of(case.run), stopwatch] for case in cases],
@@ -243,6 +282,7 @@ def _run_apart(
         is_fresh=[case.rig in limits.apart for case in cases],
         timeout_s=timeout_s,
         call_limit_s=limits.call_limit_s,
+        news=follow,
     )
     for case, result in zip(cases, results, strict=True):
         if isinstance(result, Died):

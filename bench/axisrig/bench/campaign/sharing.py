@@ -12,7 +12,7 @@ from axisrig.bench.campaign.results.folder import FOLDERS
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.stored import DEPENDS, StoredResults, StoredRun, read_results
 from axisrig.bench.campaign.results.writer import ResultsWriter
-from axisrig.bench.campaign.resuming import depends_sha256
+from axisrig.bench.campaign.resuming import LIVE, depends_sha256
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, Plan, read_plan
@@ -25,7 +25,7 @@ _FORM = re.compile(r"([1-9]\d{0,5})/([1-9]\d{0,5})")
 _BESIDE = {
     **dict.fromkeys(("--shard", "-o", "--out", "-j", "--jobs", "--engine", "--scheduler"), True),
     **dict.fromkeys(("--timeout", "--call-timeout"), True),
-    **dict.fromkeys(("--fresh", "--resume", "--failed", "--full", "--isolate"), False),
+    **dict.fromkeys(("--fresh", "--resume", "--failed", "--full", "--isolate", *LIVE), False),
 }
 _FLAGS = {"--force": FORCED, "--as-canopen": AS_CANOPEN}
 

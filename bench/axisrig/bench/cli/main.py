@@ -40,6 +40,8 @@ from axisrig.bench.cli.options import (
     InterfaceOption,
     IsolateOption,
     JobsOption,
+    LiveOption,
+    LiveTerminalOption,
     ResumeOption,
     SchedulerOption,
     SegmentOption,
@@ -58,6 +60,7 @@ from axisrig.bench.cli.tune_commands import tune_app
 from axisrig.kernel.errors import UserError
 
 if TYPE_CHECKING:
+    from axisrig.bench.campaign.shown import Watch
     from axisrig.bench.machine.pacing import Hardware
 
 DEMO = "demo"
@@ -118,13 +121,26 @@ def _logs(path: Path | None) -> list[Path]:
 
 def _go_on(folder: Path | None, option: str) -> NoReturn:
     """Call `axisrig run` as it was called for a folder, with one more option."""
-    from axisrig.bench.campaign.resuming import stored_arguments
+    from axisrig.bench.campaign.resuming import LIVE, stored_arguments
 
     if not option:
         raise typer.BadParameter("no plan is named", param_hint="PLANS")
-    sys.argv[1:] = ["run", *stored_arguments(folder), option]
+    live = [word for word in sys.argv if word in LIVE]
+    sys.argv[1:] = ["run", *stored_arguments(folder), option, *live]
     app(sys.argv[1:])
     raise typer.Exit
+
+
+def _watch(on_page: bool, in_terminal: bool) -> "Watch":
+    """Return what goes on beside runs: progress, and a live view where one is asked for."""
+    if on_page or in_terminal:
+        from axisrig.bench.cli.beside.showing import showing
+
+        return showing(time.monotonic, _to_stderr, on_page=on_page, in_terminal=in_terminal)
+    from axisrig.bench.campaign.shown import Watch
+    from axisrig.bench.cli.beside.ticking import ticking
+
+    return Watch(ticking)
 
 
 @app.command()
@@ -159,6 +175,8 @@ def run(
     shard: ShardOption = None,
     engine: EngineOption = None,
     scheduler: SchedulerOption = None,
+    is_live: LiveOption = False,
+    in_terminal: LiveTerminalOption = False,
 ) -> None:
     """Run plans, judge them, and write results and report.
 
@@ -175,6 +193,7 @@ def run(
     going_on = GoingOn.of(is_resumed=is_resumed, is_failed=is_failed, is_fresh=is_fresh)
     if not plans:
         _go_on(out, going_on.option)
+    said = (may_move, _to_stderr, interface, channel, options, bitrate, segment)
     campaign = run_campaign(
         plans,
         out=out,
@@ -187,13 +206,12 @@ def run(
         stopwatch=time.perf_counter,
         is_isolated=is_isolated or call_limit_s is not None,
         call_limit_s=call_limit_s or CALL_LIMIT_S,
-        outside=Outside(
-            _hardware, may_move, _to_stderr, interface, channel, options, bitrate, segment
-        ),
+        outside=Outside(_hardware, *said),
         bus_logs=log_kinds(bus_logs),
         is_fresh=is_fresh,
         going_on=going_on,
         build_report=partial(build_report, is_full=is_full),
+        watch=_watch(is_live, in_terminal),
     )
     show_campaign(campaign)
     raise typer.Exit(campaign.exit_code)

@@ -100,6 +100,13 @@ FreshOption = Annotated[
 FullOption = Annotated[
     bool, typer.Option("--full", help="Report: keep every sample, also of runs that passed.")
 ]
+LiveOption = Annotated[
+    bool,
+    typer.Option("--live", help="Show the run on a page of 127.0.0.1 while it lasts; one process."),
+]
+LiveTerminalOption = Annotated[
+    bool, typer.Option("--live-terminal", help="Show the run in the terminal; one process.")
+]
 ResumeOption = Annotated[
     bool,
     typer.Option(

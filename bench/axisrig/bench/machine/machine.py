@@ -70,10 +70,11 @@ class Machine:
     what the settings say.
     hardware: for rigs with a bus outside; they run in real time, and the plants outside are not
     simulated. trace: takes the time series, None = they are kept until the machine goes.
+    onlooker: called with the machine between two cycles; it changes nothing.
     Raises UserError when the rig does not fit together or a bus cannot be opened.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         settings: Settings,
         program: Program,
@@ -84,6 +85,7 @@ class Machine:
         limit_ns: TimeNs | None = None,
         hardware: Hardware | None = None,
         trace: SeriesWriter | None = None,
+        onlooker: Callable[["Machine"], None] | None = None,
     ) -> None:
         if not settings.is_checked:
             check_rig(settings)
@@ -94,7 +96,7 @@ class Machine:
         self.outside, self.is_stopped = outside_axes(settings), False
         self._lost: set[str] = set()
         self._hardware = hardware if is_paced(settings) else None
-        self.settings = settings
+        self.settings, self._onlooker = settings, onlooker
         self._programs = programs_of(settings, program)
         self.messages: list[Message] = []
         self.measuring_targets: dict[str, Mapping[str, float]] = {}
@@ -334,7 +336,7 @@ class Machine:
             ]
         )
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
-        limit_ns = scheduler.now_ns + self._limit_ns
+        limit_ns, between = scheduler.now_ns + self._limit_ns, self._between_cycles()
         while not channel.has_ended:
             if scheduler.now_ns >= limit_ns:
                 raise SimulatedTimeoutError(
@@ -342,9 +344,23 @@ class Machine:
                     f" (plc:limit_s): {in_words(channel, self._interpreter)}"
                 )
             scheduler.run_until(scheduler.now_ns + period_ns)
-            if self._hardware is not None:
-                self._look_outside(self._hardware)
+            if between is not None:
+                between()
         return scheduler.now_ns
+
+    def _between_cycles(self) -> Callable[[], None] | None:
+        """Return what looks at the machine between two cycles; None when nobody does."""
+        looks: list[Callable[[], None]] = []
+        if self._hardware is not None:
+            looks.append(partial(self._look_outside, self._hardware))
+        if self._onlooker is not None:
+            looks.append(partial(self._onlooker, self))
+
+        def all_of_them() -> None:
+            for look in looks:
+                look()
+
+        return all_of_them if looks else None
 
     def _look_outside(self, hardware: Hardware) -> None:
         """Stop the program in a controlled way when the operator wants it, or a bus is lost."""

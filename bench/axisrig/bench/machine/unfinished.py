@@ -39,14 +39,29 @@ def in_words(channel: Channel, interpreter: Interpreter) -> str:
 
 
 def _at(channel: Channel) -> str:
+    command = at_work(channel)
+    if command is None:
+        return waited_for(channel)
+    block = command.block
+    return f"{block.place} ({block.text}) waits for {waited_for(channel)}"
+
+
+def at_work(channel: Channel) -> canon.Command | None:
+    """Return the command that keeps the program from going on, None while none is carried out."""
+    if channel.state is not ChannelState.RUNNING:
+        return None
+    execution = channel.execution
+    return execution.begun if execution.is_busy() else execution.head or execution.begun
+
+
+def waited_for(channel: Channel) -> str:
+    """Name what the command at work waits for; without one, why there is none."""
+    command = at_work(channel)
+    if command is not None:
+        return _wanted(command)
     if channel.state is not ChannelState.RUNNING:
         return _NOT_RUNNING.get(channel.state, "the program has ended")
-    execution = channel.execution
-    command = execution.begun if execution.is_busy() else execution.head or execution.begun
-    if command is None:
-        return "nothing has begun"
-    block = command.block
-    return f"{block.place} ({block.text}) waits for {_wanted(command)}"
+    return "nothing has begun"
 
 
 def _wanted(command: canon.Command) -> str:

@@ -16,7 +16,7 @@ Equal runs give equal bytes, except for `wall_s` and the manifest.
 import shutil
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -117,11 +117,17 @@ class RunFiles:
     """Files that a run itself writes: bus logs, and its series, None to keep these in memory.
 
     probes: of a row that searches, those of each probe that it can have; empty to keep none.
+    live: the pipe that takes its state while it lasts, None where nobody looks on.
     """
 
     bus_logs: Sequence[Path] = ()
     trace: Path | None = None
     probes: Sequence["RunFiles"] = ()
+    live: Path | None = None
+
+    def with_live(self, live: Path | None) -> "RunFiles":
+        """Return the same with a pipe for states."""
+        return replace(self, live=live, probes=[probe.with_live(live) for probe in self.probes])
 
 
 def no_values(case: Case, verdict: Verdict, reason: str, *, wall_s: float = 0.0) -> CaseResult:
