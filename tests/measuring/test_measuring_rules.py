@@ -92,7 +92,8 @@ def test_parameters_of_an_axis_in_the_units_of_the_kernel() -> None:
         "kenngr.measure.probe[1].input": "1",
     }.items():
         axis.set(path, text, "test")
-    assert MeasuringAxis.read(axis) == MeasuringAxis(5.0, 2.0, 1.5, 0.25, 10_000_000, (2, 1))
+    expected = MeasuringAxis(5.0, 2.0, 1.5, 0.25, 10_000_000, (2, 1), probe_input=2)
+    assert MeasuringAxis.read(axis) == expected
 
 
 def test_an_axis_without_settings_has_those_of_the_manual() -> None:

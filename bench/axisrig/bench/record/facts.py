@@ -23,11 +23,11 @@ from axisrig.bench.record.axes import (
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
-from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
-VERSION: Final = 1
+VERSION: Final = 2
 """Counts up with every change after which an older version cannot read what is written."""
 
 _AGAIN = "run the case again with this version"
@@ -131,6 +131,7 @@ class Facts(Frozen):
     plants: Mapping[str, PlantRecord] = field(default_factory=dict)
     probes: Mapping[str, ProbeRecord] = field(default_factory=dict)
     plc_sensors: Mapping[str, PlcSensor] = field(default_factory=dict)
+    plc_task: PlcTaskRecord | None = None
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()
@@ -148,7 +149,7 @@ class Facts(Frozen):
 class RunFile(Frozen):
     """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
 
-    version: Literal[1]
+    version: Literal[2]
     facts: Facts | None = None
     error: str | None = None
     log: tuple[str, ...] = ()
