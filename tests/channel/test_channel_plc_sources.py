@@ -226,6 +226,28 @@ def test_a_preparation_ends_with_the_program_at_the_latest(
     assert side.unit.order.task is LatchTask.DISABLE  # at the end nobody reads it any more
 
 
+def test_a_preparation_that_is_reset_switches_the_probe_off(
+    channel_bench: Make, words: Any
+) -> None:
+    """Homing or exchange of a prepared axis does; then the run enables the probe as ever."""
+    bench = channel_bench(
+        words.axis("Z", start_mm=122.0, source="EXT_PROBE_WITH_DRIVE"), plane_mm=PLANE_MM
+    )
+    side, measurement = Plc(bench), bench.channel.measurement
+
+    def forget(_channel: Any) -> None:
+        if side.orders and measurement.prepared:
+            measurement.forget_prepared("Z")
+
+    bench.channel.observers.append(forget)
+    blocks = [words.prepare(1, "Z"), words.move(2, 600.0, Z=121.5)]
+    bench.run([*blocks, words.probe(3, 600.0, Z=TO), words.wait(3), words.move(4, 600.0, Z=121.0),
+               words.end()])  # fmt: skip
+    tasks = [LatchTask.PREPARE, LatchTask.DISABLE, LatchTask.ENABLE, LatchTask.DISABLE]
+    assert [task for task, _, _ in side.orders] == tasks
+    assert bench.channel.records[0].has_signal
+
+
 def test_the_first_event_counts_for_every_axis(channel_bench: Make, words: Any) -> None:
     """PLC_FIRST_EVENT: the unit of Y never signals; Y has its place of the same cycle."""
     axes = [words.axis(name, start_mm=122.0, source="PLC_FIRST_EVENT") for name in ("Y", "Z")]

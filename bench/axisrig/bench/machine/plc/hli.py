@@ -16,6 +16,7 @@ Names that end in `_w` are written by the PLC, in `_r` by the CNC, in `_rw` by b
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Any
 
 from axisrig.bench.machine.plc.terminal import ChannelInput
@@ -155,6 +156,9 @@ class Hli:
         for unit in ("feedhold", "reset", "start"):
             _check_bool(f"ch.{unit}", getattr(self.ch, unit))
         _check_integer("ch.override", self.ch.override)
+        for name, value in self.ve.items():
+            if type(value) not in (int, float) or not isfinite(value):
+                raise UserError(f"V.E.{name} has a wrong type", value=value, allowed="a number")
 
 
 def _check_bool(name: str, unit: BoolUnit) -> None:
@@ -172,4 +176,4 @@ def _check_integer(name: str, unit: Sgn64Unit) -> None:
 def _require(name: str, value: Any, kind: type) -> None:
     if type(value) is not kind:
         words = {bool: "True or False", int: "a whole number"}
-        raise UserError(f"{name} has a wrong type", value=repr(value), allowed=words[kind])
+        raise UserError(f"{name} has a wrong type", value=value, allowed=words[kind])

@@ -200,7 +200,7 @@ class PlcTaskRunner:
             },
             resets=channel.reset.enable_w and channel.reset.command_w,
             starts=channel.start.enable_w and channel.start.command_w,
-            values={name: v for name, v in hli.ve.items() if self._values.get(name) != v},
+            values={name: float(v) for name, v in hli.ve.items() if self._values.get(name) != v},
         )
 
     def _axis_writes(self, name: str, axis: AxisHli) -> AxisWrites:

@@ -4,71 +4,12 @@ The CNC gives tasks (`LatchOrder`) and waits for the acknowledgement of each: of
 path moves, of DISABLE before the next run. Sources: FCT-C4 7.2 and 7.4.
 """
 
+from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.channel.probing.signal import SignalPort
 from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
-from axisrig.kernel.plc.probing import LatchOrder, LatchTask, PlcTask, ProbingUnit
-from axisrig.kernel.time.clock import MS, Clock
-
-
-class Handshake:
-    """The tasks of one axis; probe_input, edge: that go with them.
-
-    `check` raises Alarm 50050 when PREPARE or ENABLE is not acknowledged in time, 900406 when
-    DISABLE is not, 900402 when the task of the PLC is silent meanwhile.
-    """
-
-    def __init__(self, axis: str, unit: ProbingUnit, task: PlcTask, clock: Clock) -> None:
-        self._axis, self._unit, self._task, self._clock = axis, unit, task, clock
-        self.probe_input, self.edge = 1, "POS"
-        self.is_enabled = self.is_prepared = False
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether every task is acknowledged."""
-        return self._unit.is_idle
-
-    @property
-    def is_ready(self) -> bool:
-        """Whether the hardware is enabled and has acknowledged it."""
-        return self.is_enabled and self._unit.is_idle
-
-    def _give(self, task: LatchTask) -> None:
-        order = LatchOrder(task, self.probe_input, self.edge)
-        self._unit.give(order, self._clock.now_ns)
-
-    def prepare(self) -> None:
-        """Ask for a probe that is ready early (#MEAS PREPARE)."""
-        if not (self.is_prepared or self.is_enabled):
-            self.is_prepared = True
-            self._give(LatchTask.PREPARE)
-
-    def enable(self) -> None:
-        """Ask for the probe or its hardware at the start of a run."""
-        self.is_enabled = True
-        self._give(LatchTask.ENABLE)
-
-    def disable(self) -> None:
-        """Ask to switch it off, where it has been asked for."""
-        if self.is_enabled or self.is_prepared:
-            self.is_enabled = self.is_prepared = False
-            self._give(LatchTask.DISABLE)
-
-    def check(self) -> None:
-        """Look whether a task waits too long; for a run that waits for it."""
-        unit, task, now_ns = self._unit, self._task, self._clock.now_ns
-        if unit.is_idle:
-            return
-        silent_ns = task.silent_ns(now_ns)
-        if silent_ns is not None:
-            raise Alarm(900402, axis=self._axis, ms=f"{silent_ns / MS:g}")
-        waited_ns = now_ns - unit.given_ns
-        if waited_ns <= task.acknowledge_ns:
-            return
-        if unit.order.task is LatchTask.DISABLE:
-            raise Alarm(900406, axis=self._axis, ms=f"{waited_ns / MS:g}")
-        raise Alarm(50050, axis=self._axis)
+from axisrig.kernel.plc.probing import PlcTask, ProbingUnit
+from axisrig.kernel.time.clock import Clock
 
 
 class ExternalPort(SignalPort):
@@ -83,32 +24,32 @@ class ExternalPort(SignalPort):
         self, link: AxisLink, unit: ProbingUnit, task: PlcTask, clock: Clock, handshake: Handshake
     ) -> None:
         super().__init__(link, unit, task, clock, "POS")
-        self.handshake = handshake
+        self.handshake, self._tasks = handshake, handshake
         self._waits = False
 
     @property
     def is_clear(self) -> bool:
         """Whether the hardware has acknowledged that it is off, or was never on."""
-        self._waits = not self.handshake.is_idle
+        self._waits = not self._tasks.is_idle
         return not self._waits
 
     def arm(self) -> None:
         """Enable the hardware."""
-        self.handshake.enable()
+        self._tasks.enable()
         super().arm()
 
     def disarm(self) -> None:
         """Disable the hardware where it was enabled: after a latch and after an abort."""
         super().disarm()
         self._waits = False
-        if self.handshake.is_enabled:
-            self.handshake.disable()
+        if self._tasks.is_enabled:
+            self._tasks.disable()
 
     def look(self) -> None:
         """Take this cycle's signal; nothing counts before the hardware is enabled."""
         if self._waits or self.is_ordered:
-            self.handshake.check()
-        if self.is_ordered and not self.handshake.is_ready:
+            self._tasks.check()
+        if self.is_ordered and not self._tasks.is_ready:
             self._ordered_ns = self._clock.now_ns
             self._level = self._unit.writes.signal
             return

@@ -2,7 +2,8 @@
 
 from collections.abc import Iterable, Mapping
 
-from axisrig.kernel.channel.probing.external import DrivePort, ExternalPort, Handshake
+from axisrig.kernel.channel.probing.external import DrivePort, ExternalPort
+from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.channel.probing.signal import SignalPort, StampPort
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
@@ -66,9 +67,9 @@ class PlcPorts:
     def choose(self, axis: str, source: str, probe_input: int, edge: str) -> PlcPort:
         """Return the latch for a run, with its input and edge."""
         port = self.follow(axis, source)
-        if isinstance(port, ExternalPort | DrivePort):
+        if port.handshake is not None:
             port.handshake.probe_input, port.handshake.edge = probe_input, edge
-        else:
+        elif isinstance(port, SignalPort):
             port.edge = edge
         if source == PLC_FIRST_EVENT:
             self._first_event.add(axis)
@@ -99,7 +100,7 @@ class PlcPorts:
     def prepare(self, axis: str, source: str, probe_input: int, edge: str) -> None:
         """Make a probe ready ahead of its run, where the PLC switches it."""
         port = self.choose(axis, source, probe_input, edge)
-        if isinstance(port, ExternalPort | DrivePort):
+        if port.handshake is not None:
             port.handshake.prepare()
 
     def forget(self, axes: Iterable[str]) -> None:

@@ -7,6 +7,7 @@ at that instant, from the history of its positions. Sources: FCT-C4 7.1, 7.5, 8.
 
 from typing import Final
 
+from axisrig.kernel.channel.probing.handshake import Handshake
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival, StampClock
@@ -22,6 +23,8 @@ STAMP_MASK: Final = 0xFFFF_FFFF
 class SignalPort:
     """The latch of one axis by `probing_signal` (`LatchPort`); edge: POS or NEG, of P-AXIS-00518.
 
+    handshake: of a source whose hardware the PLC switches, else None.
+
     `look` is to be called in every cycle, before the run is evaluated. It raises Alarm 900401 when
     the PLC does not enable the unit, 900402 when its task is silent.
     """
@@ -31,6 +34,7 @@ class SignalPort:
     ) -> None:
         self._link, self._unit, self._task, self._clock = link, unit, task, clock
         self.name, self.edge = link.name, edge
+        self.handshake: Handshake | None = None
         self.history = PositionHistory()
         self.arrival = Arrival(handshake_cycles=None)
         self.latched_mm: float | None = None
