@@ -112,6 +112,15 @@ def test_a_table_that_cannot_be_is_refused_with_its_line(
     assert caught.value.line is not None
 
 
+def test_a_program_that_is_missing_is_named(run_nc: RunNc) -> None:
+    with pytest.raises(UserError, match=r"nowhere\.py: the PLC program cannot be read"):
+        run_nc(
+            "N10 G4 0.1",
+            '[plc]\nperiod_us = 2000\nprogram = "nowhere.py"\n',
+            base="probe-z.toml",
+        )
+
+
 def test_feedhold_and_override_of_the_program_act_on_the_path(run_plc: RunNc) -> None:
     """Half the feed until 200 ms after the begin of the motion, then a hold of 100 ms."""
     body = """    def cycle(self, inputs, hli):

@@ -81,7 +81,8 @@ AT_SIGNAL = ("PLC", "PLC_FIRST_EVENT", "PLC_EXT_LATCH_CONTROL")
 BANDS = [
     name
     for name, row in ROWS.items()
-    if row["check:latch_error_um"] and _source(row) in AT_SIGNAL and not row["plc:V.E.POSITION"]
+    if row["check:latch_error_um"] and _source(row) in AT_SIGNAL
+    if not row["plc:V.E.POSITION"] and "terminal" in _rig(PLANS / row["rig"])["plc"]
 ]
 
 
@@ -94,6 +95,23 @@ def test_the_band_of_a_signal_at_the_plc_is_its_chain(case: str) -> None:
     low, high = (float(text) for text in row["check:latch_error_um"].split(" .. "))
     assert low == pytest.approx(-v_um_us * most_us - INCREMENT_UM, abs=1e-4)
     assert high == pytest.approx(-v_um_us * least_us + INCREMENT_UM, abs=1e-4)
+
+
+def test_the_band_of_a_digital_input_of_the_drive() -> None:
+    """4 us, U to the SYNC, the NC cycle, the next PLC cycle after it, the next NC cycle, its SYNC.
+
+    NC cycles at 0.6 and 1.6 of 2 ms, PLC at 0.3: 1.7 or 0.7 ms from one to the other, then 0.3 ms.
+    """
+    row = ROWS["plc-drive-input"]
+    rig = _rig(PLANS / row["rig"])
+    assert (rig["plc"]["period_us"], rig["plc"]["offset_us"]) == (2000, 300)
+    assert (rig["cycle"]["period_us"], rig["cycle"]["cycle_offset_us"]) == (1000, 600)
+    age = 600 - SYNC_US
+    delay = rig["drive"]["servo"]["input_delay_us"] + age + 300 - age
+    least, most = delay + 700, delay + 1000 + 1700
+    low, high = (float(text) for text in row["check:latch_error_um"].split(" .. "))
+    assert low == pytest.approx(-most / 100 - INCREMENT_UM, abs=1e-4)
+    assert high == pytest.approx(-least / 100 + INCREMENT_UM, abs=1e-4)
 
 
 def test_there_are_such_rows() -> None:

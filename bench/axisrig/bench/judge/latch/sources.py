@@ -31,8 +31,8 @@ def _chain(observed: Observed, task: PlcTaskRecord) -> Chain:
 def signal_late_cycles(observed: Observed, seen: Touch, _axis: str) -> Observation:
     """NC cycles between the one that has to see the signal and the one that has seen it."""
     task = observed.facts.plc_task
-    if task is None:
-        return Observation(None, note="the rig has no PLC task")
+    if task is None or not task.probes:
+        return Observation(None, note="no probe is wired to the PLC")
     if seen.edge_ns is None or seen.run.signal_ns is None:
         return Observation(None, note="no edge was seen in the measurement run")
     due_ns = _chain(observed, task).seen(seen.edge_ns).cnc_ns
@@ -46,8 +46,8 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
     stamp for.
     """
     task, source = observed.facts.plc_task, seen.run.sources.get(axis, "")
-    if task is None or source not in (*AT_SIGNAL, STAMPED):
-        return Observation(None, note=f"the signal of axis {axis} is not at a PLC task")
+    if task is None or not task.probes or source not in (*AT_SIGNAL, STAMPED):
+        return Observation(None, note=f"the signal of axis {axis} is at no terminal of a PLC")
     value_mm = seen.run.latched_mm.get(axis)
     if value_mm is None or seen.edge_ns is None:
         return Observation(None, note=f"no measured value of axis {axis}")

@@ -226,12 +226,12 @@ class Observed:
     def probes_of(self, run: MeasurementRun) -> list[ProbeRecord]:
         """Return the probes that are wired to the input in use of the measuring axes.
 
-        That is an input of the drive; a PLC reads those of its terminal, its program chooses.
+        That is an input of the drive; a PLC with a terminal reads those of it, its program chooses.
         """
         task = self.facts.plc_task
         names: list[str] = []
         for axis in run.axes:
-            if task is not None and run.sources.get(axis) in AT_PLC:
+            if task is not None and task.probes and run.sources.get(axis) in AT_PLC:
                 names += task.probes
             else:
                 names.append(self.axes[axis].signals.get(f"probe_{run.inputs[axis]}", ""))

@@ -99,13 +99,15 @@ class McControl:
 class LrState:
     """lr_state of an axis: probe actuated, measurement run under way, its last value is valid.
 
-    position_r: actual position, 0.1 um or 0.0001 deg.
+    position_r: actual position, 0.1 um or 0.0001 deg. digital_inputs_r: 60FD of the drive as the
+    CNC has it, bits 16 and 17 are its probe inputs.
     """
 
     probe_actuated_r: bool = False
     measurement_active_r: bool = False
     measure_value_ok_r: bool = False
     position_r: int = 0
+    digital_inputs_r: int = 0
 
 
 @dataclass

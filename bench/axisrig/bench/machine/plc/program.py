@@ -1,9 +1,10 @@
 """Loads the PLC program of a rig, and runs its cycles so that a mistake in it is named by line."""
 
+import sys
 import traceback
 from collections.abc import Callable
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from axisrig.bench.machine.plc.hli import Hli, Inputs
@@ -26,11 +27,17 @@ class PlcProgram:
         self.outlives_program = bool(getattr(self._program, "outlives_program", False))
 
     def _load(self) -> Any:
-        spec = spec_from_file_location(f"axisrig_plc_{self._path.stem}", self._path)
-        if not self._path.is_file() or spec is None or spec.loader is None:
-            raise UserError("the PLC program is no Python file", file=self._path, hint=_HINT)
-        module = module_from_spec(spec)
-        spec.loader.exec_module(module)
+        try:
+            text = self._path.read_bytes()
+        except OSError as error:
+            raise UserError(
+                f"the PLC program cannot be read: {error.strerror}", file=self._path, hint=_HINT
+            ) from error
+        # Anew for each run, and without a cache: a run must not find what another one has left
+        module = ModuleType(f"axisrig_plc_{self._path.stem}")
+        module.__file__ = str(self._path)
+        sys.modules[module.__name__] = module  # where dataclasses look their types up
+        exec(compile(text, str(self._path), "exec"), module.__dict__)
         found = [
             each
             for each in vars(module).values()

@@ -47,6 +47,7 @@ class _AxisShown:
     is_measuring: bool
     has_value: bool
     position_units: int
+    digital_inputs: int
 
 
 @dataclass(frozen=True)
@@ -173,6 +174,7 @@ class PlcTaskRunner:
         state.measurement_active_r = axis.is_measuring
         state.measure_value_ok_r = axis.has_value
         state.position_r = axis.position_units
+        state.digital_inputs_r = axis.digital_inputs
         unit.task_number_r = self._table.task
         if axis.number > self._orders[name]:  # a new task
             self._orders[name] = axis.number
@@ -282,6 +284,7 @@ class PlcTaskRunner:
                 or channel.single.measuring_state(link.name) is not None,
                 measurement.measured_acs_mm(link.name) is not None,
                 round(link.actual_mm * UNITS_PER_MM),
+                link.digital_inputs or 0,
             )
         shown = _Shown(self._clock.now_ns, channel.state.name, axes, dict(plc.values))
         self._shown = [*self._shown[-1:], shown]
