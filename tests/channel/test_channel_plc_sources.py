@@ -114,6 +114,18 @@ def test_a_stamp_gives_the_place_at_its_instant(channel_bench: Make, words: Any)
     assert PLANE_MM - 10.0e-3 - 0.001 < seen_mm < PLANE_MM + 0.001
 
 
+def test_the_dead_time_of_the_probe_leads_a_value_back(channel_bench: Make, words: Any) -> None:
+    """P-AXIS-00487: 10 ms at 10 mm/s; the axis comes from above."""
+    values = []
+    for delay_ns in (0, 10 * MS):
+        axis = words.axis("Z", start_mm=125.0, source="PLC_TIMESTAMP", delay_ns=delay_ns)
+        bench = channel_bench(axis, plane_mm=PLANE_MM)
+        Plc(bench, stamp=lambda now_ns: now_ns - 3 * MS)
+        bench.run([words.probe(1, 600.0, Z=TO), words.wait(1), words.end()])
+        values.append(bench.channel.measured_acs_mm("Z"))
+    assert values[1] - values[0] == pytest.approx(0.1, abs=21 * INCREMENT_MM)
+
+
 @pytest.mark.provokes(900401, 4, axis="Z", unit="probing_signal")
 def test_900401_for_a_signal_that_is_not_enabled(channel_bench: Make, words: Any) -> None:
     bench, _ = _run(channel_bench, words, "PLC", enables=False)

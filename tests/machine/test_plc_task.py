@@ -113,7 +113,7 @@ def test_a_table_that_cannot_be_is_refused_with_its_line(
 
 
 def test_a_program_that_is_missing_is_named(run_nc: RunNc) -> None:
-    with pytest.raises(UserError, match=r"nowhere\.py: the PLC program cannot be read"):
+    with pytest.raises(UserError, match=r"rig1\.toml:4: the PLC program is no file"):
         run_nc(
             "N10 G4 0.1",
             '[plc]\nperiod_us = 2000\nprogram = "nowhere.py"\n',

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.time.clock import MS
 
 
 def describe_axes(settings: Settings) -> list[str]:
@@ -29,7 +30,8 @@ def describe_axes(settings: Settings) -> list[str]:
         inputs = ", ".join(f"input {number} = {name}" for number, name in channels.items())
         lines.append(
             f"PLC task: every {task.period_us} us from {task.offset_us} us on,"
-            f" program {Path(task.program).name}; terminal: {inputs or 'none'}"
+            f" program {Path(task.program).name}; terminal: {inputs or 'none'};"
+            f" an edge is in its outputs {task.late_ns() / MS:g} ms later at most"
         )
     lines += [f"{name} of the PLC: {entry.sensor}" for name, entry in rig.plc.items()]
     lines += [

@@ -27,12 +27,7 @@ class PlcProgram:
         self.outlives_program = bool(getattr(self._program, "outlives_program", False))
 
     def _load(self) -> Any:
-        try:
-            text = self._path.read_bytes()
-        except OSError as error:
-            raise UserError(
-                f"the PLC program cannot be read: {error.strerror}", file=self._path, hint=_HINT
-            ) from error
+        text = self._path.read_bytes()
         # Anew for each run, and without a cache: a run must not find what another one has left
         module = ModuleType(f"axisrig_plc_{self._path.stem}")
         module.__file__ = str(self._path)
