@@ -129,13 +129,22 @@ class SignalPort:
             raise Alarm(900401, axis=self.name, unit=unit)
 
     def _latch(self) -> None:
-        """Take the value that belongs to the edge of this cycle."""
+        """Take the value that belongs to the edge of this cycle.
+
+        Where the telegram of its SYNC is missing the history gives the position, as for a stamp.
+        """
         units = self._unit.writes.position_units
         self.has_latched, self._latch_ns = True, self._sync_ns
-        self.latched_mm = self._link.actual_mm if units is None else units / UNITS_PER_MM
+        if units is not None:
+            self.latched_mm = units / UNITS_PER_MM
+        elif self._link.has_actual:
+            self.latched_mm = self._link.actual_mm
 
     def _complete(self) -> None:
-        """Do what is left to do for a value whose edge has come."""
+        """Take a position that is not known yet as soon as the samples around it are there."""
+        at_ns = self._latch_ns
+        if self.latched_mm is None and at_ns is not None and self.history.reaches(at_ns):
+            self.latched_mm = self.history.at(at_ns)[0]
 
 
 class StampPort(SignalPort):
@@ -174,9 +183,3 @@ class StampPort(SignalPort):
         self.has_latched, self._latch_ns = True, at_ns
         self.arrival.stamp = at_ns & STAMP_MASK
         self._complete()
-
-    def _complete(self) -> None:
-        """Take the position as soon as the samples around the stamp are there."""
-        at_ns = self._latch_ns
-        if self.latched_mm is None and at_ns is not None and self.history.reaches(at_ns):
-            self.latched_mm = self.history.at(at_ns)[0]
