@@ -122,14 +122,14 @@ def test_the_end_of_the_program_brings_back_what_the_list_says(
     chosen = words.probe_settings(1, "Z", edge="NEG", source="DRIVE")
     bench.run([chosen, words.move(2, 600.0, Z=1.0), words.end()])
     assert (bench.alarm_ids, bench.links[0].edge) == ([], "POS")
-    with pytest.raises(Alarm, match="900100"):  # the signal of the PLC again
+    with pytest.raises(Alarm, match="900400"):  # the signal of the PLC again
         bench.channel.measurement.check("Z", 1)
 
 
-@pytest.mark.provokes(900100, 2, word="kenngr.measure.signal = PLC of axis Z")
+@pytest.mark.provokes(900400, 2, axis="Z", source="PLC")
 def test_signal_drive_of_meas_wins_over_the_parameter_list(channel_bench: Make, words: Any) -> None:
     run = words.probe(2, 600.0, Z=110.0)
-    for source, alarms in ((None, [900100]), ("DRIVE", [])):
+    for source, alarms in ((None, [900400]), ("DRIVE", [])):
         bench = channel_bench(words.axis("Z", start_mm=130.0, source="PLC"), plane_mm=120.0)
         chosen = words.probe_settings(1, "Z", source=source)
         bench.run([chosen, run, words.wait(2), words.end()])

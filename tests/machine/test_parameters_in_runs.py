@@ -36,13 +36,13 @@ def test_warnings_of_lists_stand_at_the_begin_of_a_run_that_goes_on(
     assert outcome.alarms == [315002, 110757]
 
 
-@pytest.mark.provokes(900100, 2, word="kenngr.measure.signal = PLC of axis Z")
-def test_a_source_that_does_not_act_ends_the_run_and_never_measures_by_the_drive(
+@pytest.mark.provokes(900400, 2, axis="Z", source="PLC")
+def test_a_source_without_a_plc_ends_the_run_and_never_measures_by_the_drive(
     tmp_path: Path, run_nc: RunNc
 ) -> None:
     rig = z_list(tmp_path, "kenngr.measure.signal PLC")
     outcome = run_nc(MEASURE, rig, base="probe-z.toml")
-    assert outcome.alarms == [900100]
+    assert outcome.alarms == [900400]
     assert outcome.machine.channel.records == []
 
 

@@ -91,7 +91,48 @@ def test_parameters_of_an_axis_in_the_units_of_the_kernel() -> None:
         "kenngr.measure.probe[1].input": "1",
     }.items():
         axis.set(path, text, "test")
-    assert MeasuringAxis.read(axis) == MeasuringAxis(5.0, 2.0, 1.5, 0.25, 10_000_000, (2, 1))
+    expected = MeasuringAxis(5.0, 2.0, 1.5, 0.25, 10_000_000, (2, 1), probe_input=2)
+    assert MeasuringAxis.read(axis) == expected
+
+
+@pytest.mark.parametrize(
+    ("settings", "source", "probe_input", "edge"),
+    [
+        ({"kenngr.mess_signal_achs_steuer": "1"}, "PLC", 1, "POS"),  # P-AXIS-00115
+        ({"kenngr.mess_signal_sercos": "1"}, "DRIVE", 1, "POS"),  # 00116
+        ({"kenngr.mess_signal_taster": "1"}, "DRIVE", 1, "POS"),  # 00117
+        ({"kenngr.probing_signal_via_plc": "1"}, "PLC", 1, "POS"),  # 00257
+        ({"kenngr.meas_signal_drive": "1"}, "DRIVE", 1, "POS"),  # 00269
+        ({"kenngr.mess_neg_flanke": "1"}, "DRIVE", 1, "NEG"),  # 00113
+        ({"antr.probing_input_nbr": "2"}, "DRIVE", 2, "POS"),  # 00430
+        ({"antr.canopen.probing_input_number": "2"}, "DRIVE", 2, "POS"),  # 00295
+        (
+            {
+                "kenngr.probing_signal_via_plc": "1",
+                "kenngr.mess_neg_flanke": "1",
+                "antr.probing_input_nbr": "2",
+            },
+            "PLC",
+            2,
+            "NEG",
+        ),
+        (
+            {"kenngr.measure.signal": "DRIVE", "kenngr.probing_signal_via_plc": "1"},
+            "DRIVE",
+            1,
+            "POS",
+        ),
+    ],
+)
+def test_older_parameters_arrive_at_their_source(
+    settings: dict[str, str], source: str, probe_input: int, edge: str
+) -> None:
+    """FCT-C4 8.2.4: they decide while P-AXIS-00516, 00517 and 00518 are not given."""
+    axis = ParameterSet("axis")
+    for path, text in settings.items():
+        axis.set(path, text, "test")
+    found = MeasuringAxis.read(axis)
+    assert (found.source, found.probe_input, found.edge) == (source, probe_input, edge)
 
 
 def test_an_axis_without_settings_has_those_of_the_manual() -> None:

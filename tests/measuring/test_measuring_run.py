@@ -5,10 +5,9 @@ from dataclasses import dataclass, field
 import pytest
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.measuring.latest_edge import Arrival, StampClock
+from axisrig.kernel.measuring.latest_edge import HANDSHAKE_CYCLES_MAX, Arrival, StampClock
 from axisrig.kernel.measuring.run import (
     CHECK_CYCLES_MAX,
-    HANDSHAKE_CYCLES_MAX,
     PROOF_CYCLES_MAX,
     MeasuringRun,
     Order,

@@ -34,7 +34,7 @@ def refusal(folder: Path, table: str, *assignments: str) -> UserError:
 @pytest.mark.parametrize(
     ("table", "words", "line"),
     [
-        ('"SENSOR" = { sensor = "gap" }', 'in quotes: "V.E.SENSOR"', 3),
+        ('"SENSOR" = { sensor = "gap" }', "unknown rig key plc.SENSOR", 3),
         ('"V.E.1" = { sensor = "gap" }', 'in quotes: "V.E.SENSOR"', 3),
         ('"V.E.S" = { sensor = "gab" }', "V.E.S: sensor names nothing in this rig", 3),
         ('"V.E.S" = { sensor = "z" }', "V.E.S: sensor must name a distance sensor", 3),

@@ -17,6 +17,7 @@ from axisrig.bench.rig.reading.file import (
     SegmentTable,
 )
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
+from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable
 from axisrig.kernel.cosim.fmi.role_table import role_table
 
 TEXT = (Path(__file__).parents[2] / "docs" / "rigs.md").read_text(encoding="utf-8")
@@ -29,6 +30,8 @@ MODELS: dict[str, type[BaseModel]] = {
     "[axis.A]": AxisTable,
     "[plant.P]": PlantTable,
     "[plc] V": PlcSensorTable,
+    "[plc]": PlcTaskTable,
+    "[plc.terminal]": TerminalTable,
 }
 
 

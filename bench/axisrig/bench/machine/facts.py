@@ -28,18 +28,19 @@ from axisrig.bench.record.facts import (
     Note,
     Timing,
 )
-from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun
+from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
 from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.latches import unproved_notes
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
+from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
 from axisrig.kernel.channel.distance.sensor import VariableSensor
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.nc import canon
-from axisrig.kernel.time.clock import TimeNs
+from axisrig.kernel.time.clock import US, TimeNs
 
 _TROUBLE = (State.QUICK_STOP_ACTIVE, State.FAULT_REACTION_ACTIVE, State.FAULT)
 
@@ -67,6 +68,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
             name: PlcSensor(table.sensor, table.sign, table.delay_cycles)
             for name, table in settings.rig.plc.items()
         },
+        plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
         channel=dict(settings.channel.items()),
         runs=tuple(_run(machine, record) for record in channel.records),
@@ -187,6 +189,7 @@ def _run(machine: Machine, record: RunRecord) -> MeasurementRun:
         block=record.block,
         goes_on=record.goes_on,
         inputs=dict(record.inputs),
+        sources=dict(record.sources),
         begin_ns=record.begin_ns,
         start_ns=record.start_ns,
         signal_ns=record.signal_ns,
@@ -194,6 +197,30 @@ def _run(machine: Machine, record: RunRecord) -> MeasurementRun:
         latched_mm=dict(record.latched_mm),
         target_mm=None if target_mm is None else dict(target_mm),
         fixed_stop=fixed_stop,
+    )
+
+
+def _plc_task(machine: Machine) -> PlcTaskRecord | None:
+    """Return the PLC task of a rig as the judge needs it."""
+    table, runner = machine.settings.rig.plc_task, machine.plc_task
+    if table is None or runner is None:
+        return None
+    terminal = table.terminal or TerminalTable()
+    return PlcTaskRecord(
+        period_ns=table.period_ns,
+        offset_ns=table.offset_us * US,
+        busy_ns=table.busy_us * US,
+        terminal_ns=terminal.cycle_ns(table),
+        terminal_offset_ns=terminal.offset_ns(table),
+        filter_ns=round(terminal.filter_us * US),
+        stamp_resolution_ns=terminal.stamp_resolution_ns,
+        stamp_jitter_ns=terminal.stamp_jitter_ns,
+        clock_offset_ns=table.clock_offset_ns,
+        clock_drift_ppm=table.clock_drift_ppm,
+        assumed_offset_ns=table.assumed_offset_ns,
+        assumed_drift_ppm=table.assumed_drift_ppm,
+        left_out=runner.left_out,
+        probes=tuple(terminal.inputs.values()),
     )
 
 

@@ -26,6 +26,8 @@ from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
 from axisrig.bench.machine.plc.sensors import PlcSensors
 from axisrig.bench.machine.plc.side import PlcSide
+from axisrig.bench.machine.plc.task import PlcTaskRunner
+from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
@@ -139,6 +141,7 @@ class Machine:
             telegrams = self._log_telegrams(journal)
             self.channel = self._build_channel()
             self._connect_plc_sensors()
+            self.plc_task = self._build_plc_task(seed)
             self._inject_faults(seed)
             self._observe(trace, telegrams)
             self.channel.load(self._commands_of(None))
@@ -157,7 +160,11 @@ class Machine:
             external=self.channel.plc.values,
             default_measuring_type=self.settings.channel.integer("messtyp"),
             tables=self.settings.offset_tables,
-            plc_is_constant=not (self.plc_side.writes_variables or self.settings.rig.plc),
+            plc_is_constant=not (
+                self.plc_side.writes_variables
+                or self.settings.rig.plc
+                or self.settings.rig.plc_task
+            ),
         )
 
     def _noted(self, commands: Iterator[Command]) -> Iterator[Command]:
@@ -170,6 +177,37 @@ class Machine:
             elif isinstance(command, DistanceCommand) and command.action == "ref":
                 self.referenced.add(command.axis)
             yield command
+
+    def _build_plc_task(self, seed: int) -> PlcTaskRunner | None:
+        """Make the task of the PLC with its terminal and its program."""
+        table, plant = self.settings.rig.plc_task, self.plant
+        if table is None:
+            return None
+        clock, channel, terminal = self.scheduler, self.channel, None
+        if table.terminal is not None:
+            signals = {name: probe.signal for name, probe in plant.probes.items()}
+            terminal = Terminal(table, table.terminal, signals, plant.advance_to, seed)
+        switched = None if table.switches is None else plant.probes[table.switches]
+
+        def switch(is_on: bool) -> None:
+            if switched is not None:
+                plant.advance_to(clock.now_ns)
+                switched.switch(is_on, clock.now_ns)
+
+        def sync_ns(axis: str) -> TimeNs:
+            node = self.nodes.get(axis)
+            return channel.sync_ns if node is None else node.servo.sync_ns
+
+        return PlcTaskRunner(
+            table,
+            channel,
+            clock,
+            terminal=terminal,
+            program=lambda: self._commands_of(None),
+            switch=switch,
+            sync_ns=sync_ns,
+            has_columns=bool(self.settings.plc),
+        )
 
     def _connect_plc_sensors(self) -> None:
         """Let the PLC side read the distance sensors that the rig gives it."""
@@ -335,6 +373,8 @@ class Machine:
                 for name, access in self._accesses.items()
             ]
         )
+        if self.plc_task is not None:
+            self.plc_task.start()
         scheduler, channel, period_ns = self.scheduler, self.channel, self.timing.period_ns
         limit_ns, between = scheduler.now_ns + self._limit_ns, self._between_cycles()
         while not channel.has_ended:

@@ -299,6 +299,7 @@ def check_plants(settings: Settings, plant: Plant) -> None:
                 value=entry.sensor,
                 allowed=plant.distances or "none in this rig",
             )
+    _check_plc_task(settings, plant)
     for name, axis in settings.rig.axis.items():
         if name in outside:
             continue
@@ -320,6 +321,30 @@ def check_plants(settings: Settings, plant: Plant) -> None:
                     value=instance,
                     allowed=known or "none in this rig",
                 )
+
+
+def _check_plc_task(settings: Settings, plant: Plant) -> None:
+    """Check that the terminal and the output of the PLC are wired to probes of this rig."""
+    task = settings.rig.plc_task
+    if task is None:
+        return
+    channels = {} if task.terminal is None else task.terminal.inputs
+    wired: dict[tuple[str, ...], str] = {
+        ("plc", "terminal", f"input_{number}"): name for number, name in channels.items()
+    }
+    if task.switches is not None:
+        wired[("plc", "switches")] = task.switches
+    for keys, name in wired.items():
+        probe = plant.probes.get(name)
+        if probe is None or (keys[-1] == "switches" and not probe.can_be_switched()):
+            can = "that can be switched on" if keys[-1] == "switches" else "or a switch"
+            raise rig_error(
+                settings.files,
+                keys,
+                f"{'.'.join(keys)} must name a probe {can}, of this rig",
+                value=name,
+                allowed=plant.probes or "none in this rig",
+            )
 
 
 def _compare_leads(settings: Settings, plant: Plant, name: str) -> None:

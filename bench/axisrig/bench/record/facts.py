@@ -24,7 +24,7 @@ from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
-from axisrig.bench.record.measuring import MeasurementRun
+from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
@@ -134,6 +134,7 @@ class Facts(Frozen):
     plants: Mapping[str, PlantRecord] = field(default_factory=dict)
     probes: Mapping[str, ProbeRecord] = field(default_factory=dict)
     plc_sensors: Mapping[str, PlcSensor] = field(default_factory=dict)
+    plc_task: PlcTaskRecord | None = None
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()

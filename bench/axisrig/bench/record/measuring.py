@@ -44,10 +44,36 @@ class FixedStop(Frozen):
 
 
 @dataclass(frozen=True)
+class PlcTaskRecord(Frozen):
+    """The PLC task of a rig, with its terminal; ns, and the relation of its clock to the bus time.
+
+    terminal_ns, terminal_offset_ns: cycle in which its image is exchanged, that of the task without
+    a terminal. left_out: cycles that an overrun has cost. assumed_offset_ns, assumed_drift_ppm:
+    what the CNC believes of the clock. probes: wired to the terminal.
+    """
+
+    period_ns: TimeNs
+    offset_ns: TimeNs
+    busy_ns: TimeNs
+    terminal_ns: TimeNs
+    terminal_offset_ns: TimeNs
+    filter_ns: TimeNs = 0
+    stamp_resolution_ns: int = 1
+    stamp_jitter_ns: int = 0
+    clock_offset_ns: int = 0
+    clock_drift_ppm: float = 0.0
+    assumed_offset_ns: int = 0
+    assumed_drift_ppm: float = 0.0
+    left_out: int = 0
+    probes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class MeasurementRun(Frozen):
     """A measurement run. axes: the measuring axes. inputs: probing input in use of each.
 
     signal_ns: cycle that saw the first stored edge. goes_on: the signal does not end the motion.
+    sources: of the signal of each axis, P-AXIS-00516.
     latched_mm: published value of each axis, ACS. target_mm: of its block, None where unknown.
     fixed_stop: of a run to a fixed stop, whose signal is that the stop is found.
     """
@@ -56,6 +82,7 @@ class MeasurementRun(Frozen):
     block: str = ""
     goes_on: bool = False
     inputs: Mapping[str, int] = field(default_factory=dict)
+    sources: Mapping[str, str] = field(default_factory=dict)
     begin_ns: TimeNs = 0
     start_ns: TimeNs | None = None
     signal_ns: TimeNs | None = None

@@ -3,6 +3,7 @@
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 
 from axisrig.bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from axisrig.bench.drive.dictionary.profiles import DEFAULT_PROFILE
@@ -327,6 +328,9 @@ def _check_references(settings: Settings) -> None:
                     value=value,
                     allowed=known,
                 )
+    task = rig.plc_task
+    if task is not None and not Path(task.program).is_file():
+        raise rig_error(files, ("plc", "program"), "the PLC program is no file", value=task.program)
     for name, table in rig.plc.items():
         if table.sensor not in rig.plant:
             raise rig_error(

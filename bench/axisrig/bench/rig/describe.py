@@ -1,6 +1,9 @@
 """A rig in words: its axes with what belongs to each, and probes that nobody reads."""
 
+from pathlib import Path
+
 from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.time.clock import MS
 
 
 def describe_axes(settings: Settings) -> list[str]:
@@ -20,6 +23,16 @@ def describe_axes(settings: Settings) -> list[str]:
     read = {sensor for axis in rig.axis.values() for sensor in axis.signals.values()}
     read |= {axis.encoder_2 for axis in rig.axis.values() if axis.encoder_2}
     read |= {entry.sensor for entry in rig.plc.values()}
+    task = rig.plc_task
+    if task is not None:
+        channels = task.terminal.inputs if task.terminal else {}
+        read |= {*channels.values(), *([task.switches] if task.switches else [])}
+        inputs = ", ".join(f"input {number} = {name}" for number, name in channels.items())
+        lines.append(
+            f"PLC task: every {task.period_us} us from {task.offset_us} us on,"
+            f" program {Path(task.program).name}; terminal: {inputs or 'none'};"
+            f" an edge is in its outputs {task.late_ns() / MS:g} ms later at most"
+        )
     lines += [f"{name} of the PLC: {entry.sensor}" for name, entry in rig.plc.items()]
     lines += [
         f"warning: {plant} is wired to no input of a drive: nobody reads it"

@@ -25,6 +25,7 @@ from axisrig.bench.rig.reading.lists import (
     stop_notes,
     take_over,
 )
+from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS, PlcTaskTable
 from axisrig.kernel.errors import Alarm, UserError, nearest
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
@@ -208,6 +209,9 @@ class Settings:
                 raise UserError("optional_stop is on or off", value=item.value, allowed="0, 1")
             self.operator = replace(self.operator, optional_stop=item.value == "1")
             return
+        if item.name in PLAIN_TASK_KEYS:
+            self._plc_task(item)
+            return
         if item.name in self.rig.plc:
             raise UserError(
                 "the PLC side of this rig reads that variable from a sensor ([plc])",
@@ -219,8 +223,38 @@ class Settings:
         # The last one counts: --set acts on top of a table
         self.plc = [rule for rule in self.plc if rule.column != item.column] + rules
 
+    def _plc_task(self, item: Assignment) -> None:
+        """Change a key of `[plc]` or `[plc.terminal]`."""
+        task = self.rig.plc_task
+        if task is None:
+            raise UserError(
+                "the rig has no PLC task", value=item.name, hint="period_us and program in [plc]"
+            )
+        values = task.model_dump()
+        *_, key = item.name.split(".")
+        inside = values if key == item.name else values["terminal"]
+        if inside is None:
+            raise UserError("the PLC of this rig has no terminal", value=item.name)
+        inside[key] = _plain(item.value)
+        try:
+            changed = PlcTaskTable.model_validate(values)
+        except ValidationError as error:
+            message = error.errors()[0]["msg"].lower()
+            raise UserError(f"{item.name}: {message}", value=item.value) from error
+        self.rig = self.rig.model_copy(update={"plc_task": changed})
+
     def _fault(self, item: Assignment, _located: Located) -> None:
         self.faults += read_faults(item.name, item.value, self.rig)
+
+
+def _plain(text: str) -> int | float | str:
+    """Return a value as TOML has it: a whole number, a number, a word."""
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text
 
 
 def _meant(item: Assignment, what: str, known: Iterable[str]) -> list[str]:

@@ -118,6 +118,7 @@ class Channel(ChannelView):
             slaves_of=couplings.slaves_of,
             offsets=offsets,
             warn=self.warn,
+            plc=plc,
         )
         self._units = units = ControlUnits(plc, path)
         self.single = SingleAxes(

@@ -379,9 +379,14 @@ class AxisLink:
         return True
 
     @property
+    def digital_inputs(self) -> int | None:
+        """The digital inputs 0x60FD; None until a telegram has delivered them."""
+        return self._sparse.values.get("inputs", self._inputs)
+
+    @property
     def is_actuated(self) -> bool | None:
         """Whether the probe input has the level that the edge leads to; None without 0x60FD."""
-        inputs = self._sparse.values.get("inputs", self._inputs)
+        inputs = self.digital_inputs
         if inputs is None:
             return None
         level = bool(inputs & self._input_bit)

@@ -13,6 +13,9 @@ from typing import Protocol
 from axisrig.kernel.time.clock import TimeNs
 
 _STAMP_MASK = 0xFFFF_FFFF
+# Cycles that a drive may take to show a changed latch control word: four times the two to four
+# cycles of known drives (docs/touch-probe.md).
+HANDSHAKE_CYCLES_MAX = 16
 
 
 @dataclass(frozen=True)
@@ -43,7 +46,8 @@ class Arrival:
 
     delay_cycles: SYNCs by which the status may be old. missing_cycles: telegrams in a row that may
     stay out. clock: of the drive, None where it is not known. is_new: this cycle has delivered the
-    status. stamp: time stamp of the latch, None where no telegram carries it.
+    status. stamp: time stamp of the latch, None where no telegram carries it. handshake_cycles: how
+    long it may take to arm or to clear; None = the latch raises its own alarm when it takes long.
     """
 
     delay_cycles: int = 0
@@ -51,6 +55,7 @@ class Arrival:
     clock: StampClock | None = None
     is_new: bool = True
     stamp: int | None = None
+    handshake_cycles: int | None = HANDSHAKE_CYCLES_MAX
 
     @property
     def is_stamped(self) -> bool:

@@ -17,8 +17,11 @@ from axisrig.kernel.time.clock import TimeNs
 
 SIGNAL = "kenngr.measure.signal"
 SPHERE = 6  # mode of P-AXIS-00112
-LATCHED = ("DRIVE", "DRIVE_TYPE_DEFAULT")  # a CANopen drive latches by itself
 FIXED_STOP = "FIXED_STOP"
+PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP = "PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP"
+EXTERNAL, EXTERNAL_WITH_DRIVE = "PLC_EXT_LATCH_CONTROL", "EXT_PROBE_WITH_DRIVE"
+OF_PLC = (PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP, EXTERNAL, EXTERNAL_WITH_DRIVE)
+"""Sources that need a task of the PLC."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +31,9 @@ class MeasuringAxis:
     speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way past
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
-    comes from, P-AXIS-00516 or the older switches. simulated: mode and parameter of a probe that
-    the CNC simulates, P-AXIS-00112 and 00145; mode 0: a real one. fixed_stop: of runs to one.
+    comes from, P-AXIS-00516 or the older switches. probe_input, edge: P-AXIS-00517 and 00518 or
+    the older ones. simulated: mode and parameter of a probe that the CNC simulates, P-AXIS-00112
+    and 00145; mode 0: a real one. fixed_stop: of runs to one.
     """
 
     speed_mm_s: float = 16.666
@@ -39,6 +43,8 @@ class MeasuringAxis:
     delay_ns: TimeNs = 0
     probe_inputs: tuple[int, int] = (1, 1)
     source: str = "DRIVE"
+    probe_input: int = 1
+    edge: str = "POS"
     simulated: tuple[int, int] = (0, 0)
     fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
 
@@ -56,6 +62,8 @@ class MeasuringAxis:
                 axis.integer("kenngr.measure.probe[1].input"),
             ),
             source=axis.word(SIGNAL),
+            probe_input=axis.integer("kenngr.measure.input"),
+            edge=axis.word("kenngr.measure.edge"),
             simulated=(
                 axis.integer("meas_simu.meas_simu_mode"),
                 axis.integer("meas_simu.parameter1"),
@@ -80,14 +88,20 @@ class MeasuringAxis:
                 raise Alarm(900241, axis=axis, source=source, type=kind.number)
         elif source == FIXED_STOP and not mode:
             raise Alarm(900242, axis=axis, source=source, type=kind.number)
-        elif source not in LATCHED and not mode:
-            word = f"{SIGNAL} = {source} of axis {axis}"
-            raise Alarm(900100, word=word, what="source of the probing signal")
+
+    def needs_plc(self, source: str) -> bool:
+        """Return whether a source needs the PLC, which a simulated probe does not."""
+        return source in OF_PLC and not self.simulated[0]
 
     def overtravel_mm(self, kind: MeasuringType) -> float:
         """Return how far the axis may go past its target in a run of a type."""
         known = {"P-AXIS-00467": self.offset_mm, "P-AXIS-00114": self.old_offset_mm}
         return next((known[name] for name in kind.overtravel if known[name]), 0.0)
+
+
+def inputs_of(source: str) -> int:
+    """Return the highest probing input that a source has (P-AXIS-00517); others use none."""
+    return 255 if source == EXTERNAL else 2
 
 
 def highest_speed(

@@ -13,7 +13,7 @@ The run is a small state machine that is evaluated once per NC cycle with this c
     DONE        results are final
 
 It touches the machine through `LatchPort` only, one per measuring axis: the latch in a drive
-(P-AXIS-00516 = DRIVE) is one, and so can be everything that gives a signal and a position.
+(P-AXIS-00516 = DRIVE) is one, a signal of the PLC (`kernel.channel.probing`) another.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -26,9 +26,6 @@ from axisrig.kernel.measuring.fixed_stop.record import FixedStopRecord
 from axisrig.kernel.measuring.latest_edge import LatestEdge, StatusPort
 from axisrig.kernel.time.clock import TimeNs
 
-# Cycles that a drive may take to show a changed latch control word: four times the two to four
-# cycles of known drives (docs/touch-probe.md).
-HANDSHAKE_CYCLES_MAX = 16
 # Cycles that the proof of a value may take once the edge is reported and the axes rest
 PROOF_CYCLES_MAX = 16
 # Cycles that a drive may take to send counter and latch by SDO: some answer after tens of ms
@@ -84,14 +81,16 @@ class RunRecord:
 
     axes: the measuring axes. latched_mm: measured position per axis, ACS; empty without signal.
     block: NC block for messages. signal_ns: cycle in which the first stored edge was seen.
-    goes_on: the signal does not end the motion. inputs: probing input in use per axis. fixed_stop:
-    of a run to a fixed stop, whose signal is that the stop is found.
+    goes_on: the signal does not end the motion. inputs: probing input in use per axis. sources:
+    where the signal of each axis comes from, P-AXIS-00516. fixed_stop: of a run to a fixed stop,
+    whose signal is that the stop is found.
     """
 
     axes: tuple[str, ...]
     block: str = ""
     goes_on: bool = False
     inputs: dict[str, int] = field(default_factory=dict)
+    sources: dict[str, str] = field(default_factory=dict)
     begin_ns: TimeNs = 0
     start_ns: TimeNs | None = None
     signal_ns: TimeNs | None = None
@@ -177,7 +176,14 @@ class MeasuringRun:
     def _enter(self, state: RunState) -> None:
         self.state, self._waited = state, 0
 
-    def _wait(self, alarm_id: int, port: LatchPort, cycles_max: int = HANDSHAKE_CYCLES_MAX) -> None:
+    def _wait_for_handshake(self, alarm_id: int, port: LatchPort) -> None:
+        cycles_max = port.arrival.handshake_cycles
+        if cycles_max is None:
+            self._waited = 0
+        else:
+            self._wait(alarm_id, port, cycles_max)
+
+    def _wait(self, alarm_id: int, port: LatchPort, cycles_max: int) -> None:
         self._waited += 1
         if self._waited > cycles_max:
             raise Alarm(alarm_id, axis=port.name, cycles=self._waited - 1)
@@ -185,7 +191,7 @@ class MeasuringRun:
     def _clearing(self, _now_ns: TimeNs, _is_standing: bool) -> Order:
         for port in self._ports:
             if not port.is_clear:
-                self._wait(900009, port)
+                self._wait_for_handshake(900009, port)
                 return Order.NONE
         for port in self._ports:
             port.arm()
@@ -195,7 +201,7 @@ class MeasuringRun:
     def _arming(self, now_ns: TimeNs, _is_standing: bool) -> Order:
         for port in self._ports:
             if not port.is_armed:
-                self._wait(900002, port)
+                self._wait_for_handshake(900002, port)
                 return Order.NONE
             if not port.is_prepared:
                 self._wait(900083, port, CHECK_CYCLES_MAX)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.nc import canon
+from axisrig.kernel.plc.probing import PlcTask
 from axisrig.kernel.plc.unit import AxisUnit, Refreshed
 from axisrig.kernel.time.clock import Clock, TimeNs
 
@@ -54,7 +55,7 @@ class PlcInterface:
     reported: alarms of the PLC side that the channel raises, one in each cycle.
     wants_reset, program: commands to the channel, which takes them in the same cycle.
     outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
-    has nothing more to do.
+    has nothing more to do. task: the task of the PLC that has a cycle of its own, None without one.
     """
 
     def __init__(self, clock: Clock, axes: Iterable[str]) -> None:
@@ -74,6 +75,7 @@ class PlcInterface:
         self.is_idle: Callable[[], bool] = lambda: True
         self._awaits_acknowledgement = False
         self.reported: list[Alarm] = []
+        self.task: PlcTask | None = None
 
     # What the channel does
 

@@ -7,6 +7,7 @@ Source: HLI, control commands of an axis; MC_CONTROL_DISTANCE_CONTROL (TF5200 di
 from dataclasses import dataclass, field
 
 from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
+from axisrig.kernel.plc.probing import ProbingUnit
 from axisrig.kernel.time.clock import TimeNs
 
 
@@ -54,12 +55,13 @@ class AxisUnit:
 
     feedhold: True stops the axis and with it the path that moves it. override_permille: from 0 to
     1000, the feed as it is; 0 does what the feedhold does. Either freezes the offset of distance
-    control (FCT-M3 2 and 5), between them the override scales its v_max.
+    control (FCT-M3 2 and 5), between them the override scales its v_max. probing: for measuring.
     """
 
     feedhold: bool = False
     override_permille: int = 1000
     distance: DistanceUnit = field(default_factory=DistanceUnit)
+    probing: ProbingUnit = field(default_factory=ProbingUnit)
 
     @property
     def holds(self) -> bool:

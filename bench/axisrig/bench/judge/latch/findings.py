@@ -1,7 +1,7 @@
 """Marks of measurement runs: contacts and edges of the probes, latches, cycles that brake."""
 
 from axisrig.bench.judge.observed.event import Event
-from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.observed import AT_PLC, Observed
 
 
 def latch_events(observed: Observed) -> list[Event]:
@@ -26,7 +26,11 @@ def latch_events(observed: Observed) -> list[Event]:
     for run in facts.runs:
         if run.signal_ns is not None and run.fixed_stop is None:
             sync_ns = run.signal_ns - facts.timing.offset_ns
-            marks.append(Event(sync_ns, "pdo", "SYNC that sampled the latch status"))
+            if any(source in AT_PLC for source in run.sources.values()):
+                words = "SYNC before the cycle that sees the signal of the PLC"
+            else:
+                words = "SYNC that sampled the latch status"
+            marks.append(Event(sync_ns, "pdo", words))
             label = "cycle that sees the signal" if run.goes_on else "cycle that brakes"
             marks.append(Event(run.signal_ns, "brake", label))
         if run.end_ns is not None:

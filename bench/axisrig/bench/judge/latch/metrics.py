@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from axisrig.bench.judge.latch.sources import signal_late_cycles, source_error_um
 from axisrig.bench.judge.latch.truth import Touch, latch_in_run_ns, touch
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
@@ -231,6 +232,11 @@ def overtravel_mm(observed: Observed, seen: Touch, contact: Contact, axis: str) 
     return Observation(float(np.max(away_mm)), rest_mm, REST)
 
 
+# The signal at a PLC
+
+_of_run(signal_late_cycles)
+_of_run(source_error_um)
+
 # Probes
 
 
@@ -238,6 +244,8 @@ def probe_deflection_mm_max(observed: Observed, axis: str | None) -> Observation
     """Largest deflection of the probes, of one axis or of all, in any contact of the program."""
     axes = [axis] if axis else observed.axes
     wired = {name for a in axes for name in observed.axes[a].signals.values()}
+    if observed.facts.plc_task is not None:
+        wired |= set(observed.facts.plc_task.probes)
     probes = {name: probe for name, probe in observed.facts.probes.items() if name in wired}
     if not probes:
         return Observation(None, note="no probe is wired to the axis")

@@ -25,6 +25,9 @@ from axisrig.bench.record.series import (
 )
 from axisrig.kernel.time.clock import TimeNs
 
+AT_PLC = ("PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP", "PLC_EXT_LATCH_CONTROL")
+"""Sources of a measuring signal (P-AXIS-00516) that the PLC hands over."""
+
 Made = TypeVar("Made")
 Values = npt.NDArray[np.generic]
 
@@ -221,8 +224,17 @@ class Observed:
         return self.facts.plants.get(self.axes[axis].plant)
 
     def probes_of(self, run: MeasurementRun) -> list[ProbeRecord]:
-        """Return the probes that are wired to the input in use of the measuring axes."""
-        names = [self.axes[axis].signals.get(f"probe_{run.inputs[axis]}", "") for axis in run.axes]
+        """Return the probes that are wired to the input in use of the measuring axes.
+
+        That is an input of the drive; a PLC with a terminal reads those of it, its program chooses.
+        """
+        task = self.facts.plc_task
+        names: list[str] = []
+        for axis in run.axes:
+            if task is not None and task.probes and run.sources.get(axis) in AT_PLC:
+                names += task.probes
+            else:
+                names.append(self.axes[axis].signals.get(f"probe_{run.inputs[axis]}", ""))
         probes = self.facts.probes
         return [probes[name] for name in dict.fromkeys(names) if name in probes]
 

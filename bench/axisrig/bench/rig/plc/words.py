@@ -31,6 +31,7 @@ from axisrig.bench.rig.plc.channel_words import (
     read_channel_action,
 )
 from axisrig.bench.rig.reading.faults import read_time
+from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS
 from axisrig.kernel.drives.functions import type_range
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc.decoder.topics.technology import INTERNAL, NUMBER_MAX, SPINDLE
@@ -215,7 +216,7 @@ def _target_of(column: str, axes: Collection[str]) -> tuple[str, DriveObject | s
     """Take `Z.torque_limit`, `Z.6072` or `Z.dist_ctrl` apart; the last stays a name."""
     axis, dot, name = column.partition(".")
     if not dot:
-        forms = [*PLAIN_KEYS, *channel_columns(), "V.E.<NAME>", "<axis>.<object>"]
+        forms = [*PLAIN_KEYS, *PLAIN_TASK_KEYS, *channel_columns(), "V.E.<NAME>", "<axis>.<object>"]
         forms += [f"<axis>.{name}" for name in axis_columns()]
         raise UserError("the PLC side has no such key", value=column, allowed=forms)
     if axis not in axes:

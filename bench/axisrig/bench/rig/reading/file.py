@@ -37,8 +37,9 @@ from axisrig.bench.drive.dictionary.profiles import (
     profile_names,
 )
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable, VariableName
+from axisrig.bench.rig.reading.plc_task import PlcTaskTable, TerminalTable, take_apart
 from axisrig.bench.rig.reading.startup import StartUpKeys
-from axisrig.bench.rig.reading.tables import CycleTable, Name, RealtimeTable, Table
+from axisrig.bench.rig.reading.tables import CycleTable, Name, RealtimeTable, Table, in_words
 from axisrig.kernel.errors import UserError, nearest
 
 StartValue = bool | int | float | str
@@ -243,6 +244,7 @@ class RigFile(Table):
     """A whole rig; see docs/rigs.md for every key.
 
     hardware: the axes may move without being asked for each time (`--yes` on the command line).
+    plc: variables that show distance sensors; plc_task: the other keys of the table `[plc]`.
     """
 
     title: str
@@ -255,6 +257,13 @@ class RigFile(Table):
     axis: dict[Name, AxisTable]
     plant: dict[Name, PlantTable]
     plc: dict[VariableName, PlcSensorTable] = Field(default_factory=dict)
+    plc_task: PlcTaskTable | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _take_task_apart(cls, values: Any) -> Any:
+        """Give the keys of `[plc]` that are no variables to the task of the PLC."""
+        return take_apart(values)
 
 
 def _merge(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
@@ -298,6 +307,8 @@ def _read_toml(path: Path) -> dict[str, Any]:
 
 LIST_KEYS, MAP_KEYS = ("list", "zero_offsets", "tools"), ("eds", "pdo_map")
 """Keys of channel and axes, and of drives, that name a file."""
+PROGRAM_KEYS = ("program",)
+"""Of the PLC."""
 
 
 def load_tables(path: Path, above: tuple[Path, ...] = ()) -> tuple[dict[str, Any], list[Path]]:
@@ -322,6 +333,7 @@ def _anchor_paths(table: dict[str, Any], folder: Path) -> None:
     lists = [table.get("channel"), *_tables(table.get("axis"))]
     _anchor(folder, lists, LIST_KEYS)
     _anchor(folder, _tables(table.get("drive")), MAP_KEYS)
+    _anchor(folder, [table.get("plc")], PROGRAM_KEYS)
     for entry in _tables(table.get("plant")):
         if isinstance(entry, dict) and str(entry.get("fmu", "")).endswith((".fmu", MODEL_SUFFIX)):
             entry["fmu"] = str((folder / entry["fmu"]).resolve())
@@ -373,6 +385,10 @@ def _known_keys(keys: tuple[str, ...]) -> list[str]:
     }  # fmt: skip
     if keys[2:3] == ("map",):
         model = MapTable
+    elif keys[:2] == ("plc", "terminal"):
+        model = TerminalTable
+    elif keys[0] == "plc" and not keys[1].startswith("V.E."):
+        model = PlcTaskTable
     elif len(keys) > 1:
         model = named.get(keys[0], RigFile)
     return [*model.model_fields, *(["base"] if model is RigFile else [])]
@@ -393,6 +409,8 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
         depth = 6 if first["loc"][2:3] == ("map",) else 4
         forms = (_TEXT, _TABLE, _NOTHING)
         keys = tuple(str(part) for part in first["loc"][:depth] if part not in forms)
+        if keys[0] == "plc_task":
+            keys = ("plc", *keys[1:])
         file, line = _locate(files, keys)
         place = ".".join(keys)
         if first["type"] == "extra_forbidden":
@@ -408,28 +426,11 @@ def read_rig(path: Path) -> tuple[RigFile, list[Path]]:
         if first["type"] == "missing":
             raise UserError(f"the rig lacks the key {place}", file=file, line=line) from error
         raise UserError(
-            f"{place}: {_in_words(first['type'], first['msg'])}",
+            f"{place}: {in_words(first['type'], first['msg'])}",
             file=file,
             line=line,
             value=first.get("input"),
         ) from error
-
-
-_WORDS = {
-    "model_type": "must be a table",
-    "dict_type": "must be a table",
-    "string_pattern_mismatch": "must be a letter, then letters, digits and _",
-    "bool_type": "must be a number, true or false, or a text",
-    "string_type": "must be a text",
-    "int_type": "must be a whole number",
-    "float_type": "must be a number",
-    "finite_number": "must be a finite number",
-}
-
-
-def _in_words(kind: str, message: str) -> str:
-    """Say what is wrong with a value; pydantic's own words where they fit an engineer."""
-    return _WORDS.get(kind) or message[:1].lower() + message[1:]
 
 
 def rig_error(files: list[Path], keys: tuple[str, ...], message: str, **details: Any) -> UserError:

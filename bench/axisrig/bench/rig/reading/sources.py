@@ -3,17 +3,24 @@
 from pathlib import Path
 from typing import Any
 
-from axisrig.bench.rig.reading.file import LIST_KEYS, MAP_KEYS, MODEL_SUFFIX, load_tables
+from axisrig.bench.rig.reading.file import (
+    LIST_KEYS,
+    MAP_KEYS,
+    MODEL_SUFFIX,
+    PROGRAM_KEYS,
+    load_tables,
+)
 
 
 def rig_files(path: Path) -> list[Path]:
-    """Return a rig, its bases, and the lists, EDS files, PDO maps, FMU files and models they name.
+    """Return a rig, its bases, and the lists, EDS files, PDO maps, FMUs, models and PLC program.
 
     Raises UserError when it cannot be read.
     """
     table, files = load_tables(path.resolve())
     named = {
         *_named(table.get("channel"), LIST_KEYS),
+        *_named(table.get("plc"), PROGRAM_KEYS),
         *(name for axis in _entries(table, "axis") for name in _named(axis, LIST_KEYS)),
         *(name for drive in _entries(table, "drive") for name in _named(drive, MAP_KEYS)),
         *(name for plant in _entries(table, "plant") for name in _named(plant, ("fmu",))),

@@ -41,3 +41,20 @@ class RealtimeTable(Table):
 
     late_us: Annotated[float, Field(ge=1, le=1e6)] = 100.0
     wait_ms: Annotated[float, Field(ge=0, le=1000)] | None = None
+
+
+_WORDS = {
+    "model_type": "must be a table",
+    "dict_type": "must be a table",
+    "string_pattern_mismatch": "must be a letter, then letters, digits and _",
+    "bool_type": "must be a number, true or false, or a text",
+    "string_type": "must be a text",
+    "int_type": "must be a whole number",
+    "float_type": "must be a number",
+    "finite_number": "must be a finite number",
+}
+
+
+def in_words(kind: str, message: str) -> str:
+    """Say what is wrong with a value; pydantic's own words where they fit an engineer."""
+    return _WORDS.get(kind) or message[:1].lower() + message[1:]

@@ -12,6 +12,8 @@ from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, CycleTiming
 from axisrig.kernel.channel.path.settling import Rest, Standstill
 from axisrig.kernel.channel.path.slaves import PathWithSlaves
+from axisrig.kernel.channel.probing.choice import ProbeChoice
+from axisrig.kernel.channel.probing.ports import PlcPorts
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.fixed_stop_run import FixedStopRun, StopMotion, StopPlan, Watched
@@ -21,6 +23,7 @@ from axisrig.kernel.measuring.simulated import SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.measuring_types import measuring_types
+from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.time.clock import Clock
 
 S_PER_MIN = 60.0
@@ -41,11 +44,12 @@ class Measurement:
 
     links: by axis. slaves_of: gives the axes that follow others at the moment, each with its
     master. offsets: of distance control, which refuses a run while it is on. warn: takes alarms of
-    class 1. records: every run of the program, in order. prepared: axes that #MEAS PREPARE has
-    named; with the signal of the drive nothing is to be made ready, so that it stays a note.
+    class 1. plc: gives the signals of axes whose source is there. records: every run of the
+    program, in order. prepared: axes that #MEAS PREPARE has named; a probe that the PLC switches
+    is made ready, with other signals it stays a note.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         clock: Clock,
         path: Path,
@@ -56,6 +60,7 @@ class Measurement:
         slaves_of: Callable[[Collection[str]], Mapping[str, str]],
         offsets: Offsets,
         warn: Callable[[Alarm], None],
+        plc: PlcInterface,
     ) -> None:
         self._clock, self._path, self._links, self._timing = clock, path, links, timing
         self._period_ns, self._settings, self._warn = timing.period_ns, settings, warn
@@ -67,7 +72,8 @@ class Measurement:
         self._measured: dict[str, float | None] = {}
         self.records: list[RunRecord] = []
         self.prepared: set[str] = set()
-        self._sources: dict[str, str] = {}  # by #MEAS, whatever P-AXIS-00516 says
+        self._choice = ProbeChoice(links, lambda axis: path.settings(axis).measuring)
+        self._at_plc = PlcPorts(links, plc, clock)
 
     @property
     def is_active(self) -> bool:
@@ -85,27 +91,31 @@ class Measurement:
         """Return the measured position of the axis' last run, None without a valid one."""
         return self._measured.get(axis)
 
+    def is_actuated(self, axis: str) -> bool | None:
+        """Return whether the probe of an axis has the level of its edge; None: not known."""
+        port = self._at_plc.find(axis, self._choice.source(axis))
+        return self._links[axis].is_actuated if port is None else port.is_actuated
+
     # Settings (#MEAS)
 
     def may_choose(self) -> bool:
         """Return whether no probe is armed, also not by an axis beside the path."""
-        return not any(link.is_probing for link in self._links.values())
+        links = self._links.values()
+        return not (self._at_plc.is_ordered or any(link.is_probing for link in links))
 
     def choose(self, command: canon.ProbeSettings) -> None:
-        """Measure with another signal, edge or input; raises Alarm 50637 and 900223."""
+        """Measure with another signal, edge or input; raises Alarm 50637, 900223 and 900227."""
         self._check_released(command.axis, 50637)
-        if command.source is not None:
-            self._sources[command.axis] = command.source
-        link, input_ = self._links[command.axis], command.probe_input
-        if command.probe is not None:
-            input_ = self._path.settings(command.axis).measuring.probe_inputs[command.probe]
-        link.choose_latch(input_ or link.probe_input, command.edge or link.edge)
+        self._choice.choose(command)
 
     def prepare(self, command: canon.PrepareProbe) -> None:
-        """Note which axes are to be ready for a run; raises Alarm 50059."""
+        """Make the probes of axes ready for a run; raises Alarm 50059 and 900400."""
         for name in command.axes:
             self._check_released(name, 50059)
         self.prepared.update(command.axes)
+        for name in command.axes:
+            if self._choice.needs_plc(name):
+                self._at_plc.prepare(name, self._choice.source(name), *self._choice.latch(name))
 
     def forget_prepared(self, axis: str) -> None:
         """Reset the preparation of all axes when this one is among them.
@@ -113,11 +123,15 @@ class Measurement:
         To be called when it is homed or leaves the channel. Source: FCT-C4 section 7.2.
         """
         if axis in self.prepared:
-            self.prepared.clear()
+            self._forget_prepared()
+
+    def _forget_prepared(self) -> None:
+        self._at_plc.forget(self._links)
+        self.prepared.clear()
 
     def end_program(self) -> None:
         """Forget what the program has set. Source: FCT-C4 section 7.2, PROG 207092107."""
-        self.prepared.clear()
+        self._forget_prepared()
         self.choose_default()
 
     def begin_program(self) -> None:
@@ -126,18 +140,14 @@ class Measurement:
 
     def choose_default(self, _command: canon.DefaultProbes | None = None) -> None:
         """Measure with what the parameter lists say."""
-        self._sources.clear()
-        for link in self._links.values():
-            chosen = link.settings.probe_input, link.settings.edge
-            if (link.probe_input, link.edge) != chosen:
-                link.choose_latch(*chosen)
+        self._choice.choose_default()
 
     # The run
 
     def begin(self, command: canon.MeasuringRun) -> None:
         """Begin a run on the path.
 
-        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242 and those of the run itself.
+        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400 and those of the run.
         """
         type_, measuring = command.measuring_type, command.measuring_axes
         for name in dict.fromkeys((*command.programmed_axes, *measuring)):
@@ -190,7 +200,13 @@ class Measurement:
         kind = measuring_types()[measuring_type]
         is_missed = self._settings.error_no_signal if error_no_signal is None else error_no_signal
         delays_ns = {name: self._path.settings(name).measuring.delay_ns for name in axes}
-        ports: dict[str, LatchPort] = {**self._links, **(simulated or {})}
+        choice = self._choice
+        at_plc = {
+            name: self._at_plc.choose(name, choice.source(name), *choice.latch(name))
+            for name in axes
+            if choice.needs_plc(name)
+        }
+        ports: dict[str, LatchPort] = {**self._links, **at_plc, **(simulated or {})}
         run = MeasuringRun(
             [ports[name] for name in axes],
             str(block),
@@ -199,7 +215,8 @@ class Measurement:
             goes_on=goes_on,
             delay_cycles={name: ns / self._period_ns for name, ns in delays_ns.items() if ns},
         )
-        run.record.inputs.update({name: self._links[name].probe_input for name in axes})
+        run.record.inputs.update({name: choice.latch(name)[0] for name in axes})
+        run.record.sources.update({name: choice.source(name) for name in axes})
         self._note(run.record)
         return run
 
@@ -301,15 +318,17 @@ class Measurement:
         return replace(dynamics, speed_max_mm_s=min(dynamics.speed_max_mm_s, highest_mm_s))
 
     def check(self, axis: str, measuring_type: int, *, is_beside: bool = False) -> None:
-        """Raise Alarm 50059, 900100, 900241 or 900242 for an axis that cannot take part in a run.
+        """Raise Alarm 50059, 900100, 900241, 900242 or 900400 for an axis that cannot take part.
 
         is_beside: it moves beside the path. Raises Alarm 310000 while its distance control is on.
         """
         self._check_released(axis, 50059)
         self._offsets.check_measuring(axis)
-        measuring = self._path.settings(axis).measuring
-        source = self._sources.get(axis, measuring.source)
-        measuring.check(axis, measuring_types()[measuring_type], source, is_beside=is_beside)
+        source = self._choice.source(axis)
+        kind, measuring = measuring_types()[measuring_type], self._path.settings(axis).measuring
+        measuring.check(axis, kind, source, is_beside=is_beside)
+        if self._choice.needs_plc(axis):
+            self._at_plc.task(axis, source)
 
     def _check_released(self, axis: str, alarm_id: int) -> None:
         if not self._path.settings(axis).may_measure:
@@ -335,6 +354,7 @@ class Measurement:
 
     def step(self) -> None:
         """Evaluate the run with this cycle's values and lead the path by what it orders."""
+        self._at_plc.look()
         if self._run is None:
             return
         assert self._order is not None

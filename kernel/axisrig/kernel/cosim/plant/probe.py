@@ -11,14 +11,18 @@ from math import hypot, sqrt
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
+from axisrig.kernel.cosim.fmi.slave import Exchange
 from axisrig.kernel.cosim.plant.axis import POSITION, VELOCITY, PlantAxis
-from axisrig.kernel.time.clock import S, TimeNs
+from axisrig.kernel.time.clock import MS, S, TimeNs
 
 SPEED_GAIN_M_S2 = 500.0
 """By how much an axis gains speed at most. Linear motors without load reach 300 m/s2; a stop or a
 collision brakes harder, but only drives speed an axis up."""
 
 
+SUPPLY = "switched_on"
+SWITCHING_NS = MS
+"""For how long a probe is followed after it was switched; from then on its clearance decides."""
 FAR_M = 1e3
 """A clearance that needs no better number, also when an FMU reports infinity."""
 
@@ -84,6 +88,7 @@ class PlantProbe(ABC):
         self._clearance_m = self._room_m = self._speed_m_s = 0.0
         self._places_m = [0.0] * len(self.sources)
         self._saved: FmuState | None = None
+        self._is_on = True
 
     # What differs: how the motion is handed over and how edges are found
 
@@ -188,6 +193,24 @@ class PlantProbe(ABC):
             f"an edge may be lost: {names} gained more speed than {SPEED_GAIN_M_S2:g} m/s2 near an"
             " edge; set exchange_us in [cycle] to the value of fine_us",
         )
+
+    # Its supply
+
+    def can_be_switched(self) -> bool:
+        """Whether its FMU has an input `switched_on`."""
+        return SUPPLY in self.slave.names("input")
+
+    def switch(self, is_on: bool, now_ns: TimeNs) -> None:
+        """Switch its supply; the plants are at `now_ns`. It is followed until its output rests."""
+        if self._is_on is is_on:
+            return
+        if self.slave.time_ns < now_ns:
+            self._catch_up(now_ns)
+        self._is_on = is_on
+        supply = Exchange(self.slave, [SUPPLY])
+        supply.values[0] = is_on
+        supply.write()
+        self.free_until_ns, self._hold_until_ns = now_ns, now_ns + SWITCHING_NS
 
     # Where an edge can be
 

@@ -12,7 +12,6 @@ from axisrig.kernel.nc.syntax import Command, Group, Name, Number, Text, Variabl
 from axisrig.kernel.nc.text import nodes
 from axisrig.kernel.nc.text.values import ExpressionBuilder
 
-SIGNALS = ("DRIVE", "DRIVE_TYPE_DEFAULT", "FIXED_STOP")
 PROBE_OF_AXIS = ("SIGNAL", "EDGE", "INPUT", "G107", "G108")
 PROBE_OF_CHANNEL = ("SIMU_OFFSET", "TRIGGER")
 KEY_LENGTH_MAX = 29  # P-AXIS-00396
@@ -118,9 +117,6 @@ def _probe(
             value=of_axis[0] if of_axis else None,
             allowed="AX=<name> or AXNR=<number>",
         )
-    signal = command.option("SIGNAL")
-    if isinstance(signal, Name) and signal.value not in SIGNALS:
-        builder.note(f"#MEAS [SIGNAL={signal.value}]", "signal of the PLC or a probe", raw.offset)
     return command
 
 

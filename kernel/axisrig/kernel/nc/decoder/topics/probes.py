@@ -12,7 +12,7 @@ from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.decoder.topics.measuring import Measurements, choose_type
 from axisrig.kernel.nc.syntax import Command, Expression, Name, Option
 
-INPUTS = (1, 2)  # of a CANopen drive: FCT-C4 8.2.2, P-AXIS-00517
+INPUT_MAX = 255  # of external hardware, a drive has 2: FCT-C4 8.2.2, P-AXIS-00517
 PROBES = {"PROBE0": 0, "PROBE1": 1}
 
 
@@ -74,10 +74,10 @@ def _input(context: Context, block: Block, value: Option) -> tuple[int | None, i
             return None, PROBES[value.value.upper()]
     else:
         number = _number(context, block, value)
-        if number in INPUTS:
+        if number.is_integer() and 1 <= number <= INPUT_MAX:
             return int(number), None
         written = f"{number:g}"
-    allowed = " ".join(map(str, (*INPUTS, *PROBES)))
+    allowed = " ".join((f"1 .. {INPUT_MAX}", *PROBES))
     raise context.alarm(900227, block, keyword="INPUT", value=written, allowed=allowed)
 
 

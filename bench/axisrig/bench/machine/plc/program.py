@@ -1,0 +1,89 @@
+"""Loads the PLC program of a rig, and runs its cycles so that a mistake in it is named by line."""
+
+import sys
+import traceback
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+from axisrig.bench.machine.plc.hli import Hli, Inputs
+from axisrig.kernel.errors import UserError
+
+_HINT = "a class with cycle(self, inputs, hli), see docs/plc.md"
+
+
+class PlcProgram:
+    """The one class of a file that has a method `cycle`, made without arguments.
+
+    Its attributes, all optional: `probe_on` (the supply of the switched probe),
+    `outlives_program` and `is_idle` (whether the run goes on after the NC program, and until when).
+    Raises UserError with file and line for a file that cannot be loaded.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._program = self._guarded(self._load)
+        self.outlives_program = bool(getattr(self._program, "outlives_program", False))
+
+    def _load(self) -> Any:
+        text = self._path.read_bytes()
+        # Anew for each run, and without a cache: a run must not find what another one has left
+        module = ModuleType(f"axisrig_plc_{self._path.stem}")
+        module.__file__ = str(self._path)
+        sys.modules[module.__name__] = module  # where dataclasses look their types up
+        exec(compile(text, str(self._path), "exec"), module.__dict__)
+        found = [
+            each
+            for each in vars(module).values()
+            if isinstance(each, type)
+            and each.__module__ == module.__name__
+            and callable(getattr(each, "cycle", None))
+        ]
+        if len(found) != 1:
+            names = ", ".join(each.__name__ for each in found) or "none"
+            raise UserError(
+                "the PLC program must have one class with a method cycle",
+                file=self._path,
+                value=names,
+                hint=_HINT,
+            )
+        return found[0]()
+
+    def cycle(self, inputs: Inputs, hli: Hli) -> None:
+        """Run one cycle. Raises UserError with file and line for an exception of the program."""
+        self._guarded(lambda: self._program.cycle(inputs, hli))
+        try:
+            hli.check()
+        except UserError as error:
+            error.file = str(self._path)
+            raise
+
+    @property
+    def probe_on(self) -> bool:
+        """Whether the program switches the supply of the probe on."""
+        return bool(getattr(self._program, "probe_on", True))
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether the program has nothing left to do after the NC program."""
+        return bool(getattr(self._program, "is_idle", True))
+
+    def _guarded(self, action: Callable[[], Any]) -> Any:
+        try:
+            return action()
+        except UserError:
+            raise
+        except Exception as error:
+            raise self._blamed(error) from error
+
+    def _blamed(self, error: Exception) -> UserError:
+        line = error.lineno if isinstance(error, SyntaxError) else None
+        for frame in traceback.extract_tb(error.__traceback__):
+            if Path(frame.filename) == self._path:
+                line = frame.lineno
+        return UserError(
+            f"the PLC program has failed: {type(error).__name__}: {error}",
+            file=self._path,
+            line=line,
+        )

@@ -1,0 +1,1 @@
+"""Latches of measuring axes whose signal or hardware is at the PLC (P-AXIS-00516)."""

@@ -1,0 +1,10 @@
+%measuring_again
+; Two runs of Z at the feed of the plan (plc:V.E.FEED).
+N10 G01 G90 Z110.374 F3000
+N20 G100 Z80 F=V.E.FEED
+N30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]
+N50 G01 Z101 F3000
+N60 G100 Z80 F=V.E.FEED
+N70 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.Z]
+N80 G01 Z120 F3000
+N90 M30

@@ -1,0 +1,215 @@
+"""A PLC task on the machine: its instants, its program, and what passes between it and the CNC."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from axisrig.kernel.errors import UserError
+
+MS = 1_000_000
+RunNc = Callable[..., Any]
+HEAD = "from axisrig.bench.machine.plc.hli import Hli, Inputs\n\n\nclass Program:\n"
+IDLE = "    def cycle(self, inputs, hli):\n        pass\n"
+
+
+@pytest.fixture
+def run_plc(tmp_path: Path, run_nc: RunNc) -> RunNc:
+    """Return `run(NC program, body of the class, *assignments, keys=TOML)`."""
+
+    def run(nc: str, body: str, *assignments: str, keys: str = "period_us = 2000") -> Any:
+        (tmp_path / "plc.py").write_text(HEAD + body, encoding="utf-8")
+        rig = f'[plc]\nprogram = "plc.py"\n{keys}\n'
+        return run_nc(nc, rig, *assignments, base="probe-z.toml")
+
+    return run
+
+
+def test_each_side_sees_what_the_other_wrote_before_never_at_the_same_instant(
+    run_plc: RunNc,
+) -> None:
+    """PLC at 600 us of every second millisecond, as the NC cycle.
+
+    The program writes V.E.ASKED in a cycle; the PLC reads it at its next instant after that one and
+    answers with its time, which the program waits for.
+    """
+    body = """    def cycle(self, inputs, hli):
+        if hli.ve.get("ASKED", 0) and not hli.ve["SEEN"]:
+            hli.ve["SEEN"] = inputs.time_ns / 1e6
+"""
+    out = run_plc(
+        "N10 V.E.ASKED = 1\nN20 #WAIT FOR V.E.SEEN > 0",
+        body,
+        "plc:V.E.ASKED=0",
+        "plc:V.E.SEEN=0",
+        keys="period_us = 2000\noffset_us = 600",
+    )
+    again_ms = out.machine.channel.plc.values["SEEN"]
+    asked_ns = next(e.time_ns for e in out.machine.channel.plc.events if hasattr(e.command, "name"))
+    assert asked_ns % MS == 600_000
+    expected_ns = asked_ns + 1  # the first instant of the PLC after it
+    expected_ns += (600_000 - expected_ns) % (2 * MS)
+    assert round(again_ms * 1e6) == expected_ns
+
+
+def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
+    body = """    def cycle(self, inputs, hli):
+        if inputs.time_ns > 20_000_000:
+            hli.ax["Q"]
+"""
+    with pytest.raises(UserError) as caught:
+        run_plc("N10 G4 1", body)
+    assert Path(str(caught.value.file)).name == "plc.py"
+    assert caught.value.line == 7
+    assert "KeyError: 'Q'" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("    def circle(self):\n        pass\n", "one class with a method cycle"),
+        ("    def cycle(self, inputs, hli)\n", "SyntaxError"),
+        ("    def __init__(self):\n        1 / 0\n" + IDLE, "ZeroDivisionError"),
+        (
+            '    def cycle(self, inputs, hli):\n        hli.ch.feedhold.command_w = "on"\n',
+            "ch.feedhold.command_w has a wrong type; found 'on'; allowed: True or False",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n"
+            '        hli.ax["Z"].lr_mc_control.timestamp.command_w = 2**63\n',
+            "does not fit 64 bits",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n        hli.ve['A'] = 'x'\n",
+            "V.E.A has a wrong type",
+        ),
+    ],
+)
+def test_a_program_that_cannot_be_is_refused(run_plc: RunNc, body: str, words: str) -> None:
+    with pytest.raises(UserError) as caught:
+        run_plc("N10 G4 0.1", body)
+    assert words in str(caught.value)
+    assert "plc.py" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("period_us = 10", "greater than or equal to 50"),
+        ("period_us = 2000\nperiode = 1", "unknown rig key plc.periode"),
+        ("period_us = 2000\n[plc.terminal]\ninput_1 = 'prob'", "plc.terminal.input_1 must name"),
+        ("period_us = 2000\nswitches = 'probe'", "must name a probe that can be switched on"),
+        ("offset_us = 1", "lacks the key plc.period_us"),
+    ],
+)
+def test_a_table_that_cannot_be_is_refused_with_its_line(
+    run_plc: RunNc, keys: str, words: str
+) -> None:
+    with pytest.raises(UserError) as caught:
+        run_plc("N10 G4 0.1", IDLE, keys=keys)
+    assert words in str(caught.value)
+    assert caught.value.line is not None
+
+
+def test_a_program_that_is_missing_is_named(run_nc: RunNc) -> None:
+    with pytest.raises(UserError, match=r"rig1\.toml:4: the PLC program is no file"):
+        run_nc(
+            "N10 G4 0.1",
+            '[plc]\nperiod_us = 2000\nprogram = "nowhere.py"\n',
+            base="probe-z.toml",
+        )
+
+
+def test_feedhold_and_override_of_the_program_act_on_the_path(run_plc: RunNc) -> None:
+    """Half the feed until 200 ms after the begin of the motion, then a hold of 100 ms."""
+    body = """    def cycle(self, inputs, hli):
+        moving = hli.ve.get("GO", 0)
+        self.since = getattr(self, "since", None)
+        if moving and self.since is None:
+            self.since = inputs.time_ns
+        age_ms = 0 if self.since is None else (inputs.time_ns - self.since) / 1e6
+        hli.ch.override.enable_w = age_ms < 200
+        hli.ch.override.command_w = 500
+        hli.ch.feedhold.enable_w = True
+        hli.ch.feedhold.command_w = 200 <= age_ms < 300
+"""
+    plain = run_plc("N10 V.E.GO = 1\nN20 G1 Z120 F1200", IDLE, "plc:V.E.GO=0")
+    led = run_plc("N10 V.E.GO = 1\nN20 G1 Z120 F1200", body, "plc:V.E.GO=0")
+    took = [out.facts.end_ns - out.facts.start_ns for out in (plain, led)]
+    # 200 ms at half the feed cost 100 ms, the hold 100 ms; ramps of v/a = 25 ms shift half of it
+    assert (took[1] - took[0]) / MS == pytest.approx(200, abs=12.5)
+    assert led.alarms == []
+
+
+def test_reset_and_start_of_the_program(run_plc: RunNc) -> None:
+    body = """    outlives_program = True
+    is_idle = False
+
+    def cycle(self, inputs, hli):
+        self.ready = getattr(self, "ready", False) or hli.ch.state_r == "READY"
+        hli.ch.reset.enable_w = hli.ch.start.enable_w = True
+        hli.ch.reset.command_w = inputs.time_ns > 500_000_000
+        hli.ch.start.command_w = self.ready
+        self.is_idle = self.ready and inputs.time_ns > 900_000_000
+"""
+    out = run_plc('N10 #MSG SYN["begun"]\nN20 G4 0.2', body)
+    assert out.lines == ["begun", "begun"]
+    assert out.alarms == []
+
+
+def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
+    """probe_actuated_r, measurement_active_r and measure_value_ok_r, counted by the PLC."""
+    body = """    def cycle(self, inputs, hli):
+        state = hli.ax["Z"].lr_state
+        for name, bit in (
+            ("ACTIVE", state.measurement_active_r),
+            ("OK", state.measure_value_ok_r),
+            ("ACTUATED", state.probe_actuated_r),
+        ):
+            if bit and name in hli.ve:
+                hli.ve[name] += 1
+"""
+    out = run_plc(
+        "N10 G1 Z101 F3000\nN20 G100 Z98 F600\nN30 G1 Z110 F3000",
+        body,
+        *(f"plc:V.E.{name}=0" for name in ("ACTIVE", "OK", "ACTUATED")),
+    )
+    values, (record,) = out.machine.channel.plc.values, out.machine.channel.records
+    cycles = (record.end_ns - record.begin_ns) / (2 * MS)
+    assert values["ACTIVE"] == pytest.approx(cycles, abs=2)
+    assert values["OK"] > 0
+    assert 0 < values["ACTUATED"] < values["ACTIVE"] + values["OK"]
+
+
+@pytest.mark.long
+def test_evenly_spread_phases_have_the_mean_and_the_spread_of_the_chain(
+    run_own: Callable[..., Any],
+) -> None:
+    """40 phases over 1 ms: mean and spread of an even distribution, to a fortieth of it.
+
+    PLC of 1 ms at 300 us, NC cycle at 600 us, SYNC at 48 us: -0.252 .. 0.748 ms at 10 mm/s.
+    """
+    plans = Path(__file__).parents[2] / "testplans"
+    out = run_own(
+        plans / "programs/probe-phases.nc",
+        plans / "rigs/plc-signal.toml",
+        [
+            "plc:V.E.FEED=600",
+            "plc:V.E.TOUCHES=40",
+            "plc:V.E.SHIFT=0.00025",
+            "plc:period_us=1000",
+            "plant:z.position_start_mm=102.5",
+            "plant:z.feed_forward=1",
+        ],
+    )
+    (probe,) = out.facts.probes.values()
+    errors_um = sorted(
+        1e3 * (run.latched_mm["Z"] - contact.position_mm["z"])
+        for run, contact in zip(out.facts.runs, probe.contacts, strict=True)
+    )
+    assert len(errors_um) == 40
+    step_um = 10.0 / 40
+    for number, error_um in enumerate(errors_um):
+        even_um = -7.48 + (number + 0.5) * step_um
+        assert error_um == pytest.approx(even_um, abs=step_um / 2 + 0.02)

@@ -1,0 +1,189 @@
+"""Limits of the shipped plan of signal sources, recomputed from closed forms written out here.
+
+Nothing of the bench is imported: rigs and plan are read as the text files they are.
+"""
+
+import csv
+import math
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+PLANS = Path(__file__).parents[2] / "testplans"
+INCREMENT_UM = 10_000 / 2**20
+SYNC_US = 48  # 44 bits and 4 stuff bits at 1 Mbit/s
+BASE = {"period_us": 2000, "offset_us": 300, "busy_us": 0}
+
+
+def _rows() -> dict[str, dict[str, str]]:
+    with (PLANS / "plc_sources.csv").open(encoding="utf-8", newline="") as file:
+        return {row["case"]: row for row in csv.DictReader(file)}
+
+
+ROWS = _rows()
+
+
+def _merged(below: dict[str, Any], above: dict[str, Any]) -> dict[str, Any]:
+    found = dict(below)
+    for key, value in above.items():
+        both = isinstance(value, dict) and isinstance(found.get(key), dict)
+        found[key] = _merged(found[key], value) if both else value
+    return found
+
+
+def _rig(path: Path) -> dict[str, Any]:
+    table = tomllib.loads(path.read_text(encoding="utf-8"))
+    return _merged(_rig(path.parent / table["base"]), table) if "base" in table else table
+
+
+def _source(row: dict[str, str]) -> str:
+    """The column, else what the list of the rig says."""
+    if row["set:Z.kenngr.measure.signal"]:
+        return row["set:Z.kenngr.measure.signal"]
+    rig_file = PLANS / row["rig"]
+    text = (rig_file.parent / _rig(rig_file)["axis"]["Z"]["list"]).read_text(encoding="utf-8")
+    if re.search(r"^kenngr.probing_signal_via_plc\s+1", text, re.M):
+        return "PLC"
+    found = re.search(r"^kenngr.measure.signal\s+(\w+)", text, re.M)
+    assert found is not None
+    return found[1]
+
+
+def _delays_us(row: dict[str, str]) -> tuple[float, float]:
+    """The least and the most from contact to the SYNC whose position counts.
+
+    filter + [0, T_x) + [0, T_plc) + busy, then the first NC cycle after it, back to its SYNC. Where
+    the terminal is exchanged with the task, and where its cycle is whole cycles of the task, its
+    wait and that of the task are one.
+    """
+    rig = _rig(PLANS / row["rig"])
+    plc, cnc = rig["plc"], rig["cycle"]
+    period = float(row["plc:period_us"] or plc["period_us"])
+    offset, busy = plc["offset_us"], float(row["plc:busy_us"] or 0)
+    age = cnc["cycle_offset_us"] - SYNC_US
+    every = period * max(1, math.ceil(busy / period))
+    filter_us = float(row["plc:terminal.filter_us"] or 0)
+    exchange = float(row["plc:terminal.cycle_us"] or period)
+    wait_after = (offset - float(row["plc:terminal.offset_us"] or offset)) % period
+    written = offset + busy
+    hand_over = (cnc["cycle_offset_us"] - written) % cnc["period_us"] or cnc["period_us"]
+    assert period % cnc["period_us"] == 0, "a task that slides has no such band"
+    least = filter_us + wait_after + busy + hand_over - age
+    if exchange == period and every > period:
+        return least, least + every  # the exchange is on time, the task late
+    return least, least + exchange
+
+
+AT_SIGNAL = ("PLC", "PLC_FIRST_EVENT", "PLC_EXT_LATCH_CONTROL")
+BANDS = [
+    name
+    for name, row in ROWS.items()
+    if row["check:latch_error_um"] and _source(row) in AT_SIGNAL
+    if not row["plc:V.E.POSITION"] and "terminal" in _rig(PLANS / row["rig"])["plc"]
+]
+
+
+@pytest.mark.parametrize("case", BANDS)
+def test_the_band_of_a_signal_at_the_plc_is_its_chain(case: str) -> None:
+    """Down at v: the value of a late position is lower, of an early one higher."""
+    row = ROWS[case]
+    least_us, most_us = _delays_us(row)
+    v_um_us = float(row["plc:V.E.FEED"]) / 60 / 1000
+    low, high = (float(text) for text in row["check:latch_error_um"].split(" .. "))
+    assert low == pytest.approx(-v_um_us * most_us - INCREMENT_UM, abs=1e-4)
+    assert high == pytest.approx(-v_um_us * least_us + INCREMENT_UM, abs=1e-4)
+
+
+def test_the_band_of_a_digital_input_of_the_drive() -> None:
+    """4 us, U to the SYNC, the NC cycle, the next PLC cycle after it, the next NC cycle, its SYNC.
+
+    NC cycles at 0.6 and 1.6 of 2 ms, PLC at 0.3: 1.7 or 0.7 ms from one to the other, then 0.3 ms.
+    """
+    row = ROWS["plc-drive-input"]
+    rig = _rig(PLANS / row["rig"])
+    assert (rig["plc"]["period_us"], rig["plc"]["offset_us"]) == (2000, 300)
+    assert (rig["cycle"]["period_us"], rig["cycle"]["cycle_offset_us"]) == (1000, 600)
+    age = 600 - SYNC_US
+    delay = rig["drive"]["servo"]["input_delay_us"] + age + 300 - age
+    least, most = delay + 700, delay + 1000 + 1700
+    low, high = (float(text) for text in row["check:latch_error_um"].split(" .. "))
+    assert low == pytest.approx(-most / 100 - INCREMENT_UM, abs=1e-4)
+    assert high == pytest.approx(-least / 100 + INCREMENT_UM, abs=1e-4)
+
+
+def test_there_are_such_rows() -> None:
+    assert len(BANDS) >= 10
+
+
+def test_the_spread_of_locked_and_sliding_tasks() -> None:
+    """v T/sqrt(12), v sqrt(T_plc^2 + T_cnc^2)/sqrt(12), within twice its bound by chi-square."""
+    judged = 0
+    for name, row in ROWS.items():
+        if "+-" not in row["check:spread(latch_error_um)"]:
+            continue
+        judged += 1
+        v, period = float(row["plc:V.E.FEED"]) / 60, float(row["plc:period_us"]) / 1000
+        square = period**2 + (1.0 if name == "plc-sliding" else 0.0)
+        expected = v * math.sqrt(square / 12)
+        middle, width = (float(part) for part in row["check:spread(latch_error_um)"].split(" +- "))
+        assert middle == pytest.approx(expected, abs=5e-4)
+        assert width == pytest.approx(0.6 * expected, abs=1e-3)
+        touches, shift = float(row["plc:V.E.TOUCHES"]), float(row["plc:V.E.SHIFT"])
+        assert shift * touches == pytest.approx(v * 1e-3)  # phases over a cycle of the CNC
+    assert judged == 4
+
+
+STATISTIC = [name for name, row in ROWS.items() if "statistics" in row["tags"]]
+
+
+@pytest.mark.parametrize("case", STATISTIC)
+def test_every_touch_is_its_closed_form_to_an_increment(case: str) -> None:
+    row = ROWS[case]
+    assert row["check:mean(source_error_um)"] == "0.000 +- 0.0095"
+    assert row["check:range(source_error_um)"] == "<= 0.0191"
+    assert row["check:count(source_error_um)"] == "== 40"
+    assert math.isclose(0.0095, INCREMENT_UM, rel_tol=5e-3)
+
+
+def test_what_a_stamp_is_off_by() -> None:
+    """v times filter, clock, resolution, jitter, bounce; down, so a late stamp reads low."""
+    v = {name: float(row["plc:V.E.FEED"] or 600) / 60 for name, row in ROWS.items()}  # um/ms
+    expected = {
+        "stamp-f1000": (-v["stamp-f1000"] * 0.005, 0.0),
+        "stamp-clock-behind": (v["stamp-clock-behind"] * 1.0, 0.0),
+        "stamp-clock-known": (0.0, 0.0),
+        "stamp-drift-known": (0.0, 0.0),
+        "stamp-late": (0.0, 0.0),
+        "stamp-first-edge": (0.0, 0.0),
+        "stamp-last-edge": (-v["stamp-last-edge"] * 2.0, 0.0),
+        "stamp-resolution": (0.0, v["stamp-resolution"] * 0.1),
+        "stamp-jitter": (-v["stamp-jitter"] * 0.05, v["stamp-jitter"] * 0.05),
+    }
+    for name, (low_um, band_um) in expected.items():
+        text = ROWS[name]["check:latch_error_um"]
+        if "+-" in text:
+            middle, width = (float(part) for part in text.split(" +- "))
+            low, high = middle - width, middle + width
+        else:
+            low, high = (float(part) for part in text.split(" .. "))
+        assert low == pytest.approx(low_um - INCREMENT_UM, abs=2e-4), name
+        assert high == pytest.approx(low_um + band_um + INCREMENT_UM, abs=2e-4), name
+
+
+def test_radio_probes_have_the_delay_of_the_drive_and_of_the_radio() -> None:
+    assert ROWS["radio-f600"]["check:latch_error_um"] == "-0.0400 +- 0.0095"  # 4 us at 10 mm/s
+    assert ROWS["radio-delay"]["check:latch_error_um"] == "-100.0400 +- 0.0095"  # and 10 ms
+
+
+@pytest.mark.parametrize("source", ["plc", "stamp", "ext", "radio"])
+def test_each_source_has_its_bad_situations(source: str) -> None:
+    bad = {name for name, row in ROWS.items() if name.startswith(source) and "bad" in row["tags"]}
+    assert f"{source}-task-stopped" in bad
+    alarms = {ROWS[name]["check:alarms"] for name in bad}
+    assert "== 900402" in alarms
+    for name in bad:
+        if "alarm" in ROWS[name]["tags"]:
+            assert ROWS[name]["check:latch_error_um"] == "", name
