@@ -1,8 +1,7 @@
 """One NC channel: executes a program on its axes, once per cycle, over the bus only.
 
-`Channel.cycle` is the order of everything (docs/architecture.md, "One order"). The reaction to an
-edge follows from it: the SYNC after the latch samples the status word, the cycle after that SYNC
-brakes, its set position acts from the next SYNC on.
+`Channel.cycle` is the order of everything, and so of the reaction to an edge (docs/architecture.md,
+"One order"): the next SYNC samples it, the cycle after that brakes, from the next SYNC on it acts.
 """
 
 from collections.abc import Callable, Iterator, Sequence
