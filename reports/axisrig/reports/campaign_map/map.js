@@ -166,7 +166,7 @@ const axisrigMap = (() => {
       Math.floor(run / map.columns) * map.line + row * size - 1, size + 1, size + 1);
   }
 
-  /* What the caption says, and what a reader hears who does not see the map. */
+  /* The caption, and the words for a reader who does not see the map. */
   function words(map) {
     const { plan, runs, rows, data } = map;
     const counts = data.verdicts.map(([word], place) =>
