@@ -4,7 +4,7 @@
 const axisrigMap = (() => {
   const css = (name) =>
     getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
-  const LARGE = 15, SMALL = 10, MANY = 60, FEW_CELLS = 30000;
+  const LARGE = 15, SMALL = 10, MANY = 60;
   const GAP = 6, TOP = 2, LABEL_MAX = 190, FONT = "system-ui, sans-serif";
 
   /* place: element to fill. data: see section.py. open: opens a run by its id. */
@@ -125,24 +125,37 @@ const axisrigMap = (() => {
     });
   }
 
+  /* A picture of a cell for each verdict: thousands of them are copied, not written. */
+  function stamps(map) {
+    const { size, data } = map, ratio = devicePixelRatio, side = size - 1;
+    const inks = { marginal: "#1a1f26", error: css("error-ink") };
+    const made = new Map([["-", [css("faint"), "", ""]]]);
+    data.verdicts.forEach(([word, sign], place) =>
+      made.set(String(place), [css(word), sign, inks[word] || "#ffffff"]));
+    for (const [key, [fill, sign, ink]] of made) {
+      const stamp = document.createElement("canvas");
+      stamp.width = stamp.height = Math.round(side * ratio);
+      const ctx = stamp.getContext("2d");
+      ctx.scale(stamp.width / side, stamp.height / side);
+      ctx.fillStyle = fill;
+      ctx.fillRect(0, 0, side, side);
+      ctx.font = `700 ${Math.round(size * 0.72)}px ${FONT}`;
+      ctx.textAlign = "center";
+      ctx.textBaseline = "middle";
+      ctx.fillStyle = ink;
+      ctx.fillText(sign, side / 2, size / 2);
+      made.set(key, stamp);
+    }
+    return made;
+  }
+
   function cells(map, ctx) {
-    const { runs, rows, size, data } = map;
-    const fill = data.verdicts.map(([word]) => css(word));
-    const ink = data.verdicts.map(([word]) =>
-      ({ marginal: "#1a1f26", error: css("error-ink") })[word] || "#ffffff");
-    const none = css("faint"), isMany = runs.length * rows.length > FEW_CELLS;
-    ctx.font = `700 ${Math.round(size * 0.72)}px ${FONT}`;
-    ctx.textAlign = "center";
+    const { runs, rows, size } = map, made = stamps(map);
     runs.forEach(([, verdicts], at) => {
       const x = map.label + (at % map.columns) * size;
       const top = Math.floor(at / map.columns) * map.line;
       for (let row = 0; row < rows.length; row++) {
-        const y = top + row * size, verdict = verdicts[row];
-        ctx.fillStyle = verdict === "-" ? none : fill[verdict];
-        ctx.fillRect(x, y, size - 1, size - 1);
-        if (verdict === "-" || (isMany && verdict === "0")) continue;
-        ctx.fillStyle = ink[verdict];
-        ctx.fillText(data.verdicts[verdict][1], x + (size - 1) / 2, y + size / 2);
+        ctx.drawImage(made.get(verdicts[row]), x, top + row * size, size - 1, size - 1);
       }
     });
     if (!map.chosen) return;
@@ -153,7 +166,7 @@ const axisrigMap = (() => {
       Math.floor(run / map.columns) * map.line + row * size - 1, size + 1, size + 1);
   }
 
-  /* What the caption says, and what a reader hears who does not see the map. */
+  /* The caption, and the words for a reader who does not see the map. */
   function words(map) {
     const { plan, runs, rows, data } = map;
     const counts = data.verdicts.map(([word], place) =>

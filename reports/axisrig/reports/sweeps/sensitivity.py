@@ -87,7 +87,7 @@ def sensitivity_section(found: Sequence[Sweep]) -> Markup:
 
 
 def _table(made: Sequence[Sensitivity]) -> str:
-    """Metrics down, inputs across; what cannot be told from nothing is pale."""
+    """Metrics down, inputs across; a change that may be none is pale."""
     columns = made[0].sweep.columns
     head = "".join(f'<th scope="col">{escape(column)}</th>' for column in columns)
     rows = []
