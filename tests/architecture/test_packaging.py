@@ -81,7 +81,7 @@ def test_the_wheel_holds_every_file_of_the_source_folders_and_no_other(wheel: Pa
     assert sorted(files) == packed
     assert {f"axisrig/{name}/py.typed" for name in FOLDERS} <= files  # users' code is type-checked
     data = {Path(name).suffix for name in packed}
-    assert data >= {".py", ".csv", ".lark", ".html", ".js", ".css", ".c", ".h", ".mo", ".order"}
+    assert data >= {".py", ".csv", ".lark", ".html", ".js", ".css", ".c", ".h", ".inc", ".mo"}
 
 
 def test_the_sdist_gives_the_same_wheel(wheel: Path, tmp_path: Path) -> None:

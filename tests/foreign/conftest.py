@@ -2,6 +2,7 @@
 
 - the npm package `canopen` 6.2.1: `npm install --ignore-scripts canopen@6.2.1` in any folder, then
   NODE_PATH=<folder>/node_modules
+- importers of FMUs: fmu_importers.py beside this file
 - CANopenNode: AXISRIG_CANOPENNODE=<checkout of CANopenNode V4>, and a C compiler
 """
 

@@ -6,6 +6,7 @@
   libminizip-dev
 - ecos: `pip install ecospy==0.7.2`, into this environment or another whose python is
   AXISRIG_ECOSPY; Debian: libtbb12
+- libcosim: `pip install libcosimpy==0.0.6`, likewise with AXISRIG_LIBCOSIMPY; FMI 2.0 only
 """
 
 import json
@@ -25,7 +26,10 @@ from numpy.typing import NDArray
 
 from axisrig.bench.tools.fmu.release import Change
 
-SINGLE_STEPS = Path(__file__).parent / "ecos_steps.py"
+PROGRAMS = {
+    "ecospy": Path(__file__).parent / "ecos_steps.py",
+    "libcosimpy": Path(__file__).parent / "libcosim_steps.py",
+}
 
 
 @dataclass(frozen=True)
@@ -109,15 +113,28 @@ def by_fmusim(task: Task, folder: Path) -> NDArray[np.float64]:
 
 def by_ecos(task: Task, folder: Path) -> NDArray[np.float64]:
     del folder
-    python = os.environ.get("AXISRIG_ECOSPY") or sys.executable
-    asked = subprocess.run([python, "-c", "import ecospy"], capture_output=True, check=False)
+    return _by_program("ecospy", "AXISRIG_ECOSPY", task)
+
+
+def by_libcosim(task: Task, folder: Path) -> NDArray[np.float64]:
+    del folder
+    if fmpy.read_model_description(str(task.fmu)).fmiVersion != "2.0":
+        pytest.skip("libcosim takes FMI 1.0 and 2.0 only")
+    return _by_program("libcosimpy", "AXISRIG_LIBCOSIMPY", task)
+
+
+def _by_program(package: str, place: str, task: Task) -> NDArray[np.float64]:
+    """Run the program of a package; place: the variable that may name another python."""
+    python = os.environ.get(place) or sys.executable
+    asked = subprocess.run([python, "-c", f"import {package}"], capture_output=True, check=False)
     if asked.returncode:
-        pytest.skip("ecospy is missing, see tests/foreign/fmu_importers.py")
+        pytest.skip(f"{package} is missing, see tests/foreign/fmu_importers.py")
     words = {"Real": "real", "Float64": "real", "Boolean": "bool", "Integer": "int", "Int32": "int"}
     kinds = {v.name: v.type for v in fmpy.read_model_description(str(task.fmu)).modelVariables}
     job = {
         "fmu": str(task.fmu),
         "step_s": task.step_s,
+        "step_ns": task.step_ns,
         "count": task.count,
         "start": [[n, words[kinds[n]], value] for n, value in task.starts().items()],
         "changes": [
@@ -127,23 +144,29 @@ def by_ecos(task: Task, folder: Path) -> NDArray[np.float64]:
         "outputs": [[name, words[kind]] for name, kind in task.outputs],
     }
     done = subprocess.run(
-        [python, str(SINGLE_STEPS)], input=json.dumps(job), capture_output=True, text=True,
+        [python, str(PROGRAMS[package])], input=json.dumps(job), capture_output=True, text=True,
         check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr
-    return np.array(json.loads(done.stdout.splitlines()[-1]), dtype=float)
+    (line,) = (line for line in done.stdout.splitlines() if line.startswith("[["))
+    return np.array(json.loads(line), dtype=float)
 
 
 @dataclass(frozen=True)
 class Importer:
-    """run: gives rows at 0 and after each step. digits: of its numbers; 0: it gives every bit."""
+    """run: gives rows at 0 (unless begins is False) and after each step.
+
+    digits: of its numbers; 0: it gives every bit.
+    """
 
     run: Callable[[Task, Path], NDArray[np.float64]]
     digits: int = 0
+    begins: bool = True
 
 
 IMPORTERS = {
     "fmpy": Importer(by_fmpy),
     "fmusim": Importer(by_fmusim, digits=16),
     "ecos": Importer(by_ecos),
+    "libcosim": Importer(by_libcosim, begins=False),
 }

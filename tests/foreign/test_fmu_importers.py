@@ -55,6 +55,7 @@ def test_foreign_importer_gets_the_numbers_of_our_stepping(
         count = SPAN_NS // step_ns
         task = Task(fmu, courses()[model], step_ns, count, outputs_of(fmu))
         expected = ours(fmu, model, step_ns)
+        expected = expected if chosen.begins else expected[1:]
         found = chosen.run(task, tmp_path)
         assert found.shape == expected.shape, (step_ns, found.shape)
         span = np.ptp(expected, axis=0)

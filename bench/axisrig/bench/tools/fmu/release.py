@@ -16,12 +16,14 @@ from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
-from axisrig.fmus import ensure_built
+from axisrig.fmus import PLATFORMS, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_description, load_fmu
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
 COURSES_FILE = Path(__file__).parent / "courses.csv"
 SUMS = "SHA256SUMS"
+# Where a description leaves one out (that of OpenModelica may)
+EXPERIMENT = {"startTime": 0.0, "stopTime": 1.0, "stepSize": 1e-3, "tolerance": 1e-9}
 
 
 class Change(NamedTuple):
@@ -107,29 +109,34 @@ def release(
     """
     name = model.rpartition(".")[2]
     version = importlib.metadata.version("axisrig")
-    place = folder / fmi / "cs" / "+".join(platforms) / "axisrig" / version / name
+    everywhere = {platform.name for platform in PLATFORMS.values() if platform.in_all}
+    built_for = "all" if set(platforms) == everywhere else "+".join(platforms)
+    place = folder / fmi / "cs" / built_for / "axisrig" / version / name
     place.mkdir(parents=True, exist_ok=True)
     released = place / f"{name}.fmu"
     shutil.copyfile(fmu, released)
     path = released if runs_here else ensure_built(model, fmi=fmi)
     description, _ = load_description(path)
-    experiment = description.defaultExperiment
-    start_s, stop_s = float(experiment.startTime), float(experiment.stopTime)
-    step_ns = seconds_to_ns(float(experiment.stepSize))
+    start_s, stop_s, step_s, tolerance = (
+        float(getattr(description.defaultExperiment, word, None) or default)
+        for word, default in EXPERIMENT.items()
+    )
+    step_ns = seconds_to_ns(step_s)
     count = seconds_to_ns(stop_s - start_s) // step_ns
-    names, rows = walk(path, courses()[model], step_ns, count)
+    course = courses().get(model, ())
+    names, rows = walk(path, course, step_ns, count)
     _write_csv(place / f"{name}_ref.csv", names, rows)
     inputs = [v for v in description.modelVariables if v.causality == "input"]
     _write_csv(
         place / f"{name}_in.csv",
         ["time", *(variable.name for variable in inputs)],
-        _input_rows(inputs, courses()[model], start_s, stop_s),
+        _input_rows(inputs, course, start_s, stop_s),
     )
     options = {
         "StartTime": start_s,
         "StopTime": stop_s,
         "StepSize": step_ns * 1e-9,
-        "RelTol": float(experiment.tolerance),
+        "RelTol": tolerance,
     }
     text = "".join(f"{word}, {value!r}\n" for word, value in options.items())
     (place / f"{name}_ref.opt").write_text(text, encoding="utf-8", newline="\n")
@@ -143,7 +150,7 @@ def _input_rows(
     values = {variable.name: _typed(variable, None) for variable in inputs}
     kinds = {variable.name: variable for variable in inputs}
     groups = groupby(course, key=lambda change: max(change.at_s, start_s))
-    if course[0].at_s > start_s:
+    if not course or course[0].at_s > start_s:
         yield [start_s, *values.values()]
     for at_s, changes in groups:
         if at_s > start_s:

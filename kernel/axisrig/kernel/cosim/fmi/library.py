@@ -79,7 +79,9 @@ class Capabilities:
         """Read the flags of the co-simulation interface. folder: the unpacked FMU."""
         declared = description.coSimulation
         fixed = declared.fixedInternalStepSize
-        step_s = float(fixed) if fixed else longest_internal_step_s(folder)
+        step_s = float(fixed) if fixed else None
+        if step_s is None and str(description.generationTool or "").startswith("axisrig"):
+            step_s = longest_internal_step_s(folder)
         early = declared.mightReturnEarlyFromDoStep  # FMI 3.0 only; False for 2.0
         return cls(
             can_save_state=bool(declared.canGetAndSetFMUstate),
@@ -94,15 +96,13 @@ class Capabilities:
 
 @cache
 def longest_internal_step_s(folder: Path) -> float | None:
-    """Return the longest internal step of an unpacked FMU of axisrig, s; None for any other.
+    """Return the longest internal step of an unpacked FMU of axisrig, s; None when it names none.
 
     Its solver takes shorter ones where it must, so that `fixedInternalStepSize` would be untrue:
     its own annotation says it (`LongestInternalStep`).
     """
-    root = ET.parse(folder / "modelDescription.xml").getroot()
-    found = root.find(".//LongestInternalStep")
-    is_own = root.get("generationTool", "").startswith("axisrig")
-    return float(found.attrib["seconds"]) if is_own and found is not None else None
+    found = ET.parse(folder / "modelDescription.xml").getroot().find(".//LongestInternalStep")
+    return float(found.attrib["seconds"]) if found is not None else None
 
 
 def own_step_s(description: ModelDescription) -> float | None:
