@@ -26,9 +26,10 @@ positive for a vertical axis. Heights of workpieces count along z, upwards.</p>
 communication step for an input), <code>_time</code> is an instant or a duration in s, <code>_count</code> a
 number since the start. A truth (<code>position</code>, <code>contact_time</code>) is for observers, not for the
 control.</p>
-<p>Signals: inputs and outputs are connectors of package Interfaces. Real ones are joined by
-<code>connect</code>. Levels and whole numbers are given by equations, which is equal in the language:
-the compiler that makes the FMUs (rumoca 0.10.2) refuses <code>connect</code> for them.</p>
+<p>Signals: inputs and outputs are connectors of package Interfaces. <code>connect</code> joins Real ones that
+are passed on as they are. Expressions, levels and whole numbers are given by equations, which is equal in
+the language: the compiler that makes the FMUs (rumoca 0.10.2) refuses <code>connect</code> for levels and
+whole numbers.</p>
 <p>Events: what changes at an instant is a relation or a when-clause; no component samples unless its name
 says so. Random numbers repeat with a seed.</p>
 <p>Each class says equation, assumption, limit and source.</p>

@@ -43,7 +43,7 @@ def export_rig(settings: Settings, target: Path, fmi: str) -> list[str]:
         files[f"resources/{part.name}.fmu"] = _fmu(part, fmi)
         files[f"resources/{part.name}.ssv"] = _parameters(settings, part, values)
     _write(target, files)
-    return _told(settings, parts, target)
+    return _in_words(settings, parts, target)
 
 
 def _fmu(part: Part, fmi: str) -> bytes:
@@ -187,7 +187,7 @@ def _write(target: Path, files: Mapping[str, bytes]) -> None:
         raise UserError("the package cannot be written", file=target, value=str(error)) from error
 
 
-def _told(settings: Settings, parts: Sequence[Part], target: Path) -> list[str]:
+def _in_words(settings: Settings, parts: Sequence[Part], target: Path) -> list[str]:
     """What the package holds, and what of the rig stays with the bench."""
     lines = [f"{target}: {len(parts)} FMUs"]
     for part in parts:

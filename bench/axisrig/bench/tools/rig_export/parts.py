@@ -19,6 +19,9 @@ from axisrig.fmus import MODELS
 from axisrig.kernel.errors import UserError
 
 _ROTARY = "AxisRig.Drives.RotaryAxis"
+# rumoca 0.10.2 does not find the level at the start of a touch probe on an axis without states
+_KINEMATIC = "AxisRig.Drives.KinematicAxis"
+_TOUCH_PROBES = ("AxisRig.Sensors.TouchProbe", "AxisRig.Sensors.WorkpieceProbe")
 _MOTION = ("start", "end", "rate_start", "rate_end")
 _STEP = ("step_time", "step_size")
 # Outputs of a sensor whose change ends a step early, where the importer allows it
@@ -100,6 +103,10 @@ def _refuse(settings: Settings, plants: Mapping[str, PlantTable]) -> None:
                 found.append(f"plant {name} is wired to {axis}, which is not simulated here")
             elif plants[owner].fmu == _ROTARY:
                 found.append(f"plant {name} is wired to {axis}, a rotary axis")
+            elif plants[owner].fmu == _KINEMATIC and table.fmu in _TOUCH_PROBES:
+                found.append(
+                    f"plant {name}: the compiler takes no touch probe on {axis}, a KinematicAxis"
+                )
         if table.fmu in MODELS and table.wire and not _reads_motion(_described(table.fmu)):
             found.append(f"plant {name}: {table.fmu} is wired and reads no motion of an axis")
     if not plants:

@@ -19,7 +19,7 @@ model DistanceLoop "A distance sensor keeps an axis above a sheet that rises"
     "Axis with a sensor, 2 mm above the sheet"
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   Units.Position position "Axis";
-  Units.Position distance "What the sensor tells";
+  Units.Position distance "What the sensor gives";
   Units.Position distance_true "Distance";
 equation
   machine.reference_position = 0;

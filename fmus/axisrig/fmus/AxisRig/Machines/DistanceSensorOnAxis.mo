@@ -7,7 +7,7 @@ model DistanceSensorOnAxis "Servo axis with a distance sensor that moves with it
   Interfaces.PositionInput sensor_y "Where the sensor is: y"
     annotation(Placement(transformation(origin = {40, 110},
       extent = {{-10, -10}, {10, 10}}, rotation = -90)));
-  Interfaces.PositionOutput distance "What the sensor tells"
+  Interfaces.PositionOutput distance "What the sensor gives"
     annotation(Placement(transformation(origin = {-75, -110},
       extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   Interfaces.PositionOutput distance_true "From the nozzle straight down to the surface (truth)"
@@ -31,23 +31,30 @@ equation
   // A step that begins now: its first position and rate are those of the axis.
   sensor.step_time = time;
   sensor.step_size = 1;
-  sensor.x_start = sensor_x;
+  connect(sensor_x, sensor.x_start)
+    annotation(Line(points = {{-40, 100}, {-40, -50}, {-20, -50}}, color = {0, 0, 127}));
   sensor.x_rate_start = 0;
-  sensor.x_end = sensor_x;
+  connect(sensor_x, sensor.x_end)
+    annotation(Line(points = {{-40, 100}, {-40, -50}, {-20, -50}}, color = {0, 0, 127}));
   sensor.x_rate_end = 0;
-  sensor.y_start = sensor_y;
+  connect(sensor_y, sensor.y_start)
+    annotation(Line(points = {{40, 100}, {40, -60}, {20, -60}}, color = {0, 0, 127}));
   sensor.y_rate_start = 0;
-  sensor.y_end = sensor_y;
+  connect(sensor_y, sensor.y_end)
+    annotation(Line(points = {{40, 100}, {40, -60}, {20, -60}}, color = {0, 0, 127}));
   sensor.y_rate_end = 0;
   sensor.z_start = position;
   sensor.z_rate_start = velocity;
   sensor.z_end = position;
   sensor.z_rate_end = velocity;
-  distance = sensor.distance;
-  distance_true = sensor.distance_true;
+  connect(sensor.distance, distance)
+    annotation(Line(points = {{0, -80}, {0, -90}, {-75, -90}, {-75, -100}}, color = {0, 0, 127}));
+  connect(sensor.distance_true, distance_true)
+    annotation(Line(points = {{0, -80}, {0, -90}, {-45, -90}, {-45, -100}}, color = {0, 0, 127}));
   valid = sensor.valid;
   touching = sensor.touching;
-  touch_time = sensor.touch_time;
+  connect(sensor.touch_time, touch_time)
+    annotation(Line(points = {{0, -80}, {0, -90}, {45, -90}, {45, -100}}, color = {0, 0, 127}));
   touch_count = sensor.touch_count;
   annotation(
     __axisrig(returns_early = "touching"),

@@ -41,26 +41,34 @@ equation
   // A step that begins now: its first position and rate are those of the axis.
   probe.step_time = time;
   probe.step_size = 1;
-  probe.x_start = probe_x;
+  connect(probe_x, probe.x_start)
+    annotation(Line(points = {{-40, 100}, {-40, -50}, {-20, -50}}, color = {0, 0, 127}));
   probe.x_rate_start = 0;
-  probe.x_end = probe_x;
+  connect(probe_x, probe.x_end)
+    annotation(Line(points = {{-40, 100}, {-40, -50}, {-20, -50}}, color = {0, 0, 127}));
   probe.x_rate_end = 0;
-  probe.y_start = probe_y;
+  connect(probe_y, probe.y_start)
+    annotation(Line(points = {{40, 100}, {40, -60}, {20, -60}}, color = {0, 0, 127}));
   probe.y_rate_start = 0;
-  probe.y_end = probe_y;
+  connect(probe_y, probe.y_end)
+    annotation(Line(points = {{40, 100}, {40, -60}, {20, -60}}, color = {0, 0, 127}));
   probe.y_rate_end = 0;
   probe.z_start = position;
   probe.z_rate_start = velocity;
   probe.z_end = position;
   probe.z_rate_end = velocity;
   signal = probe.signal;
-  rising_time = probe.rising_time;
-  falling_time = probe.falling_time;
+  connect(probe.rising_time, rising_time)
+    annotation(Line(points = {{0, -80}, {0, -90}, {-60, -90}, {-60, -100}}, color = {0, 0, 127}));
+  connect(probe.falling_time, falling_time)
+    annotation(Line(points = {{0, -80}, {0, -90}, {-40, -90}, {-40, -100}}, color = {0, 0, 127}));
   rising_count = probe.rising_count;
   falling_count = probe.falling_count;
   contact = probe.contact;
-  contact_time = probe.contact_time;
-  gap = probe.gap;
+  connect(probe.contact_time, contact_time)
+    annotation(Line(points = {{0, -80}, {0, -90}, {60, -90}, {60, -100}}, color = {0, 0, 127}));
+  connect(probe.gap, gap)
+    annotation(Line(points = {{0, -80}, {0, -90}, {80, -90}, {80, -100}}, color = {0, 0, 127}));
   when probe.signal then
     edge_position = motor_position;
   end when;
