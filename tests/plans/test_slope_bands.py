@@ -25,7 +25,17 @@ def _rows() -> dict[str, dict[str, str]]:
 ROWS = _rows()
 TAGGED = {
     tag: [name for name, row in ROWS.items() if tag in row["tags"].split()]
-    for tag in ("table", "target", "ramp-time", "stop", "in-ramp", "weights", "stroke", "run-up", "hold")
+    for tag in (
+        "table",
+        "target",
+        "ramp-time",
+        "stop",
+        "in-ramp",
+        "weights",
+        "stroke",
+        "run-up",
+        "hold",
+    )
 }
 
 
