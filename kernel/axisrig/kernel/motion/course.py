@@ -2,9 +2,10 @@
 
 A path begins and ends at standstill, so that its slopes are all of one kind: the linear one with
 two steps (`profile`) or one with a limited jerk (`jerk`). Interpolator and feed know no difference.
+What a kind has to provide raises NotImplementedError here: a compiled dataclass takes no abstract
+base.
 """
 
-from abc import ABC, abstractmethod
 from typing import NamedTuple
 
 
@@ -37,7 +38,7 @@ class Weights(NamedTuple):
 NO_WEIGHTS = Weights()
 
 
-class Course(ABC):
+class Course:
     """Path and speed over time from `start_mm` to `end_mm`; time counts from 0."""
 
     __slots__ = ("duration_s", "end_mm", "start_mm")
@@ -47,13 +48,13 @@ class Course(ABC):
         self.end_mm = end_mm
         self.duration_s = duration_s
 
-    @abstractmethod
     def at(self, t_s: float) -> tuple[float, float]:
         """Return path in mm and speed in mm/s at `t_s`; from the duration on exactly the end."""
+        raise NotImplementedError
 
-    @abstractmethod
     def state(self, t_s: float) -> State:
         """Return what a new plan from `t_s` on begins with."""
+        raise NotImplementedError
 
     def brake(self, t_s: float, deceleration: "AnySlope") -> "Course":
         """Return the course that stops from the state at `t_s`; its time counts from 0 there.
@@ -71,18 +72,17 @@ class Course(ABC):
         return feedhold.held(self.state(t_s), self.end_mm, deceleration)
 
 
-class AnySlope(ABC):
+class AnySlope:
     """What an axis or a path may do to change its speed, upwards or downwards.
 
     Slopes that meet in one call are of one kind.
     """
 
     @property
-    @abstractmethod
     def least_mm_s2(self) -> float:
         """The acceleration that is there at every speed."""
+        raise NotImplementedError
 
-    @abstractmethod
     def weighted(
         self, deceleration: "AnySlope", weights: Weights, highest_mm_s2: float
     ) -> "tuple[AnySlope, AnySlope]":
@@ -90,54 +90,55 @@ class AnySlope(ABC):
 
         highest_mm_s2: what none of them may be raised above.
         """
+        raise NotImplementedError
 
     def after(self, acceleration: "AnySlope") -> "AnySlope":
         """Return this deceleration for a motion that accelerates with another slope."""
         return self
 
-    @abstractmethod
     def along(self, share: float) -> "AnySlope":
         """Return what a path may do of which the axis moves by `share`, from 0 to 1."""
+        raise NotImplementedError
 
-    @abstractmethod
     def weaker(self, other: "AnySlope") -> "AnySlope":
         """Return the slope that both allow at every speed."""
+        raise NotImplementedError
 
-    @abstractmethod
     def flat(self, a_mm_s2: float, speed_mm_s: float) -> "AnySlope":
         """Return a slope with one acceleration up to a speed, with the jerk of this one."""
+        raise NotImplementedError
 
-    @abstractmethod
     def distance_mm(self, speed_mm_s: float) -> float:
         """Return the path between standstill and a speed."""
+        raise NotImplementedError
 
-    @abstractmethod
     def speed_within(self, stroke_mm: float, run_up: "AnySlope") -> float:
         """Return the highest speed, mm/s, of a path that can stop on `stroke_mm` at any time.
 
         run_up: the slope with which it gets to that speed; this one stops it.
         """
+        raise NotImplementedError
 
-    @abstractmethod
     def plan(self, distance_mm: float, feed_mm_s: float, deceleration: "AnySlope") -> Course:
         """Plan a path from standstill to standstill; this slope accelerates.
 
         Raises ValueError if the path cannot be driven.
         """
+        raise NotImplementedError
 
-    @abstractmethod
     def rest(
         self, state: State, end_mm: float, feed_mm_s: float, deceleration: "AnySlope"
     ) -> Course:
         """Plan the rest of a path that ends at rest at `end_mm`; this slope accelerates."""
+        raise NotImplementedError
 
-    @abstractmethod
     def stopped(self, state: State) -> Course:
         """Return the course that stops with this slope as soon as it can."""
+        raise NotImplementedError
 
-    @abstractmethod
     def held(self, state: State, end_mm: float, deceleration: "AnySlope") -> Course:
         """Return the course that stops with this slope, no further than `end_mm`.
 
         deceleration: brakes where this one would go past it.
         """
+        raise NotImplementedError
