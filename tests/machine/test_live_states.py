@@ -105,6 +105,18 @@ def test_the_load_now_is_that_of_the_whole_windows_before() -> None:
     assert LoadMeter(1_000_000).now(0, 100 * MS).busy_share == 0.0
 
 
+def test_the_load_now_of_a_long_run_is_that_of_its_last_windows() -> None:
+    """Five seconds with 111 us in each ms, then 0.1 s with 222 us: 22.2 %."""
+    meter = LoadMeter(1_000_000)
+    for number in range(5100):
+        begin, length = number * MS, (111 if number < 5000 else 222) * US
+        meter.passed.append((begin, begin + length, length // US, 0x80, False, 0))
+        if number % 500 == 499:
+            meter.settle()
+    assert meter.now(5100 * MS, 100 * MS).busy_share == pytest.approx(0.222)
+    assert meter.now(5100 * MS, 100 * MS).frames == 5100
+
+
 def test_the_latest_lateness_is_that_of_the_last_syncs() -> None:
     kept = Deadlines(100 * US)
     for number in range(9):
