@@ -3,6 +3,7 @@
 import ctypes
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 from fmpy.model_description import ModelDescription
@@ -119,6 +120,12 @@ def grid_of(description: ModelDescription) -> TimeNs | None:
     if step_s is None or description.coSimulation.canHandleVariableCommunicationStepSize:
         return None
     return max(round(step_s * S), 1)
+
+
+@cache
+def array_type(kind: Any, count: int) -> Any:
+    """Return the ctypes type of so many elements; ctypes would make it anew for every instance."""
+    return kind * count
 
 
 class Missing:
