@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from axisrig.bench.campaign.cluster import run_on_cluster
@@ -141,24 +142,24 @@ def run_campaign(  # noqa: PLR0913
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
+            run_them = partial(run_cases, jobs=jobs, hardware=hardware)
             if select.scheduler:
-                running = run_on_cluster(
-                    cases, writer.files_of, select.scheduler, limits=limits, stopwatch=stopwatch
-                )
-            else:
-                running = run_cases(
-                    cases,
-                    writer.files_of,
-                    jobs=jobs,
-                    limits=limits,
-                    stopwatch=stopwatch,
-                    hardware=hardware,
-                )
+                run_them = partial(run_on_cluster, scheduler=select.scheduler)
+            running = run_them(cases, writer.files_of, limits=limits, stopwatch=stopwatch)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, CampaignProgress(len(runs), stopwatch))
+        results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     return Campaign(folder, results, len(runs), failure, report, stay)
+
+
+def _place(places: Mapping[str, int], result: CaseResult) -> tuple[int, bool]:
+    """Return where a result belongs: a row of statistics after the last of its runs here."""
+    case = result.case
+    if case.run in places:
+        return places[case.run], False
+    return max((places[run] for run in case.runs if run in places), default=-1), True
 
 
 def _chosen(plans: Sequence[Plan], choice: Choice) -> tuple[list[Plan], list[Case]]:

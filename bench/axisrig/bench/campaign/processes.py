@@ -285,6 +285,15 @@ class _Crew:
         reason = _in_words(worker.process.exitcode, journal.last_call(worker.note))
         return Died(reason, log=_printed(worker))
 
+    def answer(self, number: int) -> Any:
+        """Wait for the answer to a task and return it; an exception is raised here."""
+        while number not in self.answers:
+            self.look()
+        answer = self.answers.pop(number)
+        if answer.error is not None:
+            raise answer.error
+        return answer.value
+
     def dismiss(self) -> None:
         """End every process."""
         for worker in list(self._workers):
@@ -333,12 +342,32 @@ def run_apart(
     crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s, tasks_max)
     try:
         for number in range(len(tasks)):
-            while number not in crew.answers:
+            yield crew.answer(number)
+    finally:
+        crew.dismiss()
+
+
+def run_as_they_end(
+    function: Callable[..., T],
+    tasks: Sequence[Sequence[Any]],
+    *,
+    jobs: int,
+    is_fresh: Sequence[bool],
+    timeout_s: float | None,
+    call_limit_s: float,
+) -> Generator[tuple[int, T | Died], None, None]:
+    """Yield the number of a task, from 0, and `function(*task)`, in the order in which they end.
+
+    Arguments as of `run_apart`.
+    """
+    context = get_context()
+    crew = _Crew(function, tasks, is_fresh, jobs, context, timeout_s, call_limit_s, TASKS_MAX)
+    try:
+        for _ in tasks:
+            while not crew.answers:
                 crew.look()
-            answer = crew.answers.pop(number)
-            if answer.error is not None:
-                raise answer.error
-            yield answer.value
+            number = next(iter(crew.answers))
+            yield number, crew.answer(number)
     finally:
         crew.dismiss()
 
