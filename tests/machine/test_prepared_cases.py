@@ -119,12 +119,15 @@ def test_only_so_many_cases_are_kept(folder: Path, monkeypatch: pytest.MonkeyPat
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_every_case_that_cannot_be_prepared_is_reported(folder: Path, jobs: int) -> None:
+def test_every_case_that_cannot_be_prepared_is_reported(
+    folder: Path, jobs: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
     shutil.copy(folder / "rigs" / "probe-z.toml", folder / "rigs" / "other.toml")
     rows = PLAN.splitlines()
     rows += [rows[1].replace("one,", "three,").replace("600", "nothing")]
     rows += [rows[1].replace("one,", "four,").replace("600", "nowhere").replace("probe-z", "other")]
     (folder / "plan.csv").write_text("\n".join(rows), encoding="utf-8")
+    monkeypatch.setattr(runner, "FEW", 0)
     with pytest.raises(UserError, match="nothing") as caught:
         prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=jobs)
     assert [error.value for error in caught.value.further] == ["nowhere"]
@@ -145,6 +148,7 @@ def test_several_processes_prepare_every_case(
         yield from tasks
 
     monkeypatch.setattr(runner, "run_apart", noted)
+    monkeypatch.setattr(runner, "FEW", 0)
     prepare_all(cases(folder), apart=(), call_limit_s=60.0, jobs=2)
     assert here == ["one"]
     assert [case.case for (case,) in told] == ["two", "three"]  # type: ignore[attr-defined]

@@ -4,7 +4,7 @@ import os
 import time
 from pathlib import Path
 
-from axisrig.bench.campaign.processes import run_apart
+from axisrig.bench.campaign.processes import run_apart, run_as_they_end
 
 WAIT_S = 20.0
 
@@ -22,6 +22,24 @@ def test_the_next_row_begins_while_the_results_of_the_last_are_worked_on(tmp_pat
         time.sleep(0.01)
     assert (tmp_path / "1").exists()
     assert list(results) == [1, 2]
+
+
+def _wait_for(path: Path | None, number: int) -> int:
+    end_s = time.monotonic() + WAIT_S
+    while path is not None and not path.exists() and time.monotonic() < end_s:
+        time.sleep(0.01)
+    return 10 * number
+
+
+def test_results_come_as_their_tasks_end(tmp_path: Path) -> None:
+    """The first task waits until the results of the two others have been taken."""
+    tasks = [[tmp_path / "go", 0], [None, 1], [None, 2]]
+    results = run_as_they_end(
+        _wait_for, tasks, jobs=2, is_fresh=[False] * 3, timeout_s=None, call_limit_s=WAIT_S
+    )
+    assert [next(results), next(results)] == [(1, 10), (2, 20)]
+    (tmp_path / "go").touch()
+    assert list(results) == [(0, 0)]
 
 
 def test_a_process_ends_after_so_many_tasks() -> None:

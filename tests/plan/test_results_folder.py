@@ -8,9 +8,11 @@ import pytest
 from results_setup import TEXT, PlanWriter, add, contents, manifest, posix, rows, run_case, write
 
 from axisrig.bench.campaign.results import writer as writer_module
+from axisrig.bench.campaign.results.folder import clear
+from axisrig.bench.campaign.results.junit import write_junit
 from axisrig.bench.campaign.results.lock import FolderLock
 from axisrig.bench.campaign.results.stored import read_results
-from axisrig.bench.campaign.results.writer import ResultsWriter
+from axisrig.bench.campaign.results.writer import ResultsWriter, no_values
 from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.kernel.errors import UserError
@@ -299,3 +301,45 @@ def test_a_lock_makes_its_folder_and_leaves_nothing(tmp_path: Path) -> None:
     with FolderLock(tmp_path / "a" / "b" / "c"):
         assert (tmp_path / "a" / "b" / "c" / ".lock").is_file()
     assert list((tmp_path / "a").iterdir()) == []
+
+
+def test_the_junit_file_of_a_campaign_is_that_of_its_other_files(
+    plan: Plan, tmp_path: Path
+) -> None:
+    """`close` writes it from what it knows, `write_junit` from what was stored."""
+    out = tmp_path / "out"
+    with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
+        add(writer, plan.cases[0])
+        add(writer, plan.cases[1], error_um=9.0, message="<tail>\n\ttab")
+        writer.add(no_values(plan.cases[2], Verdict.ERROR, "the bench said no"))
+    known = (out / "junit.xml").read_bytes()
+    assert b"the bench said no" in known
+    assert b"&lt;tail&gt;" in known
+    write_junit(out)
+    assert (out / "junit.xml").read_bytes() == known
+
+
+def test_tables_that_are_in_order_are_not_written_again(plan: Plan, tmp_path: Path) -> None:
+    out = tmp_path / "out"
+    with ResultsWriter(out, [plan], {"axisrig": "1"}) as writer:
+        for case in plan.cases:
+            add(writer, case)
+        appended = [(out / name).stat().st_ino for name in ("cases.csv", "results.csv")]
+    assert [(out / name).stat().st_ino for name in ("cases.csv", "results.csv")] == appended
+    other = write(tmp_path / "other", plan, [2, 0, 1])
+    assert contents(other) == contents(out)
+
+
+def test_a_campaign_that_was_killed_while_it_cleared_the_folder_leaves_one_to_go_on_in(
+    plan: Plan, tmp_path: Path
+) -> None:
+    out = write(tmp_path / "out", plan, [0, 1, 2])
+    first = contents(out)
+    clear(out)  # and then a kill: the manifest is gone, and empty folders are left
+    assert not contents(out)
+    write(out, plan, [0, 1, 2])
+    assert contents(out) == first
+    clear(out)
+    (out / "bus" / "precious").touch()
+    with pytest.raises(UserError, match="something that is no results folder"):
+        write(out, plan, [0, 1, 2])

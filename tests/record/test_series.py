@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import pickle
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -92,6 +93,31 @@ def test_a_trace_that_was_read_whole_gives_the_same_columns_blocks_and_telegrams
         assert one.tolist() == other.tolist()
     with pytest.raises(KeyError):
         at_once.column("Z.other")
+
+
+@pytest.mark.parametrize("sizes", [[12], [0], [5, 7]])
+def test_what_is_held_in_memory_is_what_the_file_has(tmp_path: Path, sizes: list[int]) -> None:
+    """Only a run of one block is held, so that a long one needs no more memory."""
+    writer, begin = SeriesWriter(tmp_path / "a.parquet", {"run": "a"}, holds=True), 0
+    for size in sizes:
+        writer.add(block(begin, size))
+        begin += size
+    held = writer.close()
+    assert (held.held is None) is (len(sizes) > 1)
+    read = held.released()
+    assert (read.source, read.held) == (held.source, None)
+    assert pickle.loads(pickle.dumps(held)).held is None
+    assert (held.names, held.about, held.units) == (read.names, read.about, read.units)
+    assert held.blocks == read.blocks
+    assert held.table().schema.equals(read.table().schema)
+    for name in read.names:
+        for part in (None, *read.blocks):
+            one, other = held.column(name, part), read.column(name, part)
+            assert (one.dtype, one.tobytes()) == (other.dtype, other.tobytes())
+    for one, other in zip(held.telegrams("Z", ACTUAL), read.telegrams("Z", ACTUAL), strict=True):
+        assert (one.dtype, one.tolist()) == (other.dtype, other.tolist())
+    with pytest.raises(KeyError):
+        held.column("Z.other")
 
 
 def test_telegrams_are_all_of_the_bus_in_their_order(tmp_path: Path) -> None:

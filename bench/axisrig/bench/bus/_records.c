@@ -132,14 +132,14 @@ failed:
     return NULL;
 }
 
-/* add_load(passed, busy_ns, worst_delay_ns, window_ns): busy_ns: array("Q") of windows, long enough;
-   worst_delay_ns: identifier (bit 31 set on 29-bit ones) -> ns. Returns the bits of all frames. */
+/* add_load(passed, busy_ns, worst_delay_ns, window_ns, begin_ns): busy_ns: array("Q") of windows from
+   begin_ns on, long enough; worst_delay_ns: identifier (bit 31 set on 29-bit ones) -> ns. Returns the bits of all frames. */
 static PyObject *add_load(PyObject *Py_UNUSED(module), PyObject *args)
 {
     PyObject *passed, *windows, *worst;
-    long long window_ns, bits_sum = 0;
-    if (!PyArg_ParseTuple(args, "O!OO!L:add_load", &PyList_Type, &passed, &windows, &PyDict_Type,
-                          &worst, &window_ns))
+    long long window_ns, begin_ns, bits_sum = 0;
+    if (!PyArg_ParseTuple(args, "O!OO!LL:add_load", &PyList_Type, &passed, &windows, &PyDict_Type,
+                          &worst, &window_ns, &begin_ns))
         return NULL;
     Py_buffer view;
     if (PyObject_GetBuffer(windows, &view, PyBUF_WRITABLE | PyBUF_FORMAT | PyBUF_ND) < 0)
@@ -156,8 +156,8 @@ static PyObject *add_load(PyObject *Py_UNUSED(module), PyObject *args)
             PyErr_SetString(PyExc_TypeError, "passed holds tuples of six");
             goto failed;
         }
-        long long start_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 0));
-        long long end_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 1));
+        long long start_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 0)) - begin_ns;
+        long long end_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 1)) - begin_ns;
         bits_sum += PyLong_AsLongLong(PyTuple_GET_ITEM(one, 2));
         int extended = PyObject_IsTrue(PyTuple_GET_ITEM(one, 4));
         long long delay_ns = PyLong_AsLongLong(PyTuple_GET_ITEM(one, 5));

@@ -7,5 +7,10 @@ def blf_objects(
     block: list[Any], first: int, numbers: Mapping[str, int], head: bytes, /
 ) -> tuple[bytes, int]: ...
 def add_load(
-    passed: list[Any], busy_ns: array[int], worst_delay_ns: dict[int, int], window_ns: int, /
+    passed: list[Any],
+    busy_ns: array[int],
+    worst_delay_ns: dict[int, int],
+    window_ns: int,
+    begin_ns: int,
+    /,
 ) -> int: ...

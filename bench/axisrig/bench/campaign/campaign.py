@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing, nullcontext, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from axisrig.bench.campaign.cluster import run_on_cluster
@@ -153,6 +154,7 @@ def run_campaign(  # noqa: PLR0913
             running = _running(cases, files_of, select.scheduler, *how)
             running = _with_statistics(_dated(running, hashes), statistics, hashes)
             failure = _write(running, writer, results, progress, watch)
+        results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
     return Campaign(folder, results, len(runs), failure, report, stay)
@@ -172,6 +174,14 @@ def _running(
     if scheduler:
         return run_on_cluster(cases, files_of, scheduler, limits, stopwatch)
     return run_cases(cases, files_of, jobs, limits, stopwatch, hardware=hardware, follower=progress)
+
+
+def _place(places: Mapping[str, int], result: CaseResult) -> tuple[int, bool]:
+    """Return where a result belongs: a row of statistics after the last of its runs here."""
+    case = result.case
+    if case.run in places:
+        return places[case.run], False
+    return max((places[run] for run in case.runs if run in places), default=-1), True
 
 
 def _chosen(plans: Sequence[Plan], choice: Choice) -> tuple[list[Plan], list[Case]]:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from axisrig.bench.campaign.preparing import prepare
+from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.composition import Mistakes
@@ -91,7 +92,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         of_plants = [*describe_plants(settings, plant), *printed_log(settings)]
         loops = describe_distance(settings, drive_lags_s(settings, plant))
     finally:
-        plant.close()
+        close_plant(plant)
     tables = describe_schedules(settings)
     plants = ["\n".join(of_plants)] if of_plants else []
     remarks = [f"warning: {warning}" for warning in settings.warnings]

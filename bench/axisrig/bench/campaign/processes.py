@@ -289,10 +289,23 @@ class _Crew:
         reason = _in_words(worker.process.exitcode, journal.last_call(worker.note))
         return Died(reason, log=_printed(worker))
 
+    def answer(self, number: int) -> Any:
+        """Wait for the answer to a task and return it; an exception is raised here."""
+        while number not in self.answers:
+            self.look()
+        answer = self.answers.pop(number)
+        if answer.error is not None:
+            raise answer.error
+        return answer.value
+
     def dismiss(self) -> None:
         """End every process."""
         for worker in list(self._workers):
             self._dismiss(worker)
+
+
+def _no_news(_number: int, _begins: bool) -> None:
+    """Follow no task."""
 
 
 def usable_cores(cpu_max: Path = Path("/sys/fs/cgroup/cpu.max")) -> int:
@@ -323,7 +336,7 @@ def run_apart(  # noqa: PLR0913
     call_limit_s: float = CALL_LIMIT_S,
     is_unrelated: bool = False,
     tasks_max: int = TASKS_MAX,
-    news: Callable[[int, bool], None] = lambda _number, _begins: None,
+    news: Callable[[int, bool], None] = _no_news,
 ) -> Generator[T | Died, None, None]:
     """Yield `function(*task)` of every task, in their order, from processes.
 
@@ -339,12 +352,33 @@ def run_apart(  # noqa: PLR0913
     crew = _Crew(function, tasks, fresh, jobs, context, timeout_s, call_limit_s, tasks_max, news)
     try:
         for number in range(len(tasks)):
-            while number not in crew.answers:
+            yield crew.answer(number)
+    finally:
+        crew.dismiss()
+
+
+def run_as_they_end(
+    function: Callable[..., T],
+    tasks: Sequence[Sequence[Any]],
+    *,
+    jobs: int,
+    is_fresh: Sequence[bool],
+    timeout_s: float | None,
+    call_limit_s: float,
+    news: Callable[[int, bool], None] = _no_news,
+) -> Generator[tuple[int, T | Died], None, None]:
+    """Yield the number of a task, from 0, and `function(*task)`, in the order in which they end.
+
+    Arguments as of `run_apart`.
+    """
+    context = get_context()
+    crew = _Crew(function, tasks, is_fresh, jobs, context, timeout_s, call_limit_s, TASKS_MAX, news)
+    try:
+        for _ in tasks:
+            while not crew.answers:
                 crew.look()
-            answer = crew.answers.pop(number)
-            if answer.error is not None:
-                raise answer.error
-            yield answer.value
+            number = next(iter(crew.answers))
+            yield number, crew.answer(number)
     finally:
         crew.dismiss()
 

@@ -1,7 +1,7 @@
 """Runs the cases of plans: one machine per case, in this process or in a pool of them.
 
-The order of the results never depends on the number of processes, and neither does a result: each
-case is built from its row and its seed alone.
+A result never depends on the number of processes: each case is built from its row and its seed
+alone. Results come as the cases end.
 """
 
 import gc
@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Protocol
 
 from axisrig.bench.campaign.preparing import prepare, recall, settings_of
-from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart
+from axisrig.bench.campaign.processes import CALL_LIMIT_S, Died, run_apart, run_as_they_end
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.searching import run_search
 from axisrig.bench.files import DISK_FULL
@@ -30,7 +30,8 @@ from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.expectation import met
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
-from axisrig.bench.record.series import SeriesWriter
+from axisrig.bench.record.facts import Facts
+from axisrig.bench.record.series import Series, SeriesWriter
 from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.real_axes import is_paced
 from axisrig.kernel.cosim.fmi.fmu import PlantError
@@ -80,16 +81,25 @@ class Limits:
 
 _NO_LIMITS = Limits()
 
+FEW = 20
+"""So many cases are prepared in less time than it takes to start processes for that, and those that
+run them find them prepared."""
+
 
 @contextmanager
 def _without_collector() -> Iterator[None]:
-    """Keep the garbage collector out of the cycles; a run allocates much and drops nothing."""
+    """Keep the garbage collector out of a run, which allocates much and drops nothing.
+
+    At the end it looks through what is new, and frees the machine: left to itself it would do so
+    while that is in use still, and find it again among all that the process has.
+    """
     was_enabled = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
         if was_enabled:
+            gc.collect(0)
             gc.enable()
 
 
@@ -131,6 +141,33 @@ def _run_case(
     started: float,
     hardware: Hardware | None,
 ) -> CaseResult:
+    with _without_collector():
+        left = _left_by(case, files, stopwatch, started, hardware)
+    if isinstance(left, CaseResult):
+        return left
+    facts, series, loop_s = left
+    wall_s = stopwatch() - started
+    observed = Observed(facts, series)
+    verdict, checks = judged(observed, case.checks, module=case.module)
+    verdict, checks = met(case.expected, verdict, checks)
+    stopped = STOPPED if facts.is_stopped else None
+    kept = series.released()
+    result = CaseResult(case, verdict, checks, wall_s, facts, kept, stopped, loop_s=loop_s)
+    result.samples = sampled(observed, case.sampled, module=case.module)
+    return result
+
+
+def _left_by(
+    case: Case,
+    files: RunFiles,
+    stopwatch: Stopwatch,
+    started: float,
+    hardware: Hardware | None,
+) -> CaseResult | tuple[Facts, Series, float]:
+    """Build a machine, run it and take it down; return facts, series and time of the loop, s.
+
+    A result where there is nothing to judge.
+    """
     try:
         prepared = recall(case)
         if prepared is None:
@@ -146,34 +183,25 @@ def _run_case(
             bus_logs=files.bus_logs,
             seed=case.seed,
             hardware=hardware,
-            trace=SeriesWriter(files.trace, about),
+            trace=SeriesWriter(files.trace, about, holds=True),
             onlooker=onlooker,
         )
     except UserError as error:
         return no_values(case, Verdict.ERROR, str(error))
     try:
-        with _without_collector():
-            try:
-                loop_began_s = stopwatch()
-                sim_ns = machine.run()
-                machine.frame_hash.hexdigest()  # frames that wait for the hash belong to the loop
-                loop_s = stopwatch() - loop_began_s
-                facts = facts_of(machine, sim_ns)
-            except (PlantError, SimulatedTimeoutError, UserError) as error:
-                row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
-                row.log += printed_log(settings)
-                return row
-        series = machine.recorder.series()
+        try:
+            loop_began_s = stopwatch()
+            sim_ns = machine.run()
+            machine.frame_hash.hexdigest()  # frames that wait for the hash belong to the loop
+            loop_s = stopwatch() - loop_began_s
+            facts = facts_of(machine, sim_ns)
+        except (PlantError, SimulatedTimeoutError, UserError) as error:
+            row = no_values(case, Verdict.ERROR, str(error), wall_s=stopwatch() - started)
+            row.log += printed_log(settings)
+            return row
+        return facts, machine.recorder.series(), loop_s
     finally:
         machine.close()
-    wall_s = stopwatch() - started
-    observed = Observed(facts, series)
-    verdict, checks = judged(observed, case.checks, module=case.module)
-    verdict, checks = met(case.expected, verdict, checks)
-    stopped = STOPPED if facts.is_stopped else None
-    result = CaseResult(case, verdict, checks, wall_s, facts, series, stopped, loop_s=loop_s)
-    result.samples = sampled(observed, case.sampled, module=case.module)
-    return result
 
 
 def _live(case: Case, pipe: Path, about: Mapping[str, str]) -> LiveStates:
@@ -193,9 +221,9 @@ def prepare_all(
     """Prepare every case, in plan order.
 
     apart: rigs whose cases are prepared in a process apart; what dies there dies again as it runs.
-    call_limit_s: wall time that one call into an FMU may take there. jobs: processes; with several,
-    this one prepares the first case of each rig, so that those that are started from it, here and
-    for the runs, find its FMUs, lists and tables read.
+    call_limit_s: wall time that one call into an FMU may take there. jobs: processes; with several
+    and more than FEW cases, this one prepares the first case of each rig, so that those that are
+    started from it, here and for the runs, find its FMUs, lists and tables read.
     Raises UserError as `prepare` does, with everything that is wrong with any case, each mistake
     once, ordered by file and place.
     """
@@ -203,7 +231,8 @@ def prepare_all(
     outcomes: dict[int, UserError | None] = {}
     seen: set[Path] = set()
     for number, case in enumerate(cases):
-        if case.rig not in apart and (jobs == 1 or case.rig not in seen):
+        is_here = jobs == 1 or len(cases) <= FEW or case.rig not in seen
+        if case.rig not in apart and is_here:
             seen.add(case.rig)
             outcomes[number] = _outcome(case)
     elsewhere = [case for number, case in enumerate(cases) if number not in outcomes]
@@ -275,7 +304,7 @@ def _run_apart(
     def follow(number: int, begins: bool) -> None:
         (follower.began if begins else follower.ended)(cases[number].run)
 
-    results = run_apart(
+    results = run_as_they_end(
         run_case,
         [[case, files_of(case.run), stopwatch] for case in cases],
         jobs=jobs,
@@ -284,11 +313,12 @@ def _run_apart(
         call_limit_s=limits.call_limit_s,
         news=follow,
     )
-    for case, result in zip(cases, results, strict=True):
-        if isinstance(result, Died):
-            wall_s = timeout_s if result.is_timeout and timeout_s is not None else 0.0
-            row = no_values(case, Verdict.ERROR, result.reason, wall_s=wall_s)
-            row.log += result.log
-            yield row
-        else:
-            yield result
+    with closing(results):
+        for number, result in results:
+            if isinstance(result, Died):
+                wall_s = timeout_s if result.is_timeout and timeout_s is not None else 0.0
+                row = no_values(cases[number], Verdict.ERROR, result.reason, wall_s=wall_s)
+                row.log += result.log
+                yield row
+            else:
+                yield result

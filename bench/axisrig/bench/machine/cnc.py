@@ -8,7 +8,8 @@ from axisrig.bench.rig.check import axis_steps, has_inputs, has_latch_counter, h
 from axisrig.bench.rig.latches import SdoRoom, sdo_room
 from axisrig.bench.rig.reading.lists import drive_input
 from axisrig.bench.rig.reading.startup import start_up_settings, watch_settings
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
+from axisrig.kernel.channel import AxisSettings
 from axisrig.kernel.channel.drive_functions import DriveAccess
 from axisrig.kernel.channel.path.monitor import Monitor
 from axisrig.kernel.drives.functions import read_functions
@@ -24,33 +25,35 @@ from axisrig.kernel.time.clock import US, Clock, ns_to_seconds
 
 def build_link(settings: Settings, name: str, network: Any) -> AxisLink:
     """Make the kernel's end of the drive of one axis."""
+    return AxisLink(_link_settings(settings, name), network)
+
+
+@once
+def _link_settings(settings: Settings, name: str) -> LinkSettings:
     axis, parameters = settings.rig.axis[name], settings.axis[name]
     drive = settings.rig.drive[axis.drive]
     speed_max_mm_s = parameters.mm_s("getriebe[0].dynamik.vb_max")
     period_s = ns_to_seconds(settings.rig.cycle.period_us * US)
     jump_mm = drive.jump_factor * speed_max_mm_s * period_s
-    return AxisLink(
-        LinkSettings(
-            axis=name,
-            node_id=axis.node,
-            increments_per_mm=float(drive.make().units_per_mm),
-            probe_input=drive_input(parameters),
-            edge=parameters.word("kenngr.measure.edge"),
-            lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
-            pdo_map=drive.pdo_map,
-            missing_cycles=drive.missing_cycles,
-            lag_limit_mm=drive.lag_limit_mm or float("inf"),
-            fault_reset=drive.fault_reset,
-            jump_mm=jump_mm or float("inf"),
-            status_delay_cycles=drive.make().status_delay_cycles,
-            stamps=stamp_clock(settings, name),
-            trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
-            has_counter=has_latch_counter(settings, name),
-            has_inputs=has_inputs(settings, name),
-            has_second=has_second(settings, name),
-            sensor_age_limit_ms=axis.sensor_age_limit_ms,
-        ),
-        network,
+    return LinkSettings(
+        axis=name,
+        node_id=axis.node,
+        increments_per_mm=float(drive.make().units_per_mm),
+        probe_input=drive_input(parameters),
+        edge=parameters.word("kenngr.measure.edge"),
+        lag_delay_cycles=parameters.integer("antr.nbr_delay_cycles"),
+        pdo_map=drive.pdo_map,
+        missing_cycles=drive.missing_cycles,
+        lag_limit_mm=drive.lag_limit_mm or float("inf"),
+        fault_reset=drive.fault_reset,
+        jump_mm=jump_mm or float("inf"),
+        status_delay_cycles=drive.make().status_delay_cycles,
+        stamps=stamp_clock(settings, name),
+        trigger_source=parameters.word("antr.canopen.probing_trigger_source"),
+        has_counter=has_latch_counter(settings, name),
+        has_inputs=has_inputs(settings, name),
+        has_second=has_second(settings, name),
+        sensor_age_limit_ms=axis.sensor_age_limit_ms,
     )
 
 
@@ -104,3 +107,9 @@ def build_start_up(settings: Settings, name: str, access: DriveAccess, clock: Cl
     steps = axis_steps(settings, name)
     address = DriveAddress(name, axis.node)
     return StartUp(address, link.network, clock, access.sdo, steps, declared, keep=link.set_object)
+
+
+@once
+def axis_settings(settings: Settings, name: str) -> AxisSettings:
+    """Return what the channel knows of an axis."""
+    return AxisSettings.read(name, settings.axis[name], settings.channel)

@@ -1,6 +1,6 @@
 """What a machine leaves when its program has ended, as data (`bench.record`)."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
@@ -17,6 +17,7 @@ from axisrig.bench.record.axes import (
     Latch,
     ProbeRecord,
     Telegram,
+    Value,
 )
 from axisrig.bench.record.distance import DistanceRecord, PlcSensor
 from axisrig.bench.record.facts import (
@@ -35,6 +36,7 @@ from axisrig.bench.rig.printed import printed_log
 from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import VariableSensor
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
@@ -70,7 +72,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         },
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
-        channel=dict(settings.channel.items()),
+        channel=_written(settings, None),
         runs=tuple(_run(machine, record) for record in channel.records),
         blocks=machine.blocks.trace(),
         alarms=tuple(_alarms(machine)),
@@ -88,6 +90,12 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         real_time=machine.real_time(),
         notes=tuple(_notes(machine)),
     )
+
+
+@once
+def _written(settings: Settings, axis: str | None) -> Mapping[str, Value]:
+    """Return what the list of an axis sets, None: that of the channel."""
+    return dict((settings.channel if axis is None else settings.axis[axis]).items())
 
 
 def _drive_write(time_ns: TimeNs, write: canon.DriveWrite) -> DriveWrite:
@@ -127,7 +135,7 @@ def _axis(machine: Machine, name: str) -> AxisRecord:
             Telegram(t.name, t.transmission, tuple(mapped.field for mapped in t.objects))
             for t in link.telegrams.values()
         ),
-        written=dict(settings.axis[name].items()),
+        written=_written(settings, name),
         origin_mm=origin_mm,
         homed_ns=tuple(at for at, homed in machine.channel.single.homed if homed == name),
         doubt_mm=link.doubt_mm,

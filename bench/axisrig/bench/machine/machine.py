@@ -16,9 +16,16 @@ from axisrig.bench.bus.frame_hash import FrameHash
 from axisrig.bench.bus.journal import BLOCK_FRAMES, Journal
 from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
-from axisrig.bench.machine.cnc import build_accesses, build_link, build_monitor, build_start_up
+from axisrig.bench.machine.cnc import (
+    axis_settings,
+    build_accesses,
+    build_link,
+    build_monitor,
+    build_start_up,
+)
 from axisrig.bench.machine.deflection import DeflectionLog
 from axisrig.bench.machine.injection import inject
+from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.moments import World
 from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
@@ -42,7 +49,6 @@ from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.channel import (
-    AxisSettings,
     Channel,
     ChannelSettings,
     ChannelState,
@@ -122,7 +128,7 @@ class Machine:
             journal = Journal(1 if self._hardware else BLOCK_FRAMES)
             self.frame_hash = FrameHash(journal)
             self.plant = build_plant(settings)
-            self._open.callback(self.plant.close)
+            self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
             self.segments = build_segments(settings, self.scheduler, journal, bus_logs, self._open)
@@ -297,15 +303,11 @@ class Machine:
         # On a segment without a drive nobody would acknowledge a SYNC
         used = {axis.segment for axis in self.settings.rig.axis.values()}
         networks = {name: n for name, n in self.networks.items() if name in used}
-        axes = self.settings.axis
         operator = self.settings.operator
         channel = Channel(
             self.scheduler,
             self.timing,
-            [
-                AxisSettings.read(name, axes[name], self.settings.channel)
-                for name in self.settings.rig.axis
-            ],
+            [axis_settings(self.settings, name) for name in self.settings.rig.axis],
             list(self.links.values()),
             list(networks.values()),
             Surroundings(

@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from functools import partial
 from math import isclose
 from pathlib import Path
 from typing import Literal
 
 from axisrig.bench.machine.deflection import check_strokes
 from axisrig.bench.machine.fmu_files import plant_path
+from axisrig.bench.machine.kept_fmus import close_fmus, close_plant, roles_of, take_fmu
 from axisrig.bench.machine.start_places import blamed_start, check_places
 from axisrig.bench.machine.start_values import set_start_values
 from axisrig.bench.rig.check import check_rig
@@ -16,7 +18,7 @@ from axisrig.bench.rig.real_axes import outside_axes, simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError, load_fmu
-from axisrig.kernel.cosim.fmi.role_table import roles_of
+from axisrig.kernel.cosim.fmi.role_table import roles_of as names_of_roles
 from axisrig.kernel.cosim.fmi.roles import (
     FLAG_THRESHOLD,
     Roles,
@@ -49,7 +51,8 @@ def build_plant(settings: Settings) -> Plant:
                 loaded.append(slave)
             else:
                 slave = _shared(settings, plant, instance, table, table.shares)
-            roles = _roles(settings, instance, table, slave)
+            find = partial(_roles, settings, instance, table, slave)
+            roles = roles_of(slave, table, find)
             if table.shares is not None:
                 _add_beside(settings, plant, instance, table.shares, roles)
             elif roles.kind == "axis":
@@ -63,8 +66,7 @@ def build_plant(settings: Settings) -> Plant:
         for instance, table, roles in sensors:
             _wire(settings, plant, instance, table, roles)
     except BaseException:
-        for slave in loaded:
-            slave.close()
+        close_fmus(loaded)
         raise
     return plant
 
@@ -131,8 +133,10 @@ def _is_needless(settings: Settings, instance: str, note: str) -> bool:
 
 def _load(settings: Settings, instance: str, table: PlantTable) -> FmuSlave:
     path = plant_path(settings, instance, table)
+    # What this version has built may be used again, see `kept_fmus`
+    load = load_fmu if table.fmu.endswith(".fmu") else take_fmu
     try:
-        return load_fmu(path, instance)
+        return load(path, instance)
     except UserError as error:
         message = f"{error.message} ({path.name})"
         keys = ("plant", instance, "fmu")
@@ -226,7 +230,7 @@ def _roles(settings: Settings, instance: str, table: PlantTable, slave: FmuSlave
 
 def _suffixed(slave: FmuSlave, suffix: str) -> dict[str, Source | None]:
     """Return the variables that have the name of a role of an axis with a suffix."""
-    names = [role for role in roles_of("axis", []) if slave.has(role + suffix)]
+    names = [role for role in names_of_roles("axis", []) if slave.has(role + suffix)]
     found: dict[str, Source | None] = {name: Source(name + suffix) for name in names}
     if {"force_limit_negative", "force_limit_positive"} <= set(found):
         found["force_limit"] = None
@@ -376,7 +380,7 @@ def check_plant(settings: Settings) -> None:
         check_plants(settings, plant)
         start_plant(settings, plant)
     finally:
-        plant.close()
+        close_plant(plant)
 
 
 def start_plant(settings: Settings, plant: Plant) -> None:

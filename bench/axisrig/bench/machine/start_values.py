@@ -16,6 +16,8 @@ from axisrig.kernel.errors import UserError, nearest
 
 _FLAGS = {"true": True, "1": True, "false": False, "0": False}
 _REALS = ("Float64", "Float32", "Real")
+Start = tuple[str, float | bool | str]
+"""A variable and its start value in the unit of the FMU."""
 
 
 def set_start_values(settings: Settings, instance: str, table: PlantTable, roles: Roles) -> None:
@@ -23,17 +25,23 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
 
     Raises UserError with the place of each value that does not fit.
     """
+    key = ("start values", instance)
+    if settings.is_checked and key in settings.known:
+        for name, value in settings.known[key]:
+            roles.slave.set_start(name, value)
+        return
+    found: list[Start] = []
     mistakes = Mistakes()
-    for key, value in table.start.items():
+    for name, value in table.start.items():
         try:
             text = value if isinstance(value, str) else str(value).lower()
-            _set(roles, parse_assignment(f"plant:{instance}.{key}={text}"))
+            found.append(_set(roles, parse_assignment(f"plant:{instance}.{name}={text}")))
         except UserError as error:
             mistakes.add(
                 rig_error(
                     settings.files,
                     ("plant", instance, "start"),
-                    f"{key}: {error.message}",
+                    f"{name}: {error.message}",
                     value=error.value,
                     allowed=error.allowed,
                     hint=error.hint,
@@ -41,14 +49,16 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
             )
     for item, located in settings.start.get(instance, []):
         try:
-            _set(roles, item)
+            found.append(_set(roles, item))
         except UserError as error:
             mistakes.add(located(error, item))
     mistakes.refuse(settings.files[0])
+    if settings.is_checked:
+        settings.known[key] = found
 
 
-def _set(roles: Roles, item: Assignment) -> None:
-    """Set one start value, converted from the unit that its name ends in."""
+def _set(roles: Roles, item: Assignment) -> Start:
+    """Set one start value, converted from the unit that its name ends in; return what was set."""
     slave = roles.slave
     # A variable may itself end in what looks like a unit; its own name wins
     whole = item.column.partition(".")[2]
@@ -74,6 +84,7 @@ def _set(roles: Roles, item: Assignment) -> None:
     except PlantError as error:
         message = f"{slave.name} refuses {plain.name}: {error.reason}"
         raise UserError(message, value=item.value) from error
+    return plain.name, value
 
 
 def _flag(roles: Roles, item: Assignment) -> bool:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from functools import lru_cache
 from pathlib import Path
 
 from axisrig.bench.plan.checks import Check
@@ -54,6 +55,7 @@ def _literal(text: str) -> str:
     return text.replace("[", "[[")
 
 
+@lru_cache(maxsize=4096)  # a campaign asks for the same files again and again
 def path_from(folder: Path, path: Path) -> str:
     """A file as a cell of a plan in `folder` names it."""
     return (path.relative_to(folder) if path.is_relative_to(folder) else path).as_posix()

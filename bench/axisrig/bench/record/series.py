@@ -98,10 +98,16 @@ class Telegrams(NamedTuple):
 class Series:
     """The time series of a run.
 
-    source: the file where they are, or the table itself for a run that is not kept.
+    source: the file where they are, or the table itself for a run that is not kept. held: the same
+    as the file has, while it is in memory; see `released`.
     """
 
     source: Path | pa.Table
+    held: pa.Table | None = None
+
+    def released(self) -> "Series":
+        """Return the series without `held`: who asks reads the file."""
+        return Series(self.source)
 
     @property
     def names(self) -> list[str]:
@@ -134,7 +140,7 @@ class Series:
     def blocks(self) -> tuple[slice, ...]:
         """Rows of each block that was written, in their order; of a run in memory its only one."""
         if isinstance(self.source, Path):
-            begins, count = self._groups, self._file.metadata.num_rows
+            begins, count = self._groups, self._rows
         else:
             begins, count = {0: 0} if self.source.num_rows else {}, self.source.num_rows
         return tuple(slice(begin, end) for begin, end in pairwise([*begins, count]))
@@ -189,10 +195,19 @@ class Series:
         with _readable(self.source):
             return pq.ParquetFile(self.source, memory_map=False)
 
+    @property
+    def _table(self) -> pa.Table | None:
+        """The series where they are in memory."""
+        return self.held if isinstance(self.source, Path) else self.source
+
+    @property
+    def _rows(self) -> int:
+        return int(self._file.metadata.num_rows if self.held is None else self.held.num_rows)
+
     @cached_property
     def _schema(self) -> pa.Schema:
-        is_file = isinstance(self.source, Path)
-        schema = self._file.schema_arrow if is_file else self.source.schema  # type: ignore[union-attr]
+        table = self._table
+        schema = self._file.schema_arrow if table is None else table.schema
         if TIME not in schema.names or schema.field(TIME).type != pa.int64():
             raise _damaged(self.source, "no column time_ns of whole numbers")
         return schema
@@ -201,8 +216,9 @@ class Series:
         missing = set(names) - set(self._schema.names)
         if missing:
             raise MissingSignalError(min(missing))
-        if not isinstance(self.source, Path):
-            return self.source.select(list(names))
+        table = self._table
+        if table is not None:
+            return table.select(list(names))
         whole = self.__dict__.get("whole")  # where it has been asked for
         if whole is not None and set(names) <= set(whole.column_names):
             table = whole.select(list(names))
@@ -218,6 +234,8 @@ class Series:
     @cached_property
     def _groups(self) -> dict[int, int]:
         """First row of a block -> number of its row group in the file."""
+        if self.held is not None:  # of one block only
+            return {0: 0} if self.held.num_rows else {}
         groups = self._file.metadata
         sizes = [groups.row_group(number).num_rows for number in range(groups.num_row_groups)]
         begins = np.cumsum([0, *sizes]).tolist()
@@ -275,13 +293,17 @@ class SeriesWriter:
     """Takes blocks of rows and puts them into a file, or keeps them where there is none.
 
     All blocks have the columns of the first one. `close` gives the series; `discard` drops what was
-    written. about: `run` and `rig` of the series.
+    written. about: `run` and `rig` of the series. holds: those of one block stay in memory as well,
+    for who reads them at once (`Series.released`).
     """
 
-    def __init__(self, path: Path | None, about: Mapping[str, str] | None = None) -> None:
-        self._path, self._about = path, dict(about or {})
+    def __init__(
+        self, path: Path | None, about: Mapping[str, str] | None = None, *, holds: bool = False
+    ) -> None:
+        self._path, self._about, self._holds = path, dict(about or {}), holds
         self._file: pq.ParquetWriter | None = None
         self._tables: list[pa.Table] = []
+        self._held: pa.Table | None = None
         self._series: Series | None = None
 
     def add(self, columns: Mapping[str, pa.Array]) -> None:
@@ -302,6 +324,7 @@ class SeriesWriter:
                 self._path.parent.mkdir(parents=True, exist_ok=True)
                 self._file = pq.ParquetWriter(self._path, table.schema, **_encoding(table.schema))
             self._file.write_table(table)
+        self._held, self._holds = (table if self._holds else None), False
 
     def close(self) -> Series:
         """Finish; at least one block was written. Raises OSError with the name of the file."""
@@ -312,7 +335,7 @@ class SeriesWriter:
                 assert self._file is not None
                 with naming(self._path):
                     self._file.close()
-                self._series = Series(self._path)
+                self._series, self._held = Series(self._path, self._held), None
         return self._series
 
     def discard(self) -> None:

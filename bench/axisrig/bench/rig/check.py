@@ -12,7 +12,7 @@ from axisrig.bench.rig.reading.file import LOAD, DriveTable, rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers, drive_input
 from axisrig.bench.rig.reading.startup import drive_dictionary, drive_steps
 from axisrig.bench.rig.real_axes import check_outside, is_real
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.dictionary import check_functions, variable
 from axisrig.kernel.drives.ds402 import latch_object
 from axisrig.kernel.drives.functions import read_functions
@@ -57,6 +57,7 @@ def _knows_counter(settings: Settings, name: str) -> bool:
     return _has_object(settings, name, latch_object_of(settings, name) + FROM_LATCH_TO_COUNTER)
 
 
+@once
 def has_latch_counter(settings: Settings, name: str) -> bool:
     """Whether the counter of the latch is in the same telegram as the latch.
 
@@ -113,6 +114,7 @@ def segment_schedules(settings: Settings, *, with_rare: bool = False) -> dict[st
     }
 
 
+@once
 def schedule_of(
     settings: Settings, segment: str, *, counters: bool, rare: Sequence[Rare] = ()
 ) -> CycleArithmetic:
@@ -174,6 +176,7 @@ def describe_schedules(settings: Settings) -> list[str]:
     return texts
 
 
+@once
 def overloads(settings: Settings) -> dict[str, str]:
     """Return the segments whose cycle does not fit, with what is late in one line."""
     return {

@@ -5,7 +5,7 @@ from enum import Enum
 
 from axisrig.bench.bus.arithmetic import PlannedFrame
 from axisrig.bench.rig.check import SDO_FRAMES, axis_telegrams, schedule_of
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.time.clock import S
 
@@ -26,6 +26,7 @@ class SdoRoom(Enum):
     NONE = "never"
 
 
+@once
 def sdo_room(settings: Settings, name: str) -> SdoRoom:
     """Return when the segment of an axis has room for SDO.
 

@@ -7,11 +7,12 @@ plant turns where the rig maps its angle with 360 mm for a revolution (docs/rigs
 from math import isclose, pi
 
 from axisrig.bench.rig.reading.file import MapTable
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 
 FULL_TURN_M = 0.36
 
 
+@once
 def is_rotary(settings: Settings, axis: str) -> bool:
     """Whether the positions of an axis are degrees, by its list or by its plant."""
     lead_m = _lead_m(settings, axis, "position")
@@ -28,6 +29,7 @@ def arm_m(settings: Settings, axis: str, role: str = "position") -> float | None
     return None if lead_m is None else lead_m / (2.0 * pi)
 
 
+@once
 def torque_arm_m(settings: Settings, axis: str) -> float | None:
     """Return what makes torques (N.m) of the forces (N) at a rotary axis.
 

@@ -4,9 +4,11 @@
 a wrong value is reported with the place where it was written.
 """
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import update_wrapper
 from pathlib import Path
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from pydantic import ValidationError
 
@@ -86,7 +88,8 @@ class Settings:
     written: the rig as its files have it. assigned: what was applied to it, in its order.
     offsets: values of the lists of zero offsets and tools.
     warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
-    is_checked: a machine was built of them, and nothing is changed any more.
+    is_checked: a machine was built of them, and nothing is changed any more. known: what `once` has
+    found out of them since.
     """
 
     rig: RigFile
@@ -106,6 +109,7 @@ class Settings:
     notes: list[str] = field(default_factory=list)
     offsets: Lists = field(default_factory=Lists)
     is_checked: bool = False
+    known: dict[Hashable, Any] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def offset_tables(self) -> OffsetTables:
@@ -305,3 +309,28 @@ def read_settings(rig: RigFile, files: list[Path], assignments: Sequence[Assigne
         except UserError as error:
             raise located(error, assignment) from error
     return settings
+
+
+Given = ParamSpec("Given")
+Found = TypeVar("Found")
+
+
+def once(
+    function: Callable[Concatenate[Settings, Given], Found],
+) -> Callable[Concatenate[Settings, Given], Found]:
+    """Let a function of settings work only once for each that are checked, and for its arguments.
+
+    Its result is shared: nobody may change it. Other settings may change, so it works anew.
+    """
+
+    def call(settings: Settings, /, *args: Given.args, **named: Given.kwargs) -> Found:
+        if not settings.is_checked:
+            return function(settings, *args, **named)
+        key = (function, args, tuple(named.items()))
+        if key not in settings.known:
+            settings.known[key] = function(settings, *args, **named)
+        found: Found = settings.known[key]
+        return found
+
+    update_wrapper(call, function)
+    return call

@@ -9,11 +9,15 @@ leaves the commit, and the next one who opens the folder carries it out.
 
 import csv
 import glob
+import hashlib
 import io
 import json
+import os
 import shutil
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 from axisrig.bench.bus.logs import LOG_SUFFIXES, SEGMENT_MARK
 from axisrig.bench.campaign.results.lock import LOCK, FolderLock
@@ -37,6 +41,7 @@ JUDGED = "judged"
 _MADE = ("junit.xml", "report.html")
 _FILES = ("results.csv", "cases.csv", *_MADE, "manifest.json")
 _NEW, _COMMIT = ".new", ".commit"
+_LEFT = frozenset({LOCK, _NEW, *(beside(Path(name)).name for name in _FILES)})
 
 Checks = Sequence[Mapping[str, str]]
 
@@ -47,8 +52,7 @@ def refuse_foreign(folder: Path) -> None:
         return
     if not folder.is_dir():
         raise UserError("the output is not a folder", file=folder)
-    own = {LOCK, _NEW, *(beside(folder / name).name for name in _FILES)}
-    if any(item.name not in own for item in folder.iterdir()) and not is_results_folder(folder):
+    if not is_results_folder(folder) and any(not _is_left(item) for item in folder.iterdir()):
         raise UserError(
             "the folder holds something that is no results folder",
             file=folder,
@@ -56,12 +60,35 @@ def refuse_foreign(folder: Path) -> None:
         )
 
 
+def _is_left(item: Path) -> bool:
+    """Whether a process that was killed early may have left this of a results folder."""
+    if item.name in (PLANS, *FOLDERS):
+        return item.is_dir() and not any(item.iterdir())
+    return item.name in _LEFT
+
+
 def clear(folder: Path) -> None:
-    """Remove the results of a folder that this process holds, the manifest last."""
-    for name in (_NEW, JUDGED, PLANS, *FOLDERS):
+    """Remove the results of a folder that this process holds, the manifest last.
+
+    Folders that the next results need again stay, empty.
+    """
+    for name in (_NEW, JUDGED):
         shutil.rmtree(folder / name, ignore_errors=True)
+    for name in (PLANS, *FOLDERS):
+        _empty(folder / name)
     for name in _FILES:
         (folder / name).unlink(missing_ok=True)
+
+
+def _empty(folder: Path) -> None:
+    """Remove what is in a folder, as far as that is possible."""
+    with suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.is_dir(follow_symlinks=False):
+                shutil.rmtree(entry.path, ignore_errors=True)
+            else:
+                with suppress(OSError):
+                    os.unlink(entry.path)  # noqa: PTH108  no path is made for each
 
 
 def recover(folder: Path) -> None:
@@ -87,6 +114,7 @@ class ResultsFolder:
         self.cases: dict[str, Mapping[str, str]] = {}
         self.checks: dict[str, Checks] = {}
         self._replaced: frozenset[str] = frozenset()
+        self._hashes: dict[str, Any] = {}  # of the tables as they were written last
 
     def open(self) -> None:
         """Read the rows and bring the folder into order after a process that was killed.
@@ -200,8 +228,8 @@ class ResultsFolder:
         if is_replaced:
             self._write_checks()
         else:
-            append(self.folder / "results.csv", _csv((*RESULT_COLUMNS, NOTE), checks))
-        append(self.folder / "cases.csv", _csv(self._header, [case]))
+            self._append("results.csv", _csv((*RESULT_COLUMNS, NOTE), checks))
+        self._append("cases.csv", _csv(self._header, [case]))
         self.cases[run] = case
 
     @property
@@ -212,14 +240,27 @@ class ResultsFolder:
     def _write_cases(self) -> None:
         header = self._header
         text = _line(header) + _csv(header, self.cases.values())
-        write_whole(self.folder / "cases.csv", text)
+        self._write("cases.csv", text)
 
     def _write_checks(self) -> None:
         rows = (row for checks in self.checks.values() for row in checks)
-        write_whole(
-            self.folder / "results.csv",
-            _line((*RESULT_COLUMNS, NOTE)) + _csv((*RESULT_COLUMNS, NOTE), rows),
-        )
+        text = _line((*RESULT_COLUMNS, NOTE)) + _csv((*RESULT_COLUMNS, NOTE), rows)
+        self._write("results.csv", text)
+
+    def _write(self, name: str, text: str) -> None:
+        """Write a table, unless it is in the folder like that already."""
+        new, old = hashlib.sha256(text.encode()), self._hashes.pop(name, None)
+        if old is None or old.digest() != new.digest():
+            write_whole(self.folder / name, text)
+        self._hashes[name] = new
+
+    def _append(self, name: str, text: str) -> None:
+        """Append rows to a table."""
+        known = self._hashes.pop(name, None)  # after an error nobody knows what is there
+        append(self.folder / name, text)
+        if known is not None:
+            known.update(text.encode())
+            self._hashes[name] = known
 
     @staticmethod
     def _files_of(root: Path, run: str) -> list[str]:

@@ -6,7 +6,7 @@ time: it alone differs between two equal campaigns.
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -20,12 +20,15 @@ _GOOD = (Verdict.PASS.word, Verdict.MARGINAL.word)
 _ILLEGAL = re.compile("[^\t\n\r\u0020-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-def write_junit(folder: Path) -> Path:
-    """Write `junit.xml` from the other files of a results folder and return its path."""
-    results = read_results(folder)
+def write_junit(folder: Path, runs: Sequence[StoredRun] | None = None) -> Path:
+    """Write `junit.xml` of a results folder and return its path.
+
+    runs: what the folder has, where that is known; else its other files say it.
+    """
+    stored = read_results(folder).runs if runs is None else runs
     root = ElementTree.Element("testsuites", name="axisrig")
-    for plan in dict.fromkeys(run.case["plan"] for run in results.runs):
-        runs = [run for run in results.runs if run.case["plan"] == plan and not run.is_probe]
+    for plan in dict.fromkeys(run.case["plan"] for run in stored):
+        runs = [run for run in stored if run.case["plan"] == plan and not run.is_probe]
         _add_suite(root, plan, runs)
     ElementTree.indent(root, " ")
     path = folder / "junit.xml"

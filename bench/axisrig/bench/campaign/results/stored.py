@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.topics import STOPPED
@@ -60,19 +60,28 @@ that it needs are `run` and `verdict` in `cases.csv`, and `metric` beside them i
 _RUN = re.compile(r"[A-Za-z0-9_.-]+")  # a part of file names
 
 
+class Said(NamedTuple):
+    """What a run has to say, in words: as the properties of `StoredRun` of these names."""
+
+    error: str | None
+    messages: Sequence[str]
+    log: Sequence[str]
+
+
 @dataclass(frozen=True)
 class StoredRun:
     """One run of a results folder.
 
     case: its row of `cases.csv`. checks: its rows of `results.csv`, in order.
     file: `runs/<run>.json`, None when it is missing. trace: the Parquet file, or None when the run
-    left none.
+    left none. said: where that is known without `file`.
     """
 
     case: Mapping[str, str]
     checks: Sequence[Mapping[str, str]]
     file: Path | None
     trace: Path | None
+    said: Said | None = None
 
     @cached_property
     def recording(self) -> RunFile:
@@ -82,18 +91,24 @@ class StoredRun:
     @property
     def error(self) -> str | None:
         """Why the run ended in `error` or `aborted`."""
+        if self.said is not None:
+            return self.said.error
         facts = self.recording.facts
         return STOPPED if facts is not None and facts.is_stopped else self.recording.error
 
     @property
     def messages(self) -> list[str]:
         """What the NC program printed."""
+        if self.said is not None:
+            return list(self.said.messages)
         facts = self.recording.facts
         return [] if facts is None else [message.shown for message in facts.messages]
 
     @property
     def log(self) -> list[str]:
         """What the run has to say in words."""
+        if self.said is not None:
+            return list(self.said.log)
         facts = self.recording.facts
         return list(self.recording.log) if facts is None else log_lines(facts)
 

@@ -35,10 +35,13 @@ from axisrig.bench.campaign.results.stored import (
     RECORDING,
     RESULT_COLUMNS,
     RUNS,
+    Said,
+    StoredRun,
 )
 from axisrig.bench.files import json_text, naming, write_whole
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.statistics.verdict import Reading
+from axisrig.bench.judge.topics import STOPPED
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.expanded import expanded_text, path_from
 from axisrig.bench.plan.plan import Case, Plan
@@ -82,6 +85,15 @@ class CaseResult:
     def lines(self) -> list[str]:
         """What the run has to say in words."""
         return self.log if self.facts is None else log_lines(self.facts)
+
+    @property
+    def said(self) -> Said:
+        """The same with its error and what the NC program printed."""
+        if self.facts is None:
+            return Said(self.error, [], list(self.log))
+        messages = [message.shown for message in self.facts.messages]
+        error = STOPPED if self.facts.is_stopped else self.error
+        return Said(error, messages, self.lines)
 
     @property
     def sim_s(self) -> float:
@@ -190,6 +202,7 @@ class ResultsWriter:
         if any(case.expected for case in _cases(plans)):
             self._carried.append("expected")
         self._written: set[str] = set()
+        self._said: dict[str, Said] = {}
         self._manifest_text = ""
         refuse_folder(folder, plans, is_fresh=is_fresh)
         with ExitStack() as held:
@@ -206,8 +219,9 @@ class ResultsWriter:
             (folder / PLANS).mkdir(exist_ok=True)
             for plan in plans:
                 write_whole(folder / PLANS / f"{plan.name}.csv", expanded_text(plan))
-            self._history.found(self._rows.cases)
-            self._write_manifest()
+            if self._rows.cases or not self._manifest_text:
+                self._history.found(self._rows.cases)
+                self._write_manifest()
             self._rows.drop_files(self._with_probes(self._history.asked))
             self._arrange()
             self._held = held.pop_all()
@@ -290,13 +304,15 @@ class ResultsWriter:
         ]
         free = [item.verdict for item in checks if item.check.metric not in case.expected]
         verdict = worst([result.verdict, *free])
-        if self._keeps_runs and not case.runs and case.search is None:
+        is_run = self._keeps_runs and not case.runs and case.search is None
+        if is_run:
             self._write_run(result)
         rows = [
             dict(zip((*RESULT_COLUMNS, NOTE), _check_row(case, item), strict=True))
             for item in checks
         ]
         self._rows.put(case.run, self._case_row(result, verdict), rows)
+        self._said[case.run] = result.said if is_run else Said(None, (), ())
 
     def _write_run(self, result: CaseResult) -> None:
         run = result.case.run
@@ -319,8 +335,18 @@ class ResultsWriter:
             self._rows.close()
             self._rows.drop_files(self._with_probes(self._runs))
             self._arrange()
-            write_junit(self.folder)
+            write_junit(self.folder, self._stored())
             self._write_manifest()
+
+    def _stored(self) -> list[StoredRun] | None:
+        """Return the runs of the folder as `read_results` does; None: it has to read them."""
+        rows = self._rows
+        if not self._keeps_runs or not rows.cases.keys() <= self._said.keys():
+            return None
+        return [
+            StoredRun(row, rows.checks[run], None, None, self._said[run])
+            for run, row in rows.cases.items()
+        ]
 
     def _arrange(self) -> None:
         """Mark the rows that their plan has no more, and put columns and rows into order."""

@@ -5,6 +5,7 @@ them by the names in the column `value` of the object tables.
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 from axisrig.bench.drive.dictionary.objects import variables
 from axisrig.bench.drive.dictionary.profile import DriveProfile
@@ -101,7 +102,18 @@ class ProcessImage:
 
     def set_defaults(self, profile: DriveProfile, first: int = 0x0000, last: int = 0xFFFF) -> None:
         """Give every value of the objects `first` to `last` the default of table and profile."""
-        named = profile.object_defaults
-        for (index, _), row in variables().items():
-            if row.value and first <= index <= last:
-                setattr(self, row.value, int(row.default.format(**named), 0))
+        for index, name, value in _defaults(profile):
+            if first <= index <= last:
+                setattr(self, name, value)
+
+
+# A drive asks at every start, and the next run has the same drives
+@lru_cache(maxsize=64)
+def _defaults(profile: DriveProfile) -> tuple[tuple[int, str, int], ...]:
+    """Return index, name and default of every value, in the order of the tables."""
+    named = profile.object_defaults
+    return tuple(
+        (index, row.value, int(row.default.format(**named), 0))
+        for (index, _), row in variables().items()
+        if row.value
+    )

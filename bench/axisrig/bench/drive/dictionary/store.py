@@ -4,7 +4,8 @@ What changes while the drive runs is in the process image, the rest here. Source
 object dictionary and abort codes.
 """
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Mapping
+from functools import lru_cache
 
 from axisrig.bench.drive.dictionary.aborts import AbortCode, abort
 from axisrig.bench.drive.dictionary.defaults import default_values
@@ -32,6 +33,15 @@ class Owner:
         return None
 
 
+# A drive asks at every start, and the next run has the same drives
+@lru_cache(maxsize=64)
+def _of_profile(profile: DriveProfile) -> tuple[Mapping[Key, bool], frozenset[int]]:
+    """Return which objects are signed numbers, and the indices that such a drive has."""
+    rows = variables()
+    signed = {key: data_type(row, profile).format.islower() for key, row in rows.items()}
+    return signed, frozenset(row.index for key, row in rows.items() if profile.has_object(*key))
+
+
 class ObjectStore:
     """Values of a drive with `profile`. The node number may change (LSS): see `restore`.
 
@@ -41,10 +51,7 @@ class ObjectStore:
     def __init__(self, profile: DriveProfile, image: ProcessImage) -> None:
         self._profile, self._image = profile, image
         self._rows = variables()
-        self._signed_values = {
-            key: data_type(row, profile).format.islower() for key, row in self._rows.items()
-        }
-        self._indices = frozenset(row.index for row in self.rows)
+        self._signed_values, self._indices = _of_profile(profile)
         self._values: dict[Key, int | bytes] = {}
         self._owners: dict[int, Owner] = {}
         self._default_owner = Owner()

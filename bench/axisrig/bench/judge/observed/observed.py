@@ -278,6 +278,13 @@ class Observed:
 
         By its true positions, outside by those that its drive reports.
         """
+        key = ("moved axis", run.begin_ns, run.axes)
+        if key not in self._made:
+            self._made[key] = self._moved_axis(run)
+        moved: str = self._made[key]
+        return moved
+
+    def _moved_axis(self, run: MeasurementRun) -> str:
         rows = self.between(run.begin_ns, run.end_ns or self.facts.end_ns)
         columns = {a: "actual_mm" if self.axes[a].is_outside else "truth_mm" for a in run.axes}
         travels = {axis: self._travel_mm(axis, column, rows) for axis, column in columns.items()}

@@ -19,7 +19,7 @@ from axisrig.bench.oracles.distance.smoothing import none, of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
 from axisrig.bench.rig.check import axis_telegrams
 from axisrig.bench.rig.reading.file import LOAD, MapTable
-from axisrig.bench.rig.settings import Settings
+from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, SECOND_ENCODER, VARIABLE
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.mapping import Telegram
@@ -185,6 +185,7 @@ def listed_of(axis: ParameterSet) -> Listed:
     return as_written(dict(axis.items()))
 
 
+@once
 def distance_warnings(settings: Settings) -> list[str]:
     """Say what keeps the distance control of an axis from working as the rig and its lists are."""
     return [

@@ -21,6 +21,7 @@ from axisrig.bench.bus.paced import PacedScheduler, Pacing
 from axisrig.bench.bus.real_segment import SYNC_COB_ID, OutsideSegment
 from axisrig.bench.campaign.hardware_runs import Outside
 from axisrig.bench.drive.dictionary.eds import eds_text
+from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.machine.parts import build_nodes, build_segments
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
@@ -158,7 +159,7 @@ class DriveServer:
             pacing = Pacing(slip_ns=BEHIND_NS, sync_period_ns=period)
             self.scheduler = PacedScheduler(hardware.real_time, pacing, Deadlines(BEHIND_NS))
             self.plant = build_plant(settings)
-            self._open.callback(self.plant.close)
+            self._open.callback(close_plant, self.plant)
             check_plants(settings, self.plant)
             start_plant(settings, self.plant)
             if folder is not None:

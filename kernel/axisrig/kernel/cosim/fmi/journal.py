@@ -44,9 +44,14 @@ class Journal:
     """Notes calls in a file that another process reads. Raises OSError when it is not there."""
 
     def __init__(self, path: Path) -> None:
+        self.turn_to(path)
+
+    def turn_to(self, path: Path) -> None:
+        """Note calls in another file from now on, those of instances loaded before included."""
         with path.open("r+b") as file:
             self.map = mmap.mmap(file.fileno(), _SIZE)
         self.number = 0
+        self.text = b""
 
 
 def create(path: Path) -> None:
@@ -56,7 +61,15 @@ def create(path: Path) -> None:
 
 def begin(path: Path) -> None:
     """Let this process note its calls in the file at `path` from now on."""
-    _OPEN[:] = [Journal(path)]
+    if _OPEN:
+        _OPEN[0].turn_to(path)
+    else:
+        _OPEN.append(Journal(path))
+
+
+def is_open() -> bool:
+    """Whether this process notes its calls; instances that it had before do not."""
+    return bool(_OPEN)
 
 
 def last_call(path: Path) -> LastCall | None:
@@ -91,11 +104,13 @@ def watched(
     if not _OPEN:
         return call
     journal, text = _OPEN[0], _label(file, instance, function)
-    notes, pack = journal.map, _HEAD.pack_into
+    pack = _HEAD.pack_into
 
     def call_and_note(*arguments: Any) -> Any:
         journal.number += 1
-        notes[_HEAD_BYTES:] = text
+        notes = journal.map
+        if journal.text is not text:
+            notes[_HEAD_BYTES:] = journal.text = text
         pack(notes, 0, journal.number, True, slave.time_ns)
         try:
             return call(*arguments)

@@ -139,6 +139,12 @@ def grid_of(description: ModelDescription) -> TimeNs | None:
     return max(round(step_s * S), 1)
 
 
+@cache
+def array_type(kind: Any, count: int) -> Any:
+    """Return the ctypes type of so many elements; ctypes would make it anew for every instance."""
+    return kind * count
+
+
 class Missing:
     """Replaces a function that a library lacks: loading goes on, calling it reports its name."""
 

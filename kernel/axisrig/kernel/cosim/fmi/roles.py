@@ -13,6 +13,7 @@ from typing import Any, NoReturn, Protocol
 
 from fmpy.model_description import ModelVariable
 
+from axisrig.kernel.cosim.fmi.library import array_type
 from axisrig.kernel.cosim.fmi.role_table import KINDS, Role, role_table, roles_of
 from axisrig.kernel.cosim.fmi.slave import Exchange, FmuSlave
 from axisrig.kernel.cosim.fmi.units import Unit, known_units, unit_of
@@ -254,7 +255,7 @@ class ConvertedExchange:
     """
 
     def __init__(self, slave: FmuSlave, bound: Sequence[Bound]) -> None:
-        self.values = (ctypes.c_double * len(bound))()
+        self.values = array_type(ctypes.c_double, len(bound))()
         types: dict[str, list[int]] = {}
         for index, item in enumerate(bound):
             types.setdefault(str(slave.variable(item.variable).type), []).append(index)

@@ -32,6 +32,7 @@ from axisrig.kernel.cosim.fmi.library import (
     LogMessage,
     Missing,
     PlantError,
+    array_type,
     grid_of,
     own_step_s,
     standstill,
@@ -69,16 +70,12 @@ class Exchange:
             )
         word, ctype = kind
         count = sum(math.prod(v.shape or ()) for v in variables)
-        self.values: Any = (ctype * count)()
+        self.values: Any = array_type(ctype, count)()
         self.references: list[int] = [v.valueReference for v in variables]
-        self._references = (ctypes.c_uint32 * len(names))(*self.references)
+        self._references = array_type(ctypes.c_uint32, len(names))(*self.references)
         self._slave = slave
-        arguments: tuple[Any, ...] = (
-            slave.pointer,
-            ctypes.addressof(self._references),
-            len(names),
-            ctypes.addressof(self.values),
-        )
+        places = [ctypes.addressof(self._references), len(names), ctypes.addressof(self.values)]
+        arguments: tuple[Any, ...] = (slave.pointer, *places)
         signature: tuple[Any, ...] = (POINTER, POINTER, SIZE, POINTER)
         if slave.COUNTS_VALUES:
             arguments, signature = (*arguments, count), (*signature, SIZE)
@@ -120,6 +117,8 @@ class FmuSlave(ABC):
 
     problems: tuple[str, ...] = ()
     """Where the model description breaks the standard without being useless."""
+    is_own: bool = False
+    """Whether this version has built it: its gets and sets are not noted, for they come back."""
     _fmu: Any  # fmpy's slave
     _step: Any  # doStep of the library, and what follows its first four arguments
     _step_tail: tuple[int, ...] = ()
@@ -224,7 +223,8 @@ class FmuSlave(ABC):
         return self._fmu
 
     def _watched(self, name: str, call: Any) -> Any:
-        return watched(call, self.path.name, self.name, name, self)
+        is_sure = self.is_own and name[4:7] in ("Get", "Set")
+        return call if is_sure else watched(call, self.path.name, self.name, name, self)
 
     def _watch(self, fmu: Any) -> None:
         """Let the calls that go through fmpy be noted too."""

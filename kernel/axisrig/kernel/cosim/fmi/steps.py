@@ -10,7 +10,7 @@ import ctypes
 from collections.abc import Sequence
 from typing import Any
 
-from axisrig.kernel.cosim.fmi.library import DISCARD, WARNING, Missing
+from axisrig.kernel.cosim.fmi.library import DISCARD, WARNING, Missing, array_type
 from axisrig.kernel.cosim.fmi.slave import POINTER, Exchange, FmuSlave
 from axisrig.kernel.time.clock import TimeNs
 
@@ -49,10 +49,10 @@ class StepsInARow:
         self._call = slave.function(FUNCTION, (POINTER, POINTER))
         self._in_count, self._out_count = len(inputs), len(outputs)
         self._ends_ns: Any = (ctypes.c_int64 * ROWS)()
-        self._given: Any = (ctypes.c_double * (ROWS * len(inputs)))()
-        self._got: Any = (ctypes.c_double * (ROWS * len(outputs)))()
-        self._inputs = (ctypes.c_uint32 * len(inputs))(*inputs)
-        self._outputs = (ctypes.c_uint32 * len(outputs))(*outputs)
+        self._given: Any = array_type(ctypes.c_double, ROWS * len(inputs))()
+        self._got: Any = array_type(ctypes.c_double, ROWS * len(outputs))()
+        self._inputs = array_type(ctypes.c_uint32, len(inputs))(*inputs)
+        self._outputs = array_type(ctypes.c_uint32, len(outputs))(*outputs)
         self._row = row = _Row()
         self._address = ctypes.addressof(row)
         row.n_inputs, row.n_outputs = len(inputs), len(outputs)

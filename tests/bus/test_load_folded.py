@@ -1,0 +1,62 @@
+"""A long run keeps the figures of its load and not every window."""
+
+import random
+from itertools import pairwise
+
+import pytest
+
+from axisrig.bench.bus.load import KEPT_WINDOWS, LoadMeter
+from axisrig.kernel.time.clock import MS
+
+BITRATE = 1_000_000
+BIT_NS = 1000
+
+
+def traffic(seed: int, until_ms: int) -> list[tuple[int, int]]:
+    """Occupations of a bus, (begin, end) in ns: frames in bursts, and silence of up to 300 ms."""
+    numbers, at_ns, found = random.Random(seed), 0, []
+    while at_ns < until_ms * MS:
+        for _ in range(numbers.randrange(1, 200)):
+            bits = numbers.randrange(47, 160)
+            found.append((at_ns, at_ns + bits * BIT_NS))
+            at_ns += bits * BIT_NS + numbers.choice((0, 0, 0, 137_000, 800_000))
+        at_ns += numbers.choice((0, MS, 7 * MS, 300 * MS))
+    return found
+
+
+def windows_of(found: list[tuple[int, int]]) -> list[int]:
+    """Busy ns of each ms, counted by borders: apart from how the meter does it."""
+    busy = [0] * (found[-1][1] // MS + 1)
+    for begin_ns, end_ns in found:
+        borders = [b * MS for b in range(begin_ns // MS + 1, -(-end_ns // MS))]
+        for one, other in pairwise([begin_ns, *borders, end_ns]):
+            busy[one // MS] += other - one
+    return busy
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+@pytest.mark.parametrize("errors", [0, 37])
+def test_the_figures_of_a_long_run_are_those_of_all_its_windows(seed: int, errors: int) -> None:
+    """errors: each so many-th occupation is an error frame, which the meter takes at once."""
+    found = traffic(seed, 4 * KEPT_WINDOWS)
+    meter = LoadMeter(BITRATE)
+    sizes = []
+    for number, (begin_ns, end_ns) in enumerate(found):
+        bits = (end_ns - begin_ns) // BIT_NS
+        if errors and number % errors == 0:
+            meter.occupy(begin_ns, end_ns, bits)
+        else:
+            meter.passed.append((begin_ns, end_ns, bits, 0x181, False, number))
+        if number % 500 == 499:
+            meter.settle()
+            sizes.append(len(meter._busy_ns))
+    until_ns = found[-1][1]
+    load, busy = meter.figures(until_ns), windows_of(found)
+    assert load.busy_bits == sum(busy) // BIT_NS
+    assert load.busy_share == sum(busy) / until_ns
+    assert load.worst_1ms_bits == round(max(busy) / BIT_NS)
+    worst_ns = max(sum(busy[at : at + 100]) for at in range(len(busy) - 99))
+    assert load.worst_100ms_share == worst_ns / (100 * MS)
+    assert max(sizes) < 2 * KEPT_WINDOWS
+    with pytest.raises(ValueError, match="are summed up"):
+        meter.busy_bits(MS)
