@@ -163,6 +163,7 @@ def test_sensors_and_their_axes_are_one_fmu() -> None:
     (one,) = parts_of(settings_of(RIGS / "probe-xyz.toml", []))
     assert one.plants == ("x", "y", "z", "probe")
     assert "  probe.y_end = y.position;" in one.text
+    assert 'returns_early = "probe_signal"' in one.text
     (homing,) = parts_of(settings_of(RIGS / "homing-z.toml", []))
     assert homing.plants == ("z", "negative", "positive", "home", "scale")
     assert "  scale.x_rate_start = z.velocity;" in homing.text

@@ -3,7 +3,8 @@ model GravityAxis "Vertical axis: weight, counterbalance and a holding brake on 
   extends PartialAxis;
   Interfaces.BooleanInput brake_released(start = false)
     "Coil of the brake, beside the drive's own command"
-    annotation(Placement(transformation(origin = {0, 110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {0, 110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   parameter Boolean brake_by_drive = true "The power stage releases the brake"
     annotation(Dialog(group = "Brake"));
   parameter Units.Force counterbalance = 877 "Upward force of the counterbalance"
@@ -19,7 +20,8 @@ model GravityAxis "Vertical axis: weight, counterbalance and a holding brake on 
   final parameter Units.Force weight = mass*Constants.standard_gravity - counterbalance
     "What the motor must carry";
   Interfaces.BooleanOutput brake_open "The brake has no force"
-    annotation(Placement(transformation(origin = {60, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {60, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
 protected
   Mechanics.Slide slide(mass = effective_mass, weight = weight, position_start = position_start)
     "Moving mass"

@@ -2,7 +2,8 @@ within AxisRig.Sensors;
 model WorkpieceProbe "Touch probe against a workpiece of any shape, with bounce, radio and switching on"
   extends MovingSensor;
   Interfaces.BooleanInput switched_on(start = true) "Probe switched on"
-    annotation(Placement(transformation(origin = {0, 110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {0, 110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   parameter Units.Length ball_radius = 0 "Radius of the stylus ball"
     annotation(Dialog(group = "Parameters"));
   parameter Units.Length pretravel = 0 "Deflection from contact to the switching point, everywhere"

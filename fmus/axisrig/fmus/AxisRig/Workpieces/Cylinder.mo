@@ -9,11 +9,14 @@ block Cylinder "Round bar or tube that lies on its side"
     annotation(Dialog(group = "Parameters"));
   Interfaces.PositionOutput beyond
     "From the point 1 to the side of the cylinder; negative: above it"
-    annotation(Placement(transformation(origin = {-72, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {-72, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   Interfaces.SlopeOutput beyond_x "Derivative of it by x"
-    annotation(Placement(transformation(origin = {0, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {0, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   Interfaces.SlopeOutput beyond_y "Derivative of it by y"
-    annotation(Placement(transformation(origin = {72, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {72, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
 protected
   constant Units.Length nowhere = 1e4 "Depth inside the material when there is no cylinder";
   // Compilers fix parameters that decide an if: the radius would no longer be one of an FMU.

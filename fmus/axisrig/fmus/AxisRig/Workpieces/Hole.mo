@@ -8,7 +8,8 @@ block Hole "Round hole"
   parameter Units.Length radius = 0 "Radius; 0: no hole"
     annotation(Dialog(group = "Parameters"));
   Interfaces.LengthOutput from_axis "Distance from the axis of the hole"
-    annotation(Placement(transformation(origin = {60, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {60, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
 protected
   constant Units.Length nowhere = 1e4 "Depth inside the material when there is no hole";
   // Compilers fix parameters that decide an if: the radius would no longer be one of an FMU.

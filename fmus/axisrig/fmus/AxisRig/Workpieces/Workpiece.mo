@@ -24,13 +24,17 @@ block Workpiece "Sum of all surfaces, with edge and hole; by default a plane at 
     annotation(Placement(transformation(extent = {{-34, -67}, {-6, -39}})));
   Interfaces.PositionOutput beyond
     "From point 1 to the material in the plane x, y; negative: inside it"
-    annotation(Placement(transformation(origin = {-72, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {-72, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   Interfaces.SlopeOutput beyond_x "Derivative of it by x"
-    annotation(Placement(transformation(origin = {-24, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {-24, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   Interfaces.SlopeOutput beyond_y "Derivative of it by y"
-    annotation(Placement(transformation(origin = {24, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {24, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
   Interfaces.BooleanOutput present "There is material at point 1"
-    annotation(Placement(transformation(origin = {72, -110}, extent = {{-10, -10}, {10, 10}}, rotation = -90)));
+    annotation(Placement(transformation(origin = {72, -110},
+      extent = {{-10, -10}, {10, 10}}, rotation = -90)));
 equation
   connect(x, plane.x)
     annotation(Line(points = {{-100, 90}, {-88, 90}, {-88, 66}, {-75, 66}}, color = {0, 0, 127}));
