@@ -1,6 +1,7 @@
 """The jerk-limited slope by closed forms, by integration, and against other ways to plan it."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -174,6 +175,25 @@ def slopes(shape: Shape) -> st.SearchStrategy[JerkSlope]:
     )
 
 
+@settings(max_examples=60, deadline=None)
+@given(
+    st.sampled_from(Shape).flatmap(lambda s: st.tuples(slopes(s), slopes(s))), st.floats(0.05, 20)
+)
+def test_any_run_up_stops_inside_its_stroke(
+    pair: tuple[JerkSlope, JerkSlope], stroke_mm: float
+) -> None:
+    """Four ramp times, two shapes, constant jerk or time; also ramps of no length."""
+    up, own = pair
+    own = replace(own, keeps_time=False)
+    speed = own.speed_within(stroke_mm, up)
+    assume(speed > 1e-3)  # an acceleration without a ramp may leave no speed at all
+    path = up.plan(1e5, speed, up)
+    at_speed_s = next(p.start_s for p in path.phases if p.start_mm_s2 == p.end_mm_s2 == 0.0)
+    for instant in np.linspace(0.0, at_speed_s, 200):
+        state = path.state(float(instant))
+        assert own.stopped(state).end_mm - state.path_mm <= stroke_mm * (1 + 1e-7)
+
+
 Case = tuple[JerkProfile, State, JerkSlope, JerkSlope, float, bool]
 
 
@@ -240,6 +260,31 @@ def test_no_limit_is_passed_and_the_end_is_hit(case: Case) -> None:
 
 
 @settings(max_examples=60, deadline=None)
+@given(replanned(), slopes(TRAPEZ), st.floats(0.0, 1.0))
+def test_a_stop_from_any_state_keeps_its_own_limits(
+    case: Case, own: JerkSlope, share: float
+) -> None:
+    """Only an acceleration that is still there lets the speed grow, by a t/2."""
+    path = case[0]
+    state = path.state(share * path.duration_s)
+    rest = own.stopped(state)
+    rising = max(state.a_mm_s2, 0.0) ** 2 * own.releasing_s3_mm / 2.0
+    before = state
+    for at in np.linspace(0.0, rest.duration_s, 60):
+        here = rest.state(float(at))
+        assert here.path_mm >= before.path_mm - 1e-12
+        assert here.speed_mm_s <= (state.speed_mm_s + rising) * (1 + 1e-9) + 1e-9
+        assert here.a_mm_s2 >= -max(own.a_mm_s2, -state.a_mm_s2) * (1 + 1e-9)
+        before = here
+    assert rest.at(rest.duration_s) == (rest.end_mm, 0.0)
+    if state.a_mm_s2 < 0.0:
+        return  # a deceleration of another slope may have to end sooner than this one lets it
+    for jerk, _, duration_s in jerks(rest):
+        steepest = max(own.a_mm_s2 / t for t in (own.rise_s, own.fall_s, 1e-300) if t > 0.0)
+        assert abs(jerk) <= steepest * (1 + 1e-9) or duration_s < 1e-12
+
+
+@settings(max_examples=40, deadline=None)
 @given(replanned())
 def test_the_trajectory_is_the_integral_of_its_acceleration(case: Case) -> None:
     """Path and speed of every phase against Simpson's rule over the acceleration alone."""

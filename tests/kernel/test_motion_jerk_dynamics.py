@@ -62,7 +62,7 @@ def slope(a: float, rise_ms: float, fall_ms: float) -> tuple[float, float, float
     return a, rise_ms / 1000.0, fall_ms / 1000.0
 
 
-def told(found: object) -> tuple[float, float, float]:
+def values_of(found: object) -> tuple[float, float, float]:
     assert isinstance(found, JerkSlope)
     return found.a_mm_s2, found.rise_s, found.fall_s
 
@@ -88,9 +88,9 @@ def test_a_measurement_run_with_ramps(
     on_signal: tuple[float, ...],
 ) -> None:
     found = axis_slopes(axis(), channel(*settings), Motion.MEASURING, SIN2)
-    assert told(found.acceleration) == acceleration
-    assert told(found.deceleration) == deceleration
-    assert told(found.stop_deceleration) == on_signal
+    assert values_of(found.acceleration) == acceleration
+    assert values_of(found.deceleration) == deceleration
+    assert values_of(found.stop_deceleration) == on_signal
     assert isinstance(found.acceleration, JerkSlope)
     assert found.acceleration.shape is SIN2
 
@@ -98,9 +98,9 @@ def test_a_measurement_run_with_ramps(
 def test_feed_rapid_and_feedhold_with_ramps() -> None:
     feed = axis_slopes(axis(), channel(0, 0, 1), Motion.FEED, TRAPEZ)
     rapid = axis_slopes(axis(), channel(0, 0, 0), Motion.RAPID, TRAPEZ)
-    assert [told(s) for s in (feed.acceleration, feed.deceleration)] == [FEED_A, FEED_D]
-    assert told(feed.feedhold) == told(feed.stop_deceleration) == HOLD
-    assert [told(s) for s in (rapid.acceleration, rapid.deceleration)] == [RAPID, RAPID]
+    assert [values_of(s) for s in (feed.acceleration, feed.deceleration)] == [FEED_A, FEED_D]
+    assert values_of(feed.feedhold) == values_of(feed.stop_deceleration) == HOLD
+    assert [values_of(s) for s in (rapid.acceleration, rapid.deceleration)] == [RAPID, RAPID]
     assert rapid.feedhold is None
 
 
@@ -110,16 +110,16 @@ def test_0_of_the_feedhold_values_is_the_rapid_value() -> None:
         ("slope_profil__tr_feedh", slope(153, 200, 200)),
     ):
         found = axis_slopes(axis(**{name: 0}), channel(0, 0, 1), Motion.FEED, TRAPEZ)
-        assert told(found.feedhold) == expected
+        assert values_of(found.feedhold) == expected
 
 
 def test_the_least_ramp_time_and_the_largest_acceleration() -> None:
     """P-AXIS-00201 raises, P-AXIS-00008 lowers where a list has it; its default 1000 does not."""
     limited = axis(dynamik__tr_min=196_500, dynamik__a_max=101, slope_profil__a_beschl=5000)
     found = axis_slopes(limited, channel(), Motion.FEED, TRAPEZ)
-    assert told(found.acceleration) == slope(101, 196.5, 196.5)
+    assert values_of(found.acceleration) == slope(101, 196.5, 196.5)
     free = axis_slopes(axis(slope_profil__a_beschl=5000), channel(), Motion.FEED, TRAPEZ)
-    assert told(free.acceleration) == slope(5000, 196, 195)
+    assert values_of(free.acceleration) == slope(5000, 196, 195)
 
 
 def test_constant_ramp_time_is_for_the_values_of_feed_blocks() -> None:
@@ -262,15 +262,15 @@ def test_weights_of_feed_blocks() -> None:
     weigh(chosen, "acceleration", 0.5)
     weigh(chosen, "ramp_time", 2.0)
     feed = chosen.dynamics(x, Motion.FEED)
-    assert told(feed.acceleration) == slope(200, 392, 390)
-    assert told(feed.deceleration) == slope(200, 396, 394)
+    assert values_of(feed.acceleration) == slope(200, 392, 390)
+    assert values_of(feed.deceleration) == slope(200, 396, 394)
     plain = x.jerk_limited[TRAPEZ]
     assert feed.stop_deceleration == plain[Motion.FEED].stop_deceleration
     assert chosen.dynamics(x, Motion.RAPID) == plain[Motion.RAPID]
     weigh(chosen, "acceleration", 0.5)  # twice is once
-    assert told(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 392, 390)
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 392, 390)
     weigh(chosen, "acceleration", 4.0)  # P-AXIS-00008
-    assert told(chosen.dynamics(x, Motion.FEED).acceleration) == slope(1000, 392, 390)
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(1000, 392, 390)
 
 
 def test_weights_act_on_a_measurement_run_with_p_chan_00296_alone() -> None:
@@ -283,7 +283,7 @@ def test_weights_act_on_a_measurement_run_with_p_chan_00296_alone() -> None:
         assert (found == plain) is (std == 0)
         assert found.stop_deceleration == plain.stop_deceleration
         if std:
-            assert told(found.acceleration) == pytest.approx(slope(200, 588, 585))
+            assert values_of(found.acceleration) == pytest.approx(slope(200, 588, 585))
 
 
 @pytest.mark.parametrize(
@@ -301,8 +301,8 @@ def test_which_ramp_times_are_weighted(mode: int, expected: tuple[float, ...]) -
     chosen, x = programmed(profile=1, ramp_time=mode)
     weigh(chosen, "ramp_time", 2.0)
     found, plain = chosen.dynamics(x, Motion.FEED), x.jerk_limited[TRAPEZ][Motion.FEED]
-    times = [t for s in (found.acceleration, found.deceleration) for t in told(s)[1:]]
-    before = [t for s in (plain.acceleration, plain.deceleration) for t in told(s)[1:]]
+    times = [t for s in (found.acceleration, found.deceleration) for t in values_of(s)[1:]]
+    before = [t for s in (plain.acceleration, plain.deceleration) for t in values_of(s)[1:]]
     assert [a / b for a, b in zip(times, before, strict=True)] == pytest.approx(expected)
 
 
@@ -312,7 +312,7 @@ def test_which_accelerations_are_weighted(mode: int, expected: tuple[int, int]) 
     chosen, x = programmed(profile=1, acceleration=mode)
     weigh(chosen, "acceleration", 0.5)
     found = chosen.dynamics(x, Motion.FEED)
-    assert (told(found.acceleration)[0], told(found.deceleration)[0]) == expected
+    assert (values_of(found.acceleration)[0], values_of(found.deceleration)[0]) == expected
 
 
 def test_the_linear_slope_is_weighted_too_and_the_geometrical_time_only_on_curves() -> None:
@@ -335,4 +335,4 @@ def test_an_axis_that_leaves_the_channel_loses_the_weight_of_its_ramp_times() ->
     weigh(chosen, "ramp_time", 2.0)
     weigh(chosen, "acceleration", 0.5)
     chosen.forget_times("X")
-    assert told(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 196, 195)
+    assert values_of(chosen.dynamics(x, Motion.FEED).acceleration) == slope(200, 196, 195)

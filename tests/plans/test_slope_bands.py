@@ -56,7 +56,7 @@ def _flags(row: dict[str, str]) -> tuple[bool, bool, bool]:
 
 
 def _stop(row: dict[str, str]) -> tuple[float, float]:
-    """Deceleration and ramp time behind the signal."""
+    """Deceleration and ramp time after the signal."""
     std, mode, limit = _flags(row)
     kind = "feedh" if std or (limit and not mode) else "grenz"
     return _value(row, f"a_{kind}"), _value(row, f"tr_{kind}")
@@ -165,7 +165,7 @@ def test_weights_act_with_p_chan_00296_and_never_on_the_stop(case: str) -> None:
 
 @pytest.mark.parametrize("case", TAGGED["hold"])
 def test_a_feedhold_is_by_p_chan_00097_alone(case: str) -> None:
-    """P-CHAN-00214 lets the signal brake with rapid values, so that both are told apart."""
+    """P-CHAN-00214 lets the signal brake with rapid values, so that each is seen."""
     row = ROWS[case]
     kind = "feedh" if _flags(row)[2] else "grenz"
     held = _value(row, f"a_{kind}"), _value(row, f"tr_{kind}")
@@ -212,7 +212,7 @@ def test_the_speed_that_a_stroke_allows_with_its_run_up(case: str) -> None:
 
 @pytest.mark.parametrize("case", TAGGED["run-up"])
 def test_a_signal_in_the_run_up_stops_inside_the_stroke(case: str) -> None:
-    """It is in the cycle between 1 and 4.2 ms behind the contact, of an axis without lag."""
+    """It is in the cycle between 1 and 4.2 ms after the contact, of an axis without lag."""
     row = ROWS[case]
     ramps = re.search(r"stroke-(\d+)-run-up", case)
     assert ramps is not None

@@ -180,7 +180,8 @@ def run_up_mm(speed_mm_s: float, run_up: JerkLimits, stop: JerkLimits) -> float:
     if not ramps:
         return 0.0
     peak, last, fall_s = ramps[-1]
-    fall_s = 0.0 if last > 0.0 else fall_s
+    if last > 0.0:  # it falls at once
+        peak, fall_s = last, 0.0
 
     def stop_mm(share: float) -> float:
         """Way of a stop with this share of the last ramp to go."""
