@@ -65,7 +65,8 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
         return Observation(None, note=f"axis {axis} was homed before and after the run")
     jitter_um = abs(observed.value(axis, "velocity_mm_s", observed.index_at(seen.edge_ns))) * 1e3
     jitter_um *= (task.stamp_jitter_ns if source == STAMPED else 0) * 1e-9
-    return Observation((value_mm - (truth_mm - zero_mm)) * 1e3, jitter_um, "jitter of the stamp")
+    note = "jitter of the stamp" if jitter_um else ""
+    return Observation((value_mm - (truth_mm - zero_mm)) * 1e3, jitter_um, note)
 
 
 def _truth_mm(observed: Observed, axis: str, time_ns: TimeNs) -> float:

@@ -1,0 +1,7 @@
+%first_event
+; An oblique run of X and Z: 0.6 in X, -0.8 in Z.
+N10 G01 G90 X0 Y0 Z104 F3000
+N20 G100 X6 Z96 F600
+N30 #MSG SYN["V.A.MERF.Z=%d", V.A.MERF.X + V.A.MERF.Z]
+N40 G01 Z110 F3000
+N50 M30
