@@ -182,6 +182,41 @@ def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
     assert 0 < values["ACTUATED"] < values["ACTIVE"] + values["OK"]
 
 
+def test_columns_give_the_signal_in_a_rig_without_a_task(run_nc: RunNc) -> None:
+    """200 ms after the run has begun; the value is the actual position of that cycle."""
+    out = run_nc(
+        "N10 G1 Z120 F3000\nN20 G100 Z110 F600",
+        "",
+        "set:Z.kenngr.measure.signal=PLC",
+        "plc:Z.probing_signal=0; 1 at=run+200ms",
+        base="probe-z.toml",
+    )
+    (record,) = out.machine.channel.records
+    assert out.alarms == []
+    assert record.signal_ns - record.begin_ns == 200 * MS
+    row = out.observed.index_at(record.signal_ns)
+    assert record.latched_mm["Z"] == pytest.approx(
+        out.observed.value("Z", "actual_mm", row), abs=1e-9
+    )
+
+
+def test_columns_give_a_position_with_the_signal(run_nc: RunNc) -> None:
+    out = run_nc(
+        "N10 G1 Z120 F3000\nN20 G100 Z110 F600",
+        "",
+        "set:Z.kenngr.measure.signal=PLC",
+        "plc:Z.probing_signal=0; 1 at=run+200ms",
+        "plc:Z.probing_position=119.1234",
+        base="probe-z.toml",
+    )
+    assert out.machine.channel.records[0].latched_mm == {"Z": 119.1234}
+
+
+def test_a_column_beside_a_task_is_refused(run_plc: RunNc) -> None:
+    with pytest.raises(UserError, match="the PLC task of this rig gives the probing signal"):
+        run_plc("N10 G4 0.1", IDLE, "plc:Z.probing_signal=0")
+
+
 @pytest.mark.long
 def test_evenly_spread_phases_have_the_mean_and_the_spread_of_the_chain(
     run_own: Callable[..., Any],
