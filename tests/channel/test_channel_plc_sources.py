@@ -71,7 +71,6 @@ class Plc:
             is_past if self.enables else None,
             self.stamp(now_ns),
             self.position_units,
-            self._seen,
             self._done,
         )
         self.unit.take(writes, now_ns)

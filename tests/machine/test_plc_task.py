@@ -78,7 +78,11 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         (
             "    def cycle(self, inputs, hli):\n"
             '        hli.ax["Z"].lr_mc_control.timestamp.command_w = 2**63\n',
-            "does not fit 64 bits",
+            "timestamp.command_w is out of its range",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n        hli.ch.override.command_w = 2001\n",
+            "ch.override.command_w is out of its range; found 2001; allowed: 0 .. 2000",
         ),
         (
             "    def cycle(self, inputs, hli):\n        hli.ve['A'] = 'x'\n",
