@@ -71,7 +71,6 @@ class Plc:
             is_past if self.enables else None,
             self.stamp(now_ns),
             self.position_units,
-            self._seen,
             self._done,
         )
         self.unit.take(writes, now_ns)
@@ -188,6 +187,19 @@ def test_900227_for_an_input_that_the_source_does_not_have(channel_bench: Make, 
     bench = channel_bench(words.axis("Z", start_mm=122.0), plane_mm=PLANE_MM)
     bench.run([words.probe_settings(1, "Z", probe_input=3), words.end()])
     assert bench.alarm_ids == [900227]
+
+
+def test_an_input_of_external_hardware_is_none_of_the_drive(
+    channel_bench: Make, words: Any
+) -> None:
+    bench = channel_bench(words.axis("Z", start_mm=122.0), plane_mm=PLANE_MM)
+    Plc(bench)
+    external = words.probe_settings(1, "Z", source="PLC_EXT_LATCH_CONTROL", probe_input=200)
+    drive = words.probe_settings(2, "Z", source="DRIVE")
+    bench.run([external, drive, words.probe(3, 600.0, Z=TO), words.wait(3), words.end()])
+    (record,) = bench.channel.records
+    assert (bench.alarm_ids, record.inputs, record.sources) == ([], {"Z": 1}, {"Z": "DRIVE"})
+    assert record.has_signal
 
 
 @pytest.mark.provokes(50050, 4, axis="Z")

@@ -78,7 +78,11 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         (
             "    def cycle(self, inputs, hli):\n"
             '        hli.ax["Z"].lr_mc_control.timestamp.command_w = 2**63\n',
-            "does not fit 64 bits",
+            "timestamp.command_w is out of its range",
+        ),
+        (
+            "    def cycle(self, inputs, hli):\n        hli.ch.override.command_w = 2001\n",
+            "ch.override.command_w is out of its range; found 2001; allowed: 0 .. 2000",
         ),
         (
             "    def cycle(self, inputs, hli):\n        hli.ve['A'] = 'x'\n",
@@ -180,6 +184,41 @@ def test_status_bits_follow_the_run(run_plc: RunNc) -> None:
     assert values["ACTIVE"] == pytest.approx(cycles, abs=2)
     assert values["OK"] > 0
     assert 0 < values["ACTUATED"] < values["ACTIVE"] + values["OK"]
+
+
+def test_columns_give_the_signal_in_a_rig_without_a_task(run_nc: RunNc) -> None:
+    """200 ms after the run has begun; the value is the actual position of that cycle."""
+    out = run_nc(
+        "N10 G1 Z120 F3000\nN20 G100 Z110 F600",
+        "",
+        "set:Z.kenngr.measure.signal=PLC",
+        "plc:Z.probing_signal=0; 1 at=run+200ms",
+        base="probe-z.toml",
+    )
+    (record,) = out.machine.channel.records
+    assert out.alarms == []
+    assert record.signal_ns - record.begin_ns == 200 * MS
+    row = out.observed.index_at(record.signal_ns)
+    assert record.latched_mm["Z"] == pytest.approx(
+        out.observed.value("Z", "actual_mm", row), abs=1e-9
+    )
+
+
+def test_columns_give_a_position_with_the_signal(run_nc: RunNc) -> None:
+    out = run_nc(
+        "N10 G1 Z120 F3000\nN20 G100 Z110 F600",
+        "",
+        "set:Z.kenngr.measure.signal=PLC",
+        "plc:Z.probing_signal=0; 1 at=run+200ms",
+        "plc:Z.probing_position=119.1234",
+        base="probe-z.toml",
+    )
+    assert out.machine.channel.records[0].latched_mm == {"Z": 119.1234}
+
+
+def test_a_column_beside_a_task_is_refused(run_plc: RunNc) -> None:
+    with pytest.raises(UserError, match="the PLC task of this rig gives the probing signal"):
+        run_plc("N10 G4 0.1", IDLE, "plc:Z.probing_signal=0")
 
 
 @pytest.mark.long

@@ -15,6 +15,7 @@ from pydantic import ValidationError
 from axisrig.bench.drive.dictionary.profiles import value_of
 from axisrig.bench.plan.assignment import Assignment
 from axisrig.bench.plan.composition import Mistakes
+from axisrig.bench.rig.plc.axis_words import ProbingWrite
 from axisrig.bench.rig.plc.words import VARIABLE, Rule, needs_variables, read_rules
 from axisrig.bench.rig.reading.faults import Fault, needs_heartbeats, read_faults
 from axisrig.bench.rig.reading.file import DriveTable, RigFile, SegmentTable
@@ -222,6 +223,8 @@ class Settings:
                 value=item.name,
             )
         first, rules = read_rules(item, list(self.rig.axis))
+        if self.rig.plc_task and any(isinstance(rule.action, ProbingWrite) for rule in rules):
+            raise UserError("the PLC task of this rig gives the probing signal", value=item.name)
         if first is not None:
             self.external[item.name.removeprefix(VARIABLE)] = first
         # The last one counts: --set acts on top of a table

@@ -42,14 +42,13 @@ class AxisWrites:
     """What the PLC has written for one axis in one of its cycles; None: the unit is not enabled.
 
     signal, timestamp_ns (in the clock of the terminal), position_units (0.1 um or 0.0001 deg):
-    command_w of the three units. read_order, done_order: number of the last order for which it has
-    set please_rw FALSE, and done_w TRUE after that.
+    command_w of the three units. done_order: number of the last order that it has acknowledged: it
+    has set please_rw FALSE and done_w TRUE.
     """
 
     signal: bool | None = None
     timestamp_ns: int | None = None
     position_units: int | None = None
-    read_order: int = 0
     done_order: int = 0
 
 
@@ -66,11 +65,6 @@ class ProbingUnit:
     number: int = 0
     given_ns: TimeNs = 0
     waiting: deque[LatchOrder] = field(default_factory=deque)
-
-    @property
-    def is_read(self) -> bool:
-        """Whether the PLC has read the order in force: please_rw is FALSE."""
-        return self.writes.read_order == self.number
 
     @property
     def is_done(self) -> bool:

@@ -21,12 +21,15 @@ from typing import Any
 
 from axisrig.bench.machine.plc.terminal import ChannelInput
 from axisrig.kernel.errors import UserError
+from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.plc.probing import LatchTask
 
 HLI_EXT_LATCH_ENABLE_PROBE = int(LatchTask.ENABLE)
 HLI_EXT_LATCH_DISABLE_PROBE = int(LatchTask.DISABLE)
 HLI_EXT_LATCH_PREPARE_PROBE = int(LatchTask.PREPARE)
 SGN64 = range(-(2**63), 2**63)
+HIGHEST_PERMILLE = 2000
+"""Of the override of the path; of an axis 1000 is the most."""
 
 
 @dataclass(frozen=True)
@@ -150,14 +153,16 @@ class Hli:
             control = axis.lr_mc_control
             for unit in ("probing_signal", "feedhold"):
                 _check_bool(f"ax[{name}].lr_mc_control.{unit}", getattr(control, unit))
-            for unit in ("timestamp", "probing_position", "override"):
+            for unit in ("timestamp", "probing_position"):
                 _check_integer(f"ax[{name}].lr_mc_control.{unit}", getattr(control, unit))
+            override = f"ax[{name}].lr_mc_control.override"
+            _check_integer(override, control.override, range(FULL + 1))
             for element in ("please_rw", "done_w"):
                 value = getattr(control.ext_latch, element)
                 _require(f"ax[{name}].lr_mc_control.ext_latch.{element}", value, bool)
         for unit in ("feedhold", "reset", "start"):
             _check_bool(f"ch.{unit}", getattr(self.ch, unit))
-        _check_integer("ch.override", self.ch.override)
+        _check_integer("ch.override", self.ch.override, range(HIGHEST_PERMILLE + 1))
         for name, value in self.ve.items():
             if type(value) not in (int, float) or not isfinite(value):
                 raise UserError(f"V.E.{name} has a wrong type", value=value, allowed="a number")
@@ -168,11 +173,15 @@ def _check_bool(name: str, unit: BoolUnit) -> None:
     _require(f"{name}.command_w", unit.command_w, bool)
 
 
-def _check_integer(name: str, unit: Sgn64Unit) -> None:
+def _check_integer(name: str, unit: Sgn64Unit, allowed: range = SGN64) -> None:
     _require(f"{name}.enable_w", unit.enable_w, bool)
     _require(f"{name}.command_w", unit.command_w, int)
-    if unit.command_w not in SGN64:
-        raise UserError(f"{name}.command_w does not fit 64 bits", value=unit.command_w)
+    if unit.command_w not in allowed:
+        raise UserError(
+            f"{name}.command_w is out of its range",
+            value=unit.command_w,
+            allowed=f"{allowed.start} .. {allowed.stop - 1}",
+        )
 
 
 def _require(name: str, value: Any, kind: type) -> None:

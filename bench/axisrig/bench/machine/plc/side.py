@@ -12,7 +12,14 @@ from functools import partial
 from typing import NamedTuple
 
 from axisrig.bench.machine.plc.control_units import PlcUnits
-from axisrig.bench.rig.plc.axis_words import AxisFeedhold, ObjectChange, SetCourse, UnitWrite
+from axisrig.bench.machine.plc.probing_columns import ProbingColumns
+from axisrig.bench.rig.plc.axis_words import (
+    AxisFeedhold,
+    ObjectChange,
+    ProbingWrite,
+    SetCourse,
+    UnitWrite,
+)
 from axisrig.bench.rig.plc.channel_words import Feedhold, ProgramStart, Reset
 from axisrig.bench.rig.plc.courses import Courses
 from axisrig.bench.rig.plc.override import PERMILLE_PER_PCT, OverrideCourse
@@ -77,6 +84,8 @@ class PlcSide:
         for rule in rules:
             self._refuse_cyclic(rule)
             self._refuse_object(rule)
+        written = [r.action for r in rules if isinstance(r.action, ProbingWrite)]
+        self._probing = ProbingColumns(channel, clock, period_ns, written)
         if rules:
             self._plc.take_turn = self.take_turn
             words = {rule.moment.word for rule in rules if _is_awaited(rule)}
@@ -131,6 +140,7 @@ class PlcSide:
 
     def take_turn(self) -> None:
         """Do the work of one cycle."""
+        self._probing.begin_turn()
         for happening in self._happenings():
             for number, rule in enumerate(self._rules):
                 if rule.moment.fits(happening.word, happening.value):
@@ -229,6 +239,8 @@ class PlcSide:
             case SetCourse() as course:
                 self._lead(course, rule, is_awaited)
                 return
+            case ProbingWrite() as write:
+                self._plc.note(self._probing.write(write), rule.column)
             case ObjectChange(axis=axis, name=name, value=value):
                 write_object(self._channel.distance.control(axis), name, value)
                 self._plc.note(f"{axis} {name} = {value} from the PLC", rule.column)

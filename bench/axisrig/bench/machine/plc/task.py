@@ -42,7 +42,6 @@ class _AxisShown:
     order: LatchOrder
     number: int
     writes: AxisWrites
-    is_read: bool
     is_actuated: bool
     is_measuring: bool
     has_value: bool
@@ -87,7 +86,6 @@ class PlcTaskRunner:
         self._program = PlcProgram(Path(table.program))
         self._hli = Hli(channel.plc.axis)
         self._orders = dict.fromkeys(channel.plc.axis, 0)  # number of the order the PLC has seen
-        self._read = dict.fromkeys(channel.plc.axis, 0)
         self._done = dict.fromkeys(channel.plc.axis, 0)
         self._silent_ns = silent_ns(table.silent_from_ms)
         self._written: list[_Writes] = []  # not yet taken
@@ -95,7 +93,9 @@ class PlcTaskRunner:
         self._shown: list[_Shown] = []  # the last two
         self._has_columns = has_columns
         self._free_ns: TimeNs = 0
-        self._values: Mapping[str, float] = {}  # V.E. as this cycle of the PLC has found them
+        # V.E. as this cycle of the PLC has found them
+        self._values: Mapping[str, float] = dict(channel.plc.values)
+        self._hli.ve = dict(self._values)
         self._cycle = 0
         self.left_out = 0
         self._connect()
@@ -207,10 +207,8 @@ class PlcTaskRunner:
 
     def _axis_writes(self, name: str, axis: AxisHli) -> AxisWrites:
         control = axis.lr_mc_control
-        if not control.ext_latch.please_rw:
-            self._read[name] = self._orders[name]
-            if control.ext_latch.done_w:
-                self._done[name] = self._orders[name]
+        if control.ext_latch.done_w and not control.ext_latch.please_rw:
+            self._done[name] = self._orders[name]
         signal, stamp, position = (
             control.probing_signal,
             control.timestamp,
@@ -220,7 +218,6 @@ class PlcTaskRunner:
             signal.command_w if signal.enable_w else None,
             stamp.command_w if stamp.enable_w else None,
             position.command_w if position.enable_w else None,
-            self._read[name],
             self._done[name],
         )
 
@@ -278,7 +275,6 @@ class PlcTaskRunner:
                 unit.order,
                 unit.number,
                 unit.writes,
-                unit.is_read,
                 bool(measurement.is_actuated(link.name)),
                 measurement.state_of(link.name) is not None
                 or channel.single.measuring_state(link.name) is not None,

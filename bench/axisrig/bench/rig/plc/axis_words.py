@@ -18,6 +18,7 @@ from axisrig.kernel.time.clock import TimeNs
 
 OBJECT = "object."
 SET_VALUES = {"set_pos": "set_pos_mm", "set_dist": "set_dist_mm"}
+PROBING = ("probing_signal", "probing_position")
 HIGHEST_PCT = 100
 
 
@@ -68,7 +69,16 @@ class ObjectChange:
     value: Value
 
 
-AxisAction = UnitWrite | SetCourse | AxisFeedhold | OverrideCourse | ObjectChange
+@dataclass(frozen=True)
+class ProbingWrite:
+    """The probing signal of an axis gets a level, or its probing position a value, mm."""
+
+    axis: str
+    level: bool | None = None
+    position_mm: float | None = None
+
+
+AxisAction = UnitWrite | SetCourse | AxisFeedhold | OverrideCourse | ObjectChange | ProbingWrite
 
 
 @cache
@@ -112,9 +122,19 @@ def read_action(
         return ObjectChange(axis, target, accept(target, value, Origin(column)))
     if name == "override":
         return read_override(axis, column, value, keys, HIGHEST_PCT)
+    if name in PROBING:
+        return _probing(axis, name, column, value)
     if name in SET_VALUES:
         return SetCourse(axis, SET_VALUES[name], number(column, value), lasting("over", keys))
     return _command(axis, column, value, keys)
+
+
+def _probing(axis: str, name: str, column: str, value: str) -> ProbingWrite:
+    if name == "probing_position":
+        return ProbingWrite(axis, position_mm=number(column, value))
+    if value not in ("0", "1"):
+        raise UserError("a signal has two levels", value=value, allowed="0, 1")
+    return ProbingWrite(axis, level=value == "1")
 
 
 def _command(axis: str, column: str, word: str, keys: Mapping[str, str]) -> UnitWrite:

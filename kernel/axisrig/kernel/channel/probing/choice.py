@@ -29,11 +29,14 @@ class ProbeChoice:
         return self._sources.get(axis, self._measuring(axis).source)
 
     def latch(self, axis: str) -> tuple[int, str]:
-        """Return input and edge of an axis: #MEAS, else P-AXIS-00517 and 00518."""
-        link = self._links[axis]
-        is_external = self.source(axis) == EXTERNAL
-        of_list = self._measuring(axis).probe_input if is_external else link.probe_input
-        return self._latches.get(axis, (of_list, link.edge))
+        """Return input and edge of an axis: #MEAS, else P-AXIS-00517 and 00518.
+
+        An input that was chosen for external hardware does not count for a drive.
+        """
+        link, source = self._links[axis], self.source(axis)
+        of_list = self._measuring(axis).probe_input if source == EXTERNAL else link.probe_input
+        number, edge = self._latches.get(axis, (of_list, link.edge))
+        return (number if number <= inputs_of(source) else link.probe_input), edge
 
     def needs_plc(self, axis: str) -> bool:
         """Return whether the signal of an axis, or its probe, is at the PLC."""
@@ -52,11 +55,9 @@ class ProbeChoice:
             place, allowed = command.block.place, f"1 .. {most}"
             raise Alarm(900227, place=place, keyword="INPUT", value=input_, allowed=allowed)
         known_input, known_edge = self.latch(axis)
-        number, edge = input_ or known_input, command.edge or known_edge
-        self._latches[axis] = number, edge
+        self._latches[axis] = input_ or known_input, command.edge or known_edge
         if source not in OF_PLC or source == EXTERNAL_WITH_DRIVE:
-            link = self._links[axis]
-            link.choose_latch(number if number <= most else link.probe_input, edge)
+            self._links[axis].choose_latch(*self._latches[axis])
 
     def choose_default(self) -> None:
         """Measure with what the lists say."""
