@@ -212,18 +212,20 @@ def test_several_instants_with_a_foreign_axis_are_steps_one_by_one(fmu) -> None:
     sources = {"demand": Source("control.s_set"), "position": Source("table.s")}
     ends_ns = [250 * US, 500 * US, 740 * US]
     walked, stepped = Plant(), Plant()
-    axes, ticks = [], []
+    axes: list[PlantAxis] = []
     for plant in (walked, stepped):
         slave = load_fmu(fmu("table"), "table")
         axes.append(plant.add_axis(slave, map_roles(slave, "axis", sources)))
         plant.initialize(0)
         axes[-1].command(0, 0.0, 0.1, 1 * MS, enabled=True)
     axes[0].walk(ends_ns)
+    motions = [axes[1].motion]
     for end_ns in ends_ns:
         axes[1].step_to(end_ns)
-        ticks.append(axes[1].tick)
-    assert axes[0].ticks == ticks
+        motions.append(axes[1].motion)
+    assert axes[0].walked == motions
     assert axes[0].motion == axes[1].motion
-    assert ticks[-1][2] != 0.0
+    assert axes[0].tick == axes[1].tick
+    assert axes[0].tick[2] != 0.0
     for plant in (walked, stepped):
         plant.close()

@@ -370,8 +370,9 @@ static Status step(Instance *me, const char *function, double begin, double size
 /* --- steps in a row --------------------------------------------------------------------- */
 
 /* Beyond FMI: several steps in one call, with inputs before and outputs after each of them. It does
- * what the functions of FMI do one by one, and stops where one of them fails. An importer that does
- * not know it misses nothing. A change of the structure needs another name of the function.
+ * what the functions of FMI do one by one, and stops where one of them fails: outputs are finite
+ * then, since a step that leads to others is an error. An importer that does not know it misses
+ * nothing. A change of the structure needs another name of the function.
  */
 typedef struct {
     int64_t begin_ns; /* of the first step; of the next one when the call returns */

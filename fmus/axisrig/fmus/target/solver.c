@@ -68,7 +68,7 @@ static SolverReport no_solution(const Core *c, int found, Notes *notes)
 }
 
 /* What the memory of relation k becomes when its function is z. */
-static double relation_value(int k, double z, double memory)
+static inline double relation_value(int k, double z, double memory)
 {
     switch (RELATIONS[k].kind) {
     case WHOLE_BELOW:
@@ -106,7 +106,7 @@ static double boundary(int k, double z, const double *p)
     }
 }
 
-static bool passed(int k, double z, const double *p)
+static inline bool passed(int k, double z, const double *p)
 {
     const double memory = p[RELATIONS[k].memory];
     return relation_value(k, z, memory) != memory;
@@ -271,6 +271,15 @@ static int evaluate(Core *c, bool at_start)
     return bad;
 }
 
+/* Whether a further evaluation would give the same bits: it is one of the time, the states and p
+ * alone, and these are as before. Only blocks that are searched for read an earlier solution too.
+ */
+static bool would_repeat(const Core *before, const Core *c)
+{
+    return LARGEST_BLOCK == 0 && memcmp(before->p, c->p, sizeof c->p) == 0
+        && memcmp(before->y, c->y, N_X * sizeof c->y[0]) == 0;
+}
+
 /* Evaluate until nothing changes. */
 static SolverReport agree(Core *c, bool at_start, Notes *notes)
 {
@@ -281,7 +290,7 @@ static SolverReport agree(Core *c, bool at_start, Notes *notes)
         if (bad) {
             return no_solution(c, bad, notes);
         }
-        if (memcmp(&before, c, sizeof before) == 0) {
+        if (memcmp(&before, c, sizeof before) == 0 || (!at_start && would_repeat(&before, c))) {
             return FINE;
         }
     }
