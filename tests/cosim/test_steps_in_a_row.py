@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from tests.small_fmus import small_fmu
 
 from axisrig.fmus import FMI_VERSIONS, ensure_built
 from axisrig.fmus.build import build
@@ -13,8 +14,10 @@ from axisrig.kernel.cosim.fmi.roles import Roles, Source, map_roles
 from axisrig.kernel.cosim.fmi.steps import ROWS, StepsInARow, offers_steps, plain_references
 from axisrig.kernel.cosim.plant import axis as axis_module
 from axisrig.kernel.cosim.plant import distance as distance_module
+from axisrig.kernel.cosim.plant import edges as edges_module
 from axisrig.kernel.cosim.plant.axis import PlantAxis
 from axisrig.kernel.cosim.plant.distance import PlantDistance
+from axisrig.kernel.cosim.plant.edges import LocatingProbe
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.time.clock import MS, US, TimeNs
 
@@ -36,6 +39,14 @@ TERMINATING = """package Ends
     end when;
   end Early;
 end Ends;
+"""
+GROWING = """package Grows
+  model Fast
+    output Real y(unit="1") "e to the power of 500 after 1 ms";
+  equation
+    y = exp(5e5*time);
+  end Fast;
+end Grows;
 """
 
 
@@ -125,6 +136,18 @@ def test_model_that_ends_the_simulation_says_so_at_its_time(load, tmp_path, fmi:
         steps.refuse(3 * MS)
 
 
+def test_numbers_that_are_not_finite_never_come_back(load, tmp_path) -> None:
+    """`PlantAxis` keeps the rows as they are."""
+    (tmp_path / "Grows").mkdir()
+    (tmp_path / "Grows" / "package.mo").write_text(GROWING, encoding="utf-8")
+    grows = load(small_fmu("Grows.Fast", tmp_path / "Grows"))
+    steps = StepsInARow(grows, outputs=Exchange(grows, ["y"]).references)
+    ((y,),) = steps.take([1 * MS, 2 * MS, 3 * MS])
+    assert y == pytest.approx(1.4035922e217)  # e^500, from a table
+    with pytest.raises(PlantError, match="y is not a finite number"):
+        steps.refuse(2 * MS)
+
+
 @pytest.fixture
 def at_a_stop(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[bool], list[PlantAxis]]]:
     """Drive the two sides of a gantry against their stops; return its axes."""
@@ -207,23 +230,57 @@ def test_distance_sensor_over_an_axis_is_the_same_either_way(monkeypatch, model,
     assert (50 in steps_us) == (stop_m > -1.0 and "Servo" in model)
 
 
+@pytest.mark.parametrize("model", ["AxisRig.Drives.ServoAxis", "AxisRig.Drives.KinematicAxis"])
+def test_edges_of_a_probe_are_the_same_either_way(monkeypatch, model: str) -> None:
+    """The axis goes down onto a surface 1 mm below and up again: a contact, a rise and a fall."""
+
+    def run() -> tuple[PlantAxis, LocatingProbe]:
+        plant = Plant()
+        axis = plant.add_axis(load_fmu(ensure_built(model), "z"))
+        tip = load_fmu(ensure_built("AxisRig.Sensors.TouchProbe"), "tip")
+        tip.set_start("surface", -1e-3)
+        probe = plant.add_probe(tip, {"z": "z"})
+        assert isinstance(probe, LocatingProbe)
+        plant.initialize(0)
+        axis.command(0, 0.0, -0.05, 80 * MS, enabled=True)
+        plant.advance_to(80 * MS)
+        axis.command(80 * MS, axis.motor_position_m(), 0.05, 200 * MS, enabled=True)
+        for end_ms in range(81, 201):
+            plant.advance_to(end_ms * MS)
+        plant.close()
+        return axis, probe
+
+    many = run()
+    for module in (axis_module, edges_module):
+        monkeypatch.setattr(module, "offers_steps", lambda _slave: False)
+    one = run()
+    assert (many[1]._many is None, one[1]._many is None) == (False, True)
+    assert list(many[0]._times) == list(one[0]._times)
+    assert list(many[0]._past) == list(one[0]._past)
+    assert many[1].signal.edges == one[1].signal.edges
+    assert many[1].contacts == one[1].contacts
+    assert [level for _, level in many[1].signal.edges] == [True, False]
+
+
 def test_several_instants_with_a_foreign_axis_are_steps_one_by_one(fmu) -> None:
     """`walk` asks nothing of an FMU that offers no steps in a row."""
     sources = {"demand": Source("control.s_set"), "position": Source("table.s")}
     ends_ns = [250 * US, 500 * US, 740 * US]
     walked, stepped = Plant(), Plant()
-    axes, ticks = [], []
+    axes: list[PlantAxis] = []
     for plant in (walked, stepped):
         slave = load_fmu(fmu("table"), "table")
         axes.append(plant.add_axis(slave, map_roles(slave, "axis", sources)))
         plant.initialize(0)
         axes[-1].command(0, 0.0, 0.1, 1 * MS, enabled=True)
     axes[0].walk(ends_ns)
+    motions = [axes[1].motion]
     for end_ns in ends_ns:
         axes[1].step_to(end_ns)
-        ticks.append(axes[1].tick)
-    assert axes[0].ticks == ticks
+        motions.append(axes[1].motion)
+    assert axes[0].walked == motions
     assert axes[0].motion == axes[1].motion
-    assert ticks[-1][2] != 0.0
+    assert axes[0].tick == axes[1].tick
+    assert axes[0].tick[2] != 0.0
     for plant in (walked, stepped):
         plant.close()

@@ -173,6 +173,7 @@ class SimNetwork(canopen.Network):
     def __init__(self, bus: can.BusABC | None = None) -> None:
         super().__init__(bus)
         self._remote: dict[int, list[Callable[[], None]]] = {}
+        self._send_raw: Callable[[int, Any], None] | None = None  # of a simulated bus
         # The copy for each subscriber is for PdoMap, which keeps the buffer and writes to it
         self._taken_by = Subscribers(self.subscribers)
         self.scanner = SimNodeScanner(self, self._taken_by)
@@ -184,12 +185,18 @@ class SimNetwork(canopen.Network):
         if not isinstance(self.bus, SimBus):
             super().connect(*args, **kwargs)
             return self
+        self._send_raw = self.bus.send_raw
         self.bus.attach_subscribers(self._taken_by)
         self.bus.attach_remote(self._on_remote)
         for node in self.nodes.values():
             if isinstance(node, SimRemoteNode):
                 node.wait_on(self.bus)
         return self
+
+    def disconnect(self) -> None:
+        """Leave the bus, as `Network.disconnect`."""
+        super().disconnect()
+        self._send_raw = None
 
     def _on_remote(self, can_id: int) -> None:
         for callback in tuple(self._remote.get(can_id, ())):
@@ -215,8 +222,8 @@ class SimNetwork(canopen.Network):
         self, can_id: int, data: bytes | bytearray | list[int] | None, remote: bool = False
     ) -> None:
         """Send a frame, as `Network.send_message`, without a `can.Message` where possible."""
-        if isinstance(self.bus, SimBus) and not remote:
-            self.bus.send_raw(can_id, data or b"")
+        if self._send_raw is not None and not remote:
+            self._send_raw(can_id, data or b"")
         else:
             super().send_message(can_id, data, remote)  # type: ignore[arg-type]
 

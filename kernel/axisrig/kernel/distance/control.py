@@ -14,7 +14,6 @@ deviation stays when it is compensated (docs/ambiguities.md).
 
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 from axisrig.kernel.distance.controller import Controller
 from axisrig.kernel.distance.filters import Filter, make_filter, memory_cycles
@@ -42,7 +41,6 @@ STANDING_MAX = 1000
 ABSOLUTE_SENSOR, REFERENCED_WHILE_ON = (900312,), (900313,)
 
 
-@dataclass(frozen=True)
 class Reading:
     """The values of one cycle, in mm.
 
@@ -52,12 +50,18 @@ class Reading:
     scales v_max.
     """
 
-    sensor_mm: float
-    actual_mm: float
-    sent_mm: float
-    is_held: bool = False
-    silence: Silence | None = None
-    override: float = 1.0
+    # Made in every cycle: a dataclass has a constructor that is never compiled
+    def __init__(
+        self,
+        sensor_mm: float,
+        actual_mm: float,
+        sent_mm: float,
+        is_held: bool = False,
+        silence: Silence | None = None,
+        override: float = 1.0,
+    ) -> None:
+        self.sensor_mm, self.actual_mm, self.sent_mm = sensor_mm, actual_mm, sent_mm
+        self.is_held, self.silence, self.override = is_held, silence, override
 
 
 class DistanceControl:

@@ -5,7 +5,7 @@ kernel's side and increments on the bus.
 """
 
 from collections import deque
-from typing import Any
+from typing import Any, Final
 
 from axisrig.kernel.drives.ds402 import (
     COMMANDS,
@@ -33,6 +33,8 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival
 
 RESET = COMMANDS[Command.FAULT_RESET].value
+OPERATING: Final = State.OPERATION_ENABLED
+HOLD_OPERATION: Final = STATES[OPERATING].hold
 POSITION_MAX = 1 << 31  # INTEGER32 of 607A and 6064, increments
 
 
@@ -44,7 +46,7 @@ class AxisLink:
     watches_lag: the CNC monitors the position lag, which it does not in a run to a fixed stop.
     second_age_cycles: since a telegram has delivered the second encoder. unproved_latches: how many
     latches were believed by telegrams alone. doubt_mm: how far the last of them may be wrong, None
-    where SDO has proved it.
+    where SDO has proved it. second_telegram: the one that carries the second encoder, if any does.
     """
 
     def __init__(self, settings: LinkSettings, network: Any, sdo: SdoClient | None = None) -> None:
@@ -58,6 +60,10 @@ class AxisLink:
             inputs=settings.has_inputs,
             second=settings.has_second,
         )
+        seconds = [
+            t for t in self.telegrams.values() if any(o.field == "second" for o in t.objects)
+        ]
+        self.second_telegram: Telegram | None = seconds[0] if seconds else None
         self.arrival = Arrival(
             settings.status_delay_cycles, settings.missing_cycles, settings.stamps, is_new=False
         )
@@ -246,12 +252,6 @@ class AxisLink:
         return self.second_telegram is not None
 
     @property
-    def second_telegram(self) -> Telegram | None:
-        """The telegram that carries the second encoder."""
-        found = (t for t in self.telegrams.values() if any(o.field == "second" for o in t.objects))
-        return next(found, None)
-
-    @property
     def lag_mm(self) -> float:
         """The CNC's position lag e(k) = s(k - d) - x(k), d = P-AXIS-00191.
 
@@ -411,7 +411,8 @@ class AxisLink:
 
     def send(self, set_mm: float) -> None:
         """Send set position, controlword and latch control word of this cycle."""
-        self.controlword = self._controlword() | self.mode_bits
+        is_usual = self.state is OPERATING and self.power and not self.stops_quickly
+        self.controlword = (HOLD_OPERATION if is_usual else self._controlword()) | self.mode_bits
         self.set_mm = set_mm
         self._set_history.append(set_mm)
         self._has_sent = True

@@ -6,7 +6,6 @@ read its gap and clearance, keep a row.
 """
 
 import ctypes
-import struct
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from itertools import pairwise
@@ -21,6 +20,7 @@ from axisrig.bench.record.series import TIME, Series, SeriesWriter
 from axisrig.bench.tools.perf.loop import compiled_loops
 from axisrig.fmus import BuildError, ensure_built
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_description, load_fmu
+from axisrig.kernel.cosim.fmi.steps import StepsInARow
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import MS, TimeNs
 from axisrig.kernel.time.scheduler import new_scheduler
@@ -99,12 +99,17 @@ def _slaves(axis_file: Path, probe_file: Path) -> Iterator[tuple[FmuSlave, FmuSl
 
 @contextmanager
 def _ours(axis_file: Path, probe_file: Path) -> Iterator[Run]:
-    """Step with our slaves from events of a scheduler; rows go into series as a block."""
+    """Step with our slaves from events of a scheduler; rows go into series as a block.
+
+    Each slave is set, stepped and read in one call, as the plants of a run do it.
+    """
     scheduler = new_scheduler()
     with _slaves(axis_file, probe_file) as (axis, probe):
-        motion, results = Exchange(axis, MOTION), Exchange(probe, RESULTS)
-        trajectory = Exchange(probe, TRAJECTORY)
-        pack = struct.Struct("=6d").pack_into
+        motion = Exchange(axis, MOTION)
+        drive = StepsInARow(axis, outputs=motion.references)
+        follow = StepsInARow(
+            probe, Exchange(probe, TRAJECTORY).references, Exchange(probe, RESULTS).references
+        )
         rows: list[tuple[float, ...]] = []
         times: list[TimeNs] = []
         motion.read()
@@ -113,15 +118,11 @@ def _ours(axis_file: Path, probe_file: Path) -> Iterator[Run]:
         def step() -> None:
             nonlocal now
             begin_ns, end_ns = axis.time_ns, scheduler.now_ns
-            axis.step_to(end_ns)
-            motion.read()
-            before, now = now, motion.values[:]
-            pack(trajectory.values, 0, begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *before, *now)
-            trajectory.write()
-            probe.step_to(end_ns)
-            results.read()
+            before, (now,) = now, drive.take([end_ns])
+            given = [begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9, *before, *now]
+            (results,) = follow.take([end_ns], given)
             times.append(end_ns)
-            rows.append((*now, *results.values[:]))
+            rows.append((*now, *results))
             scheduler.call_at(end_ns + MS, 0, step)
 
         def run(first: int) -> tuple[float, ...]:

@@ -6,11 +6,9 @@ falls when the tool lifts. Sources: P-AXIS-00230, 00418, 00422 to 00424; FCT-M3 
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from typing import ClassVar, Final
 
 from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.plc.unit import Refreshed
 from axisrig.kernel.time.clock import TimeNs
@@ -64,13 +62,9 @@ class EncoderSensor:
         self._link, self._settings = link, settings
         self._count: int | None = None
 
-    @cached_property
-    def _telegram(self) -> Telegram | None:
-        return self._link.second_telegram
-
     def period_ns(self, cycle_ns: TimeNs) -> TimeNs | None:
         """Return how often the drive promises a value, None where it promises nothing."""
-        telegram = self._telegram
+        telegram = self._link.second_telegram
         return None if telegram is None else telegram.promised_ns(cycle_ns)
 
     @property

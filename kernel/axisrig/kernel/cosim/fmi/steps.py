@@ -7,33 +7,21 @@ by one.
 """
 
 import ctypes
+import struct
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 from axisrig.kernel.cosim.fmi.library import DISCARD, WARNING, Missing, array_type
 from axisrig.kernel.cosim.fmi.slave import POINTER, Exchange, FmuSlave
 from axisrig.kernel.time.clock import TimeNs
 
-FUNCTION = "axisrigSteps1"
-ROWS = 64
+FUNCTION: Final = "axisrigSteps1"
+ROWS: Final = 64
 """Steps in one call; more are taken in several."""
-
-
-class _Row(ctypes.Structure):
-    """StepsInARow of `target/slave.inc`."""
-
-    _fields_ = (
-        ("begin_ns", ctypes.c_int64),
-        ("count", ctypes.c_int64),
-        ("done", ctypes.c_int64),
-        ("ends_ns", POINTER),
-        ("n_inputs", ctypes.c_int64),
-        ("n_outputs", ctypes.c_int64),
-        ("inputs", POINTER),
-        ("outputs", POINTER),
-        ("given", POINTER),
-        ("got", POINTER),
-    )
+# StepsInARow of `target/slave.inc`: begin_ns, count, done; ends_ns; n_inputs, n_outputs; inputs,
+# outputs, given, got. Packed as a whole, since a field of a `ctypes.Structure` costs as much as a
+# step of a small FMU.
+_STRUCTURE: Final = struct.Struct("=qqqQqqQQQQ")
 
 
 class StepsInARow:
@@ -45,20 +33,25 @@ class StepsInARow:
     def __init__(
         self, slave: FmuSlave, inputs: Sequence[int] = (), outputs: Sequence[int] = ()
     ) -> None:
-        self._slave = slave
-        self._call = slave.function(FUNCTION, (POINTER, POINTER))
+        self._slave: Any = slave
+        self._call: Any = slave.function(FUNCTION, (POINTER, POINTER))
         self._in_count, self._out_count = len(inputs), len(outputs)
         self._ends_ns: Any = (ctypes.c_int64 * ROWS)()
         self._given: Any = array_type(ctypes.c_double, ROWS * len(inputs))()
         self._got: Any = array_type(ctypes.c_double, ROWS * len(outputs))()
-        self._inputs = array_type(ctypes.c_uint32, len(inputs))(*inputs)
-        self._outputs = array_type(ctypes.c_uint32, len(outputs))(*outputs)
-        self._row = row = _Row()
-        self._address = ctypes.addressof(row)
-        row.n_inputs, row.n_outputs = len(inputs), len(outputs)
-        row.ends_ns = ctypes.addressof(self._ends_ns)
-        row.inputs, row.outputs = ctypes.addressof(self._inputs), ctypes.addressof(self._outputs)
-        row.given, row.got = ctypes.addressof(self._given), ctypes.addressof(self._got)
+        self._inputs: Any = array_type(ctypes.c_uint32, len(inputs))(*inputs)
+        self._outputs: Any = array_type(ctypes.c_uint32, len(outputs))(*outputs)
+        self._row: Any = (ctypes.c_char * _STRUCTURE.size)()
+        self._address = ctypes.addressof(self._row)
+        buffers = (self._inputs, self._outputs, self._given, self._got)
+        places = [ctypes.addressof(buffer) for buffer in buffers]
+        ends_at = ctypes.addressof(self._ends_ns)
+        _STRUCTURE.pack_into(self._row, 0, 0, 0, 0, ends_at, len(inputs), len(outputs), *places)
+        self._write_head: Any = struct.Struct("=qq").pack_into
+        self._read_head: Any = struct.Struct("=qqq").unpack_from
+        # By the number of steps: what writes their ends, and their inputs
+        self._writers: dict[int, tuple[Any, Any]] = {}
+        self._read_row: Any = struct.Struct(f"={len(outputs)}d").unpack_from
         self._status = 0
 
     def take(self, ends_ns: Sequence[TimeNs], given: Sequence[float] = ()) -> list[list[float]]:
@@ -67,27 +60,35 @@ class StepsInARow:
         given: the inputs of each step, one step after the other. Where fewer rows come back than
         there are instants, `refuse` says why.
         """
+        if len(ends_ns) <= ROWS:
+            return self._take(ends_ns, given)
         rows: list[list[float]] = []
         for first in range(0, len(ends_ns), ROWS):
-            part = ends_ns[first : first + ROWS]
-            if self._in_count:
-                begin = first * self._in_count
-                values = given[begin : begin + len(part) * self._in_count]
-                self._given[: len(values)] = values
-            rows += self._take(part)
+            begin = first * self._in_count
+            part = given[begin : begin + ROWS * self._in_count]
+            rows += self._take(ends_ns[first : first + ROWS], part)
             if self._status > WARNING:
                 break
         return rows
 
-    def _take(self, ends_ns: Sequence[TimeNs]) -> list[list[float]]:
+    def _take(self, ends_ns: Sequence[TimeNs], given: Sequence[float]) -> list[list[float]]:
         """Make one call."""
-        row, width = self._row, self._out_count
-        row.begin_ns, row.count = self._slave.time_ns, len(ends_ns)
-        self._ends_ns[: len(ends_ns)] = ends_ns
-        self._status = self._call(self._slave.pointer, self._address)
-        self._slave.time_ns = row.begin_ns
-        got = self._got[: row.done * width]
-        return [got[k * width : (k + 1) * width] for k in range(row.done)]
+        slave, row, count = self._slave, self._row, len(ends_ns)
+        writers = self._writers.get(count)
+        if writers is None:
+            writers = self._writers[count] = (
+                struct.Struct(f"={count}q").pack_into,
+                struct.Struct(f"={count * self._in_count}d").pack_into,
+            )
+        write_ends, write_given = writers
+        self._write_head(row, 0, slave.time_ns, count)
+        write_ends(self._ends_ns, 0, *ends_ns)
+        if self._in_count:
+            write_given(self._given, 0, *given)
+        self._status = self._call(slave.pointer, self._address)
+        slave.time_ns, _, done = self._read_head(row, 0)
+        read, got, width = self._read_row, self._got, self._out_count * 8
+        return [list(read(got, place * width)) for place in range(done)]
 
     def refuse(self, end_ns: TimeNs) -> None:
         """Raise PlantError for the step to `end_ns`, the first that was not reached."""

@@ -50,8 +50,9 @@ class PlantAxis:
 
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
-    `tick` load position and velocity at both ends of the last step, `ticks` of each step of the
-    last `walk`. The last 4096 steps are kept, so that the position at a latch can be looked up.
+    `tick` load position and velocity at both ends of the last step, `walked` the motion before the
+    last `walk` and after each of its steps. The last 4096 steps are kept, so that the position at
+    a latch can be looked up.
     fine_ns: longest step where a stop can be touched, for the force of the contact alone.
     beside: the axis on the same FMU that steps it, None = this one does.
     second_encoder: returns what the second encoder of the drive sees, None = there is none.
@@ -78,10 +79,11 @@ class PlantAxis:
         self.motion: list[float] = [0.0] * len(AXIS_OUTPUTS)
         self._begin = self.motion  # of the step that is under way
         self.tick: Tick = (0.0, 0.0, 0.0, 0.0)
-        self.ticks: list[Tick] = []
+        self.walked: list[list[float]] = []
+        self._kept: list[list[float]] = []  # after the last steps in a row
         self.kv_per_s = 0.0
         self.fine_ns: TimeNs = FINE_NS
-        self._tells_stop = roles.has("stop_force")
+        self._tells_force, self._tells_stop = roles.has("force"), roles.has("stop_force")
         self._tells_face = roles.has("stop_force", "stop_face")
         self.second_encoder: Callable[[], float] | None = None
         self._touched_ns: TimeNs = -1
@@ -92,6 +94,7 @@ class PlantAxis:
         self._saved: FmuState | None = None
         self._saved_ns: TimeNs = 0
         self._many: StepsInARow | None = None
+        self._is_whole = False  # a row of `_many` is the motion of this axis
         self._steps = beside is None
         self._stepped = [self]
         if beside is not None:
@@ -121,6 +124,7 @@ class PlantAxis:
         is_complete = all(axis._rest is not None for axis in axes)
         if outputs is None or not is_complete or self._samples or not offers_steps(self.slave):
             return None
+        self._is_whole = len(axes) == 1 and not self._rest
         return StepsInARow(self.slave, outputs=outputs)
 
     def _command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
@@ -141,20 +145,19 @@ class PlantAxis:
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
 
-    def _remember_all(self, times_ns: Sequence[TimeNs], motions: list[list[float]]) -> None:
-        """Do `_remember` for each of these."""
-        total = sum(map(sum, motions))
-        if total - total != 0.0 or not motions:
-            for time_ns, motion in zip(times_ns, motions, strict=True):
-                self._remember(time_ns, motion)
+    def _keep(self, times_ns: Sequence[TimeNs], motions: list[list[float]]) -> None:
+        """Keep where steps in a row led; their library gives finite numbers or an error."""
+        self._kept = motions
+        if not motions:
             return
         self.motion = motions[-1]
         self._times.extend(times_ns)
         self._past.extend(motions)
         if self._tells_stop:
-            for time_ns, motion in zip(times_ns, motions, strict=True):
-                if motion[STOP_FORCE] > 0.0:
-                    self._touched_ns = time_ns
+            for place in range(len(motions) - 1, -1, -1):
+                if motions[place][STOP_FORCE] > 0.0:
+                    self._touched_ns = times_ns[place]
+                    break
 
     def _read(self) -> list[float]:
         self._outputs.read()
@@ -202,32 +205,29 @@ class PlantAxis:
         for axis in self._stepped:
             axis._begin = axis.motion
         if self._is_near_stop(end_ns):
-            self._step_finely(end_ns)
+            begin_ns, fine_ns = self.slave.time_ns, self.fine_ns
+            self._go_through([*range(begin_ns + fine_ns, end_ns, fine_ns), end_ns])
         else:
-            self._step_all(end_ns)
+            self._go_through([end_ns])
         for axis in self._stepped:
             axis.tick = _tick(axis._begin, axis.motion)
 
     def walk(self, ends_ns: Sequence[TimeNs]) -> None:
-        """Do `step_to` for each of these instants; `ticks` then has a `tick` for each."""
+        """Do `step_to` for each of these instants; `walked` then has the motion at each."""
         if not self._steps:
             return
         for axis in self._stepped:
-            axis.ticks = []
+            axis.walked = [axis.motion]
         if self._many is None or self._is_near_stop(ends_ns[-1]):
             for end_ns in ends_ns:
                 self.step_to(end_ns)
                 for axis in self._stepped:
-                    axis.ticks.append(axis.tick)
+                    axis.walked.append(axis.motion)
             return
+        self._go_through(ends_ns)
         for axis in self._stepped:
-            axis._begin = axis.motion
-        self._step_through(self._many, ends_ns)
-        for axis in self._stepped:
-            for place in range(-len(ends_ns), 0):
-                axis.ticks.append(_tick(axis._begin, axis._past[place]))
-                axis._begin = axis._past[place]
-            axis.tick = axis.ticks[-1]
+            axis.walked += axis._kept
+            axis.tick = _tick(axis.walked[-2], axis.walked[-1])
 
     def _is_near_stop(self, end_ns: TimeNs) -> bool:
         """Return whether any axis of the FMU has, or can have until `end_ns`, a contact."""
@@ -237,28 +237,27 @@ class PlantAxis:
                 is_near = True
         return is_near
 
-    def _step_finely(self, end_ns: TimeNs) -> None:
-        """Step to `end_ns` in fine steps, and keep where the axes are after each."""
-        ends_ns = [*range(self.slave.time_ns + self.fine_ns, end_ns, self.fine_ns), end_ns]
-        if self._many is None:
-            for time_ns in ends_ns:
-                self._step_all(time_ns)
-        else:
-            self._step_through(self._many, ends_ns)
-
-    def _step_through(self, many: StepsInARow, ends_ns: Sequence[TimeNs]) -> None:
-        """Step to each of these instants in one call, and keep where the axes are at each."""
+    def _go_through(self, ends_ns: Sequence[TimeNs]) -> None:
+        """Step to each of these instants, if possible in one call; keep where the axes are."""
+        many = self._many
+        if many is None:
+            for end_ns in ends_ns:
+                self._go_alone(end_ns)
+            return
         rows = many.take(ends_ns)
         reached_ns = ends_ns if len(rows) == len(ends_ns) else ends_ns[: len(rows)]
-        first = 0
-        for axis in self._stepped:
-            last = first + len(axis._known)
-            axis._remember_all(reached_ns, [axis._filled(row[first:last]) for row in rows])
-            first = last
+        if self._is_whole:
+            self._keep(reached_ns, rows)
+        else:
+            first = 0
+            for axis in self._stepped:
+                last = first + len(axis._known)
+                axis._keep(reached_ns, [axis._filled(row[first:last]) for row in rows])
+                first = last
         if len(rows) < len(ends_ns):
             many.refuse(ends_ns[len(rows)])
 
-    def _step_all(self, end_ns: TimeNs) -> None:
+    def _go_alone(self, end_ns: TimeNs) -> None:
         if self._samples is None:
             self.slave.step_to(end_ns)
         else:
@@ -366,7 +365,7 @@ class PlantAxis:
 
     def force_n(self) -> float | None:
         """Return the motor force now; None: the FMU does not report it."""
-        return self.motion[FORCE] if self.roles.has("force") else None
+        return self.motion[FORCE] if self._tells_force else None
 
     def stop_force_peak_n(self, since_ns: TimeNs, until_ns: TimeNs) -> float:
         """Return the largest force between slide and stop from `since_ns` to `until_ns`, N.

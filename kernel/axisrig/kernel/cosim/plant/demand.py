@@ -1,6 +1,8 @@
 """What an axis FMU is given: the demand, the kind of control, the force limits."""
 
+import struct
 from enum import IntEnum
+from typing import Any
 
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave
 from axisrig.kernel.cosim.fmi.roles import Roles, Values
@@ -23,11 +25,11 @@ class Ramp:
 
     def __init__(self, roles: Roles) -> None:
         self._inputs = roles.exchange(AXIS_INPUTS)
+        self._pack: Any = struct.Struct("=4d").pack_into  # four assignments in one call
 
     def command(self, time_ns: TimeNs, position: float, rate: float, end_ns: TimeNs) -> None:
         """Demand a ramp in SI units from `time_ns` on; it rests from `end_ns` on."""
-        values = self._inputs.values
-        values[0], values[1], values[2], values[3] = position, rate, time_ns * 1e-9, end_ns * 1e-9
+        self._pack(self._inputs.values, 0, position, rate, time_ns * 1e-9, end_ns * 1e-9)
         self._inputs.write()
 
     def step(self, slave: FmuSlave, end_ns: TimeNs) -> None:

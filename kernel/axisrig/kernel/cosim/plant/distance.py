@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Mapping, Sequence
 
+from axisrig.kernel.cosim.fmi.library import PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
 from axisrig.kernel.cosim.plant.axis import HISTORY_STEPS, POSITION, PlantAxis
@@ -10,6 +11,12 @@ from axisrig.kernel.cosim.plant.edges import Trajectory
 from axisrig.kernel.time.clock import S, TimeNs
 
 Reported = tuple[float, float | None, bool, bool]
+
+
+def _place(role: str, roles: Sequence[str]) -> int:
+    return roles.index(role) if role in roles else -1
+
+
 FOLLOW_NS = 250_000
 """Longest step of a plant with distance sensors: over it the cubic between the ends of a step
 is within 1 nm of the motion, across an acceleration jump of 1000 mm/s2 (docs/architecture.md)."""
@@ -38,7 +45,10 @@ class PlantDistance:
         self._lengths = roles.exchange(["distance", *["distance_true"] * self._has_true])
         self._levels = [role for role in ("valid", "touching") if roles.has(role)]
         self._flags = roles.exchange(self._levels) if self._levels else None
+        self._valid_at = _place("valid", self._levels)
+        self._touching_at = _place("touching", self._levels)
         self._many: StepsInARow | None = None
+        self._row: list[float] | None = None  # of `_lengths`, when the last walk has read them
 
     def start(self, start_ns: TimeNs) -> None:
         """Initialise the FMU where the axes are."""
@@ -50,7 +60,9 @@ class PlantDistance:
         self.slave.initialize(start_ns)
         if self._trajectory is not None and offers_steps(self.slave):
             inputs = plain_references([self._trajectory.inputs])
-            self._many = None if inputs is None else StepsInARow(self.slave, inputs)
+            lengths = plain_references([self._lengths])
+            if inputs is not None and lengths is not None:
+                self._many = StepsInARow(self.slave, inputs, lengths)
         self.look()
 
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
@@ -68,6 +80,7 @@ class PlantDistance:
         done = self._many.take(ends_ns, self._trajectory.rows(begin_ns, ends_ns))
         if len(done) < len(ends_ns):
             self._many.refuse(ends_ns[len(done)])
+        self._row = done[-1]
 
     @property
     def walks(self) -> bool:
@@ -76,7 +89,10 @@ class PlantDistance:
 
     def told_at(self, time_ns: TimeNs) -> Reported:
         """Return distance, true distance, validity and touch at an instant at which `look` was."""
-        return next(report for end_ns, report in reversed(self._past) if end_ns <= time_ns)
+        for end_ns, report in reversed(self._past):
+            if end_ns <= time_ns:
+                return report
+        raise PlantError(self.slave.name, time_ns, "no distance is kept for this instant")
 
     def _write_positions(self) -> None:
         self._positions.values[:] = [axis.motion[POSITION] for axis in self._sources]
@@ -84,16 +100,19 @@ class PlantDistance:
 
     def look(self) -> None:
         """Read what the sensor reports now; for `told_at` too."""
-        self._lengths.read()
-        self.distance_m = self._lengths.values[0]
+        row, self._row = self._row, None
+        if row is None:
+            self._lengths.read()
+            row = self._lengths.values[:]
+        self.distance_m = row[0]
         if self._has_true:
-            self.distance_true_m = self._lengths.values[1]
+            self.distance_true_m = row[1]
         if self._flags is not None:
             self._flags.read()
-            for role, level in zip(self._levels, self._flags.values, strict=True):
-                if role == "valid":
-                    self.is_valid = bool(level)
-                else:
-                    self.is_touching = bool(level)
+            levels = self._flags.values[:]
+            if self._valid_at >= 0:
+                self.is_valid = bool(levels[self._valid_at])
+            if self._touching_at >= 0:
+                self.is_touching = bool(levels[self._touching_at])
         report = (self.distance_m, self.distance_true_m, self.is_valid, self.is_touching)
         self._past.append((self.slave.time_ns, report))

@@ -10,7 +10,8 @@ from collections.abc import Mapping, Sequence
 
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
-from axisrig.kernel.cosim.plant.axis import POSITION, PlantAxis
+from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
+from axisrig.kernel.cosim.plant.axis import POSITION, VELOCITY, PlantAxis
 from axisrig.kernel.cosim.plant.curves import hermite
 from axisrig.kernel.cosim.plant.probe import Contact, PlantProbe
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
@@ -59,16 +60,22 @@ class Trajectory:
         for number, end_ns in enumerate(ends_ns):
             values += (begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9)
             for axis in self._sources:
-                values += axis.ticks[number]
+                begin, end = axis.walked[number], axis.walked[number + 1]
+                values += (begin[POSITION], begin[VELOCITY], end[POSITION], end[VELOCITY])
             begin_ns = end_ns
         return values
 
     def write_step(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
         """Hand over the last step of the axes."""
-        motion: list[float] = []
+        self._pack(self._inputs.values, 0, *self.row(begin_ns, end_ns))
+        self._inputs.write()
+
+    def row(self, begin_ns: TimeNs, end_ns: TimeNs) -> list[float]:
+        """Return the inputs of the last step of the axes."""
+        values = [begin_ns * 1e-9, (end_ns - begin_ns) * 1e-9]
         for axis in self._sources:
-            motion += axis.tick
-        self.write(begin_ns, end_ns, motion)
+            values += axis.tick
+        return values
 
 
 class LocatingProbe(PlantProbe):
@@ -85,18 +92,30 @@ class LocatingProbe(PlantProbe):
         self._results = roles.exchange([*TIMES[:kinds], *clearance])
         places = [f"contact_{group}" for group in sources]
         self._places = roles.exchange(places) if kinds == 3 else None
+        self._many: StepsInARow | None = None
+        self._row: list[float] | None = None  # of `_results`, when the last step has read them
 
     def _write_rest(self, begin_ns: TimeNs, end_ns: TimeNs) -> None:
+        self._row = None
         self._trajectory.write_rest(begin_ns, end_ns)
 
     def _read_start(self) -> None:
         self._counts.read()
         self._seen = self._counts.values[:]
+        inputs = plain_references([self._trajectory.inputs])
+        results = plain_references([self._results])
+        if inputs is not None and results is not None and offers_steps(self.slave):
+            self._many = StepsInARow(self.slave, inputs, results)
+
+    def _read_results(self) -> list[float]:
+        row = self._row
+        if row is None:
+            self._results.read()
+            row = self._results.values[:]
+        return row
 
     def _read_clearance_m(self) -> float:
-        self._results.read()
-        clearance_m: float = self._results.values[-1]
-        return clearance_m
+        return self._read_results()[-1]
 
     def _has_new_edges(self) -> bool:
         self._counts.read()
@@ -104,8 +123,14 @@ class LocatingProbe(PlantProbe):
 
     def step(self, begin_ns: TimeNs, end_ns: TimeNs) -> int:
         """Follow the axes over one step."""
-        self._trajectory.write_step(begin_ns, end_ns)
-        self.slave.step_to(end_ns)
+        if self._many is None:
+            self._trajectory.write_step(begin_ns, end_ns)
+            self.slave.step_to(end_ns)
+        else:
+            rows = self._many.take([end_ns], self._trajectory.row(begin_ns, end_ns))
+            if not rows:
+                self._many.refuse(end_ns)
+            self._row = rows[0]
         self._counts.read()
         counts: list[int] = self._counts.values[:]
         if counts == self._seen:
@@ -125,8 +150,7 @@ class LocatingProbe(PlantProbe):
                 f"{max(new)} edges of one direction inside one step, only the last is known; choose"
                 " a smaller fine_us in the rig",
             )
-        self._results.read()
-        times_ns = [seconds_to_ns(time_s) for time_s in self._results.values[: len(new)]]
+        times_ns = [seconds_to_ns(time_s) for time_s in self._read_results()[: len(new)]]
         edges = [(times_ns[0], True)] * new[0] + [(times_ns[1], False)] * new[1]
         for time_ns, level in sorted(edges):
             self.signal.add(time_ns, level)
