@@ -9,7 +9,7 @@ from fmpy import read_model_description, simulate_fmu
 from fmpy.cross_check.validate_vendor_repo import validate_test_fmu
 from fmpy.util import read_csv
 
-from axisrig.bench.tools.fmu import library
+from axisrig.bench.tools.fmu import library, release
 from axisrig.fmus import CATALOGUE, MODELS
 from axisrig.kernel.errors import UserError
 
@@ -140,7 +140,7 @@ def test_release_has_what_the_rules_of_the_cross_check_ask_for(tmp_path, axisrig
     for name, digest in found.items():
         content = (tmp_path / "a" / name).read_bytes()
         assert hashlib.sha256(content).hexdigest() == digest
-    again = list(library.release_models(tmp_path / "b", None, ["2.0", "3.0"]))
+    again = list(release.release_models(tmp_path / "b", None, ["2.0", "3.0"]))
     assert len(again) == len(fmus) + 1
     assert sums(tmp_path / "b") == found
 
@@ -148,7 +148,7 @@ def test_release_has_what_the_rules_of_the_cross_check_ask_for(tmp_path, axisrig
 def test_importer_that_reads_the_inputs_of_a_release_gets_its_reference(tmp_path):
     """fmpy as the importer, with the inputs as they change during the run."""
     model = "AxisRig.Sensors.DigitalInput"
-    fmu, _ = library.release_models(tmp_path, model, ["3.0"])
+    fmu, _ = release.release_models(tmp_path, model, ["3.0"])
     reference = read_csv(f"{fmu.with_suffix('')}_ref.csv")
     names = list(reference.dtype.names[1:])
     found = simulate_fmu(

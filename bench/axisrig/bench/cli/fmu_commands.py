@@ -90,7 +90,8 @@ def build(
     ] = None,
 ) -> None:
     """Build FMUs that the cache does not have yet; print their paths."""
-    from axisrig.bench.tools.fmu.library import build_models, release_models
+    from axisrig.bench.tools.fmu.library import build_models
+    from axisrig.bench.tools.fmu.release import release_models
     from axisrig.kernel.errors import UserError
 
     if is_all and model is not None:

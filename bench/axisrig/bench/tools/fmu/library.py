@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from axisrig.bench.campaign.processes import Died, run_apart
-from axisrig.bench.tools.fmu.release import release, write_sums
 from axisrig.fmus import (
     CATALOGUE,
     COMPILERS,
@@ -17,7 +16,6 @@ from axisrig.fmus import (
     ensure_built,
     is_ours,
     place_in_cache,
-    this_platform,
 )
 from axisrig.kernel.errors import UserError, nearest
 
@@ -98,25 +96,6 @@ def _next_of(building: Iterator[Path | Died], name: str) -> Path:
     if isinstance(built, Died):
         raise UserError(f"{name} cannot be built: {built.reason}")
     return built
-
-
-def release_models(
-    folder: Path,
-    model: str | None,
-    fmi: Sequence[str],
-    platforms: Sequence[str] = (),
-    compiler: str | None = None,
-) -> Iterator[Path]:
-    """Build models, put them into a release folder, and yield each path; the checksums come last.
-
-    Arguments and errors as `build_models`.
-    """
-    here = this_platform().name
-    names = chosen_platforms(platforms) or [here]
-    for built in build_models(model, fmi, platforms, compiler):
-        runs_here = here in names
-        yield release(folder, built.model, built.fmi, names, built.path, runs_here=runs_here)
-    yield write_sums(folder)
 
 
 def listing() -> str:

@@ -16,7 +16,8 @@ from typing import NamedTuple
 
 from fmpy.model_description import ModelVariable
 
-from axisrig.fmus import PLATFORMS, ensure_built
+from axisrig.bench.tools.fmu.library import build_models, chosen_platforms
+from axisrig.fmus import PLATFORMS, ensure_built, this_platform
 from axisrig.kernel.cosim.fmi.fmu import Exchange, FmuSlave, load_description, load_fmu
 from axisrig.kernel.time.clock import TimeNs, seconds_to_ns
 
@@ -188,3 +189,22 @@ def _sums(folder: Path) -> Iterator[tuple[str, str]]:
             with path.open("rb") as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
             yield path.relative_to(folder).as_posix(), digest
+
+
+def release_models(
+    folder: Path,
+    model: str | None,
+    fmi: Sequence[str],
+    platforms: Sequence[str] = (),
+    compiler: str | None = None,
+) -> Iterator[Path]:
+    """Build models, put them into a release folder, and yield each path; the checksums come last.
+
+    Arguments and errors as `build_models`.
+    """
+    here = this_platform().name
+    names = chosen_platforms(platforms) or [here]
+    for built in build_models(model, fmi, platforms, compiler):
+        runs_here = here in names
+        yield release(folder, built.model, built.fmi, names, built.path, runs_here=runs_here)
+    yield write_sums(folder)
