@@ -120,7 +120,8 @@ class AxisSettings:
         if slope == SLOPES[0]:
             return self.dynamics[motion]
         if slope not in SLOPES[:3]:
-            raise Alarm(900100, word=f"the acceleration profile {slope}", what="HSC slope")
+            word = f"acceleration profile {slope} of P-CHAN-00071"
+            raise Alarm(900100, word=word, what="0, 1 and 2 act")
         return self.jerk_limited[Shape(slope)][motion]
 
     @property

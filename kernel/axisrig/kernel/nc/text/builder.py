@@ -32,10 +32,10 @@ from axisrig.kernel.nc.text.controls import ControlBuilder
 from axisrig.kernel.nc.text.values import Part
 from axisrig.kernel.nc.text.words import Word, words
 
-# G functions with a value after `=`, and how they are written
+# G functions with a value after `=`: what it is, and how it is written
 VALUED = {
-    "G159": "G159 = 0 .. 96, the group",
-    **{name: f"{name} = 70, a weight in %" for name in ("G131", "G133", "G134")},
+    "G159": ("group", "G159 = 0 .. 96"),
+    **{name: ("weight in %", f"{name} = 70") for name in ("G131", "G133", "G134")},
 }
 NEEDS_AXES = ("G74", "G92", "G100", "G101", "G130", "G132", "G310", "G210")
 # Their jump depends on the signal. Source: FCT-C4 section 3, type 5
@@ -313,7 +313,8 @@ class Builder(ControlBuilder):
         if word is None:
             raise self.unknown(f"{item.address} function", name, item.offset, words(item.address))
         if name in VALUED:
-            raise self.source.error(f"{name} needs a value", item.offset, allowed=VALUED[name])
+            what, written = VALUED[name]
+            raise self.source.error(f"{name} needs a {what}", item.offset, allowed=written)
         if not word.acts:
             self.note(name, word.meaning, item.offset)
         return word
