@@ -20,26 +20,26 @@ TYPES = measuring_types()
 
 @pytest.mark.parametrize("stroke_mm", [0.0, 0.01, 1.0, 5.0, 50.0])
 def test_one_slope_stops_from_the_root_of_two_a_s(stroke_mm: float) -> None:
-    assert FLAT.speed_within(stroke_mm, FLAT) == pytest.approx(sqrt(2 * 1000.0 * stroke_mm))
+    assert FLAT.speed_within(stroke_mm) == pytest.approx(sqrt(2 * 1000.0 * stroke_mm))
 
 
 def test_two_steps_stop_from_a_speed_of_the_upper_one() -> None:
     """To 50 mm/s 500 mm/s2: 2.5 mm. The other 2.5 mm at 2000: v^2 = 2500 + 2 * 2000 * 2.5."""
-    assert Slope(500.0, 2000.0, 50.0).speed_within(5.0, FLAT) == pytest.approx(sqrt(12500.0))
-    assert Slope(500.0, 2000.0, 50.0).speed_within(2.5, FLAT) == pytest.approx(50.0)
+    assert Slope(500.0, 2000.0, 50.0).speed_within(5.0) == pytest.approx(sqrt(12500.0))
+    assert Slope(500.0, 2000.0, 50.0).speed_within(2.5) == pytest.approx(50.0)
 
 
 @pytest.mark.parametrize("stroke_mm", [0.3, 2.5, 4.0, 40.0])
 def test_the_braking_distance_of_that_speed_is_the_stroke(stroke_mm: float) -> None:
     slope = Slope(700.0, 1900.0, 61.0)
-    assert slope.distance_mm(slope.speed_within(stroke_mm, slope)) == pytest.approx(stroke_mm)
+    assert slope.distance_mm(slope.speed_within(stroke_mm)) == pytest.approx(stroke_mm)
 
 
 @pytest.mark.parametrize(("number", "keeps"), [(1, False), (2, True), (3, False), (4, True)])
 def test_types_2_and_4_keep_to_the_smallest_stroke_of_the_path(number: int, keeps: bool) -> None:
     axes = [MeasuringAxis(stroke_mm=5.0), MeasuringAxis(stroke_mm=2.0)]
     expected = sqrt(2 * 1000.0 * 2.0) if keeps else inf
-    assert highest_speed(TYPES[number], axes, FLAT, FLAT) == pytest.approx(expected)
+    assert highest_speed(TYPES[number], axes, FLAT) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize(

@@ -1,6 +1,7 @@
 """Unseen programs with other probes, drives and time bases."""
 
 import math
+from collections.abc import Sequence
 
 import pytest
 from unseen_geometry import A_MM_S2, Run, near, plane, show, starts
@@ -62,13 +63,19 @@ def test_what_is_latched_is_the_encoder_and_not_the_load(
     run_nc: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The shipped axis is rigid; here its encoder reads 5 um more than the slide."""
-    sample = PlantAxis._sample
+    sample, keep = PlantAxis._sample, PlantAxis._keep
 
     def shifted(axis: PlantAxis) -> None:
         sample(axis)
         axis.motion[2] += 5e-6
 
+    def all_shifted(axis: PlantAxis, times_ns: Sequence[int], motions: list[list[float]]) -> None:
+        for motion in motions:
+            motion[2] += 5e-6
+        keep(axis, times_ns, motions)
+
     monkeypatch.setattr(PlantAxis, "_sample", shifted)
+    monkeypatch.setattr(PlantAxis, "_keep", all_shifted)
     out = run_nc(
         "N10 G100 Z100 F1200\n" + show("MESS.Z"),
         plane((0, 0, 1), 119.0),

@@ -108,19 +108,18 @@ def highest_speed(
     kind: MeasuringType,
     moving: Sequence[MeasuringAxis],
     stop_deceleration: AnySlope,
-    run_up: AnySlope,
 ) -> float:
     """Return how fast, mm/s, a run may be so that it stops within the stroke of its probe.
 
     moving: the axes that the path moves; the smallest stroke counts for the whole path.
-    stop_deceleration: the slope of the path that acts at the signal. run_up: the one with which it
-    gets to its speed; a signal may come meanwhile. Neither the time until the stop acts nor the lag
-    of the drives is counted: the manual has the stroke of the list allow for it.
+    stop_deceleration: the slope of the path that acts at the signal. Neither the time until the
+    stop acts nor the lag of the drives is counted: the manual has the stroke of the list allow for
+    it.
     Source: FCT-C4, P-AXIS-00086 with its remark.
     """
     if not kind.keeps_stroke:
         return inf
-    return stop_deceleration.speed_within(min(axis.stroke_mm for axis in moving), run_up)
+    return stop_deceleration.speed_within(min(axis.stroke_mm for axis in moving))
 
 
 def lengthened(

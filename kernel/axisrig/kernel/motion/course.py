@@ -112,11 +112,8 @@ class AnySlope:
         """Return the path between standstill and a speed."""
         raise NotImplementedError
 
-    def speed_within(self, stroke_mm: float, run_up: "AnySlope") -> float:
-        """Return the highest speed, mm/s, of a path that can stop on `stroke_mm` at any time.
-
-        run_up: the slope with which it gets to that speed; this one stops it.
-        """
+    def speed_within(self, stroke_mm: float) -> float:
+        """Return the highest constant speed, mm/s, from which a path can stop on `stroke_mm`."""
         raise NotImplementedError
 
     def plan(self, distance_mm: float, feed_mm_s: float, deceleration: "AnySlope") -> Course:

@@ -12,7 +12,6 @@ from axisrig.kernel.motion.jerk_ramps import (
     downwards,
     halved,
     pulse,
-    run_up_mm,
     way,
     with_jerk,
 )
@@ -80,21 +79,16 @@ class JerkSlope(JerkLimits):
         """
         return way(speed_mm_s, braking(speed_mm_s, 0.0, self), self.shape)[0]
 
-    def speed_within(self, stroke_mm: float, run_up: AnySlope) -> float:
-        """Return the highest speed, mm/s, of a path that can stop on `stroke_mm` at any time.
+    def speed_within(self, stroke_mm: float) -> float:
+        """Return the highest constant speed, mm/s, from which a path can stop on `stroke_mm`.
 
-        At constant speed that is a (-t_r/2 + sqrt(t_r²/4 + 2 H/a)) with equal ramps. In the run-up
-        the path is slower, but its acceleration has to fall first.
+        With equal ramps a (-t_r/2 + sqrt(t_r²/4 + 2 H/a)) for v >= a t_r: the inverse of
+        `distance_mm`.
         """
-        assert isinstance(run_up, JerkSlope)
-
-        def needed_mm(speed_mm_s: float) -> float:
-            return max(self.distance_mm(speed_mm_s), run_up_mm(speed_mm_s, run_up, self))
-
         highest_mm_s = math.sqrt(2.0 * self.a_mm_s2 * stroke_mm)  # without ramps
-        if needed_mm(highest_mm_s) <= stroke_mm:
+        if self.distance_mm(highest_mm_s) <= stroke_mm:
             return highest_mm_s
-        return halved(needed_mm, stroke_mm, 0.0, highest_mm_s)
+        return halved(self.distance_mm, stroke_mm, 0.0, highest_mm_s)
 
     def plan(self, distance_mm: float, feed_mm_s: float, deceleration: AnySlope) -> JerkProfile:
         """Plan a path from standstill to standstill; this slope accelerates.

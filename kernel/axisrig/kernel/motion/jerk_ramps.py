@@ -16,7 +16,6 @@ from axisrig.kernel.motion.course import AnySlope
 Limits = TypeVar("Limits", bound="JerkLimits")
 
 _HALVINGS = 100  # more than the digits of a double
-_POINTS, _THIRDS = 24, 40  # of a ramp; a maximum between them has 1e-7 of it then
 
 
 class Shape(StrEnum):
@@ -168,39 +167,6 @@ def part(shape: Shape, dt: float, duration_s: float, change: float) -> tuple[flo
         return change * risen, change * once, change * twice
     risen = change * share
     return risen, 0.5 * risen * dt, risen * dt * dt / 6.0
-
-
-def run_up_mm(speed_mm_s: float, run_up: JerkLimits, stop: JerkLimits) -> float:
-    """Return the longest way of a stop that begins while a path gets to a speed from standstill.
-
-    Until the acceleration falls it does not, and speed and way of the stop grow: the longest is in
-    the last ramp.
-    """
-    ramps = pulse(speed_mm_s, run_up)
-    if not ramps:
-        return 0.0
-    peak, last, fall_s = ramps[-1]
-    if last > 0.0:  # it falls at once
-        peak, fall_s = last, 0.0
-
-    def stop_mm(share: float) -> float:
-        """Way of a stop with this share of the last ramp to go."""
-        left, once = peak, 0.0
-        if fall_s > 0.0:
-            left, once, _ = part(run_up.shape, share * fall_s, fall_s, peak)
-        reached_mm_s = speed_mm_s - once
-        return way(reached_mm_s, braking(reached_mm_s, left, stop), stop.shape)[0]
-
-    ways = [stop_mm(index / _POINTS) for index in range(_POINTS + 1)]
-    best = ways.index(max(ways))
-    low, high = max(best - 1, 0) / _POINTS, min(best + 1, _POINTS) / _POINTS
-    for _ in range(_THIRDS):
-        third = (high - low) / 3.0
-        if stop_mm(low + third) < stop_mm(high - third):
-            low += third
-        else:
-            high -= third
-    return max(stop_mm(0.5 * (low + high)), ways[best])
 
 
 def halved(function: Callable[[float], float], wanted: float, below: float, above: float) -> float:

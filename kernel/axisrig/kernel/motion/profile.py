@@ -99,11 +99,11 @@ class Slope(AnySlope):
             steps.append((high_bottom, speed_mm_s, self.a_high_mm_s2))
         return steps
 
-    def speed_within(self, stroke_mm: float, run_up: AnySlope) -> float:
+    def speed_within(self, stroke_mm: float) -> float:
         """Return the highest speed, mm/s, from which a path can stop on `stroke_mm`.
 
         The inverse of `distance_mm`: v² = 2 a_low s up to the change-over speed v_s, above it
-        v² = v_s² + 2 a_high (s - v_s² / 2 a_low). A run-up is slower, and adds nothing.
+        v² = v_s² + 2 a_high (s - v_s² / 2 a_low).
         """
         change_mm_s = self.change_over_mm_s
         below_mm = change_mm_s * change_mm_s / (2.0 * self.a_low_mm_s2)

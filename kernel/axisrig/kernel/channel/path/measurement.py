@@ -307,8 +307,7 @@ class Measurement:
         self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
     ) -> float:
         axes = [self._path.settings(name).measuring for name in moving]
-        slopes = dynamics.stop_deceleration, dynamics.acceleration
-        return highest_speed(measuring_types()[measuring_type], axes, *slopes)
+        return highest_speed(measuring_types()[measuring_type], axes, dynamics.stop_deceleration)
 
     def within_stroke(
         self, measuring_type: int, moving: Iterable[str], dynamics: Dynamics
