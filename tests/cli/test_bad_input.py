@@ -43,7 +43,7 @@ def _holds(message: str, *fragments: str) -> None:
 PROGRAMS = [
     ("unknown word", "N10 G1 Z132 Q5 F100\n", ["part.nc:1:13:", "'Q'", "allowed: Z"]),
     ("unknown G", "N10 G90\nN20 G999 Z1 F1\n", ["part.nc:2:5:", "'G999'", "G100", "G102"]),
-    ("G159 alone", "N10 G159\n", ["part.nc:1:5:", "needs a value", "G159 = 0 .. 96"]),
+    ("G159 alone", "N10 G159\n", ["part.nc:1:5:", "needs a group", "G159 = 0 .. 96"]),
     ("two offsets", "N1 G159=7 G54\n", ["part.nc:1:11:", "G159 and G54 exclude each other"]),
     ("unknown command", "N10 #MESS MODE[2]\n", ["part.nc:1:5:", "'#MESS MODE'", "#MEAS MODE"]),
     ("unknown variable", 'N1 #MSG["%f",V.A.MEES.Z]\n', ["part.nc:1:14:", "nearest: V.A.MESS.Z"]),

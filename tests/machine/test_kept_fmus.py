@@ -1,7 +1,7 @@
 """An FMU that is reset in place of being loaded anew leaves nothing of the run before."""
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +18,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.plan import Case, read_plan
 from axisrig.fmus import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError
+from axisrig.kernel.cosim.fmi.steps import StepsInARow
 from axisrig.kernel.nc.text.parser import read_program
 from axisrig.kernel.time.clock import MS
 
@@ -96,18 +97,21 @@ def test_a_run_that_was_broken_off_leaves_nothing(tmp_path: Path) -> None:
 
 def broken(case: Case, monkeypatch: pytest.MonkeyPatch) -> CaseResult:
     """Run a case whose axis refuses a step at 20 ms."""
-    step = FmuSlave.step_towards
+    take = StepsInARow.take
 
-    def refuse(slave: FmuSlave, end_ns: int) -> int:
-        if end_ns > 20 * MS and slave.name == "z":
-            slave.failed("doStep", 3)
-        return step(slave, end_ns)
+    def refuse(
+        steps: StepsInARow, ends_ns: Sequence[int], given: Sequence[float] = ()
+    ) -> list[list[float]]:
+        if ends_ns[-1] > 20 * MS and steps._slave.name == "z":
+            steps._slave.failed("doStep", 3)
+        return take(steps, ends_ns, given)
 
     with monkeypatch.context() as patch:
-        patch.setattr(FmuSlave, "step_towards", refuse)
+        patch.setattr(StepsInARow, "take", refuse)
         return run_case(case, RunFiles())
 
 
+@pytest.mark.interpreted
 def test_an_fmu_that_has_failed_is_loaded_anew(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
