@@ -125,7 +125,7 @@ def test_a_full_disk_ends_with_4_and_names_the_file(
 
     plan = write_plan(place, PASSES, FAILS, PASSES.replace("a,", "c,", 1))
     monkeypatch.setattr(parquet.ParquetWriter, "write_table", full)
-    code, out, err = axisrig("run", plan, "-o", "out")
+    code, out, err = axisrig("run", plan, "-o", "out", "-j", "1")
     assert code == 4
     assert "Traceback" not in out + err
     assert "error: out/traces/plan-b.parquet: No space left on device\n" in err

@@ -64,19 +64,19 @@ def test_a_long_run_has_its_lines_while_it_lasts() -> None:
     assert lines[19].endswith("; running: slow-1 for 9 min 55 s")
 
 
-def test_runs_that_ended_before_their_turn_count_and_the_longest_are_named() -> None:
+def test_those_that_run_longest_are_named() -> None:
     told = Told(9)
     for number in range(6):
         told.progress.began(f"r{number}")
         told.now_s += 10.0
     told.progress.ended("r1")
+    told.show("r1", Verdict.FAIL)
     assert told.progress.state == (
-        "1/9 runs, 1 shown later, in plan order, 0.0167 runs/s, 8 min 00 s left;"
+        "1/9 runs, 1 fail, 0.0167 runs/s, 8 min 00 s left;"
         " running: r0 for 1 min 00 s, r2 for 40 s, r3 for 30 s, 2 more"
     )
     told.progress.ended("r0")
     told.show("r0")
-    told.show("r1", Verdict.FAIL)
     assert told.progress.state.startswith("2/9 runs, 1 pass, 1 fail, 0.0333 runs/s")
 
 

@@ -40,7 +40,6 @@ class CampaignProgress:
         self._began_s = self._said_s = stopwatch()
         self._counts: Counter[Verdict] = Counter()
         self._running: dict[str, float] = {}
-        self._waiting: set[str] = set()
         self._ended: deque[tuple[str, Verdict]] = deque(maxlen=ENDED_MAX)
         self._console = console or Console(stderr=True, highlight=False, markup=False, emoji=False)
         # A thread of rich would print while processes are forked
@@ -71,15 +70,13 @@ class CampaignProgress:
         self._running[run] = self._stopwatch()
 
     def ended(self, run: str) -> None:
-        """Note a run that has ended; it is shown when those before it in the plan are."""
+        """Note a run that has ended."""
         self._running.pop(run, None)
-        self._waiting.add(run)
 
     def show(self, result: CaseResult) -> None:
         """Show a run that has ended."""
         run, verdict = result.case.run, result.verdict
         self._running.pop(run, None)
-        self._waiting.discard(run)
         self._counts[verdict] += 1
         self._ended.append((run, verdict))
         self._console.print(f"{verdict.glyph} {verdict.word:<12} {run}")
@@ -96,11 +93,10 @@ class CampaignProgress:
     @property
     def state(self) -> str:
         """How far it is: runs, verdicts, runs per second, time that is left, what is running."""
-        now_s, waiting = self._stopwatch(), len(self._waiting)
-        done, spent_s = self._counts.total() + waiting, now_s - self._began_s
+        now_s = self._stopwatch()
+        done, spent_s = self._counts.total(), now_s - self._began_s
         words = [f"{done}/{self._count} runs"]
         words += [f"{self._counts[one]} {one.word}" for one in Verdict if self._counts[one]]
-        words += [f"{waiting} shown later, in plan order"] if waiting else []
         if done and spent_s > 0.0:
             rate_hz = done / spent_s
             words += [f"{rate_hz:.3g} runs/s", f"{_duration((self._count - done) / rate_hz)} left"]
@@ -114,7 +110,7 @@ class CampaignProgress:
         counts, now_s = dict(self._counts), self._stopwatch()
         return {
             "count": self._count,
-            "done": sum(counts.values()) + len(self._waiting),
+            "done": sum(counts.values()),
             "spent_s": now_s - self._began_s,
             "state": self.state,
             "verdicts": [_verdict(one) | {"runs": counts[one]} for one in Verdict if one in counts],
