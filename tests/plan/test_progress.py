@@ -11,7 +11,7 @@ from axisrig.bench.campaign.shown import CampaignProgress
 from axisrig.bench.plan.verdict import Verdict
 
 
-class Told:
+class Shown:
     """A progress whose clock the test sets, without a terminal."""
 
     def __init__(self, count: int) -> None:
@@ -37,54 +37,54 @@ class Told:
 
 
 def test_a_line_every_thirty_seconds_says_how_far_it_is() -> None:
-    told = Told(300)  # lines are due at 31 s and 61 s: nothing ticks at 30 s and 60 s
-    with told.progress:
+    shown = Shown(300)  # lines are due at 31 s and 61 s: nothing ticks at 30 s and 60 s
+    with shown.progress:
         for number in range(7):
-            told.wait(9)
-            told.now_s += 1.0
-            told.show(f"r{number}", Verdict.FAIL if number == 2 else Verdict.PASS)
-    assert [line for line in told.lines if "runs/s" in line] == [
+            shown.wait(9)
+            shown.now_s += 1.0
+            shown.show(f"r{number}", Verdict.FAIL if number == 2 else Verdict.PASS)
+    assert [line for line in shown.lines if "runs/s" in line] == [
         "3/300 runs, 2 pass, 1 fail, 0.0968 runs/s, 51 min 09 s left",
         "6/300 runs, 5 pass, 1 fail, 0.0984 runs/s, 49 min 49 s left",
     ]
-    assert sum(line.split()[-1].startswith("r") for line in told.lines) == 7
+    assert sum(line.split()[-1].startswith("r") for line in shown.lines) == 7
 
 
 def test_a_long_run_has_its_lines_while_it_lasts() -> None:
     """600 s of one run: 20 lines, at 30, 60, ... s, that name it with its time."""
-    told = Told(2)
-    with told.progress:
-        told.wait(5)
-        told.show("first")
-        told.progress.began("slow-1")
-        told.wait(600)
-    lines = [line for line in told.lines if "runs/s" in line]
+    shown = Shown(2)
+    with shown.progress:
+        shown.wait(5)
+        shown.show("first")
+        shown.progress.began("slow-1")
+        shown.wait(600)
+    lines = [line for line in shown.lines if "runs/s" in line]
     assert len(lines) == 20
     assert lines[0] == "1/2 runs, 1 pass, 0.0333 runs/s, 30 s left; running: slow-1 for 25 s"
     assert lines[19].endswith("; running: slow-1 for 9 min 55 s")
 
 
 def test_those_that_run_longest_are_named() -> None:
-    told = Told(9)
+    shown = Shown(9)
     for number in range(6):
-        told.progress.began(f"r{number}")
-        told.now_s += 10.0
-    told.progress.ended("r1")
-    told.show("r1", Verdict.FAIL)
-    assert told.progress.state == (
+        shown.progress.began(f"r{number}")
+        shown.now_s += 10.0
+    shown.progress.ended("r1")
+    shown.show("r1", Verdict.FAIL)
+    assert shown.progress.state == (
         "1/9 runs, 1 fail, 0.0167 runs/s, 8 min 00 s left;"
         " running: r0 for 1 min 00 s, r2 for 40 s, r3 for 30 s, 2 more"
     )
-    told.progress.ended("r0")
-    told.show("r0")
-    assert told.progress.state.startswith("2/9 runs, 1 pass, 1 fail, 0.0333 runs/s")
+    shown.progress.ended("r0")
+    shown.show("r0")
+    assert shown.progress.state.startswith("2/9 runs, 1 pass, 1 fail, 0.0333 runs/s")
 
 
 def test_a_page_gets_counts_and_the_runs_that_ended_last() -> None:
-    told = Told(20)
+    shown = Shown(20)
     for number in range(10):
-        told.show(f"r{number}", Verdict.FAIL if number == 9 else Verdict.PASS)
-    data = told.progress.as_data()
+        shown.show(f"r{number}", Verdict.FAIL if number == 9 else Verdict.PASS)
+    data = shown.progress.as_data()
     assert (data["count"], data["done"]) == (20, 10)
     assert [(row["verdict"], row["runs"]) for row in cast(list[Any], data["verdicts"])] == [
         ("pass", 9),

@@ -28,7 +28,7 @@ def export(
 ) -> None:
     """Write the plants of a rig as one package (SSP 1.0) that other co-simulation masters open.
 
-    A sensor and the axes it reads become one FMU. What a rig has that cannot be exported is said.
+    A sensor and the axes it reads become one FMU. What of a rig cannot be exported is reported.
     """
     from axisrig.bench.rig.contents import settings_of
     from axisrig.bench.tools.rig_export.package import SUFFIX, export_rig
