@@ -16,7 +16,7 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import shown_facts
 from axisrig.bench.plan.checks import parse_check, plot_limits
 from axisrig.bench.plan.expectation import NOT_MET
-from axisrig.bench.plan.searching import BAD, GOOD, HEAD
+from axisrig.bench.plan.searching import BAD, GOOD
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
@@ -27,6 +27,7 @@ from axisrig.reports.parts.picture import picture
 from axisrig.reports.parts.realtime import real_time
 from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.signals import chart, with_signals
+from axisrig.reports.sweeps.searches import searched_column
 
 Findings = Callable[[Observed], Mapping[str, Any]]
 """What is shown of a run beside its checks: a block for each topic, marks, log; plain data."""
@@ -152,13 +153,13 @@ def _blocks(
 
 def probe_rows(run: StoredRun, probes: Sequence[StoredRun]) -> list[dict[str, Any]]:
     """The probes of a row that searches, by the value that they try; empty for any other run."""
-    searched = [c.removeprefix(HEAD) for c in run.case if c.startswith(HEAD) and run.case[c]]
-    if not searched or run.is_probe:
+    column = searched_column(run)
+    if not column:
         return []
     rows = [
         {
             "id": probe.run,
-            "value": probe.case.get(searched[0], ""),
+            "value": probe.case.get(column, ""),
             "verdict": verdict_words(probe.verdict),
             "sentence": _sentence(probe, None),
         }

@@ -30,7 +30,6 @@ from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError
 
-ENGINES = ("dask",)
 _TRACE = ".parquet"
 _LOST = ("lost", "cancelled")
 _GO_ON = "`axisrig run --resume` runs the rest"

@@ -48,13 +48,13 @@ class Class:
 
     @property
     def title(self) -> str:
-        """The description behind the name of a class that has a body, without line breaks."""
+        """The description after the name of a class that has a body, without line breaks."""
         found = re.match(rf"{KEYWORD}\s+\w+\s*", self.text)
         title = found and _STRING.match(self.text, found.end())
         return " ".join(_plain(title[1]).split()) if title else ""
 
     def annotation(self, name: str) -> str:
-        """What stands in the parentheses of an annotation such as `experiment(...)`, else ''."""
+        """What is in the parentheses of an annotation such as `experiment(...)`, else ''."""
         for found in re.finditer(rf"\b{name}\s*\(", self.code):
             inside = _inside(self.code, found.end())
             return self.text[found.end() : found.end() + len(inside)]

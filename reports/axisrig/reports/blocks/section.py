@@ -26,7 +26,6 @@ TABLE_MAX, LANE_MAX = 300, 2000
 """So many commands the table of a run has at most; the lane joins short ones above its number."""
 REDUCED_TABLE_MAX, REDUCED_LANE_MAX = 60, 400
 """The same of a run that passed."""
-PLOT = "block"
 _AGAIN_MAX = 20
 _ORDINARY = ("done", "signal", "stop found")
 _BESIDE = "independent"

@@ -24,7 +24,7 @@ _END_S = 1.0
 # Nothing but what the page itself brings, and its events
 _POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline';"
-    " connect-src 'self'; img-src data:"
+    " connect-src 'self'; img-src data:; frame-ancestors 'none'"
 )
 _PACKAGE = "axisrig.bench.cli.beside"
 
@@ -87,7 +87,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
 
     def _send_states(self) -> None:
-        """Send a look with each new state, at least every EVERY_S, until the end."""
+        """Send a look with each new state, at the latest after PAUSES_MAX pauses, until the end."""
         feed = self.server.feed
         self.server.followers.append(current_thread())
         self._begin("text/event-stream")

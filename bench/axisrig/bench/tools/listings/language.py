@@ -175,7 +175,8 @@ def _command(name: str) -> str:
     values = "" if own.kind == "none" else f" Values: {own.kind}, {own.allowed or 'any number'}."
     acts = "" if own.acts else " Does not act."
     text = (
-        f"\n### {_shown(name)}\n\n{own.meaning.capitalize()}.{values}{acts} Source: {own.source}.\n"
+        f"\n### {_shown(name)}\n\n{own.meaning[:1].upper()}{own.meaning[1:]}.{values}{acts}"
+        f" Source: {own.source}.\n"
     )
     keywords = [
         (f"`{_keyword(row)}`", row.meaning, _needed(row), _yes(row.acts and own.acts))
