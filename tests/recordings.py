@@ -65,7 +65,7 @@ class Step:
     feed_mm_min: float = float("nan")
     path_mm: float = float("nan")
     travelled_mm: float = float("nan")
-    file: str = "programs/probe.nc"
+    file: str = "probe.nc"
     line: int = 1
 
 

@@ -5,11 +5,12 @@ positions of the interpolation do is seen by an observer of its own.
 """
 
 from collections.abc import Callable
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from tests.channel.conftest import MS, ChannelBench
 
+from axisrig.bench.machine.recording import block_log
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.record.blocks import STATES, BlockTrace
 from axisrig.kernel.errors import Alarm
@@ -153,6 +154,29 @@ def test_an_axis_beside_the_path_has_its_own_end(channel_bench: Make, words: Any
         [1050 * MS, 510 * MS], abs=MS
     )
     assert rows.path_mm[0] == 50.0
+
+
+def test_a_reset_stops_the_row_of_an_axis_beside_the_path(channel_bench: Make, words: Any) -> None:
+    beside = canon.IndependentMove(canon.Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
+    bench = channel_bench(words.axis("Y"), words.axis("Z"))
+    bench.channel.execution.watch = log = BlockLog(bench.scheduler, bench.channel)
+    bench.prepare([beside, words.move(2, 600.0, Y=5.0), words.end()])
+    begin_ns = _until(bench, lambda: bench.channel.path.is_moving) + 100 * MS
+    bench.scheduler.run_until(begin_ns)
+    bench.channel.plc.wants_reset = True
+    bench.finish()
+    trace = log.trace()
+    assert table(trace) == [(10, "independent move", "reset"), (20, "feed", "reset")]
+    # 50 mm/s down with 1000 mm/s² takes 50 ms
+    ends_ns = trace.rows().end_ns - begin_ns
+    assert ends_ns[0] == pytest.approx(50 * MS, abs=2 * MS)
+
+
+@pytest.mark.parametrize("kind", get_args(canon.Command), ids=lambda kind: kind.__name__)
+def test_every_command_has_a_kind(kind: type) -> None:
+    """Also those that no test above gives to a machine."""
+    of_fields = (canon.LinearMove, canon.MeasuringRun, canon.IndependentMove)
+    assert kind in block_log.KINDS or kind in of_fields
 
 
 def test_nothing_moves_otherwise_because_of_it(channel_bench: Make, words: Any) -> None:

@@ -16,7 +16,8 @@ def printed(root: str) -> list[list[str]]:
 
 def test_the_rooms_are_in_the_order_that_is_enforced() -> None:
     for root in ("kernel", "bench"):
-        other = {"axisrig.reports": "(reports)"} if root == "bench" else {}
+        others = {"axisrig.reports": "(reports)", "axisrig.results": "(results)"}
+        other = others if root == "bench" else {}
         groups = [
             [other.get(name, name.rpartition(".")[2]) for name in names]
             for names in rules.ORDER

@@ -2,7 +2,7 @@
 
 import pytest
 
-from axisrig.bench.oracles.sources.chain import Chain, Grid, believed_ns, spread_ns
+from axisrig.bench.oracles.sources.chain import Chain, Grid, believed_ns
 
 US, MS = 1_000, 1_000_000
 CHAINS = [
@@ -45,9 +45,3 @@ def test_a_stamp_is_believed_where_the_clock_is_known(drift_ppm: float) -> None:
     chain = Chain(Grid(MS), Grid(MS), Grid(MS), filter_ns=3_000)
     stamp = chain.stamped(1_234_567_890, 1, 55, drift_ppm)
     assert believed_ns(stamp, 55, drift_ppm) == pytest.approx(1_234_570_890, abs=1)
-
-
-def test_the_spread_of_even_phases() -> None:
-    """T/sqrt(12) of 1 ms; of two cycles their squares add up."""
-    assert spread_ns(MS) == pytest.approx(288_675.13, abs=0.01)
-    assert spread_ns(1_300_000, MS) == pytest.approx(473_462.0, abs=1.0)

@@ -55,7 +55,7 @@ def test_a_block_leads_to_its_line() -> None:
     view = blocks_view(trace, lambda path: f"../{path}", is_reduced=True)
     assert view is not None
     address = view["rows"][0]["address"]
-    assert address == "../programs/probe.nc#:~:text=N20%20G1%20X%2D1%2C5"
+    assert address == "../probe.nc#:~:text=N20%20G1%20X%2D1%2C5"
 
 
 def test_axes_beside_the_path_have_a_lane_of_their_own() -> None:
@@ -120,14 +120,19 @@ def test_a_kind_of_a_later_version_is_shown_by_its_word() -> None:
     assert (view["rows"][0]["kind"], lane["rows"][0][4]) == ("teleport", "other")
 
 
-def test_the_page_has_table_and_lane(campaign: Path) -> None:
-    run = opened(build_report(campaign))["probing-feed_1_a"]
+def test_the_page_has_table_and_lane(campaign: Path, tmp_path: Path) -> None:
+    part = tmp_path / "part"
+    shutil.copytree(campaign, part)
+    manifest = json.loads((part / "manifest.json").read_text(encoding="utf-8"))
+    manifest["plans"][0]["path"] = "probing.csv"
+    (part / "manifest.json").write_text(json.dumps(manifest), encoding="utf-8")
+    run = opened(build_report(part))["probing-feed_1_a"]
     assert run.html.count('class="pick"') == 4
     assert "4 commands in" in run.html
     assert len(run.chart["blocks"]["rows"]) == 4
     assert run.chart["plots"][0]["plot"] == "block"
-    # The folder of the plan is beside the results, the program below it
-    assert 'href="../../programs/probe.nc#:~:text=N20%20G100%20Z0%20F1000"' in run.html
+    # The files of the blocks are named from the folder of the program that the row names
+    assert 'href="../../probe.nc#:~:text=N20%20G100%20Z0%20F1000"' in run.html
 
 
 def test_a_damaged_block_trace_names_its_run(campaign: Path, tmp_path: Path) -> None:

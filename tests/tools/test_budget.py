@@ -127,6 +127,12 @@ def test_the_table_and_the_page(tmp_path: Path) -> None:
         write_budget(tmp_path / "a.pdf", budget)
 
 
+def test_results_may_come_in_any_order() -> None:
+    """Runs end in another order than they were asked for when several processes run them."""
+    budget = make_budget(probe_row(), None, lambda cases: reversed(list(calculated(cases))))
+    assert budget == make_budget(probe_row(), None, calculated)
+
+
 def test_every_cause_has_a_place_and_says_what_it_is() -> None:
     for cause in causes():
         assert cause.place in ("probe", "axis", "drive", "set")

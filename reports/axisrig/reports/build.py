@@ -79,8 +79,7 @@ def build_report(
     """
     path = results_dir / "report.html"
     results = read_results(results_dir)
-    folder = str(results.manifest.get("output", ""))
-    pages = _Pages(Parts(findings, topics, lambda path: _relative(path, folder)))
+    pages = _Pages(Parts(findings, topics))
     with TemporaryFile("w+", encoding="ascii", newline="") as store:
         made = _made(results, pages, store, is_full=is_full)
         head, tail = pages.page.render(_page(results, made, topics)).split(_STORE)
@@ -243,9 +242,10 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
         ]
         plan = plans.get(run.case["plan"], "").replace("\\", "/")
         program = run.case.get("program", "").replace("\\", "/")
-        row = run.checks[0]["reference"] if run.checks else ""
+        name = posixpath.basename(plan)
+        rows = [row["reference"] for row in run.checks if row["reference"].startswith(f"{name}:")]
         for what, shown, path in (
-            ("plan", row or posixpath.basename(plan), plan),
+            ("plan", next(iter(rows), name), plan),
             ("program", program, posixpath.join(posixpath.dirname(plan), program)),
         ):
             if plan and shown and path:
@@ -257,11 +257,6 @@ def _links(results: StoredResults) -> Callable[[StoredRun], list[tuple[str, str,
 
 def _address(*parts: str) -> str:
     return quote(posixpath.join(*parts))
-
-
-def _relative(path: str, output: str) -> str:
-    """Return the address of a program as a recording names it, empty where it has none."""
-    return relative_address(path.replace("\\", "/"), output) if output else ""
 
 
 def relative_address(path: str, output: str) -> str:

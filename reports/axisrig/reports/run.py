@@ -1,11 +1,14 @@
 """One run of a results folder as the page shows it: its row, its failure, and what it opens."""
 
 import math
+import posixpath
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
+from urllib.parse import quote
 
 import pyarrow as pa
 from markupsafe import Markup
@@ -43,11 +46,10 @@ _GOOD = (Verdict.PASS, Verdict.MARGINAL)
 
 @dataclass(frozen=True)
 class Parts:
-    """Who says what is shown of a run, the topics that show it, and where programs are."""
+    """Who says what is shown of a run, and the topics that show it."""
 
     findings: Findings
     topics: Sequence[ReportTopic]
-    address: Address
 
 
 def run_view(
@@ -82,7 +84,7 @@ def _view(
     trace = None if series is None else series.whole
     case, info = run.case, _info(run, series, parts.findings)
     _check_numbers(trace, run)
-    blocks, lane = _blocks(run, parts.address, is_reduced=is_reduced)
+    blocks, lane = _blocks(run, partial(_program_address, links), is_reduced=is_reduced)
     alarms = [alarm_words(alarm) for alarm in info["alarms"]]
     told = {f"ID {alarm['id']}": alarm["short"] for alarm in alarms}
     sections = []
@@ -135,6 +137,12 @@ def _view(
         "links": links,
         "find": _find_text(run, alarms, inputs),
     }
+
+
+def _program_address(links: Sequence[tuple[str, str, str]], path: str) -> str:
+    """Return the address of a file beside the program of a run, empty where that has none."""
+    program = next((address for what, _, address in links if what == "program"), "")
+    return posixpath.normpath(posixpath.join(program, "..", quote(path))) if program else ""
 
 
 def _blocks(

@@ -104,13 +104,13 @@ class Machine:
         self.outside, self.is_stopped = outside_axes(settings), False
         self._lost: set[str] = set()
         self._hardware = hardware if is_paced(settings) else None
-        self.settings, self._onlooker = settings, onlooker
+        self.settings, self._onlooker, self._put_out = settings, onlooker, put_out
         self._programs = programs_of(settings, program)
+        self._folder = None if program.file is None else str(Path(program.file).parent)
         self.messages: list[Message] = []
         self.measuring_targets: dict[str, Mapping[str, float]] = {}
         self.referenced: set[str] = set()
         self.drive_states: list[tuple[TimeNs, str, State]] = []
-        self._put_out = put_out
         self._limit_ns = limit_ns or settings.operator.limit_ns
         self.timing = CycleTiming(
             period_ns=settings.rig.cycle.period_us * US,
@@ -276,7 +276,9 @@ class Machine:
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
         self.distance_log = DistanceLog()
-        self.blocks = self.channel.execution.watch = BlockLog(self.scheduler, self.channel)
+        self.blocks = self.channel.execution.watch = BlockLog(
+            self.scheduler, self.channel, self._folder
+        )
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]
         self.channel.observers += [self.distance_log, self.deflections]

@@ -43,7 +43,9 @@ still waiting. under way: the recording ended before."""
 
 @dataclass(frozen=True)
 class ProgramLine(Frozen):
-    """A block as the program has it. number: after N, None without one. file: empty: unknown."""
+    """A block as the program has it. number: after N, None without one. file: from the folder of
+    the program, empty: unknown.
+    """
 
     file: str
     line: int

@@ -34,11 +34,6 @@ class PositionHistory:
         """The first instant that is known, None without one."""
         return self._times_ns[0] if self._times_ns else None
 
-    @property
-    def newest_ns(self) -> TimeNs | None:
-        """The last instant that is known, None without one."""
-        return self._times_ns[-1] if self._times_ns else None
-
     def reaches(self, time_ns: TimeNs) -> bool:
         """Whether enough samples after an instant are there for its cubic."""
         count = len(self._times_ns)

@@ -110,15 +110,14 @@ class StampRelation:
 class PlcTask:
     """The PLC task of a rig as the CNC knows it.
 
-    cycle_ns: of the NC. number: handed over with every order. watchdog_ns: how old its last cycle
-    may be. acknowledge_ns: how long it may take to acknowledge an order. late_cycles: NC cycles by
-    which an edge may arrive late, from the probe to the CNC. stamps: of its time stamps.
+    cycle_ns: of the NC. watchdog_ns: how old its last cycle may be. acknowledge_ns: how long it
+    may take to acknowledge an order. late_cycles: NC cycles by which an edge may arrive late, from
+    the probe to the CNC. stamps: of its time stamps.
     written_ns: the cycle of the PLC whose outputs the CNC has; None before the first.
     sync_ns: by axis the bus time of the last SYNC, at which its actual position was sampled.
     """
 
     cycle_ns: TimeNs = 0
-    number: int = 1
     watchdog_ns: TimeNs = 0
     acknowledge_ns: TimeNs = 0
     late_cycles: int = 0

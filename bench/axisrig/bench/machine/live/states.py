@@ -161,6 +161,7 @@ def _distance(axis: AxisDistance) -> State:
         "distance_mm": control.distance_mm if is_known else None,
         "set_name": "SET_DIST" if is_constant else "SET_POS",
         "set_mm": control.set_dist_mm if is_constant else control.set_pos_mm,
+        "filtered_mm": control.filtered_mm,
         "error_mm": control.error_mm,
         "offset_mm": control.offset_mm,
     }
@@ -172,6 +173,7 @@ def _segment(machine: Machine, name: str) -> State:
     is_outside = isinstance(segment, OutsideSegment)
     return {
         "segment": name,
+        "bitrate": segment.bitrate,
         "is_outside": is_outside,
         "lost": segment.lost if isinstance(segment, OutsideSegment) else None,
         "frames": load.frames,
@@ -198,6 +200,7 @@ def _real_time(machine: Machine) -> State | None:
     kept = scheduler.deadlines
     latest_ns = kept.latest_ns(SYNCS_LOOKED_AT)
     return {
+        "syncs": kept.cycles,
         "looked_at": len(latest_ns),
         "late": sum(late_ns > kept.late_ns for late_ns in latest_ns),
         "late_us": kept.late_ns / US,

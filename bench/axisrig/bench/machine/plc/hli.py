@@ -46,7 +46,7 @@ class Inputs:
     wc_state: int = 0
 
 
-@dataclass
+@dataclass(slots=True)
 class BoolUnit:
     """MC_CONTROL_BOOL_UNIT: enable_w makes command_w count; request_r: the wish of the CNC itself.
 
@@ -59,7 +59,7 @@ class BoolUnit:
     state_r: bool = False
 
 
-@dataclass
+@dataclass(slots=True)
 class Sgn64Unit:
     """MC_CONTROL_SGN64_UNIT, as `BoolUnit` with 64-bit integers."""
 
@@ -69,7 +69,7 @@ class Sgn64Unit:
     state_r: int = 0
 
 
-@dataclass
+@dataclass(slots=True)
 class ExtLatchUnit:
     """The interface to external measuring hardware.
 
@@ -86,7 +86,7 @@ class ExtLatchUnit:
     task_number_r: int = 1
 
 
-@dataclass
+@dataclass(slots=True)
 class McControl:
     """lr_mc_control of an axis; probing_position in 0.1 um or 0.0001 deg, override in 0.1 %."""
 
@@ -98,7 +98,7 @@ class McControl:
     override: Sgn64Unit = field(default_factory=lambda: Sgn64Unit(command_w=1000))
 
 
-@dataclass
+@dataclass(slots=True)
 class LrState:
     """lr_state of an axis: probe actuated, measurement run under way, its last value is valid.
 
@@ -113,7 +113,7 @@ class LrState:
     digital_inputs_r: int = 0
 
 
-@dataclass
+@dataclass(slots=True)
 class AxisHli:
     """One axis."""
 
@@ -121,7 +121,7 @@ class AxisHli:
     lr_state: LrState = field(default_factory=LrState)
 
 
-@dataclass
+@dataclass(slots=True)
 class ChannelHli:
     """The channel; state_r: its state in words (RUNNING, READY ..).
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs
+from axisrig.bench.machine.plc.probing_columns import UNITS_PER_MM
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
@@ -18,8 +19,6 @@ from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.nc.canon import Command
 from axisrig.kernel.plc.probing import AxisWrites, LatchOrder, PlcTask, StampRelation
 from axisrig.kernel.time.clock import MS, US, Clock, Phase, TimeNs
-
-UNITS_PER_MM = 10_000
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,6 @@ class PlcTaskRunner:
         late_ns = table.late_ns() + timing.period_ns
         plc.task = self._task = PlcTask(
             cycle_ns=timing.period_ns,
-            number=table.task,
             watchdog_ns=table.watchdog_cycles * table.period_ns + timing.period_ns,
             acknowledge_ns=round(table.acknowledge_ms * MS),
             late_cycles=-(-late_ns // timing.period_ns),

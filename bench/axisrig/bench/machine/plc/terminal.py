@@ -93,7 +93,6 @@ class Terminal:
         self.image = {number: ChannelInput() for number in self._channels}
         self.wc_state = 0
         self._next_ns = self._offset_ns
-        self.exchanged_ns: TimeNs = 0
 
     def exchange_until(self, now_ns: TimeNs) -> None:
         """Do every exchange up to now, the present instant included."""
@@ -108,7 +107,6 @@ class Terminal:
                 number: channel.exchange(at_ns, self.stamp, self.image[number])
                 for number, channel in self._channels.items()
             }
-            self.exchanged_ns = at_ns
 
     def stamp(self, bus_ns: TimeNs) -> int:
         """Return what the clock of the terminal stamps at a bus time."""

@@ -1,6 +1,7 @@
 """Notes which block was carried out when, at its begin and its end only."""
 
 import math
+import os
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -24,7 +25,7 @@ _BEGIN, _END, _STATE_OF_ROW, _PATH = (
 _ENDS: Mapping[BlockEnd, int] = {end: _STATE[end.value] for end in BlockEnd}
 _NOTHING = math.nan
 # What a command is by itself; those of motion and measuring follow from what they hold
-_KINDS: Mapping[type, str] = {
+KINDS: Mapping[type, str] = {
     canon.ArcMove: "arc",
     canon.Homing: "homing",
     canon.DistanceCommand: "distance control",
@@ -41,6 +42,8 @@ _KINDS: Mapping[type, str] = {
     canon.AxisLinkOff: "axes of the channel",
     canon.AxisExchange: "axes of the channel",
     canon.AdoptActual: "axes of the channel",
+    canon.SlopeChoice: "dynamics",
+    canon.DynamicWeights: "dynamics",
     canon.ProbeSettings: "probe settings",
     canon.DefaultProbes: "probe settings",
     canon.PrepareProbe: "probe settings",
@@ -59,7 +62,7 @@ def _kind(command: canon.Command) -> str:
         return "fixed stop" if runs_to_stop else "measurement run"
     if isinstance(command, canon.IndependentMove):
         return "independent move" if command.measuring_type is None else "independent run"
-    return _KINDS[type(command)]
+    return KINDS[type(command)]
 
 
 class _Row:
@@ -76,10 +79,12 @@ class _Row:
 class BlockLog(BlockWatch):
     """Notes the commands of a channel. A wait of the decoder that takes no time is left out, and
     one that comes again cycle by cycle is one row.
+
+    folder: of the program; the files of its blocks are named from there, None as they are named.
     """
 
-    def __init__(self, clock: Clock, channel: Channel) -> None:
-        self._clock, self._channel = clock, channel
+    def __init__(self, clock: Clock, channel: Channel, folder: str | None = None) -> None:
+        self._clock, self._channel, self._folder = clock, channel, folder
         self._rows = Rows(len(WHOLE) + len(REAL))
         self._count = 0
         self._lines: dict[canon.Block, int] = {}
@@ -115,6 +120,11 @@ class BlockLog(BlockWatch):
         self._row = None
         state = _ENDS[how] if row.begin_ns is not None else _NOT_BEGUN
         self._add(row, state)
+
+    def _file(self, block: canon.Block) -> str:
+        if block.file is None or self._folder is None:
+            return block.file or ""
+        return os.path.relpath(block.file, self._folder).replace(os.sep, "/")
 
     def _new(self, command: canon.Command) -> _Row:
         line = self._lines.setdefault(command.block, len(self._lines))
@@ -173,21 +183,21 @@ class BlockLog(BlockWatch):
             row.path_mm = path.interpolator.path.length_mm
         travelled_mm = path.travelled_mm if has_moved else 0.0
         if isinstance(command, canon.MeasuringRun):
-            record = self._record(command, begin_ns)
+            record = self._record(command, begin_ns, begin_ns)
             if record is None or record.start_ns is None:
                 return 0.0, state
-            stop = record.fixed_stop
-            if stop is not None and stop.relax_begin_ns is not None:
+            if record.fixed_stop is not None and record.fixed_stop.relax_begin_ns is not None:
                 travelled_mm = _NOTHING  # a path of its own took the lag away
             if state == _DONE:
-                word = "signal" if stop is None else "stop found"
-                missing = "no signal" if stop is None else "no stop"
-                state = _STATE[missing if record.signal_ns is None else word]
+                state = _state_of(record)
         return travelled_mm, state
 
-    def _record(self, command: canon.MeasuringRun, begin_ns: TimeNs) -> RunRecord | None:
+    def _record(
+        self, command: canon.Command, first_ns: TimeNs, last_ns: TimeNs
+    ) -> RunRecord | None:
+        """Return the run of a block that began between two instants."""
         for record in reversed(self._channel.records):
-            if record.begin_ns == begin_ns and record.block == str(command.block):
+            if first_ns <= record.begin_ns <= last_ns and record.block == str(command.block):
                 return record
         return None
 
@@ -202,7 +212,7 @@ class BlockLog(BlockWatch):
             columns = self._rows.take_columns()
             self._end_beside(columns)
             lines = [
-                ProgramLine(block.file or "", block.line, block.number, block.text)
+                ProgramLine(self._file(block), block.line, block.number, block.text)
                 for block in self._lines
             ]
             packed = pack_rows(columns) if self._count else ""
@@ -212,20 +222,36 @@ class BlockLog(BlockWatch):
         return self._trace
 
     def _end_beside(self, columns: npt.NDArray[np.float64]) -> None:
-        """Give motions beside the path their own ends."""
-        ended = {id(command): at for at, command in self._channel.single.independent.ended}
+        """Give motions beside the path their own ends, and runs their states."""
         channel = self._channel
+        ended = {
+            id(command): (at, stops) for at, command, stops in channel.single.independent.ended
+        }
         stops = zip(channel.alarm_ns, channel.alarms, strict=True)
-        stops_ns = [at for at, alarm in stops if alarm.ends_program] + channel.resets_ns
+        alarms_ns = [at for at, alarm in stops if alarm.ends_program]
         for place, command in self._beside:
-            end_ns = ended.get(id(command))
+            end_ns, is_stopped = ended.get(id(command), (None, False))
+            begin_ns = int(columns[_BEGIN, place])
             if end_ns is not None:
                 columns[_END, place] = end_ns
-                if any(columns[_BEGIN, place] <= at <= end_ns for at in stops_ns):
-                    columns[_STATE_OF_ROW, place] = _STOPPED
+                if is_stopped:
+                    by_alarm = any(begin_ns <= at <= end_ns for at in alarms_ns)
+                    columns[_STATE_OF_ROW, place] = _STOPPED if by_alarm else _STATE["reset"]
+                elif command.measuring_type is not None:
+                    record = self._record(command, begin_ns, end_ns)
+                    if record is not None:
+                        columns[_STATE_OF_ROW, place] = _state_of(record)
             elif columns[_PATH, place]:
                 columns[_END, place] = self._clock.now_ns
                 columns[_STATE_OF_ROW, place] = _UNDER_WAY
+
+
+def _state_of(record: RunRecord) -> int:
+    """Return the state of a measurement run that has ended by itself."""
+    stop = record.fixed_stop
+    word = "signal" if stop is None else "stop found"
+    missing = "no signal" if stop is None else "no stop"
+    return _STATE[missing if record.signal_ns is None else word]
 
 
 def _is_poll(command: canon.Command) -> bool:

@@ -9,7 +9,6 @@ standard deviation T/sqrt(12) (physics of a sample-and-hold chain).
 """
 
 from dataclasses import dataclass
-from math import sqrt
 from typing import NamedTuple
 
 from axisrig.kernel.time.clock import TimeNs
@@ -75,8 +74,3 @@ class Chain:
 def believed_ns(stamp_ns: int, offset_ns: int, drift_ppm: float) -> TimeNs:
     """Return the bus time that a CNC takes a stamp for: t + offset + drift t = stamp, solved."""
     return round((stamp_ns - offset_ns) * 1e6 / (1e6 + drift_ppm))
-
-
-def spread_ns(*periods_ns: TimeNs) -> float:
-    """Return the standard deviation of a delay that is even over each of these cycles."""
-    return sqrt(sum(period_ns**2 for period_ns in periods_ns) / 12.0)

@@ -83,7 +83,8 @@ class PlcTaskTable(Table):
 
     def late_ns(self) -> TimeNs:
         """Return how long an edge may take from a probe to the outputs of the task."""
-        found = self.period_ns + self.busy_us * US
+        periods = max(1, -(-self.busy_us // self.period_us))  # from a cycle to the next that runs
+        found = periods * self.period_ns + self.busy_us * US
         if self.terminal is not None:
             found += self.terminal.cycle_ns(self) + round(self.terminal.filter_us * US)
         return found

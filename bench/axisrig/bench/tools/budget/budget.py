@@ -140,7 +140,8 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases) -> Budget:
         _without(case, axis, number, {active[place][1]: active[place][0].off for place in off})
         for number, off in enumerate(wanted)
     ]
-    seen = {off: _seen(result) for off, result in zip(wanted, run_cases(cases), strict=True)}
+    results = {result.case.run: _seen(result) for result in run_cases(cases)}  # in any order
+    seen = {off: results[case.run] for off, case in zip(wanted, cases, strict=True)}
     whole = seen[frozenset()]
     table = settings.rig.drive[settings.rig.axis[axis].drive]
     increment_um = table.lead_mm / table.encoder_increments * _UM_PER_MM
@@ -177,7 +178,9 @@ def _axis(settings: Settings, axis: str | None) -> str:
         return measuring[0]
     if axis not in measuring:
         raise UserError(
-            "which axis has the measured value?" if measuring else "no axis of the rig has a probe",
+            "which axis has the measured value?"
+            if measuring
+            else "no axis of the rig has a probe at input 1 of its drive",
             file=settings.files[0],
             value=axis,
             allowed=measuring or "probe_1 of an [axis]",

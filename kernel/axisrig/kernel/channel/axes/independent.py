@@ -34,7 +34,8 @@ class Mover:
     standstill: when it comes to rest in its run.
 
     speed_mm_s: of its motion, and of the one that takes the lag away after a fixed stop, without
-    an override. feed: of the present one. override_permille: 0 holds it.
+    an override. feed: of the present one. override_permille: 0 holds it. is_stopped: by an alarm or
+    a reset, before its target.
     """
 
     command: canon.IndependentMove
@@ -49,6 +50,7 @@ class Mover:
     speed_mm_s: float = 0.0
     feed: Feed | None = None
     override_permille: int = FULL
+    is_stopped: bool = False
 
     @property
     def position_mm(self) -> float:
@@ -79,7 +81,7 @@ class IndependentAxes:
     """Begins, leads and ends the independent motions of a channel; links: by axis.
 
     override_permille: gives what the PLC side makes of the feed of an axis, in 0.1 %; 0 holds it.
-    ended: every motion that has come to its end, with its cycle.
+    ended: every motion that has come to its end: its cycle, and whether it was stopped.
     """
 
     def __init__(
@@ -95,7 +97,7 @@ class IndependentAxes:
         self._measurement, self._links = measurement, links
         self._override_permille = override_permille
         self._movers: dict[str, Mover] = {}
-        self.ended: list[tuple[TimeNs, canon.IndependentMove]] = []
+        self.ended: list[tuple[TimeNs, canon.IndependentMove, bool]] = []
 
     @property
     def is_moving(self) -> bool:
@@ -241,11 +243,12 @@ class IndependentAxes:
             if mover.interpolator.is_standing:
                 self._end(axis)
             else:
+                mover.is_stopped = True
                 mover.interpolator.brake(mover.dynamics.stop_deceleration)
 
     def _end(self, axis: str) -> None:
         mover = self._movers.pop(axis)
-        self.ended.append((self._clock.now_ns, mover.command))
+        self.ended.append((self._clock.now_ns, mover.command, mover.is_stopped))
         self._path.release(axis)
 
     def has_stopped(self, mover: Mover) -> bool:

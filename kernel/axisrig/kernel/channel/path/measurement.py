@@ -92,8 +92,12 @@ class Measurement:
         return self._measured.get(axis)
 
     def is_actuated(self, axis: str) -> bool | None:
-        """Return whether the probe of an axis has the level of its edge; None: not known."""
+        """Return whether the probe of an axis has the level of its edge; None: not known, as where
+        the PLC measures and does not run.
+        """
         port = self._at_plc.find(axis, self._choice.source(axis))
+        if port is None and self._choice.needs_plc(axis):
+            return None
         return self._links[axis].is_actuated if port is None else port.is_actuated
 
     # Settings (#MEAS)

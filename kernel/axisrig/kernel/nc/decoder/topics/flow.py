@@ -196,7 +196,7 @@ def _parameters(context: Context, block: Block, call: SubprogramCall) -> Store:
     store: Store = {}
     for keyword, option in call.parameters:
         if not isinstance(option, Expression):
-            raise context.not_acting(block, f"L CYCLE [{keyword}", "modal call of a cycle")
+            raise context.not_acting(block, f"L CYCLE [{keyword}]", "modal call of a cycle")
         sign, number = keyword[:2], int(keyword[2:])
         values = store.setdefault(f"{sign}[]", Cell()).values
         values[number,] = context.any_value(block, option)
