@@ -31,7 +31,7 @@ from axisrig.kernel.time.clock import MS
 
 TRAPEZ, SIN2 = Shape.TRAPEZ, Shape.SIN2
 BLOCK = Block(1, 10, "N10")
-# Every parameter another value, so that the values tell which parameters act; ms in the names
+# Every parameter another value, so that the values show which parameters act; ms in the names
 VALUES = {
     "slope_profil.a_beschl": 101, "slope_profil.a_brems": 102, "slope_profil.a_grenz": 104,
     "slope_profil.a_feedh": 153, "slope_profil.tr_beschl_zu": 196_000,

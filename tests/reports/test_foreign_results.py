@@ -42,6 +42,12 @@ def test_the_fewest_columns_are_enough(tmp_path: Path) -> None:
     assert "x has no value" in page
 
 
+def test_a_check_that_failed_as_expected_does_not_count_as_passed(tmp_path: Path) -> None:
+    rows = "run,metric,verdict,note\na,x,pass,\na,y,fail,was expected to fail\n"
+    page = whole(build_report(written(tmp_path, "run,verdict\na,pass\n", rows)))
+    assert "1 check passed, 1 failed as expected" in page
+
+
 def test_runs_without_any_check_are_shown(tmp_path: Path) -> None:
     page = whole(build_report(written(tmp_path, "run,verdict\na,pass\n", "run,metric,verdict\n")))
     assert "0 checks passed" in page

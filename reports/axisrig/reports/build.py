@@ -152,8 +152,8 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         if run.is_in_plan and not run.is_probe and not view["is_good"]:
             card = Markup(pages.card.render(run=view)) if len(made.cards) < CARDS else Markup("")
             made.cards.append((run.verdict, card))
-        made.campaign.add(run)
-        if not run.is_probe:  # its row has the time of its probes
+        if not run.is_probe:  # its row has verdict and time of its probes
+            made.campaign.add(run)
             clock = "real" if view["clock"] == "ran" else "sim"
             made.seconds[clock].append(float(run.case["sim_s"]))
         store.write(_packed(view, pages.run.render(run=view)))

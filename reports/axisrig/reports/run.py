@@ -18,7 +18,7 @@ from axisrig.bench.judge.observed.event import BESIDES
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import shown_facts
 from axisrig.bench.plan.checks import parse_check, plot_limits
-from axisrig.bench.plan.expectation import NOT_MET
+from axisrig.bench.plan.expectation import EXPECTED, NOT_MET
 from axisrig.bench.plan.searching import BAD, GOOD
 from axisrig.bench.plan.sentences import check_sentence, run_sentence, short_number
 from axisrig.bench.plan.verdict import Verdict
@@ -195,8 +195,10 @@ def _sentence(run: StoredRun, error: str | None) -> str:
     found = {row["metric"]: f"{row['value']} {_unit(row['unit'])}".rstrip() for row in run.checks}
     if {GOOD, BAD} <= found.keys():
         return f"holds at {found[GOOD]}, not at {found[BAD]}"
-    count = len(run.checks)
-    return f"{count} check{'s' if count != 1 else ''} passed"
+    failed = sum(row.get(NOTE, "").startswith(EXPECTED) for row in run.checks)
+    count = len(run.checks) - failed
+    passed = f"{count} check{'s' if count != 1 else ''} passed"
+    return f"{passed}, {failed} failed as expected" if failed else passed
 
 
 def _with_units(rows: Sequence[Mapping[str, str]]) -> list[dict[str, str]]:
