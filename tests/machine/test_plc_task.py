@@ -85,6 +85,10 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
             "ch.override.command_w is out of its range; found 2001; allowed: 0 .. 2000",
         ),
         (
+            "    def cycle(self, inputs, hli):\n        hli.ch.feedhold.comand_w = True\n",
+            "has no attribute 'comand_w'",
+        ),
+        (
             "    def cycle(self, inputs, hli):\n        hli.ve['A'] = 'x'\n",
             "V.E.A has a wrong type",
         ),

@@ -142,6 +142,8 @@ class Hli:
     ve: V.E. variables by the name after `V.E.`, read and written.
     """
 
+    __slots__ = ("ax", "ch", "ve")
+
     def __init__(self, axes: Iterable[str]) -> None:
         self.ax = {name: AxisHli() for name in axes}
         self.ch = ChannelHli()
