@@ -173,6 +173,23 @@ def test_what_a_stamp_is_off_by() -> None:
         assert high == pytest.approx(low_um + band_um + INCREMENT_UM, abs=2e-4), name
 
 
+def test_a_drift_counts_from_the_start() -> None:
+    """v times 100 ppm of the instant of the edge, which follows from the program.
+
+    N10 is 19.626 mm at 50 mm/s; its lag of a/kv² (1 - exp(-kv v/a)) decays into the window of
+    0.1 um. N20 is 10.374 mm at 10 mm/s, with half a ramp and the lag of the loop. The start of the
+    drives and the cycles between the blocks take 0 to 50 ms more.
+    """
+    a, kv, window_mm = 800.0, 40.0, 1e-4
+    lag_mm = a / kv**2 * (1 - math.exp(-kv * 50.0 / a))
+    n10_s = 19.626 / 50.0 + 50.0 / a + math.log(lag_mm / window_mm) / kv
+    edge_s = n10_s + 10.374 / 10.0 + 10.0 / (2 * a) + 1 / kv
+    um_per_s = 10.0 * 1000 * 100e-6
+    low, high = (float(t) for t in ROWS["stamp-drift"]["check:latch_error_um"].split(" .. "))
+    assert low == pytest.approx(um_per_s * edge_s - INCREMENT_UM, abs=2e-4)
+    assert high == pytest.approx(um_per_s * (edge_s + 0.05) + INCREMENT_UM, abs=2e-4)
+
+
 def test_radio_probes_have_the_delay_of_the_drive_and_of_the_radio() -> None:
     assert ROWS["radio-f600"]["check:latch_error_um"] == "-0.0400 +- 0.0095"  # 4 us at 10 mm/s
     assert ROWS["radio-delay"]["check:latch_error_um"] == "-100.0400 +- 0.0095"  # and 10 ms

@@ -116,7 +116,17 @@ def test_stop_and_overtravel_at_constant_speed(case: str) -> None:
     assert row["check:alarms"] == "none"
 
 
-@pytest.mark.parametrize("case", [n for n in TAGGED["table"] if n not in TAGGED["ramp-time"]])
+OF_TABLE = [n for n in (*TAGGED["table"], *TAGGED["stop"]) if n not in TAGGED["ramp-time"]]
+
+
+@pytest.mark.parametrize("case", TAGGED["in-ramp"])
+def test_what_comes_in_a_ramp_changes_neither_its_acceleration_nor_the_stop(case: str) -> None:
+    row = ROWS[case]
+    assert _exact(row["check:set_acceleration_mm_s2_max"], _run_up(row)[0], 0.001)
+    assert _exact(row["check:stop_way_mm"], way(60.0, *_stop(row)), 0.00001)
+
+
+@pytest.mark.parametrize("case", OF_TABLE)
 def test_accelerations_and_jerk_are_those_of_the_table(case: str) -> None:
     """Both have parts of more than three cycles at 60 mm/s: differences read them exactly."""
     row = ROWS[case]

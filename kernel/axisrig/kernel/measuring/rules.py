@@ -20,7 +20,9 @@ SPHERE = 6  # mode of P-AXIS-00112
 FIXED_STOP = "FIXED_STOP"
 PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP = "PLC", "PLC_FIRST_EVENT", "PLC_TIMESTAMP"
 EXTERNAL, EXTERNAL_WITH_DRIVE = "PLC_EXT_LATCH_CONTROL", "EXT_PROBE_WITH_DRIVE"
-OF_PLC = (PLC, PLC_FIRST_EVENT, PLC_TIMESTAMP, EXTERNAL, EXTERNAL_WITH_DRIVE)
+AT_SIGNAL = (PLC, PLC_FIRST_EVENT, EXTERNAL)
+"""Sources whose position is that of the cycle which sees the signal at the PLC."""
+OF_PLC = (*AT_SIGNAL, PLC_TIMESTAMP, EXTERNAL_WITH_DRIVE)
 """Sources that need a task of the PLC."""
 
 
@@ -31,8 +33,8 @@ class MeasuringAxis:
     speed_mm_s: P-AXIS-00215. stroke_mm: P-AXIS-00086. offset_mm, old_offset_mm: allowed way past
     the target, P-AXIS-00467 and P-AXIS-00114. delay_ns: how late its probe signals, P-AXIS-00487.
     probe_inputs: what INPUT=PROBE0 and PROBE1 of #MEAS mean, P-AXIS-00583. source: where the signal
-    comes from, P-AXIS-00516 or the older switches. probe_input, edge: P-AXIS-00517 and 00518 or
-    the older ones. simulated: mode and parameter of a probe that the CNC simulates, P-AXIS-00112
+    comes from, P-AXIS-00516 or the older switches. probe_input: P-AXIS-00517 or the older
+    one. simulated: mode and parameter of a probe that the CNC simulates, P-AXIS-00112
     and 00145; mode 0: a real one. fixed_stop: of runs to one.
     """
 
@@ -44,7 +46,6 @@ class MeasuringAxis:
     probe_inputs: tuple[int, int] = (1, 1)
     source: str = "DRIVE"
     probe_input: int = 1
-    edge: str = "POS"
     simulated: tuple[int, int] = (0, 0)
     fixed_stop: FixedStopSettings = field(default_factory=FixedStopSettings)
 
@@ -63,7 +64,6 @@ class MeasuringAxis:
             ),
             source=axis.word(SIGNAL),
             probe_input=axis.integer("kenngr.measure.input"),
-            edge=axis.word("kenngr.measure.edge"),
             simulated=(
                 axis.integer("meas_simu.meas_simu_mode"),
                 axis.integer("meas_simu.parameter1"),

@@ -188,7 +188,7 @@ def _write(target: Path, files: Mapping[str, bytes]) -> None:
 
 
 def _in_words(settings: Settings, parts: Sequence[Part], target: Path) -> list[str]:
-    """What the package holds, and what of the rig stays with the bench."""
+    """Say what the package holds, and which settings of the rig it does not hold."""
     lines = [f"{target}: {len(parts)} FMUs"]
     for part in parts:
         what = part.model or f"joined from {', '.join(part.plants)}"
@@ -196,10 +196,10 @@ def _in_words(settings: Settings, parts: Sequence[Part], target: Path) -> list[s
     for name, table in simulated_plants(settings).items():
         if table.map:
             lines.append(
-                f"plant {name}: its map is the bench's; here its variables are as they are"
+                f"plant {name}: its map is not in the package; its variables keep their names"
             )
         if table.stroke_mm is not None or table.breaks:
-            lines.append(f"plant {name}: stroke_mm and breaks are watched by the bench only")
+            lines.append(f"plant {name}: stroke_mm and breaks are checked by axisrig only")
     lines.append(
         "not in it: buses, drives' profiles, lists, the control; a demand comes from outside"
     )
