@@ -11,8 +11,10 @@ from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.interpolation import cubic
 from axisrig.bench.oracles.sources.chain import Chain, Grid, believed_ns
 from axisrig.bench.record.measuring import PlcTaskRecord
-from axisrig.kernel.measuring.rules import AT_SIGNAL, PLC_TIMESTAMP
 from axisrig.kernel.time.clock import TimeNs
+
+AT_SIGNAL = ("PLC", "PLC_FIRST_EVENT", "PLC_EXT_LATCH_CONTROL")
+STAMPED = "PLC_TIMESTAMP"
 
 
 def _chain(observed: Observed, task: PlcTaskRecord) -> Chain:
@@ -44,13 +46,13 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
     stamp for.
     """
     task, source = observed.facts.plc_task, seen.run.sources.get(axis, "")
-    if task is None or not task.probes or source not in (*AT_SIGNAL, PLC_TIMESTAMP):
+    if task is None or not task.probes or source not in (*AT_SIGNAL, STAMPED):
         return Observation(None, note=f"the signal of axis {axis} is at no terminal of a PLC")
     value_mm = seen.run.latched_mm.get(axis)
     if value_mm is None or seen.edge_ns is None:
         return Observation(None, note=f"no measured value of axis {axis}")
     chain = _chain(observed, task)
-    if source == PLC_TIMESTAMP:
+    if source == STAMPED:
         clock = task.stamp_resolution_ns, task.clock_offset_ns, task.clock_drift_ppm
         stamp_ns = chain.stamped(seen.edge_ns, *clock)
         at_ns = believed_ns(stamp_ns, task.assumed_offset_ns, task.assumed_drift_ppm)
@@ -62,7 +64,7 @@ def source_error_um(observed: Observed, seen: Touch, axis: str) -> Observation:
     if zero_mm is None:
         return Observation(None, note=f"axis {axis} was homed before and after the run")
     jitter_um = abs(observed.value(axis, "velocity_mm_s", observed.index_at(seen.edge_ns))) * 1e3
-    jitter_um *= (task.stamp_jitter_ns if source == PLC_TIMESTAMP else 0) * 1e-9
+    jitter_um *= (task.stamp_jitter_ns if source == STAMPED else 0) * 1e-9
     note = "jitter of the stamp" if jitter_um else ""
     return Observation((value_mm - (truth_mm - zero_mm)) * 1e3, jitter_um, note)
 
