@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.canon import Block
 from axisrig.kernel.nc.coordinates import GeometryError, OffsetTables
@@ -125,6 +125,10 @@ def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
         yield from _decode_part(context, part)
     except GeometryError as error:
         raise context.alarm(error.alarm_id, part.block, **error.values) from None
+    except Alarm as alarm:
+        if alarm.place is None:
+            raise alarm.at(context.place(part.block)) from None
+        raise
 
 
 def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
