@@ -157,14 +157,7 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
 
 def _refuses_itself(part: ProgramBlock) -> bool:
     """Whether a word that does not act has a handler, which can say more exactly what it is."""
-    statement = part.statement
-    if isinstance(statement, Words):
-        return part.not_acting[0].word in technology.SPINDLE
-    return (
-        isinstance(statement, Command)
-        and statement.name in registry.COMMANDS
-        and part.not_acting[0].word == f"#{statement.name}"
-    )
+    return isinstance(part.statement, Words) and part.not_acting[0].word in technology.SPINDLE
 
 
 def _decode_statement(
