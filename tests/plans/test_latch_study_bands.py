@@ -77,9 +77,8 @@ class Study:
         self.inputs, self.checks = _inputs(row), _checks(row)
         self.rig = _rig(Path(row["rig"]).name)
         feeds = [float(text) for text in row["plc:V.E.FEED"].strip("[]").split("|")]
-        is_oblique = row["program"].endswith("-xz.nc")  # X has 0.6 of the path, upwards
+        is_oblique = row["program"].endswith("-xz.nc")  # X has 0.6 of the path
         self.speeds = [feed / 60.0 * (0.6 if is_oblique else 1.0) for feed in feeds]
-        self.sign = 1.0 if is_oblique else -1.0
         self.touches = int(self.inputs["plc:V.E.TOUCHES"])
         self.pretravel_um = float(self.inputs.get("plant:probe.pretravel_um", 0))
         self.increment_um = LEAD_UM / int(row["drive:servo.encoder_increments"])
@@ -166,7 +165,7 @@ def test_every_edge_is_in_constant_feed(case: str) -> None:
     means = _numbers(study.checks[f"mean({VELOCITY}; each)"])
     ranges = _numbers(study.checks[f"range({VELOCITY}; each)"])
     for speed, mean, (_, width) in zip(study.speeds, means, ranges, strict=True):
-        assert mean == (pytest.approx(study.sign * speed, abs=1e-4),
+        assert mean == (pytest.approx(-speed, abs=1e-4),
                         pytest.approx(speed * 1e-3, abs=1e-4))  # fmt: skip
         assert width == pytest.approx(speed * 1e-3, abs=1e-4)
 
@@ -179,7 +178,7 @@ def test_the_mean_at_each_feed_is_on_the_line(case: str) -> None:
     of_mean = float(t.ppf(0.975, study.touches - 1)) / math.sqrt(study.touches)
     found = _numbers(study.checks[f"mean({ERROR}; each)"])
     for speed, (middle, width) in zip(study.speeds, found, strict=True):
-        expected = study.sign * speed * delay - study.pretravel_um
+        expected = -speed * delay - study.pretravel_um
         assert middle == pytest.approx(expected, abs=1e-3)
         bound = study.increment_um if case in FIXED else 3 * of_mean * speed * spread
         assert width == pytest.approx(bound, abs=1e-3 if case in AT_SIGNAL else 5e-5)

@@ -37,6 +37,7 @@ from axisrig.reports.blocks.section import blocks_style
 from axisrig.reports.campaign_map.section import CampaignMap, map_style
 from axisrig.reports.coverage.section import Coverage, coverage_style
 from axisrig.reports.glossary import glossary
+from axisrig.reports.lines.section import lines_section, lines_style
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.run import (
@@ -91,7 +92,7 @@ def build_report(
 _STORE = "<!-- packed runs -->"
 _STYLES = (
     *(page_style, blocks_style, map_style),
-    *(statistics_style, sweeps_style, coverage_style),
+    *(statistics_style, sweeps_style, coverage_style, lines_style),
 )
 
 
@@ -196,6 +197,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "glossary": glossary(),
         },
         "statistics": statistics_section(results),
+        "lines": lines_section(results),
         "sweeps": searches_section(results)
         + sweeps_section(results, swept)
         + sensitivity_section(swept),
