@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 
+from axisrig.kernel.channel.distance.sensing import Sensing
 from axisrig.kernel.channel.distance_controls import DistanceControls
 from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.nc.decoder.base.context import ChannelControl
 
 
 class ChannelView:
@@ -41,9 +43,20 @@ class ChannelView:
         return self.path.settings(axis).may_measure
 
     def distance_state(self, axis: str) -> str | None:
-        """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
-        found = self.distance.axes.get(axis)
+        """Give the state of the distance control of an axis (ACTIVE, ..); None without one.
+
+        That of 3D control while it leads the axis.
+        """
+        found: Sensing | None = self.distance.axes.get(axis)
+        channel = self.distance.channel
+        if channel is not None and not channel.is_idle and channel.may_move((axis,)):
+            found = channel
         return None if found is None else found.control.state.name
+
+    def channel_distance(self) -> ChannelControl | None:
+        """Give the 3D distance control of the channel; None where P-CHAN-00500 is without it."""
+        channel = self.distance.channel
+        return None if channel is None else ChannelControl(channel.plane, channel.is_licensed)
 
     def axis_numbered(self, number: int) -> str | None:
         """Return the axis with a logical number (P-AXIS-00016), None when there is none."""

@@ -18,7 +18,9 @@ _FILTER_FIELDS = {item.name for item in fields(FilterSettings)}
 class DistanceSettings:
     """Parameters of a distance control; for a rotary axis mm reads degrees.
 
-    The numbers are those of an axis; the channel has the same from P-CHAN-00800 on. kp, tn_s, tv_s: P-AXIS-00759, 00764, 00765. both_encoders: 00500. max_deviation_mm: 00414.
+    The numbers are those of an axis; the channel has the same from P-CHAN-00800 on.
+
+    kp, tn_s, tv_s: P-AXIS-00759, 00764, 00765. both_encoders: 00500. max_deviation_mm: 00414.
     v_max_mm_s: 00415. a_max_mm_s2: 00416, 0 for a_axis_mm_s2: 00008. v_weight_down_permille and
     a_weight_down_permille: 00533 and 00534, 0 for none. is_adaptive, a_min_mm_s2, error_a_min_mm,
     error_a_max_mm: 00501 to 00505. max_change_mm_s: 00417. min_pos_mm, max_pos_mm, tolerance_mm:
