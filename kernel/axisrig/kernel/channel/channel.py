@@ -79,7 +79,7 @@ class Channel(ChannelView):
             self.path.brake,
             self.single.stop,
             self.measurement.reset,
-            self.path.programmed.begin,
+            self.path.end_program,
             self.distance.reset,
             self.pauses.reset,
             self.functions.reset,
@@ -96,7 +96,9 @@ class Channel(ChannelView):
         self._log = AlarmLog(clock)
         self.execution = Execution(around.put_out)
         self.plc = plc = PlcInterface(clock, links)
-        offsets = make_controls(self.axes, settings, links, plc, around.kinematic, timing.period_ns)
+        offsets = make_controls(
+            self.axes, settings, links, plc, lambda: self.path.kinematic, timing.period_ns
+        )
         self.path = path = Path(clock, timing, self.axes, self.links, offsets, settings)
         couplings = Couplings(path, links)
         self.measurement = Measurement(
@@ -140,6 +142,7 @@ class Channel(ChannelView):
         known.register(canon.LinearMove, self._move)
         known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
+        known.register(canon.KinematicChoice, self._choose_kinematic)
         path.programmed.assign(known)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
@@ -363,6 +366,9 @@ class Channel(ChannelView):
             command.feed_mm_min,
         )
 
+    def _choose_kinematic(self, command: canon.KinematicChoice) -> None:
+        self.path.use_kinematic(command.kinematic)
+
     def _is_busy(self) -> bool:
         return self.measurement.is_active or self.path.is_moving or self.functions.is_waiting
 
@@ -391,7 +397,7 @@ class Channel(ChannelView):
         else:
             self.state, self.end_ns = ChannelState.ENDED, self._clock.now_ns
         self.measurement.end_program()
-        self.path.programmed.begin()
+        self.path.end_program()
         self.distance.end_program(command.block.place)
 
     # What the PLC side commands

@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.mechanics import Mechanics, NoMechanics
 from axisrig.kernel.channel.path.monitor import Monitor
-from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.nc import canon
 
 
@@ -17,11 +16,9 @@ class Surroundings:
     put_out: takes every message as soon as it is due. monitor: the watch over drives and buses;
     None = drives are watched by their telegrams. functions: what #DRIVE and #IDENT act on.
     mechanics: what the drives move; after an alarm SYNC and cycles go on until it is at rest.
-    kinematic: gives the active kinematic, None without one.
     """
 
     put_out: Callable[[canon.Message], None]
     monitor: Monitor | None = None
     functions: DriveFunctions = field(default_factory=lambda: DriveFunctions({}))
     mechanics: Mechanics = field(default_factory=NoMechanics)
-    kinematic: Callable[[], Kinematic | None] = lambda: None

@@ -3,7 +3,24 @@
 Axis positions and tool coordinates are tuples of the same length in mm and degrees.
 """
 
+from axisrig.kernel.kinematics.build import build, check_axes
+from axisrig.kernel.kinematics.data import KinematicData, Trafo
+from axisrig.kernel.kinematics.extension import ExtendedTool
 from axisrig.kernel.kinematics.head import HeadCA
 from axisrig.kernel.kinematics.kinematic import Kinematic, Vector
+from axisrig.kernel.kinematics.table import KinematicType, Offset, kinematic_types, offsets
 
-__all__ = ["HeadCA", "Kinematic", "Vector"]
+__all__ = [
+    "ExtendedTool",
+    "HeadCA",
+    "Kinematic",
+    "KinematicData",
+    "KinematicType",
+    "Offset",
+    "Trafo",
+    "Vector",
+    "build",
+    "check_axes",
+    "kinematic_types",
+    "offsets",
+]

@@ -18,8 +18,14 @@ from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
 class HeadCA(Kinematic):
     """The head; offsets: HD1 to HD9 in mm and degrees, missing ones are 0."""
 
-    def __init__(self, offsets: Sequence[float], tool_mm: float) -> None:
-        super().__init__("9", 5)
+    def __init__(
+        self,
+        offsets: Sequence[float],
+        tool_mm: float,
+        name: str = "9",
+        axes: tuple[str, ...] = ("X", "Y", "Z", "C", "A"),
+    ) -> None:
+        super().__init__(name, (False, False, False, True, True), axes)
         self._hd = (*offsets, *(0.0,) * (9 - len(offsets)))
         self._tool_mm = tool_mm
 

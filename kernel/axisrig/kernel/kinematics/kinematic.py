@@ -14,12 +14,13 @@ Vector = tuple[float, float, float]
 class Kinematic:
     """Forward and inverse of one chain of axes; what it has to provide raises NotImplementedError.
 
-    name: as `#KIN ID` chooses it. count: how many axes it needs. A compiled class takes no abstract
-    base.
+    name: as `#KIN ID` chooses it. count: how many axes it needs. rotary: which of them are rotary.
+    axes: their names where the kinematic has some. A compiled class takes no abstract base.
     """
 
-    def __init__(self, name: str, count: int) -> None:
-        self.name, self.count = name, count
+    def __init__(self, name: str, rotary: tuple[bool, ...], axes: tuple[str, ...] = ()) -> None:
+        self.name, self.count = name, len(rotary)
+        self.rotary, self.axes = rotary, axes
 
     def forward(self, axes: Positions) -> Positions:
         """Give the tool coordinates of axis positions, both of shape (count,), mm and degrees."""

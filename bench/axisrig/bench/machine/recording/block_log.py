@@ -44,6 +44,7 @@ KINDS: Mapping[type, str] = {
     canon.AdoptActual: "axes of the channel",
     canon.SlopeChoice: "dynamics",
     canon.DynamicWeights: "dynamics",
+    canon.KinematicChoice: "kinematic",
     canon.ProbeSettings: "probe settings",
     canon.DefaultProbes: "probe settings",
     canon.PrepareProbe: "probe settings",

@@ -247,7 +247,7 @@ class ChannelDistance(Sensing):
         try:
             rates = guide.rates(base)
         except Alarm as alarm:
-            self._fault = alarm
+            self._fault, self.moved = alarm, guide.axes
             return
         by_axis = {a: abs(r) for a, r in zip(guide.axes, rates, strict=True) if abs(r) > STILL}
         self.moved = tuple(by_axis)

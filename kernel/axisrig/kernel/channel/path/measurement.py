@@ -151,9 +151,11 @@ class Measurement:
     def begin(self, command: canon.MeasuringRun) -> None:
         """Begin a run on the path.
 
-        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400 and those of the run.
+        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400, 900483 and those of the
+        run.
         """
         type_, measuring = command.measuring_type, command.measuring_axes
+        self._require_latches(command)
         for name in dict.fromkeys((*command.programmed_axes, *measuring)):
             self.check(name, type_)
         self._order = self._planned(command)
@@ -171,6 +173,20 @@ class Measurement:
             goes_on=command.goes_on,
             simulated=self._simulated_probes(command),
         )
+
+    def _require_latches(self, command: canon.MeasuringRun) -> None:
+        """Raise Alarm 900483 where a position is not latched in each axis of the kinematic."""
+        kinematic = self._path.kinematic
+        if kinematic is None:
+            return
+        what = None
+        if measuring_types()[command.measuring_type].runs_to_stop:
+            what = f"Type {command.measuring_type} (run to a fixed stop)"
+        for name in command.measuring_axes:
+            if self._path.settings(name).measuring.simulated[0]:
+                what = f"The simulated probe of axis {name} (P-AXIS-00112)"
+        if what is not None:
+            raise Alarm(900483, what=what, name=kinematic.name)
 
     def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
         """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""

@@ -26,6 +26,7 @@ def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command
     51062 while the distance control of an axis is on.
     """
     known = states(context)
+    context.require_free(block, (axis for axis, _ in words.axes), "G74")
     if known.active:
         raise context.alarm(20137, block, g_function="G74", group=known.active[-1])
     order = {axis: context.value(block, value) for axis, value in words.axes}
