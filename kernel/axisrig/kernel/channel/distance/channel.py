@@ -133,15 +133,11 @@ class ChannelDistance(Sensing):
         self._mode, self._direction = mode or self._mode, direction or self._direction
         guide = self.guide
         if (mode or direction) and guide is not None and not self.is_idle:
-            wanted = self._wanted_mode()
-            is_other = wanted != guide.mode
-            if wanted == ACS:
-                is_other = is_other or self._direction not in guide.axes
-            if is_other:
-                programmed = f"{wanted} {self._direction or ''}".strip()
+            programmed = _shown(self._wanted_mode(), self._direction)
+            current = _shown(guide.mode, guide.axes[0])
+            if programmed != current:
                 self._mode, self._direction = before
-                shown = guide.mode if guide.mode != ACS else f"{ACS} {guide.axes[0]}"
-                raise Alarm(MODE_CHANGED, owner=OWNER, current=shown, programmed=programmed)
+                raise Alarm(MODE_CHANGED, owner=OWNER, current=current, programmed=programmed)
         self._normal, self._origin_mm = normal, origin
 
     def parameters(self, given: Mapping[str, float | str]) -> dict[str, float | str]:
@@ -338,3 +334,8 @@ class ChannelDistance(Sensing):
         kept, self.deltas_mm = self.deltas_mm, {}
         self.forget_offset()
         return kept
+
+
+def _shown(mode: str, axis: str | None) -> str:
+    """Name a mode, ACS with its axis."""
+    return f"{mode} {axis}" if mode == ACS and axis is not None else mode
