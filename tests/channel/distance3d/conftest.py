@@ -5,7 +5,7 @@ clamping point along u = Rz(c) Rx(a) e_z; X Y Z are the pivot of the head, 100 m
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import Any
@@ -13,11 +13,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.channel.distance.channel import ChannelDistance
 from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
 from axisrig.kernel.distance import DistanceCommand, DistanceSettings, Source
 from axisrig.kernel.distance.limiter import AxesAllow
 from axisrig.kernel.kinematics import HeadCA, Kinematic
+from axisrig.kernel.nc.coordinates import OffsetTables
+from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.text.parser import parse_program
 from axisrig.kernel.time.clock import MS
 
 NAMES = ("X", "Y", "Z", "C", "A")
@@ -197,5 +201,107 @@ def make_tool_loop() -> Callable[..., ToolLoop]:
         loop = ToolLoop(control3d, links, values, plane or Plane(), program, head, sign)
         control3d.choose("VARIABLE", "SENSOR")
         return loop
+
+    return make
+
+
+@dataclass
+class Head:
+    """A channel with the axes X Y Z C A over a plane; `acts` run in turns of the PLC side.
+
+    What each cycle of the program left: offset_mm, sent by axis, state.
+    """
+
+    bench: Any
+    offset_mm: list[float] = field(default_factory=list)
+    sent: dict[str, list[float]] = field(default_factory=dict)
+    interpolated: dict[str, list[float]] = field(default_factory=dict)
+    state: list[Any] = field(default_factory=list)
+
+    @property
+    def channel(self) -> Any:
+        return self.bench.channel
+
+    @property
+    def control3d(self) -> Any:
+        return self.channel.distance.channel
+
+    @property
+    def alarm_ids(self) -> list[int]:
+        return list(self.bench.alarm_ids)
+
+    def at(self, acts: Mapping[int, Callable[[], None]]) -> None:
+        """Do things so many cycles after the start of the program."""
+        channel = self.channel
+
+        def turn() -> None:
+            cycle = (channel._clock.now_ns - channel.start_ns) // MS
+            acts.get(cycle, lambda: None)()
+
+        channel.plc.take_turn = turn
+
+    def run(self, text: str) -> "Head":
+        """Run a program to its end, `V.E.SENSOR` in it."""
+        channel = self.channel
+        program = parse_program(f"%t\n{text}\nM30\n", file="test.nc", axes=NAMES)
+        tables = OffsetTables(rotary=frozenset({"C", "A"}))
+        interpreter = Interpreter(
+            program, NAMES, channel, external=channel.plc.values, tables=tables
+        )
+        self.bench.run(interpreter.commands())
+        return self
+
+    def watch(self, channel: Any) -> None:
+        if channel.start_ns is None:
+            return
+        control3d = channel.distance.channel
+        self.offset_mm.append(control3d.control.offset_mm)
+        self.state.append(control3d.control.state)
+        for link in channel.links:
+            self.sent.setdefault(link.name, []).append(link.set_mm)
+            at_mm = channel.path.position_acs_mm(link.name)
+            self.interpolated.setdefault(link.name, []).append(at_mm)
+
+
+@pytest.fixture
+def make_head(channel_bench: Callable[..., Any], words: Any) -> Callable[..., Head]:
+    """Make a channel whose head is 180 mm long; height_mm: of the plane, by ms of the program."""
+
+    def make(
+        height_mm: Callable[[float], float] = lambda _ms: 0.0,
+        *,
+        is_licensed: bool = True,
+        is_optimized: bool = True,
+        checks_limits: bool = False,
+        spec: Mapping[str, Mapping[str, Any]] | None = None,
+        options: Mapping[str, Any] | None = None,
+        **changes: Any,
+    ) -> Head:
+        wanted = {"kp": 0.5, "max_change_mm_s": 1e6} | changes
+        settings = ChannelDistanceSettings(
+            wide(**wanted), 0.0, is_optimized, checks_limits, is_licensed
+        )
+        starts = axes_of((0.0, 0.0, 0.0), 0.0, 0.0)
+        quick = {"kv": 1e9, "a_mm_s2": 1e5, "speed_max_mm_s": 2e3}
+        axes = [
+            words.axis(n, **{"start_mm": at} | quick | dict((spec or {}).get(n, {})))
+            for n, at in zip(NAMES, starts, strict=True)
+        ]
+        # Five drives do not fit on one segment of 1 Mbit/s
+        of_bus = {"bitrate": 5_000_000} | dict(options or {})
+        bench = channel_bench(*axes, settings=ChannelSettings(distance=settings), **of_bus)
+        channel, made = bench.channel, Head(bench)
+        values = channel.plc.values
+        values["SENSOR"] = 0.0
+
+        def read() -> None:
+            actual = [link.actual_mm for link in channel.links]
+            ms = (channel._clock.now_ns - channel.start_ns) / MS
+            plane = Plane(height_mm=lambda _k: height_mm(ms))
+            values["SENSOR"] = plane.distance_mm(actual, 0) * 1e4
+
+        channel.plc.inputs.append(read)
+        channel.observers.append(made.watch)
+        return made
 
     return make
