@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from axisrig.kernel.channel.distance.sensing import Sensing
 from axisrig.kernel.channel.distance_controls import DistanceControls
 from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
+from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.nc.decoder.base.context import ChannelControl
 
@@ -45,12 +45,13 @@ class ChannelView:
     def distance_state(self, axis: str) -> str | None:
         """Give the state of the distance control of an axis (ACTIVE, ..); None without one.
 
-        That of 3D control while it leads the axis.
+        That of 3D control while it may move the axis; INACTIVE where it does not.
         """
-        found: Sensing | None = self.distance.axes.get(axis)
-        channel = self.distance.channel
-        if channel is not None and not channel.is_idle and channel.may_move((axis,)):
-            found = channel
+        found, channel = self.distance.axes.get(axis), self.distance.channel
+        if channel is not None:
+            if not channel.is_idle and channel.may_move((axis,)):
+                return channel.control.state.name
+            return DistanceState.INACTIVE.name if found is None else found.control.state.name
         return None if found is None else found.control.state.name
 
     def channel_distance(self) -> ChannelControl | None:
