@@ -322,6 +322,7 @@ class Machine:
                 self.settings.channel,
                 start_after_ns=operator.start_after_ns,
                 optional_stop=operator.optional_stop,
+                cutting_licence=self.settings.rig.channel.cutting_licence,
             ),
         )
         channel.plc.values.update(self.settings.external)
