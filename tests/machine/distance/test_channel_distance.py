@@ -50,6 +50,7 @@ def test_acs_is_the_control_of_the_axis_bit_for_bit(run_distance, on):
     assert np.array_equal(offsets, own.column("Z.offset_mm"))
     assert np.array_equal(whole.column("Z.set_mm"), own.column("Z.set_mm"))
     is_on = whole.column("channel.distance_state") != 0
+    is_on[np.argmax(is_on)] = False  # what is shown there is of before
     for name, sign in (("distance_cnc_mm", 1), ("surface_cnc_mm", 1), ("sensor_mm", -1)):
         assert np.array_equal(
             whole.column(f"channel.{name}")[is_on], sign * own.column(f"Z.{name}")[is_on]
