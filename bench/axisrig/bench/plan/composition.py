@@ -171,7 +171,8 @@ class _Reader:
         try:
             table = read_table(path)
         except UserError as error:
-            raise _of_include(error, place) from None
+            every = [_of_include(one, place) for one in (error, *error.further)]
+            raise together(every) from None
         via = (f"{place.file.name}:{place.line}", *place.via)
         self._notes += [f"{path}: {note}" for note in table.notes]
         yield from self.rows(table, defaults, via, (*open_tables, path.resolve()))
