@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs
-from axisrig.bench.machine.plc.probing_columns import UNITS_PER_MM
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.nc.canon import Command
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.probing import AxisWrites, LatchOrder, PlcTask, StampRelation
 from axisrig.kernel.time.clock import MS, US, Clock, Phase, TimeNs
 
