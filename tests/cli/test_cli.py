@@ -12,7 +12,7 @@ from cli_plan import write_plan
 
 from axisrig.bench.campaign import runner
 from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
-from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.case import Case
 from axisrig.fmus import MODELS
 
 Outcome = tuple[int, str, str]

@@ -10,7 +10,8 @@ from tests.recordings import MS, facts, kept
 
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import judged, sampled
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.axes import AxisRecord

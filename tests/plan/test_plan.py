@@ -7,7 +7,8 @@ from zipfile import ZipFile
 
 import pytest
 
-from axisrig.bench.plan.plan import parse_assignment, read_plan
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.table import read_table
 from axisrig.kernel.errors import UserError
 

@@ -6,7 +6,8 @@ from typing import Any
 import pytest
 
 from axisrig.bench.cli import main
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import matches
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"

@@ -27,7 +27,8 @@ from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.select import chosen
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
@@ -122,7 +123,7 @@ def run_campaign(  # noqa: PLR0913
     build_report: writes the report while the folder is still held. watch: what goes on beside.
     Raises UserError before the folder is touched: everything is checked first.
     """
-    plans = _read(paths, assignments, outside)
+    plans = _read(paths, assignments, select.select, outside)
     parts, cases = _chosen(plans, select)
     real = real_cases(cases)
     jobs = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
@@ -302,11 +303,19 @@ def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:
     return Path("out") / ("-".join(plan.name for plan in plans) + ("-set" if is_set else ""))
 
 
-def _read(paths: Sequence[Path], assignments: Sequence[str], outside: Outside | None) -> list[Plan]:
+def _read(
+    paths: Sequence[Path],
+    assignments: Sequence[str],
+    select: str | None,
+    outside: Outside | None,
+) -> list[Plan]:
     """Read plans with the inputs of the command line."""
     changes = [parse_assignment(text) for text in assignments]
     plans = [read_plan(path) for path in paths]
-    return [p.with_inputs([*changes, *(outside.changes_of(p) if outside else ())]) for p in plans]
+    return [
+        plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
+        for plan in plans
+    ]
 
 
 def _selected(plan: Plan, select: str | None) -> Plan:

@@ -7,8 +7,9 @@ from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.check import check_rig, describe_schedules

@@ -13,8 +13,8 @@ from typing import NamedTuple
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import Assignment
-from axisrig.bench.plan.plan import Case
-from axisrig.bench.plan.searching import probe_of
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.rig.programs import programs_of, started_files
 from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
 from axisrig.bench.rig.reading.sources import rig_files
