@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning
 from axisrig.bench.campaign.preparing import prepare
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
@@ -61,15 +62,16 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         value = None if path.is_dir() else path.suffix
         raise UserError(message, file=path, value=value, allowed=allowed)
     plan = read_plan(path).with_inputs(changes)
-    mistakes = Mistakes()
+    mistakes, warnings = Mistakes(), CellWarnings()
     for case in plan.cases:
         with mistakes.kept():
-            prepare(case)
+            warnings.look(case, prepare(case))
     mistakes.refuse(path)
     lines = [f"  {_titled(case)}" for case in plan.cases]
     for row in plan.statistics:
         asked = ", ".join(check.metric for check in row.checks)
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
+    lines += [f"warning: {warning}" for warning in warnings.lines()]
     lines += [f"note: {note}" for note in plan.notes]
     return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
 
@@ -98,6 +100,11 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     plants = ["\n".join(of_plants)] if of_plants else []
     remarks = [f"warning: {warning}" for warning in settings.warnings]
     remarks += [f"note: {note}" for note in settings.notes]
+    remarks += [
+        f"warning: {bare_warning(settings, change)}"
+        for change in changes
+        if change.column in settings.bare
+    ]
     lacking = [*distance_warnings(settings), *age_warnings(settings)]
     remarks += [f"warning: {warning}" for warning in lacking]
     described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]

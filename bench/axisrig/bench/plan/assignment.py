@@ -123,6 +123,12 @@ def suffixes_of(names: Iterable[str]) -> list[str]:
     return [unit.suffix for unit in _units().values() if unit.si in wanted]
 
 
+def scaled_suffixes(names: Iterable[str]) -> list[str]:
+    """Return the suffixes that `suffixes_of` gives where they differ by a factor, else none."""
+    suffixes = suffixes_of(names)
+    return suffixes if len({_units()[suffix].factor for suffix in suffixes}) > 1 else []
+
+
 @cache
 def _units() -> Mapping[str, Unit]:
     rows = (Unit(r["suffix"], r["si"], Decimal(r["factor"])) for r in _rows("units.csv"))
