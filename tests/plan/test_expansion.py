@@ -272,6 +272,31 @@ def test_the_expanded_plan_is_a_plan_with_the_same_runs(write_plan: PlanWriter) 
         ]
 
 
+@pytest.mark.parametrize(
+    ("column", "cell", "hint"),
+    [
+        ("plant:p.x_um", "600,5", "a decimal point, not a comma: 600.5"),
+        ("plant:p.x_um", "[300 600]", r"a list with bars: \[300 \| 600\]"),
+        ("plant:p.x_um", "x1", None),
+        ("plant:p.x_um", "100mm", r"write 100, in the unit of the header \(um\)"),
+        ("plant:p.x", "100mm", "write 100; the unit ends the header: plant:p.x_mm"),
+        ("plant:p.x", "100 mm/min", "write 100; the unit ends the header: plant:p.x_mm_min"),
+        ("plant:p.x", "1.5 furlongs", "write 1.5; the unit ends the header: plant:p.x_<unit>"),
+        ("plc:V.E.FEED", "600 mm/min", "write 600 without a unit"),
+        ("plant:p.x_um", "high", None),
+    ],
+)
+def test_what_looks_like_a_number_gets_a_hint(
+    write_plan: PlanWriter, column: str, cell: str, hint: str | None
+) -> None:
+    text = f'{HEAD},{column}\na,{ROW},"{cell}"\n'
+    path = write_plan(text)
+    with pytest.raises(UserError, match="not a number") as caught:
+        read_plan(path).cases[0].assignments()[0].si()
+    found = caught.value.hint
+    assert found is None if hint is None else re.search(hint, found or "")
+
+
 def test_the_command_line_cannot_set_what_the_plan_sweeps(write_plan: PlanWriter) -> None:
     plan = read_plan(write_plan(f"{HEAD},plc:V.E.A\na,{ROW},[1 | 2]\n"))
     with pytest.raises(UserError, match="several values"):

@@ -4,7 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.campaign.checking import check_file
+from axisrig.bench.campaign.checking import check_file, check_inputs
+from axisrig.bench.plan.plan import read_plan
+from axisrig.kernel.errors import UserError
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
 FILES = f"{TESTPLANS}/programs/probe-z.nc,{TESTPLANS}/rigs/probe-z.toml"
@@ -57,3 +59,14 @@ def test_a_default_is_used_when_one_of_its_rows_does(tmp_path: Path) -> None:
         f"case,program,rig,plc:V.E.FEED\n{rows.replace(chr(10) + 'a,', chr(10) + '#a,')}", "utf-8"
     )
     assert "warning: " in check_file(path)
+
+
+def test_a_plan_is_expanded_only_with_values_that_its_rig_takes(tmp_path: Path) -> None:
+    path = tmp_path / "touch.csv"
+    cells = "plc:V.E.FEED,set:Z.kenngr.measure.edge,check:duration_s"
+    rows = f"a,{FILES},[300 | sechs],[POS | NEG],\nb,{FILES},600,[POS | UP],\n"
+    path.write_text(f"case,program,rig,{cells}\n{rows}", "utf-8")
+    with pytest.raises(UserError) as caught:
+        check_inputs(read_plan(path))
+    errors = (caught.value, *caught.value.further)
+    assert [(e.line, e.column, e.value) for e in errors] == [(2, 4, "sechs"), (3, 5, "UP")]

@@ -4,13 +4,13 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning
-from axisrig.bench.campaign.preparing import prepare
+from axisrig.bench.campaign.preparing import prepare, settings_of
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
-from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.check import check_rig, describe_schedules
@@ -74,6 +74,24 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
     lines += [f"warning: {warning}" for warning in warnings.lines()]
     lines += [f"note: {note}" for note in plan.notes]
     return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
+
+
+def check_inputs(plan: Plan) -> None:
+    """Refuse inputs that the rig of their row refuses, without building its plants.
+
+    Looked at are the first run of each row and each value of a list. Raises UserError with all of
+    them, by their places.
+    """
+    seen: set[object] = set()
+    mistakes = Mistakes()
+    for case in plan.cases:
+        row = (case.file, case.line, case.rig)
+        keys = {row, *((*row, *pair) for pair in case.swept.items())}
+        if not keys <= seen:
+            seen |= keys
+            with mistakes.kept():
+                settings_of(case)
+    mistakes.refuse(plan.path)
 
 
 def _titled(case: Case) -> str:

@@ -21,7 +21,7 @@ from axisrig.bench.plan.assignment import (
 )
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.case_statistics import split_statistics
-from axisrig.bench.plan.checks import Check, parse_check
+from axisrig.bench.plan.checks import UNKNOWN_METRIC, Check, parse_check
 from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
 from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
 from axisrig.bench.plan.expectation import parse_expectation
@@ -152,10 +152,12 @@ class _Row:
         self._mistakes = mistakes
         self._is_good = True
         self._module: OwnModule | None = None
+        self._has_module = True  # as far as the row names one
         if "module" in row.cells:
             try:
                 self._module = own_module(row.cells["module"])
             except UserError as error:
+                self._has_module = False
                 self._refuse(error)
         forms = {column: find_form(column) for column in row.cells}
         kinds = {column: form for column, form in forms.items() if form is not None}
@@ -334,7 +336,8 @@ class _Row:
             is_searching = bool(self._searched)
             return parse_row_check(metric, text, reference, own, is_searching=is_searching)
         except UserError as error:
-            self._refuse(place.error_from(error))
+            if self._has_module or error.message != UNKNOWN_METRIC:
+                self._refuse(place.error_from(error))
         return None
 
     def _is_number(self, column: str, text: str) -> None:
