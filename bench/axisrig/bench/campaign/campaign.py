@@ -57,6 +57,7 @@ class Campaign:
     """What a call left: the results folder, and the results of its runs in plan order.
 
     kept: verdicts of runs that stay as the folder has them (`--resume`, `--failed`).
+    planned: rows of results, of which `statistics` are over several runs.
     failure: why the rest could not be written, with the name of the file. report: its report.
     """
 
@@ -66,6 +67,7 @@ class Campaign:
     failure: OSError | None = None
     report: Path | None = None
     kept: Sequence[Verdict] = ()
+    statistics: int = 0
 
     @property
     def is_interrupted(self) -> bool:
@@ -149,7 +151,7 @@ def run_campaign(  # noqa: PLR0913
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
-            progress = CampaignProgress(len(runs), stopwatch)
+            progress = CampaignProgress(len(cases), stopwatch, statistics=len(runs) - len(cases))
             files_of = watch.files_of(writer.files_of)
             how = (jobs, limits, stopwatch, hardware, progress)
             running = _running(cases, files_of, select.scheduler, *how)
@@ -158,7 +160,8 @@ def run_campaign(  # noqa: PLR0913
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
-    return Campaign(folder, results, len(runs), failure, report, stay)
+    over_several = len(runs) - len(cases)
+    return Campaign(folder, results, len(runs), failure, report, stay, over_several)
 
 
 def _running(
@@ -333,7 +336,8 @@ def show_campaign(campaign: Campaign) -> None:
     if campaign.failure is not None:
         print(f"error: {in_words(campaign.failure)}", file=sys.stderr)
     if campaign.is_interrupted:
-        done = f"{len(campaign.results)} of {campaign.planned} runs"
+        of = "rows" if campaign.statistics else "runs"
+        done = f"{len(campaign.results)} of {campaign.planned} {of}"
         print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
     if campaign.report is not None:
         print(campaign.report)

@@ -10,7 +10,7 @@ from axisrig.bench.machine.plants import build_plant, check_plants, describe_pla
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
 from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
-from axisrig.bench.plan.plan import Plan, read_plan
+from axisrig.bench.plan.plan import Plan, counted, read_plan
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.check import check_rig, describe_schedules
@@ -73,7 +73,7 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
     lines += [f"warning: {warning}" for warning in warnings.lines()]
     lines += [f"note: {note}" for note in plan.notes]
-    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
+    return "\n".join([f"{path}: {counted(len(plan.cases), len(plan.statistics))}", *lines])
 
 
 def check_inputs(plan: Plan) -> None:

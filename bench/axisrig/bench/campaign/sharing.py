@@ -55,12 +55,14 @@ class Shard:
 class Merged:
     """What `axisrig merge` made.
 
-    missing: runs that no folder has. doubled: those of several. bare: runs whose folder has frames
-    in its table, and no trace or file of the run beside it.
+    statistics: rows of statistics over several runs. missing: runs that no folder has. doubled:
+    those of several. bare: runs whose folder has frames in its table, and no trace or file of the
+    run beside it.
     """
 
     folder: Path
     runs: int
+    statistics: int
     missing: Sequence[str]
     doubled: Sequence[str]
     bare: Sequence[str]
@@ -103,15 +105,16 @@ def merge(
         for run in cases:
             if run in found:
                 _take(writer, *found[run])
-        statistics = CaseStatistics(plans, (), into, hashes, is_fresh=False)
-        for row in statistics.kept():
+        judged = list(CaseStatistics(plans, (), into, hashes, is_fresh=False).kept())
+        for row in judged:
             row.depends_sha256 = hashes[row.case.run]
             writer.add(row)
     report = build_report(into) if build_report else None
     missing = [run for run in cases if run not in found]
     taken = [found[run][1] for run in cases if run in found]
     bare = [one.run for one in taken if _is_bare(one)]
-    return Merged(into, len(cases) - len(missing), missing, doubled, bare, report)
+    found_runs = len(cases) - len(missing)
+    return Merged(into, found_runs, len(judged), missing, doubled, bare, report)
 
 
 def _is_bare(run: StoredRun) -> bool:

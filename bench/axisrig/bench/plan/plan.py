@@ -90,6 +90,14 @@ class Plan:
         return replace(self, columns=columns, cases=cases, statistics=statistics)
 
 
+def counted(runs: int, statistics: int) -> str:
+    """Say how many runs there are, and how many rows of statistics over several of them."""
+    words = f"{runs} run{'s' if runs != 1 else ''}"
+    if not statistics:
+        return words
+    return f"{words} and {statistics} row{'s' if statistics != 1 else ''} of statistics"
+
+
 def _several(case: Case) -> dict[str, str]:
     """Return the columns to which the row of a case gives several values, with their headers."""
     searched = {} if case.search is None else {case.search.column: HEAD + case.search.column}
