@@ -233,6 +233,7 @@ def test_small_commands(axisrig: Call) -> None:
     code, out, err = axisrig("doctor")
     assert (code, err) == (0, "")
     assert "LACKS" not in out
+    assert "pip install -e" not in out  # a wheel has no source folder
     assert "rumoca 0.10.2" in out
     assert f"info  axisrig runs {build_word()}, sources {sources_sha256()}\n" in out
 
