@@ -6,12 +6,11 @@ from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
 
 CHANNEL = "channel"
 """Name of 3D control beside those of the axes."""
-UNITS_PER_MM = 10_000
-"""Lengths of the lists are in 0.1 um."""
 
 
 @dataclass(frozen=True)

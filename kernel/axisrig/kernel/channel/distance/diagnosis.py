@@ -5,8 +5,8 @@ Lengths in 0.1 um, speeds in um/s, accelerations in mm/s2, as the lists have the
 
 from axisrig.kernel.channel.distance.channel import ChannelDistance
 from axisrig.kernel.channel.distance.guide import MODES
-from axisrig.kernel.channel.distance.sensor import UNITS_PER_MM
 from axisrig.kernel.distance import DistanceState
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 
 UM = 1000
 
