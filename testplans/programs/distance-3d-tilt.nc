@@ -3,6 +3,7 @@
 ; distance-3d.nc, without ACS.
 N010 V.G.WZ_AKT.L = 80
 N020 #TRAFO ON
+N022 #TIME 0.02   ; the PLC sees the inclination from here on
 N030 #DIST CTRL [SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]
 $IF V.E.WHEN > 0
 $SWITCH V.E.LAW
