@@ -174,6 +174,9 @@ $CASE 9004661 ; the other way round
 N434 #DIST CTRL ON [SET_POS=0 MODE=MCS]
 N436 Z[DIST_CTRL SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR SET_POS=0 ON]
 $BREAK
+$CASE 900481  ; the tool is another one while the kinematic is on
+N438 V.G.WZ_AKT.L = 90
+$BREAK
 $CASE 70333   ; an axis of it is given away
 N440 #TRAFO OFF
 N442 #DIST CTRL ON [CONST_DIST SET_DIST=80 MODE=ACS DIRECTION=X]
@@ -209,10 +212,15 @@ N524 V.G.KIN_STEP[1].ID[98].PARAM[3] = 600000
 N526 #TRAFO [9, 98]
 N528 G01 A-65 F6000
 $BREAK
-$CASE 292016  ; a target where the elbow of the robot cannot be, without control
+$CASE 292016  ; a target that the robot does not reach
 N530 V.G.WZ_AKT.L = 80
 N532 #TRAFO ON
 N534 G01 X3000 F60000
+$BREAK
+$CASE 292017  ; a target where the wrist of the robot is on joint 2
+N536 V.G.WZ_AKT.L = 80
+N538 #TRAFO ON
+N540 G01 X150 Z220 F60000
 $BREAK
 $DEFAULT      ; lists, sensors, limits: on and wait
 N600 #DIST CTRL ON [SET_POS=0 MODE=ECS]

@@ -122,3 +122,9 @@ def noise_gain(gain: float, dead: int) -> float:
         seen = (1.0 if k == 1 else 0.0) - (offset[k - dead - 1] if k > dead else 0.0)
         offset[k] = offset[k - 1] + gain * seen
     return math.sqrt(sum(o * o for o in offset))
+
+
+def stretch(wrist_x: float, wrist_z: float) -> float:
+    """Return how far the wrist of rigs/distance-robot.toml can rise until its arm is straight."""
+    reach = 600 + math.hypot(640, 100)
+    return math.sqrt(reach**2 - (wrist_x - 150) ** 2) - (wrist_z - 450)
