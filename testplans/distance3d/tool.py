@@ -1,4 +1,4 @@
-"""Metrics of an inclined tool from what the plant knows: its clamping point, its tilt, the surface."""
+"""Metrics of an inclined tool from what the plant knows: clamping point, tilt, surface."""
 
 import numpy as np
 
@@ -18,7 +18,7 @@ def of_tool(recording, *names):
 
 
 def metric_tool_behind_tilting_um_max(recording):
-    """Largest way of the tool centre point from a plane surface while the tool tilts and follows."""
+    """Largest way of the tool centre point from a plane while the tool tilts and follows."""
     state, tilt = of(recording, "channel.distance_state", "gap.tilt_deg")
     along, true, length = of(
         recording, "gap.along_mm", "gap.distance_true_mm", "gap.virtual_length_mm"

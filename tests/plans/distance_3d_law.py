@@ -1,8 +1,8 @@
 """What follows for a row of testplans/distance_3d.csv, from formulas written out here.
 
-Nothing of the bench is imported but the reading of plans. Lengths in mm, angles in degrees, times in
-s. u is the unit vector from the tool centre point to the clamping point, u = Rz(C) Rx(A) e_z; the
-head's lever has 100 mm from the A axis to the clamping point and 80 mm of tool (docs/kinematics.md).
+Nothing of the bench is imported. Lengths in mm, angles in degrees, times in s. u is the unit vector
+from the tool centre point to the clamping point, u = Rz(C) Rx(A) e_z; the lever of the head has 100
+mm from the A axis to the clamping point and 80 mm of tool (docs/kinematics.md).
 q delays by one cycle of T; an offset of cycle k is seen again in cycle k + n + 1.
 """
 
@@ -104,9 +104,9 @@ def tilted_error(wrong: float, tilt: float, height: float) -> float:
 
 
 def tilting_bound(a: float) -> float:
-    """Return how far (um) the tool centre point may be from a level surface while the tool tilts.
+    """Return how far (um) the tool centre point may be from a level surface while it tilts.
 
-    Half an increment of each axis at the place, the same of A in the correction of the PLC, and half
+    Half an increment of each axis at the place, the same of A in the correction of the PLC, half
     a unit of the variable. In the distance h = d cos b half an increment of A is d sin b times it.
     """
     half = math.radians(ROTARY_DEG / 2)

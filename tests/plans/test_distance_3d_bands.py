@@ -1,4 +1,4 @@
-"""Limits of testplans/distance_3d.csv follow from its rows, rigs and closed forms (`distance_3d_law`).
+"""Limits of testplans/distance_3d.csv follow from its rows and closed forms.
 
 Each row is read as it is: poses from start values of plants, deviations from the lifts of the
 surface. What a check is compared with is worked out here; nothing of kernel or oracles is imported.
@@ -180,12 +180,16 @@ def stability(row: Row) -> Expected:
 
 def tilting(row: Row) -> Expected:
     a = row.ve("A")
-    lever = law.HEAD_MM + law.TOOL_MM + row.number("set:channel.kin_step[0].trafo[0].param[0]") / 1e4
+    lever = (
+        law.HEAD_MM + law.TOOL_MM + row.number("set:channel.kin_step[0].trafo[0].param[0]") / 1e4
+    )
     hd2 = row.number("set:channel.kin_step[1].trafo[0].param[1]", 500000) / 1e4
     half = math.radians(law.ROTARY_DEG / 2)
     bound = (3 * law.LINEAR_MM / 2 + lever * half) * 1e3
     length = law.extended(abs(a), hd2, 70)
-    if length > law.TOOL_MM:  # the plant has another tilt by half an increment, and so another length
+    if (
+        length > law.TOOL_MM
+    ):  # the plant has another tilt by half an increment, and so another length
         bound = (3 * law.LINEAR_MM / 2 + (law.HEAD_MM + length) * half) * 1e3
         bound += 2 * length * law.tan(abs(a)) * half * 1e3
     yield "tcp_error_um", bound, 1e-4

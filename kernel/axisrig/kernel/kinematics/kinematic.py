@@ -27,7 +27,9 @@ class Kinematic:
     def is_same(self, other: "Kinematic") -> bool:
         """Whether both are one chain of one length: the same, or built of the same numbers."""
         is_built = bool(self.made_of)
-        return other is self or (is_built and (other.name, other.made_of) == (self.name, self.made_of))
+        return other is self or (
+            is_built and (other.name, other.made_of) == (self.name, self.made_of)
+        )
 
     def forward(self, axes: Positions) -> Positions:
         """Give the tool coordinates of axis positions, both of shape (count,), mm and degrees."""
