@@ -19,7 +19,7 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import CHANNEL, DistanceRecord, PlcSensor
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -71,7 +71,8 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
             for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
-        distance={name: _distance(machine, name) for name in channel.distance.axes},
+        distance={name: _distance(machine, name) for name in _controls(machine)},
+        kinematics=machine.kinematic_log.changes,
         channel=_written(settings, None),
         runs=tuple(_run(machine, record) for record in channel.records),
         blocks=machine.blocks.trace(),
@@ -232,13 +233,23 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
     )
 
 
+def _controls(machine: Machine) -> list[str]:
+    """Return the axes with distance control, then the channel with 3D control."""
+    found = machine.channel.distance
+    return [*found.axes, *([] if found.channel is None else [CHANNEL])]
+
+
 def _distance(machine: Machine, name: str) -> DistanceRecord:
-    sensor = machine.channel.distance.axes[name].sensor
+    controls = machine.channel.distance
+    owner = controls.channel if name == CHANNEL else controls.axes[name]
+    assert owner is not None
+    sensor = owner.sensor
     variable = f"V.E.{sensor.name}" if isinstance(sensor, VariableSensor) else ""
     return DistanceRecord(
         variable if variable in machine.settings.rig.plc else "",
         name in machine.referenced,
         machine.distance_log.recorded(name),
+        machine.distance_log.guides(name),
     )
 
 

@@ -2,9 +2,11 @@
 
 from dataclasses import dataclass
 
-from axisrig.bench.record.distance import Controller, DistanceChange
+from axisrig.bench.record.distance import CHANNEL, Controller, DistanceChange
+from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.channel.distance.sensing import source_word
+from axisrig.kernel.channel.distance.guide import Guide, ToolGuide
+from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
 from axisrig.kernel.time.clock import TimeNs
 
@@ -42,11 +44,18 @@ class DistanceLog:
 
     def __init__(self) -> None:
         self._changes: dict[str, list[Change]] = {}
+        self._guide: Guide | None = None
+        self._guides: list[GuideChange] = []
 
     def __call__(self, channel: Channel) -> None:
         """Look at the controls of this cycle (step 7 of the cycle)."""
-        for name, axis in channel.distance.axes.items():
-            control, sensor = axis.control, source_word(axis.sensor)
+        found: dict[str, Sensing] = dict(channel.distance.axes)
+        of_channel = channel.distance.channel
+        if of_channel is not None:
+            found[CHANNEL] = of_channel
+            self._note_guide(of_channel.guide, channel.sync_ns)
+        for name, owned in found.items():
+            control, sensor = owned.control, source_word(owned.sensor)
             changes = self._changes.setdefault(name, [])
             if not changes or not changes[-1].is_still(control, sensor):
                 changes.append(
@@ -59,6 +68,22 @@ class DistanceLog:
                         control.settings,
                     )
                 )
+
+    def _note_guide(self, guide: Guide | None, time_ns: TimeNs) -> None:
+        if guide is self._guide:
+            return
+        self._guide = guide
+        if guide is None:
+            found = GuideChange(time_ns)
+        elif isinstance(guide, ToolGuide):
+            found = GuideChange(time_ns, guide.mode, "", guide.normal, guide.origin_mm)
+        else:
+            found = GuideChange(time_ns, guide.mode, guide.axes[0])
+        self._guides.append(found)
+
+    def guides(self, name: str) -> tuple[GuideChange, ...]:
+        """Return where the offset of 3D control acted, none for the control of an axis."""
+        return tuple(self._guides) if name == CHANNEL else ()
 
     def of(self, axis: str) -> list[Change]:
         """Return the changes of an axis, in order: those of the parameters alone only while it is
@@ -73,7 +98,7 @@ class DistanceLog:
 
     @property
     def axes(self) -> list[str]:
-        """Axes with a control, in the order of the channel."""
+        """Axes with a control, in the order of the channel, then CHANNEL."""
         return list(self._changes)
 
     def recorded(self, axis: str) -> tuple[DistanceChange, ...]:
