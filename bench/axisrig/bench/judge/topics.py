@@ -30,11 +30,11 @@ from axisrig.bench.judge.statistics.verdict import (
     judge_statistic,
     readings,
 )
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict, worst
-from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import MissingSignalError
 

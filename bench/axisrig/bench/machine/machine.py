@@ -42,8 +42,8 @@ from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.machine.unfinished import in_words
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, Spread
-from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
 from axisrig.bench.rig.programs import programs_of

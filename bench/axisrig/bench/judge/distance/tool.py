@@ -20,12 +20,17 @@ from axisrig.bench.judge.distance.truth import (
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.plant_values import PlantValues
 from axisrig.bench.oracles.distance.cycles import Measured, NotMeasurableError, Sent, measured
-from axisrig.bench.oracles.distance.lists import OF_CHANNEL, Listed, as_written, axis_limits
+from axisrig.bench.oracles.distance.lists import (
+    CHANNEL,
+    OF_CHANNEL,
+    Listed,
+    as_written,
+    axis_limits,
+)
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.tool import ACS, ToolWay
 from axisrig.bench.oracles.kinematics.chain import Array, Chain
 from axisrig.bench.oracles.kinematics.lists import Program
-from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.kinematics import GuideChange, KinematicChange
 from axisrig.bench.record.series import Signal
 from axisrig.kernel.time.clock import TimeNs

@@ -9,15 +9,16 @@ from collections.abc import Callable
 import numpy as np
 
 from axisrig.bench.judge.distance import expected_offset
+from axisrig.bench.judge.distance.stretches import active
 from axisrig.bench.judge.distance.tilting import Tilts, tilts
 from axisrig.bench.judge.distance.tool import Choice, ToolTruth, axes_of, choices, distance_truth
 from axisrig.bench.judge.distance.truth import ACTIVE, ACTIVE_CONST_DIST, NO_PLANT, TURNING_OFF
 from axisrig.bench.judge.observed.observation import Observation
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.observed.topic import MetricFunction
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.oracles.errors import NoClosedFormError
 from axisrig.bench.oracles.kinematics.chain import Array
-from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.series import Signal
 
 TOOL_METRICS: dict[str, MetricFunction] = {}
@@ -298,7 +299,9 @@ def kinematic_error_nm(observed: Observed, _axis: str | None) -> Observation:
 def clamping_height_error_nm(observed: Observed, _axis: str | None) -> Observation:
     """Height of the clamping point that the control uses against that of the chains."""
     truth = _control(observed)
-    rows = truth.is_active & np.isfinite(truth["surface_cnc_mm"])
+    rows = np.zeros(len(observed), dtype=bool)
+    for stretch in active(truth):  # what the program commands acts a cycle later
+        rows[stretch.begin + 1 : stretch.end] = True
     if not rows.any():
         raise NoClosedFormError("distance control was never on")
     told = truth["surface_cnc_mm"] - truth["sensor_mm"]

@@ -15,6 +15,8 @@ Written = Mapping[str, object]
 """Parameter -> value, only of those that a list or a plan has written."""
 
 NEWER, OLDER = "kenngr.dist_ctrl[0].", "kenngr.distc."
+CHANNEL = "channel"
+"""Name of 3D control, the one control of the channel, beside the axes with their own."""
 OF_AXIS, OF_CHANNEL = (NEWER, OLDER), ("dist_ctrl[0].",)
 """Names of the structure in the list of an axis and of the channel, the one that wins first."""
 PER_MM = 10_000.0  # the lists count in 0.1 um
