@@ -8,6 +8,7 @@ from axisrig.bench.machine.recording.acting import acting_warnings
 from axisrig.bench.machine.recording.bus_figures import bus_figures
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
+from axisrig.bench.machine.recording.plc_sensor import plc_sensor
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.axes import (
     AxisRecord,
@@ -20,7 +21,7 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import DistanceRecord
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -68,8 +69,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
         probes=_probes(machine),
         plc_sensors={
-            name: PlcSensor(table.sensor, table.sign, table.delay_cycles)
-            for name, table in settings.rig.plc.items()
+            name: plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in _controls(machine)},

@@ -89,8 +89,16 @@ class DistanceRecord(Frozen):
 
 @dataclass(frozen=True)
 class PlcSensor(Frozen):
-    """A V.E. variable in which the PLC side shows a distance sensor."""
+    """A V.E. variable in which the PLC side shows a distance sensor.
+
+    Of one at an inclined tool: is_along: it measures along the tool; is_normalised: the PLC takes
+    that times the cosine of the tilt; normal: of its workpiece as a whole, None where it gives
+    none.
+    """
 
     sensor: str
     sign: int
     delay_cycles: int
+    is_along: bool = False
+    is_normalised: bool = False
+    normal: tuple[float, float, float] | None = None
