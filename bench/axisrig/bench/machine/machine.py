@@ -29,13 +29,11 @@ from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.mechanics import PlantMechanics
 from axisrig.bench.machine.moments import World
 from axisrig.bench.machine.pacing import Hardware, master_scheduler, power_down
-from axisrig.bench.machine.parts import build_nodes, build_segments
+from axisrig.bench.machine.parts import build_nodes, build_segments, build_terminal
 from axisrig.bench.machine.plants import build_plant, check_plants, start_plant
-from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.machine.plc.sensors import PlcSensors
 from axisrig.bench.machine.plc.side import PlcSide
 from axisrig.bench.machine.plc.task import PlcTaskRunner
-from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
@@ -45,8 +43,8 @@ from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.record.bus import RealTime, Spread
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
+from axisrig.bench.rig.io_node import synced_segments
 from axisrig.bench.rig.programs import programs_of
-from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.real_axes import is_paced, outside_axes
 from axisrig.bench.rig.rotary import is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings
@@ -192,7 +190,8 @@ class Machine:
         if table is None:
             return None
         clock, channel = self.scheduler, self.channel
-        terminal = None if table.terminal is None else self._build_terminal(table.terminal, seed)
+        networks = self.networks
+        terminal = build_terminal(self.settings, clock, self.segments, networks, plant, seed)
         switched = None if table.switches is None else plant.probes[table.switches]
 
         def switch(is_on: bool) -> None:
@@ -213,25 +212,6 @@ class Machine:
             switch=switch,
             sync_ns=sync_ns,
             has_columns=bool(self.settings.plc),
-        )
-
-    def _build_terminal(self, table: TerminalTable, seed: int) -> Terminal | IoTerminal:
-        """Make the inputs of the PLC: on a fieldbus of its own, or a node on a CAN bus."""
-        task, plant = self.settings.rig.plc_task, self.plant
-        signals = {name: probe.signal for name, probe in plant.probes.items()}
-        if table.segment is None:
-            assert task is not None
-            return Terminal(task, table, signals, plant.advance_to, seed)
-        queue = self.settings.segment[table.segment].drive_queue
-        node_port = SimNetwork(self.segments[table.segment].port("terminal", queue)).connect()
-        return IoTerminal(
-            table,
-            signals,
-            self.scheduler,
-            node_port=node_port,
-            master=self.networks[table.segment],
-            advance=plant.advance_to,
-            period_ns=self.timing.period_ns,
         )
 
     def _connect_plc_sensors(self) -> None:
@@ -322,10 +302,7 @@ class Machine:
             self.settings, self.links, self.networks, self.scheduler
         )
         # On a segment without a drive nobody would acknowledge a SYNC
-        used = {axis.segment for axis in self.settings.rig.axis.values()}
-        task = self.settings.rig.plc_task
-        if task is not None and task.terminal is not None and task.terminal.segment is not None:
-            used.add(task.terminal.segment)
+        used = synced_segments(self.settings)
         networks = {name: n for name, n in self.networks.items() if name in used}
         operator = self.settings.operator
         channel = Channel(

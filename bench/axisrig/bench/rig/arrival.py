@@ -6,6 +6,7 @@ from axisrig.bench.bus.arithmetic import SYNC
 from axisrig.bench.bus.frame import IFS_BITS, data_frame, frame_bits
 from axisrig.bench.drive.dictionary.profile import CLOCK_NS
 from axisrig.bench.rig.check import axis_telegrams, latch_object_of, segment_schedules
+from axisrig.bench.rig.io_node import node_table
 from axisrig.bench.rig.real_axes import is_real
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.drives.mapping import FROM_LATCH_TO_STAMP
@@ -40,13 +41,12 @@ class TerminalGrid:
 
 def terminal_grid(settings: Settings) -> TerminalGrid | None:
     """Return the instants of the node that is the terminal of the PLC; None where it is none."""
-    task, cycle = settings.rig.plc_task, settings.rig.cycle
-    table = None if task is None else task.terminal
+    table = node_table(settings)
     if table is None or table.segment is None:
         return None
     offset_ns = _sync_end_ns(settings, table.segment)
     worst_ns = segment_schedules(settings)[table.segment].last_tpdo_ns
-    return TerminalGrid(cycle.period_us * US, offset_ns, worst_ns - offset_ns)
+    return TerminalGrid(settings.rig.cycle.period_us * US, offset_ns, worst_ns - offset_ns)
 
 
 def _sync_end_ns(settings: Settings, segment: str) -> TimeNs:

@@ -8,6 +8,7 @@ from pathlib import Path
 from axisrig.bench.bus.arithmetic import SYNC, CycleArithmetic, PlannedFrame, cycle_arithmetic
 from axisrig.bench.drive.dictionary.profiles import DEFAULT_PROFILE
 from axisrig.bench.rig.cause import blamed
+from axisrig.bench.rig.io_node import check_terminal, terminal_frames
 from axisrig.bench.rig.reading.file import LOAD, DriveTable, rig_error
 from axisrig.bench.rig.reading.lists import check_drive_types, check_numbers, drive_input
 from axisrig.bench.rig.reading.startup import drive_dictionary, drive_steps
@@ -23,7 +24,6 @@ from axisrig.kernel.time.clock import US
 
 # COB-IDs of the pre-defined connection set (CiA 301) to which the node id is added
 EMCY, SDO_ANSWER, SDO_REQUEST, HEARTBEAT = 0x080, 0x580, 0x600, 0x700
-TERMINAL_TPDO = 0x180
 Rare = tuple[str, int]
 _EMCY: Rare = ("EMCY", EMCY)
 SDO_FRAMES: tuple[Rare, Rare] = (("SDO answer", SDO_ANSWER), ("SDO request", SDO_REQUEST))
@@ -137,7 +137,8 @@ def schedule_of(
                 PlannedFrame(f"{name}.{telegram.name}", telegram.cob_id(axis.node), telegram.length)
             )
         frames["event"] += _event_frames(settings, name, rare)
-    for kind, frame in _terminal_frames(settings, segment, rare):
+    sdo = [(what, base) for what, base in rare if (what, base) != _EMCY]
+    for kind, frame in terminal_frames(settings, segment, sdo):
         frames[kind].append(frame)
     return cycle_arithmetic(
         settings.segment[segment].bitrate,
@@ -161,23 +162,6 @@ def _event_frames(settings: Settings, name: str, rare: Sequence[Rare]) -> list[P
         frames.append(PlannedFrame(f"{name}.guarding", HEARTBEAT + node, 0))
         frames.append(PlannedFrame(f"{name}.guarded", HEARTBEAT + node, 1))
     frames += [PlannedFrame(f"{name}.{what}", base + node, 8) for what, base in rare]
-    return frames
-
-
-def _terminal_frames(
-    settings: Settings, segment: str, rare: Sequence[Rare]
-) -> list[tuple[str, PlannedFrame]]:
-    """Return the frames of the node that is the terminal of the PLC, if on this segment."""
-    task = settings.rig.plc_task
-    table = None if task is None else task.terminal
-    if table is None or table.node is None or table.segment != segment:
-        return []
-    node = table.node
-    frames = [("TPDO", PlannedFrame("terminal.TPDO1", TERMINAL_TPDO + node, 1))]
-    if table.heartbeat_ms:
-        frames.append(("event", PlannedFrame("terminal.heartbeat", HEARTBEAT + node, 1)))
-    sdo = [(what, base) for what, base in rare if (what, base) != _EMCY]  # it sends no emergencies
-    frames += [("event", PlannedFrame(f"terminal.{what}", base + node, 8)) for what, base in sdo]
     return frames
 
 
@@ -354,7 +338,7 @@ def _check_references(settings: Settings) -> None:
     task = rig.plc_task
     if task is not None and not Path(task.program).is_file():
         raise rig_error(files, ("plc", "program"), "the PLC program is no file", value=task.program)
-    _check_terminal(settings)
+    check_terminal(settings)
     for name, table in rig.plc.items():
         if table.sensor not in rig.plant:
             raise rig_error(
@@ -364,34 +348,6 @@ def _check_references(settings: Settings) -> None:
                 value=table.sensor,
                 allowed=rig.plant,
             )
-
-
-def _check_terminal(settings: Settings) -> None:
-    """Check that the node of the terminal is on a simulated segment, with a number of its own."""
-    rig, files = settings.rig, settings.files
-    table = None if rig.plc_task is None else rig.plc_task.terminal
-    if table is None or table.segment is None or table.node is None:
-        return
-    simulated = [name for name in settings.segment if not is_real(settings, name)]
-    if table.segment not in simulated:
-        raise rig_error(
-            files,
-            ("plc", "terminal", "segment"),
-            "the node of the terminal needs a simulated segment of this rig",
-            value=table.segment,
-            allowed=simulated or "none in this rig",
-        )
-    taken = {
-        axis.node: f"axis {n}" for n, axis in rig.axis.items() if axis.segment == table.segment
-    }
-    taken |= {rig.cycle.master_node: "the kernel"} if rig.cycle.heartbeat_ms else {}
-    if table.node in taken:
-        raise rig_error(
-            files,
-            ("plc", "terminal", "node"),
-            f"the terminal has the node id of {taken[table.node]} on segment {table.segment}",
-            value=table.node,
-        )
 
 
 def _check_drives(settings: Settings) -> None:
