@@ -10,6 +10,7 @@ from tests.architecture.sources import MODULES, PACKAGES, ROOT, imported_names, 
 # Left imports nothing of what is further right; several in one place may import each other.
 ORDER: tuple[tuple[str, ...], ...] = (
     ("axisrig.kernel.time", "axisrig.kernel.errors", "axisrig.kernel.parameters"),
+    ("axisrig.kernel.kinematics",),
     ("axisrig.kernel.nc",),
     ("axisrig.kernel.motion",),
     ("axisrig.kernel.measuring", "axisrig.kernel.distance"),

@@ -30,6 +30,7 @@ from axisrig.bench.rig.reading.lists import (
 )
 from axisrig.bench.rig.reading.plc_task import PLAIN_TASK_KEYS, PlcTaskTable
 from axisrig.kernel.errors import Alarm, UserError, nearest
+from axisrig.kernel.kinematics import KinematicData
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.coordinates.circle import CircleLimits
 from axisrig.kernel.nc.coordinates.tables import Lists
@@ -124,6 +125,7 @@ class Settings:
                 self.channel.mm("max_radius_diff_circle"),
                 self.channel.integer("max_proz_radius_diff_circle") / PER_MILLE,
             ),
+            kinematics=KinematicData.read(self.channel),
         )
 
     def apply(self, assignment: Assignment, located: Located) -> None:
