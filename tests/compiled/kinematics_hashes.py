@@ -9,7 +9,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-from tests.kinematics.machines import MACHINES  # noqa: E402
+from tests.kinematics.machines import MACHINES
 
 for name, machine in MACHINES.items():
     kinematic = machine.kernel()
