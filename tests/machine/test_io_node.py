@@ -18,6 +18,7 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plc.io_node import IoNode, io_dictionary
 from axisrig.bench.machine.plc.io_terminal import IoTerminal
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.settings import as_written, read_settings
@@ -249,3 +250,17 @@ def test_python_can_and_canopen_read_the_levels_that_the_probe_had(tmp_path: Pat
             levels.append((remote.tpdo[1].map[0].raw, int(bool(passed and passed[-1]))))
     assert [read for read, _ in levels] == [true for _, true in levels]
     assert {read for read, _ in levels} == {0, 1}
+
+
+def test_the_check_of_a_rig_shows_when_the_levels_are_there() -> None:
+    """SYNC, TPDO1 of drive and node, TPDO2, one event frame, without the last intermission.
+
+    55 + 10 n bits at most for a frame of n bytes, the intermission in it (Davis et al. 2007).
+    """
+    settings = read_settings(*read_rig(RIGS / "plc-io-node.toml"), [])
+    lines = [line for line in describe_arrival(settings) if line.startswith("terminal")]
+    bits = sum(55 + 10 * count for count in (0, 8, 1, 6, 4)) - 3
+    assert lines == [
+        "terminal of the PLC: sampled 48 us after the SYNC is requested,"
+        f" its telegram is there after {bits} us at most"
+    ]

@@ -57,7 +57,10 @@ def _sync_end_ns(settings: Settings, segment: str) -> TimeNs:
 
 
 def describe_arrival(settings: Settings) -> list[str]:
-    """Say for each axis that may measure how late the status of an edge at standstill may be."""
+    """Say for each axis that may measure how late the status of an edge at standstill may be.
+
+    And when the levels of a node that is the terminal of the PLC are there.
+    """
     cycle = settings.rig.cycle
     lines = []
     for name, axis in settings.rig.axis.items():
@@ -71,6 +74,13 @@ def describe_arrival(settings: Settings) -> list[str]:
             f"  update delay {delay} SYNCs, PDO {cycle.cycle_offset_us} us,"
             f" missing_cycles {missing}; {_stamp(settings, name)}",
         ]
+    grid = terminal_grid(settings)
+    if grid is not None:
+        there_us = (grid.offset_ns + grid.late_ns) / US
+        lines.append(
+            f"terminal of the PLC: sampled {grid.offset_ns / US:g} us after the SYNC is requested,"
+            f" its telegram is there after {there_us:g} us at most"
+        )
     return lines
 
 
