@@ -79,6 +79,7 @@ def merge(
     from datetime import UTC, datetime
 
     from axisrig.bench.campaign.sharing import merge as joined
+    from axisrig.bench.plan.plan import counted
     from axisrig.reports.build import build_report
 
     started = datetime.now(UTC).isoformat(timespec="seconds")
@@ -89,7 +90,7 @@ def merge(
         print(f"missing: {run}", file=sys.stderr)
     for run in made.bare:
         print(f"the trace or the file of the run is missing: {run}", file=sys.stderr)
-    print(f"{made.runs} runs, {len(made.missing)} missing")
+    print(f"{counted(made.runs, made.statistics)}, {len(made.missing)} missing")
     print(made.report)
     raise typer.Exit(4 if made.missing or made.bare else 0)
 

@@ -113,7 +113,7 @@ protected
     random_seed = seed)
     "What one touch differs from another"
     annotation(Placement(transformation(extent = {{46, -74}, {74, -46}})));
-  Boolean deflected "Deflected beyond the switching point";
+  Boolean deflected "Deflected past the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(dead_time = trigger_delay + radio_delay, jitter = radio_jitter,
     random_seed = seed)
