@@ -1,5 +1,6 @@
 """What a run leaves of distance control."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from axisrig.bench.oracles.distance.lists import Control
@@ -75,15 +76,35 @@ class DistanceChange(Frozen):
 
 @dataclass(frozen=True)
 class DistanceRecord(Frozen):
-    """Distance control of an axis or of the channel.
+    """Distance control of an axis. variable: V.E. name of the sensor in use, empty for 60E4.
 
-    variable: V.E. name of the sensor in use, empty for 60E4. is_referenced: the program has set the
-    zero of its sensor (REF). guides: of 3D control.
+    is_referenced: the program has set the zero of its sensor (REF).
     """
 
     variable: str = ""
     is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
+
+
+@dataclass(frozen=True)
+class Diagnosis(Frozen):
+    """Diagnosis data of 3D control at a SYNC, by the names of FCT-M3 12.10."""
+
+    time_ns: TimeNs
+    values: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class ChannelDistanceRecord(Frozen):
+    """3D distance control of the channel. variable, is_referenced: as in `DistanceRecord`.
+
+    diagnosis: at every change, and at the end of the run. guides: where the offset acted.
+    """
+
+    variable: str = ""
+    is_referenced: bool = False
+    changes: tuple[DistanceChange, ...] = ()
+    diagnosis: tuple[Diagnosis, ...] = ()
     guides: tuple[GuideChange, ...] = ()
 
 

@@ -38,6 +38,7 @@ from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.tool import ACS, ToolWay
 from axisrig.bench.oracles.kinematics.chain import Array, Chain
 from axisrig.bench.oracles.kinematics.lists import Program
+from axisrig.bench.record.distance import ChannelDistanceRecord
 from axisrig.bench.record.kinematics import GuideChange, KinematicChange
 from axisrig.bench.record.series import Signal
 from axisrig.kernel.time.clock import TimeNs
@@ -114,7 +115,8 @@ class ToolTruth(DistanceTruth):
         """Where the offset acted from a SYNC on."""
         if isinstance(self.whole, ToolTruth):
             return self.whole.ways
-        return [(guide.time_ns, self._way(guide)) for guide in self.control.guides if guide.mode]
+        guides = self.control.guides
+        return [(guide.time_ns, self._way(guide)) for guide in guides if guide.mode]
 
     def _way(self, guide: GuideChange) -> ToolWay:
         if guide.mode == ACS:
@@ -217,6 +219,13 @@ class ToolTruth(DistanceTruth):
         return self.listed.ref_offset_mm
 
     # The control
+
+    @cached_property
+    def control(self) -> ChannelDistanceRecord:
+        """What the run has left of it."""
+        found = self.observed.facts.distance_3d
+        assert found is not None
+        return found
 
     @cached_property
     def listed(self) -> Listed:
@@ -335,7 +344,7 @@ def _first_step(sensor: "np.ndarray[Any, Any]", shifts: Array) -> int:
 def _truths(observed: Observed) -> dict[str, DistanceTruth]:
     axes = [name for name in observed.axes if observed.has(name, "offset_mm")]
     found: dict[str, DistanceTruth] = {name: DistanceTruth(name, observed) for name in axes}
-    if CHANNEL in observed.facts.distance and observed.has(CHANNEL, "offset_mm"):
+    if observed.facts.distance_3d is not None and observed.has(CHANNEL, "offset_mm"):
         found[CHANNEL] = ToolTruth(CHANNEL, observed)
     return found
 

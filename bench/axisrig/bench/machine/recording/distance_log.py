@@ -3,16 +3,14 @@
 from dataclasses import dataclass
 
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.bench.record.distance import Controller, DistanceChange
+from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.guide import Guide, ToolGuide
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
-
-UNITS_PER_MM = 10_000
-"""Lengths of the lists are in 0.1 um."""
 
 
 @dataclass(frozen=True)
@@ -45,30 +43,38 @@ class DistanceLog:
 
     def __init__(self) -> None:
         self._changes: dict[str, list[Change]] = {}
+        self._dumps: list[Diagnosis] = []
         self._guide: Guide | None = None
         self._guides: list[GuideChange] = []
 
     def __call__(self, channel: Channel) -> None:
         """Look at the controls of this cycle (step 7 of the cycle)."""
-        found: dict[str, Sensing] = dict(channel.distance.axes)
-        of_channel = channel.distance.channel
-        if of_channel is not None:
-            found[CHANNEL] = of_channel
-            self._note_guide(of_channel.guide, channel.sync_ns)
-        for name, owned in found.items():
-            control, sensor = owned.control, source_word(owned.sensor)
-            changes = self._changes.setdefault(name, [])
-            if not changes or not changes[-1].is_still(control, sensor):
-                changes.append(
-                    Change(
-                        channel.sync_ns,
-                        sensor,
-                        control.state,
-                        control.source,
-                        control.is_dry_run,
-                        control.settings,
-                    )
-                )
+        for name, axis in channel.distance.axes.items():
+            self._look(channel, name, axis)
+        found = channel.distance.channel
+        if found is None:
+            return
+        self._note_guide(found.guide, channel.sync_ns)
+        if self._look(channel, CHANNEL, found):
+            self._dumps.append(Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis())))
+
+    def _look(self, channel: Channel, name: str, found: Sensing) -> bool:
+        """Note a control when it has changed; return whether it has."""
+        control, sensor = found.control, source_word(found.sensor)
+        changes = self._changes.setdefault(name, [])
+        if changes and changes[-1].is_still(control, sensor):
+            return False
+        changes.append(
+            Change(
+                channel.sync_ns,
+                sensor,
+                control.state,
+                control.source,
+                control.is_dry_run,
+                control.settings,
+            )
+        )
+        return True
 
     def _note_guide(self, guide: Guide | None, time_ns: TimeNs) -> None:
         if guide is self._guide:
@@ -82,9 +88,17 @@ class DistanceLog:
             found = GuideChange(time_ns, guide.mode, guide.axes[0])
         self._guides.append(found)
 
-    def guides(self, name: str) -> tuple[GuideChange, ...]:
-        """Return where the offset of 3D control acted, none for the control of an axis."""
-        return tuple(self._guides) if name == CHANNEL else ()
+    @property
+    def guides(self) -> tuple[GuideChange, ...]:
+        """Where the offset of 3D control acted."""
+        return tuple(self._guides)
+
+    def dumps(self, channel: Channel) -> tuple[Diagnosis, ...]:
+        """Return the diagnosis data of 3D control at every change, and as they are now."""
+        if channel.distance.channel is None:
+            return ()
+        last = Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis()))
+        return (*self._dumps, last)
 
     def of(self, axis: str) -> list[Change]:
         """Return the changes of an axis, in order: those of the parameters alone only while it is
@@ -99,8 +113,8 @@ class DistanceLog:
 
     @property
     def axes(self) -> list[str]:
-        """Axes with a control, in the order of the channel, then CHANNEL."""
-        return list(self._changes)
+        """Axes with a control, in the order of the channel."""
+        return [name for name in self._changes if name != CHANNEL]
 
     def recorded(self, axis: str) -> tuple[DistanceChange, ...]:
         """Return the changes of an axis as the recording has them."""
