@@ -20,7 +20,7 @@ A sender does not receive its own frames (unless its port asks for it).
 """
 
 from collections.abc import Container, Sequence
-from functools import partial
+from functools import cache, partial
 from itertools import count
 from typing import Self
 
@@ -66,6 +66,15 @@ from axisrig.kernel.time.scheduler import Scheduler
 _BITS_MAX = worst_case_bits(DATA_BYTES_MAX, extended=True) + SUPERPOSED_FLAG_BITS + DELIMITER_BITS
 
 
+@cache
+def _durations_ns(bitrate: int) -> list[TimeNs]:
+    """Return how long so many bits take, not to be changed.
+
+    Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
+    """
+    return [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
+
+
 class Segment(Traffic):
     """One CAN bus of `bitrate` bit/s in simulated time; a context manager that closes itself.
 
@@ -97,8 +106,7 @@ class Segment(Traffic):
         self._recovery = self._counts.recovery
         self._faults: tuple[FaultHook, ...] = ()
         self._lengths = FrameLengths()
-        # Rounded per frame where a bit is no whole number of ns; never accumulated in floats.
-        self._duration_ns = [(bits * S + bitrate // 2) // bitrate for bits in range(_BITS_MAX + 1)]
+        self._duration_ns = _durations_ns(bitrate)
         self._line: Line = line_class(scheduler)(self, self._duration_ns)
         self.request_data = self._line.request_data
         self._delayed = DelayedRequests(scheduler, self.wake)

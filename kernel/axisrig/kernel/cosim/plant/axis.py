@@ -34,6 +34,8 @@ STOP_SPEED_M_S = 1.0
 SLOPE_NS = 250_000
 # Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it
 HISTORY_STEPS = 4096
+# Where steps are long nothing asks for what is older: SYNCs may have been missing for so long
+HISTORY_NS = 1_000_000_000
 FINE_NS = 50_000
 
 
@@ -51,8 +53,8 @@ class PlantAxis:
     roles: what its FMU takes and gives. advance_to: moves the whole plant to an instant. `motion`
     holds AXIS_OUTPUTS at the present time (0 for a force or stop that the FMU does not report),
     `tick` load position and velocity at both ends of the last step, `walked` the motion before the
-    last `walk` and after each of its steps. The last 4096 steps are kept, so that the position at
-    a latch can be looked up.
+    last `walk` and after each of its steps. The steps of the last second are kept, 4096 at most,
+    so that the position at a latch can be looked up.
     fine_ns: longest step where a stop can be touched, for the force of the contact alone.
     beside: the axis on the same FMU that steps it, None = this one does.
     second_encoder: returns what the second encoder of the drive sees, None = there is none.
@@ -142,8 +144,16 @@ class PlantAxis:
         self.motion = motion
         self._times.append(time_ns)
         self._past.append(motion)
+        self._drop_before(time_ns - HISTORY_NS)
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
+
+    def _drop_before(self, oldest_ns: TimeNs) -> None:
+        """Drop what is older: their memory is taken again by the next steps."""
+        times, past = self._times, self._past
+        while times[0] < oldest_ns:
+            times.popleft()
+            past.popleft()
 
     def _keep(self, times_ns: Sequence[TimeNs], motions: list[list[float]]) -> None:
         """Keep where steps in a row led; their library gives finite numbers or an error."""
@@ -153,6 +163,7 @@ class PlantAxis:
         self.motion = motions[-1]
         self._times.extend(times_ns)
         self._past.extend(motions)
+        self._drop_before(times_ns[-1] - HISTORY_NS)
         if self._tells_stop:
             for place in range(len(motions) - 1, -1, -1):
                 if motions[place][STOP_FORCE] > 0.0:
