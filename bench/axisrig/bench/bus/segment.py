@@ -51,8 +51,8 @@ from axisrig.bench.bus.faults import (
 from axisrig.bench.bus.frame import (
     DATA_BYTES_MAX,
     IFS_BITS,
+    LENGTHS,
     TAIL_BITS,
-    FrameLengths,
     worst_case_bits,
 )
 from axisrig.bench.bus.journal import Journal
@@ -105,7 +105,7 @@ class Segment(Traffic):
         self._counts = ErrorCounts(bitrate, scheduler, automatic_recovery=automatic_recovery)
         self._recovery = self._counts.recovery
         self._faults: tuple[FaultHook, ...] = ()
-        self._lengths = FrameLengths()
+        self._lengths = LENGTHS
         self._duration_ns = _durations_ns(bitrate)
         self._line: Line = line_class(scheduler)(self, self._duration_ns)
         self.request_data = self._line.request_data
