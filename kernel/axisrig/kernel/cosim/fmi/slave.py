@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, ClassVar, NamedTuple, NoReturn
+from typing import Any, ClassVar, NoReturn
 
 from fmpy.model_description import ModelDescription, ModelVariable
 
@@ -29,6 +29,7 @@ from axisrig.kernel.cosim.fmi.library import (
     Capabilities,
     EndedError,
     FmuState,
+    Layout,
     LogMessage,
     Missing,
     PlantError,
@@ -46,20 +47,6 @@ PARTS_MAX = 1000
 IDLE_RETURNS_MAX = 10
 
 POINTER, SIZE = ctypes.c_void_p, ctypes.c_size_t
-
-
-class _Layout(NamedTuple):
-    """How a list of variables is exchanged, which the model description alone decides.
-
-    word: in the names of get and set. kind: ctypes type of a value. places: that the values
-    take. references: of the variables; array: the same for the library.
-    """
-
-    word: str
-    kind: Any
-    places: int
-    references: list[int]
-    array: Any
 
 
 class Exchange:
@@ -145,7 +132,7 @@ class FmuSlave(ABC):
         self._is_final = True  # no state was saved yet that could be restored
         self._alone = (folder, str(description.coSimulation.modelIdentifier))
         self._functions: dict[tuple[str, tuple[Any, ...]], Any] = {}
-        self._layouts: dict[tuple[str, ...], _Layout] = {}
+        self._layouts: dict[tuple[str, ...], Layout] = {}
         self._load(folder)
         self.pointer = int(self._fmu.component)
         self._limit_logging()
@@ -249,26 +236,13 @@ class FmuSlave(ABC):
         """Return whether the FMU has all these variables."""
         return all(name in self._variables for name in names)
 
-    def layout(self, names: tuple[str, ...]) -> _Layout:
+    def layout(self, names: tuple[str, ...]) -> Layout:
         """Return how these variables are exchanged; the next machine asks for the same ones."""
-        if names not in self._layouts:
-            self._layouts[names] = self._layout(names)
-        return self._layouts[names]
-
-    def _layout(self, names: tuple[str, ...]) -> _Layout:
-        variables = [self.variable(name) for name in names]
-        kinds = {self.TYPES.get(str(v.type)) for v in variables}
-        kind = kinds.pop() if len(kinds) == 1 else None
-        if kind is None:
-            raise UserError(
-                f"FMU {self.path.name}: {', '.join(names)} differ in type or have one "
-                f"that cannot be exchanged",
-                value=" ".join(sorted({str(v.type) for v in variables})),
-                allowed=self.TYPES,
-            )
-        references = [v.valueReference for v in variables]
-        array = array_type(ctypes.c_uint32, len(names))(*references)
-        return _Layout(*kind, sum(math.prod(v.shape or ()) for v in variables), references, array)
+        known = self._layouts.get(names)
+        if known is None:
+            variables = [self.variable(name) for name in names]
+            known = self._layouts[names] = Layout.of(variables, self.TYPES, self.path.name)
+        return known
 
     def names(self, causality: str) -> list[str]:
         """Return the names of all variables of one causality, in the order of the description."""

@@ -9,7 +9,7 @@ from math import sqrt
 from axisrig.kernel.cosim.fmi.fmu import FmuState, PlantError
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.fmi.steps import StepsInARow, offers_steps, plain_references
-from axisrig.kernel.cosim.plant.curves import end_slope, hermite, peak, two_before
+from axisrig.kernel.cosim.plant.curves import drop_before, end_slope, hermite, peak, two_before
 from axisrig.kernel.cosim.plant.demand import Control, ControlKind, Ramp, SampledDemand
 from axisrig.kernel.cosim.plant.finite import refusal
 from axisrig.kernel.time.clock import S, TimeNs
@@ -32,13 +32,10 @@ FORCE, STOP_FORCE, STOP_FACE = 5, 6, 7
 GAIN_M_S2 = 500.0
 STOP_SPEED_M_S = 1.0
 SLOPE_NS = 250_000
-# Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it
-HISTORY_STEPS = 4096
-# Where steps are long nothing asks for what is older: SYNCs may have been missing for so long
-HISTORY_NS = 1_000_000_000
+# Two SYNC periods of 20 ms in steps of 10 us: a latch is looked up at the SYNC after it. In longer
+# steps that is more, but no SYNC that has been missing for a second is waited for
+HISTORY_STEPS, HISTORY_NS = 4096, 1_000_000_000
 FINE_NS = 50_000
-
-
 _BY_POSITION = ControlKind.POSITION
 Tick = tuple[float, float, float, float]
 
@@ -144,16 +141,9 @@ class PlantAxis:
         self.motion = motion
         self._times.append(time_ns)
         self._past.append(motion)
-        self._drop_before(time_ns - HISTORY_NS)
+        drop_before(self._times, self._past, time_ns - HISTORY_NS)
         if motion[STOP_FORCE] > 0.0:
             self._touched_ns = time_ns
-
-    def _drop_before(self, oldest_ns: TimeNs) -> None:
-        """Drop what is older: their memory is taken again by the next steps."""
-        times, past = self._times, self._past
-        while times[0] < oldest_ns:
-            times.popleft()
-            past.popleft()
 
     def _keep(self, times_ns: Sequence[TimeNs], motions: list[list[float]]) -> None:
         """Keep where steps in a row led; their library gives finite numbers or an error."""
@@ -163,7 +153,7 @@ class PlantAxis:
         self.motion = motions[-1]
         self._times.extend(times_ns)
         self._past.extend(motions)
-        self._drop_before(times_ns[-1] - HISTORY_NS)
+        drop_before(self._times, self._past, times_ns[-1] - HISTORY_NS)
         if self._tells_stop:
             for place in range(len(motions) - 1, -1, -1):
                 if motions[place][STOP_FORCE] > 0.0:
