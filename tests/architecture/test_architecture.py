@@ -10,6 +10,7 @@ from tests.architecture.sources import MODULES, PACKAGES, ROOT, imported_names, 
 # Left imports nothing of what is further right; several in one place may import each other.
 ORDER: tuple[tuple[str, ...], ...] = (
     ("axisrig.kernel.time", "axisrig.kernel.errors", "axisrig.kernel.parameters"),
+    ("axisrig.kernel.kinematics",),
     ("axisrig.kernel.nc",),
     ("axisrig.kernel.motion",),
     ("axisrig.kernel.measuring", "axisrig.kernel.distance"),
@@ -276,6 +277,15 @@ def _circles(edges: dict[tuple[str, str], set[str]]) -> list[str]:
 def test_no_folder_imports_in_a_circle(package: str) -> None:
     """Words that two folders share are in a folder below both."""
     assert _circles(_children(package)) == []
+
+
+def test_no_module_imports_in_a_circle() -> None:
+    """Nor for types alone, so that each can be read after what it is made of."""
+    edges: dict[tuple[str, str], set[str]] = {}
+    for module in MODULES:
+        names = {name for _, name in _imports(module) if name in MODULES}
+        edges["axisrig", module] = names - {module}
+    assert _circles(edges) == []
 
 
 def test_a_circle_is_found() -> None:

@@ -45,7 +45,7 @@ def test_a_word_that_does_not_act_ends_the_program_when_the_machine_gets_there(
 ) -> None:
     program = tmp_path / "later.nc"
     program.write_text(
-        'G1 G90 Z110 F3000\n#MSG SYN ["there %f", V.A.ABS.Z]\n#TRAFO ON\nZ50\n', encoding="utf-8"
+        'G1 G90 Z110 F3000\n#MSG SYN ["there %f", V.A.ABS.Z]\nG41\nZ50\n', encoding="utf-8"
     )
     texts, said = run(program)
     assert texts == ["there 110.000000"]

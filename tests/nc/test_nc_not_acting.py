@@ -77,10 +77,10 @@ def test_everything_claimed_is_known():
     assert {*CLAIMED, *CLAIMED_COMMANDS, *CLAIMED_VARIABLES} - words == set()
 
 
-@pytest.mark.provokes(900100, 2, word="#TRAFO ON")
+@pytest.mark.provokes(900100, 2, word="G41")
 def test_900100_ends_the_program_at_the_block(run):
     with pytest.raises(Alarm) as caught:
-        run("G0 X1\nN20 #TRAFO ON\nX2")
+        run("G0 X1\nN20 G41\nX2")
     assert (caught.value.id, "block N20" in str(caught.value.place)) == (900100, True)
 
 
@@ -101,7 +101,7 @@ def test_the_alarm_names_the_word(run, text, word):
 
 
 def test_blocks_that_are_never_reached_end_nothing(run):
-    commands = run("G0 X1\n$IF 0\n#TRAFO ON\n$ENDIF\nX2")
+    commands = run("G0 X1\n$IF 0\nG41\n$ENDIF\nX2")
     assert len([c for c in commands if isinstance(c, LinearMove)]) == 2
 
 

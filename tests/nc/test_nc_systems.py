@@ -121,10 +121,6 @@ def test_further_ways_to_get_there(run, program, alarm_id):
 @pytest.mark.parametrize(
     ("program", "words"),
     [
-        ("#KIN ID[9.98]\n#TRAFO ON", "#TRAFO ON .*kinematic 9, 98"),
-        ("#KIN ID[9,98]\n#TRAFO", "kinematic 9, 98"),
-        ("#TRAFO [9, 98]", "#TRAFO .*kinematic 9, 98"),
-        ("#TRAFO ON", "kinematic of P-CHAN-00032"),
         (f"{STACK}#CS SELECT [MCS]", "system of a kinematic"),
         ("#CS MODE ON [AXES_OFFSETS_LAYER_SPECIFIC]", "#CS MODE ON"),
     ],

@@ -67,7 +67,8 @@ CHAINS = [
     Chain(((f"{SHAPE}.tr_feedh", "7", 7), (f"{SHAPE}.tr_grenz", "8", 8)), 10_000),
     Chain((("getriebe[0].position_settling_time", "7", 7),
            ("getriebe[0].pos_einschw_zeit", "8", 8)), 1_000_000),
-    Chain((("trafo[2].type", "7", 7), ("trafo[2].id", "9", 9)), 0, "channel"),
+    Chain((("kin_step[1].trafo[2].type", "7", 7),
+           ("kin_step[1].trafo[2].id", "9", 9)), 0, "channel"),
 ]  # fmt: skip
 HERE = Origin("list.lst", 1)
 

@@ -199,6 +199,10 @@ class Alarm(Exception):  # noqa: N818
         """The ID that the report and the exit code use."""
         return self.entry.id
 
+    def at(self, place: str) -> "Alarm":
+        """Return this alarm with its place, or itself where it has one."""
+        return self if self.place else Alarm(self.entry.id, place=place, **self.values)
+
     @property
     def ends_program(self) -> bool:
         """Whether the program ends: every class above the warning does."""

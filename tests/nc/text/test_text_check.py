@@ -29,10 +29,10 @@ def test_a_text_that_is_not_closed_hides_its_own_line_only():
 
 
 def test_what_does_not_act_is_a_note_and_no_error():
-    found = checked("N10 #TRAFO [9, 98]\nN20 G41 X1")
+    found = checked("N10 G42\nN20 G41 X1")
     assert found.errors == ()
     assert [(note.line, note.column, note.text.split()[0]) for note in found.notes] == [
-        (1, 5, "#TRAFO"),
+        (1, 5, "G42"),
         (2, 5, "G41"),
     ]
 

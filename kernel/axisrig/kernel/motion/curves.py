@@ -46,7 +46,7 @@ def put(positions: Positions, index: int, position_mm: float) -> Positions:
 
 
 def moved_axes(curve: Curve) -> frozenset[int]:
-    """Return the places of the axes that a curve moves."""
+    """Return the places of the axes that a curve of axis positions moves."""
     ends = zip(curve.start_mm, curve.end_mm, strict=True)
     moved = {index for index, (start_mm, end_mm) in enumerate(ends) if start_mm != end_mm}
     if isinstance(curve, Arc):

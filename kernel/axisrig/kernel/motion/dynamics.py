@@ -184,11 +184,11 @@ def path_dynamics(axes: Sequence[Dynamics], deltas_mm: Sequence[float]) -> Dynam
         if delta != 0.0
     ]
     return Dynamics(
-        _together(axis.acceleration.along(share) for axis, share in moving),
-        _together(axis.deceleration.along(share) for axis, share in moving),
-        _together(axis.stop_deceleration.along(share) for axis, share in moving),
+        together(axis.acceleration.along(share) for axis, share in moving),
+        together(axis.deceleration.along(share) for axis, share in moving),
+        together(axis.stop_deceleration.along(share) for axis, share in moving),
         min(axis.speed_max_mm_s / share for axis, share in moving),
-        _together((axis.feedhold or axis.deceleration).along(share) for axis, share in moving)
+        together((axis.feedhold or axis.deceleration).along(share) for axis, share in moving)
         if any(axis.feedhold for axis, _ in moving)
         else None,
     )
@@ -216,7 +216,7 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
     for axis, _, amplitude_mm, _ in moving:
         normal = turn * turn * amplitude_mm
         if normal > 0.0:
-            speed_mm_s = min(speed_mm_s, math.sqrt(_weakest(axis) / math.sqrt(2.0) / normal))
+            speed_mm_s = min(speed_mm_s, math.sqrt(weakest(axis) / math.sqrt(2.0) / normal))
             speed_mm_s = min(speed_mm_s, (axis.contour_mm_s3 / (turn * normal)) ** (1.0 / 3.0))
     peak_mm_s = min(speed_mm_s, feed_mm_s)
 
@@ -231,7 +231,7 @@ def arc_dynamics(axes: Sequence[Dynamics], arc: Arc, feed_mm_s: float = math.inf
             for axis, _, amplitude_mm, rise in moving
         )
         slopes = [slope_of(axis).along(steepest) for axis, steepest, _, _ in moving if steepest]
-        return _together(slopes).flat(a_mm_s2, speed_mm_s)
+        return together(slopes).flat(a_mm_s2, speed_mm_s)
 
     return Dynamics(
         along(lambda axis: axis.acceleration),
@@ -248,7 +248,8 @@ def _steepest(a_mm: float, b_mm: float, turn: float, climb: float, angle_rad: fl
     return max(abs(turn * low + climb), abs(turn * high + climb))
 
 
-def _weakest(axis: Dynamics) -> float:
+def weakest(axis: Dynamics) -> float:
+    """Return the smallest acceleration, mm/s2, of all slopes of an axis."""
     slopes = (axis.acceleration, axis.deceleration, axis.stop_deceleration, axis.feedhold)
     return min(slope.least_mm_s2 for slope in slopes if slope is not None)
 
@@ -264,6 +265,6 @@ def _tangential(limit: float, share: float, centripetal: float, climb: float) ->
     return rest / (limit * climb + root)
 
 
-def _together(slopes: Iterable[AnySlope]) -> AnySlope:
+def together(slopes: Iterable[AnySlope]) -> AnySlope:
     """Combine what the axes let a path do."""
     return reduce(lambda one, other: one.weaker(other), slopes)

@@ -8,37 +8,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from axisrig.kernel.errors import Alarm
-
-
-@dataclass(frozen=True)
-class Block:
-    """Where a command comes from.
-
-    line, column: where the block begins, from 1. number: the N number, None without one.
-    text: the block as written, on one line. file: None where the text has none.
-    """
-
-    line: int
-    number: int | None
-    text: str
-    column: int = field(default=1, compare=False)
-    file: str | None = field(default=None, compare=False)
-
-    @property
-    def place(self) -> str:
-        """Where an alarm of this block comes up: with the file, since a program may call others."""
-        return str(self) if self.file is None else f"{self.file} {self}"
-
-    def __str__(self) -> str:
-        number = "" if self.number is None else f", block N{self.number}"
-        return f"line {self.line}{number}"
+from axisrig.kernel.kinematics import Kinematic
+from axisrig.kernel.nc.block import Block
 
 
 @dataclass(frozen=True)
 class LinearMove:
     """A straight move of all axes together.
 
-    target_acs_mm: every axis that changes, in axis coordinates. rapid: G0, else G1.
+    target_acs_mm: every axis that changes, in axis coordinates; in tool coordinates while a
+    kinematic is on, as in every other command of the path. rapid: G0, else G1.
     feed_mm_min: path feed, None for rapid.
     """
 
@@ -46,6 +25,18 @@ class LinearMove:
     target_acs_mm: Mapping[str, float]
     rapid: bool
     feed_mm_min: float | None
+
+
+@dataclass(frozen=True)
+class KinematicChoice:
+    """Targets are tool coordinates of this kinematic from here on (#TRAFO); None: of the axes.
+
+    axes: those that it contains, in its order.
+    """
+
+    block: Block
+    kinematic: Kinematic | None
+    axes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -132,10 +123,10 @@ class MeasuringRun:
 
     target_acs_mm: every axis that changes. programmed_axes: the axes named in the block.
     measuring_axes: the axes that must be released and must signal: the moved ones without a
-    transformation, all three main axes as well under #CS. feed_mm_min: path feed, None for rapid
-    (G310 with G0) and for the speed of the axis (type 2). goes_on: the signal does not end the
-    motion (G106). error_no_signal: ERR_NO_SIGNAL of #MEAS, None = P-CHAN-00176.
-    simulated_offset_mm: SIMU_OFFSET of #MEAS, along the path.
+    transformation, all three main axes as well under #CS, every axis of a kinematic under #TRAFO.
+    feed_mm_min: path feed, None for rapid (G310 with G0) and for the speed of the axis (type 2).
+    goes_on: the signal does not end the motion (G106). error_no_signal: ERR_NO_SIGNAL of #MEAS,
+    None = P-CHAN-00176. simulated_offset_mm: SIMU_OFFSET of #MEAS, along the path.
     Source: FCT-C4 section 4.
     """
 
@@ -406,6 +397,7 @@ Measuring = MeasuringRun | ProbeSettings | DefaultProbes | PrepareProbe
 Command = (
     LinearMove
     | ArcMove
+    | KinematicChoice
     | SlopeChoice
     | DynamicWeights
     | Measuring

@@ -22,6 +22,7 @@ from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunReco
 from axisrig.kernel.measuring.simulated import SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.time.clock import Clock
@@ -151,9 +152,11 @@ class Measurement:
     def begin(self, command: canon.MeasuringRun) -> None:
         """Begin a run on the path.
 
-        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400 and those of the run.
+        Raises Alarm 50059, 900100, 900103, 900224, 900241, 900242, 900400, 900483 and those of the
+        run.
         """
         type_, measuring = command.measuring_type, command.measuring_axes
+        self._require_latches(command)
         for name in dict.fromkeys((*command.programmed_axes, *measuring)):
             self.check(name, type_)
         self._order = self._planned(command)
@@ -171,6 +174,20 @@ class Measurement:
             goes_on=command.goes_on,
             simulated=self._simulated_probes(command),
         )
+
+    def _require_latches(self, command: canon.MeasuringRun) -> None:
+        """Raise Alarm 900483 where a position is not latched in each axis of the kinematic."""
+        kinematic = self._path.kinematic
+        if kinematic is None:
+            return
+        what = None
+        if measuring_types()[command.measuring_type].runs_to_stop:
+            what = f"Type {command.measuring_type} (run to a fixed stop)"
+        for name in command.measuring_axes:
+            if self._path.settings(name).measuring.simulated[0]:
+                what = f"The simulated probe of axis {name} (P-AXIS-00112)"
+        if what is not None:
+            raise Alarm(900483, what=what, name=kinematic.name)
 
     def _simulated_probes(self, command: canon.MeasuringRun) -> dict[str, SimulatedProbe]:
         """Make the probes of axes whose list says that they are simulated (P-AXIS-00112)."""
@@ -190,7 +207,7 @@ class Measurement:
         self,
         measuring_type: int,
         axes: Sequence[str],
-        block: canon.Block,
+        block: Block,
         *,
         error_no_signal: bool | None = None,
         goes_on: bool = False,
@@ -233,7 +250,7 @@ class Measurement:
         self,
         measuring: Sequence[str],
         target_acs_mm: Mapping[str, float],
-        block: canon.Block,
+        block: Block,
         motion: StopMotion,
     ) -> FixedStopRun:
         """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
@@ -275,7 +292,7 @@ class Measurement:
     def speed_mm_s(
         self,
         measuring_type: int,
-        block: canon.Block,
+        block: Block,
         named: Sequence[str],
         moving: Sequence[str],
         wanted_mm_s: float,

@@ -1,5 +1,6 @@
 """The path of the channel: interpolator, set point buffer, links, and when the axes are at rest."""
 
+import math
 from collections import deque
 from collections.abc import Callable, Collection, Container, Mapping, Sequence
 
@@ -9,6 +10,7 @@ from axisrig.kernel.channel.path.settings import AxisSettings, ChannelSettings, 
 from axisrig.kernel.channel.path.settling import Settling
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
+from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.measuring.rules import lengthened
 from axisrig.kernel.motion.curves import Arc, Curve, Line, moved_axes
 from axisrig.kernel.motion.curves import put as with_axis
@@ -16,12 +18,16 @@ from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_
 from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from axisrig.kernel.motion.ramp import Ramp
+from axisrig.kernel.motion.tool_path import ToolCurve, tool_dynamics
+from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
 
 class Path:
     """Moves all axes of a channel together, one path at a time; axes and links in one order.
 
+    The interpolation is in axis coordinates. A target is too, but while a kinematic is on
+    (`choose_kinematic`) it is in tool coordinates, and the axes follow through the kinematic.
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
     programmed: what the program chooses of the dynamics.
@@ -51,6 +57,7 @@ class Path:
         self._common = list(range(len(self._axes)))  # the axes of the path
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
+        self.kinematic: Kinematic | None = None
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
         self._wants_hold = False
@@ -68,6 +75,28 @@ class Path:
     def superposed_mm(self, axis: str) -> float:
         """Return what is superposed on the set position of an axis in this cycle."""
         return self._offsets.superposed_mm(axis)
+
+    def position_mm(self) -> dict[str, float]:
+        """Return where the interpolation is in the coordinates of targets, by axis."""
+        return dict(zip(self._index, self._here(), strict=True))
+
+    def choose_kinematic(self, command: canon.KinematicChoice) -> None:
+        """Take targets in tool coordinates from here on, or in axis coordinates again.
+
+        To be called while the axes are at rest; nothing moves.
+        """
+        self.kinematic = command.kinematic
+
+    def end_program(self) -> None:
+        """Forget what the program has chosen: its kinematic, its slope and its weights."""
+        self.kinematic = None
+        self.programmed.begin()
+
+    def _here(self) -> Positions:
+        axes, kinematic = self.interpolator.positions_mm, self.kinematic
+        if kinematic is None:
+            return axes
+        return (*kinematic.forward(axes[: kinematic.count]), *axes[kinematic.count :])
 
     def take_over(self, positions_mm: Positions) -> None:
         """Stay where the axes are, with nothing left in the buffer."""
@@ -151,7 +180,8 @@ class Path:
     def move(self, target_acs_mm: Mapping[str, float], feed_mm_min: float | None) -> None:
         """Begin a straight move, in rapid traverse without a feed; nothing when none is needed."""
         motion = Motion.RAPID if feed_mm_min is None else Motion.FEED
-        dynamics = self.dynamics(target_acs_mm, motion)
+        highest_mm_s = math.inf if feed_mm_min is None else self._highest_mm_s(feed_mm_min / 60.0)
+        dynamics = self.dynamics(target_acs_mm, motion, highest_mm_s)
         if dynamics is None:
             return
         feed_mm_s = dynamics.speed_max_mm_s if feed_mm_min is None else feed_mm_min / 60.0
@@ -166,7 +196,7 @@ class Path:
         feed_mm_min: float,
     ) -> None:
         """Begin an arc from where the axes are; the arguments are those of `canon.ArcMove`."""
-        here = self.interpolator.positions_mm
+        here = self._here()
         names = [axis.name for axis in self._axes]
         arc = Arc(
             start_mm=here,
@@ -177,21 +207,43 @@ class Path:
         )
         feed_mm_s = feed_mm_min / 60.0
         axes = [self.programmed.dynamics(axis, Motion.FEED) for axis in self._axes]
-        for corner_mm in arc.box_mm():
-            self._require_reach(corner_mm)
-        highest_mm_s = feed_mm_s * self.override_max_permille / FULL
-        self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
+        highest_mm_s = self._highest_mm_s(feed_mm_s)
+        if self.kinematic is None:
+            for corner_mm in arc.box_mm():
+                self._require_reach(corner_mm)
+            self._follow(arc, feed_mm_s, arc_dynamics(axes, arc, highest_mm_s))
+            return
+        curve = self._of_axes(arc)
+        self._require_reach_of(curve)
+        self._follow(curve, feed_mm_s, tool_dynamics(axes, curve, highest_mm_s))
 
-    def dynamics(self, target_acs_mm: Mapping[str, float], motion: Motion) -> Dynamics | None:
-        """Return the dynamics of the straight path to the target, None when nothing moves."""
-        deltas = [
-            target_acs_mm.get(axis.name, here) - here
-            for axis, here in zip(self._axes, self.interpolator.positions_mm, strict=True)
-        ]
+    def _highest_mm_s(self, feed_mm_s: float) -> float:
+        """Return the feed at the largest override."""
+        return feed_mm_s * self.override_max_permille / FULL
+
+    def _of_axes(self, path: Curve) -> ToolCurve:
+        """See a path of tool coordinates from the axes."""
+        assert self.kinematic is not None
+        return ToolCurve(path, self.kinematic, self.interpolator.positions_mm)
+
+    def dynamics(
+        self, target_acs_mm: Mapping[str, float], motion: Motion, highest_mm_s: float = math.inf
+    ) -> Dynamics | None:
+        """Return the dynamics of the straight path to the target, None when nothing moves.
+
+        highest_mm_s: what the feed will not be above.
+        """
+        here = self._here()
+        target = tuple(
+            target_acs_mm.get(axis.name, at) for axis, at in zip(self._axes, here, strict=True)
+        )
+        deltas = [end - at for end, at in zip(target, here, strict=True)]
         if not any(deltas):
             return None
         axes = [self.programmed.dynamics(axis, motion) for axis in self._axes]
-        return path_dynamics(axes, deltas)
+        if self.kinematic is None:
+            return path_dynamics(axes, deltas)
+        return tool_dynamics(axes, self._of_axes(Line(here, target)), highest_mm_s)
 
     def begin(
         self,
@@ -206,12 +258,18 @@ class Path:
         Raises Alarm 900012 for a target that cannot be sent to a drive, 120002 or 120003 for one
         past a software limit switch.
         """
-        here = dict(zip(self._index, self.interpolator.positions_mm, strict=True))
+        here = self.position_mm()
         target = {**here, **target_acs_mm}
         if overtravel_mm is not None:
             target = lengthened(here, target, overtravel_mm)
-        self._require_reach(tuple(target.values()))
-        self._follow(Line(tuple(here.values()), tuple(target.values())), feed_mm_s, dynamics)
+        line = Line(tuple(here.values()), tuple(target.values()))
+        if self.kinematic is None:
+            self._require_reach(line.end_mm)
+            self._follow(line, feed_mm_s, dynamics)
+        else:
+            curve = self._of_axes(line)
+            self._require_reach_of(curve)
+            self._follow(curve, feed_mm_s, dynamics)
 
     def require_reach(self, axis: str, target_mm: float) -> None:
         """Raise Alarm 900012, 120002 or 120003 for a target that an axis must not be moved to."""
@@ -230,6 +288,10 @@ class Path:
         for axis, here, target_mm in zip(self._index, here_mm, positions_mm, strict=True):
             if target_mm != here:
                 self.require_reach(axis, target_mm)
+
+    def _require_reach_of(self, curve: ToolCurve) -> None:
+        for corner_mm in curve.box_mm():
+            self._require_reach(corner_mm)
 
     def _follow(self, curve: Curve, feed_mm_s: float, dynamics: Dynamics) -> None:
         full_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
@@ -261,7 +323,7 @@ class Path:
             self._lead(is_held=self.interpolator.is_held)
 
     def _share(self, curve: Curve) -> float:
-        moved = moved_axes(curve) if self._slowed else ()
+        moved = _moved(curve) if self._slowed else ()
         least = min((self._slowed[axis] for axis in moved if axis in self._slowed), default=FULL)
         return self._override_permille * least / FULL**2
 
@@ -286,7 +348,7 @@ class Path:
             self.holds.append((self._clock.now_ns, is_held))
 
     def _moves_held_axis(self, curve: Curve) -> bool:
-        return not self._held_axes.isdisjoint(moved_axes(curve))
+        return not self._held_axes.isdisjoint(_moved(curve))
 
     def _lead(self, *, is_held: bool) -> None:
         if self._feed is None:
@@ -356,3 +418,7 @@ class Path:
             if (name := self._axes[i].name) not in but_for and name not in floating
         )
         return self._settling.judge((self._axes[i], self._links[i]) for i in asked)
+
+
+def _moved(curve: Curve) -> frozenset[int]:
+    return curve.moved if isinstance(curve, ToolCurve) else moved_axes(curve)

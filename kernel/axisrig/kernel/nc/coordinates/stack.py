@@ -2,7 +2,9 @@
 
 PCS   programmed coordinates of the active coordinate system.
 ABS   PCS + all shifts of the axis, same coordinate system.
-ACS   axis coordinates: ABS through the stack of coordinate systems.
+BASE  ABS through the stack of coordinate systems: axis coordinates, or while a kinematic is on
+      the coordinates of the tool.
+ACS   axis coordinates: BASE through the kinematic, the same without one.
 
 Shifts take effect for an axis with its next absolute programming. A new coordinate system is
 relative to the shifted one below it and begins without shifts; those programmed in it end with it.
@@ -16,10 +18,13 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError, PlaneArc, plane_arc
+from axisrig.kernel.kinematics import Kinematic
+from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError, plane_arc
 from axisrig.kernel.nc.coordinates.frames import MAIN_AXES, Array, Frame
 from axisrig.kernel.nc.coordinates.places import XY, Plane, main_places
 from axisrig.kernel.nc.coordinates.shifts import Shifts
+from axisrig.kernel.nc.coordinates.state import Arc, AxisState, Level, Measured
+from axisrig.kernel.nc.coordinates.tool import axis_positions, tool_coordinates
 from axisrig.kernel.nc.coordinates.tools import Tool
 
 # An axis whose target differs by less does not move: far below every encoder increment, far above
@@ -30,83 +35,28 @@ FARTHEST_MM = 214_748.3647
 
 
 @dataclass
-class _Level:
-    """One coordinate system of the stack with the shifts programmed in it, by axis.
-
-    own: relative to the shifted system below. frame: down to the axes. zero_group: G54 is 1.
-    """
-
-    own: Frame
-    frame: Frame
-    carried_mm: dict[str, float]
-    zero_mm: dict[str, float]
-    reference_mm: dict[str, float]
-    measurement_mm: dict[str, float]
-    zero_group: int = 0
-
-    @classmethod
-    def begin(cls, own: Frame, frame: Frame, carried_mm: dict[str, float]) -> "_Level":
-        """Make a level in which no shift has been programmed yet."""
-        none = dict.fromkeys(carried_mm, 0.0)
-        return cls(own, frame, carried_mm, none, dict(none), dict(none))
-
-
-@dataclass
-class _AxisState:
-    """Where one axis is in the active coordinate system, and how it got there.
-
-    absolute_mm: ABS. shifts: those that were in effect when it was programmed absolutely.
-    programmed_mm: PCS of the last block that programmed it.
-    """
-
-    absolute_mm: float
-    shifts: Shifts
-    programmed_mm: float
-
-
-@dataclass(frozen=True)
-class Measured:
-    """The values of one axis after a measuring run, in mm; see `variables.csv`."""
-
-    acs_mm: float
-    mess_mm: float
-    pcs_mm: float
-    offset_mm: float
-
-
-@dataclass(frozen=True)
-class Arc:
-    """An arc as the axes see it; the fields are those of `canon.ArcMove`.
-
-    plane: the same in the plane of the active coordinate system, in ABS.
-    """
-
-    target_acs_mm: Mapping[str, float]
-    centre_acs_mm: Mapping[str, float]
-    tangent: Mapping[str, float]
-    angle_rad: float
-    plane: PlaneArc
-
-
-@dataclass
 class Coordinates:
     """The coordinate systems of a channel and the position it has been sent to.
 
     axes: all axes, main axes first. acs_mm: where every axis is. tool: data of the tool in
     use, a copy that may be written. plane: of circles, and where the length of the tool acts.
+    kinematic: between BASE and ACS, None without; it works on the first axes.
     """
 
     axes: tuple[str, ...]
     acs_mm: dict[str, float]
     tool: Tool = field(default_factory=Tool)
     plane: Plane = XY
-    _levels: list[_Level] = field(init=False)
-    _state: dict[str, _AxisState] = field(init=False)
+    kinematic: Kinematic | None = field(init=False, default=None)
+    _base_mm: dict[str, float] = field(init=False)  # acs_mm itself without a kinematic
+    _levels: list[Level] = field(init=False)
+    _state: dict[str, AxisState] = field(init=False)
     _direction: dict[str, float] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
+        self._base_mm = self.acs_mm
         identity = Frame.identity()
-        self._levels = [_Level.begin(identity, identity, self._none())]
+        self._levels = [Level.begin(identity, identity, self._none())]
         self._places = main_places(self.axes)
         self._state = {}
         self._renew()
@@ -130,6 +80,17 @@ class Coordinates:
     def main_axes(self) -> tuple[str, ...]:
         """The axes that a coordinate system turns."""
         return self.axes[:MAIN_AXES]
+
+    @property
+    def kinematic_axes(self) -> tuple[str, ...]:
+        """The axes that the kinematic which is on contains; none without one."""
+        return () if self.kinematic is None else self.axes[: self.kinematic.count]
+
+    @property
+    def common_axes(self) -> tuple[str, ...]:
+        """The axes whose positions are converted together: one alone has no coordinate."""
+        turned = self.main_axes if self.transformed else ()
+        return tuple(dict.fromkeys((*turned, *self.kinematic_axes)))
 
     @property
     def origin_acs_mm(self) -> tuple[float, ...]:
@@ -171,7 +132,7 @@ class Coordinates:
         carried = {axis: self.shifts(axis).system_mm for axis in self.axes}
         carried.update(dict.fromkeys(self.main_axes, 0.0))  # theirs are in the origin
         below = self._on_top(self._levels[-1])
-        self._levels.append(_Level.begin(frame, below.then(frame), carried))
+        self._levels.append(Level.begin(frame, below.then(frame), carried))
         self._renew()
 
     def switch_off(self) -> None:
@@ -192,7 +153,7 @@ class Coordinates:
             level.frame = self._on_top(below).then(level.own)
         self._renew()
 
-    def _on_top(self, level: _Level) -> Frame:
+    def _on_top(self, level: Level) -> Frame:
         """Give the frame of a level with its shifts in the origin, but for the tool."""
         offset = [
             level.carried_mm[a] + level.zero_mm[a] + level.reference_mm[a] + level.measurement_mm[a]
@@ -200,6 +161,19 @@ class Coordinates:
         ]
         offset += [0.0] * (MAIN_AXES - len(offset))
         return level.frame.then(Frame.shifted(offset))
+
+    def use_kinematic(self, kinematic: Kinematic | None, acs_mm: Mapping[str, float]) -> None:
+        """Program in the coordinates of the tool from here on, None: of the axes.
+
+        acs_mm: where every axis is, as the position to begin with (position initialised).
+        Raises Alarm for a pose that the kinematic refuses; nothing has changed then.
+        """
+        acs_mm = {axis: acs_mm[axis] for axis in self.axes}
+        base_mm = tool_coordinates(self.axes, kinematic, acs_mm)
+        if kinematic is not None:  # a pose that has no way back to the axes is refused here
+            axis_positions(self.axes, kinematic, base_mm, acs_mm)
+        self.kinematic, self.acs_mm, self._base_mm = kinematic, acs_mm, base_mm
+        self._renew()
 
     # ---- shifts
 
@@ -227,8 +201,11 @@ class Coordinates:
 
         Length along the third axis of the plane, less the axis offsets. Source: TF5200 304765835
         (#TLAX [Z+] is the rule of G17), HLI 174744587 (ACS = PCS - TotalOffset, where the axis
-        offsets of the tool count positive), P-TOOL-00010 (fixed tools).
+        offsets of the tool count positive), P-TOOL-00010 (fixed tools). While a kinematic is on the
+        tool is a part of it.
         """
+        if axis in self.kinematic_axes:
+            return 0.0
         main = self.main_axes
         if axis not in main or not (self.transformed and self.tool.fixed):
             return self._tool_of_axis_mm(axis)
@@ -243,7 +220,7 @@ class Coordinates:
     # ---- moves
 
     def aim(self, programmed_mm: Mapping[str, float], *, absolute: bool) -> dict[str, float]:
-        """Take the axis words of a move; return the new axis position of every axis that changes.
+        """Take the axis words of a move; return the new BASE of every axis that changes.
 
         absolute: G90, values are coordinates; otherwise distances from where the axis is.
         Raises GeometryError for a position that no axis can have.
@@ -277,7 +254,7 @@ class Coordinates:
         plane = plane_arc(start, self._in_plane(axes), words)
         changed = self._go()
         moved = self.main_axes if self.transformed else axes
-        target = {axis: self.acs_mm[axis] for axis in self.axes if axis in moved or axis in changed}
+        target = {a: self._base_mm[a] for a in self.axes if a in moved or a in changed}
         centre = height | dict(zip(axes, plane.centre, strict=True))
         tangent = self._none() | dict(zip(axes, plane.tangent, strict=True))
         if self.transformed:
@@ -329,7 +306,7 @@ class Coordinates:
                 state.programmed_mm = state.absolute_mm - state.shifts.total_mm
 
     def _go(self) -> dict[str, float]:
-        target_mm = self._to_acs({axis: self._state[axis].absolute_mm for axis in self.axes})
+        target_mm = self._to_base({axis: self._state[axis].absolute_mm for axis in self.axes})
         for axis, position_mm in target_mm.items():
             if not abs(position_mm) <= FARTHEST_MM:  # also when it is no number
                 raise GeometryError(
@@ -338,25 +315,28 @@ class Coordinates:
         changed = {
             axis: position_mm
             for axis, position_mm in target_mm.items()
-            if abs(position_mm - self.acs_mm[axis]) > SAME_POSITION_MM
+            if abs(position_mm - self._base_mm[axis]) > SAME_POSITION_MM
         }
-        self.acs_mm.update(changed)
+        self._base_mm.update(changed)
+        if self.kinematic is not None and changed:
+            self.acs_mm = axis_positions(self.axes, self.kinematic, self._base_mm, self.acs_mm)
         return changed
 
     def stand_at(self, acs_mm: Mapping[str, float]) -> None:
         """Take over where axes really ended; what was programmed stays as it is."""
         self.acs_mm.update(acs_mm)
-        for axis, position_mm in self._from_acs(self.acs_mm).items():
+        self._base_mm = tool_coordinates(self.axes, self.kinematic, self.acs_mm)
+        for axis, position_mm in self._from_base(self._base_mm).items():
             self._state[axis].absolute_mm = position_mm
 
     def begin_at(self, acs_mm: Mapping[str, float]) -> None:
         """Take over where axes are, as what was programmed for them (position initialised).
 
-        In a turned system the place of one main axis is part of the coordinates of all.
+        Where positions are converted together the place of one axis is part of all coordinates.
         """
         self.stand_at(acs_mm)
-        turned = self.main_axes if self.transformed and acs_mm.keys() & set(self.main_axes) else ()
-        self.take_as_target({*acs_mm, *turned})
+        common = self.common_axes if acs_mm.keys() & set(self.common_axes) else ()
+        self.take_as_target({*acs_mm, *common})
 
     def without_shifts_mm(self, acs_mm: Mapping[str, float], axis: str) -> float:
         """Give where an axis is in the active system without its shifts, from axis positions."""
@@ -379,14 +359,16 @@ class Coordinates:
     ) -> dict[str, Measured]:
         """Convert latched axis positions of the run just ended, with what was programmed for it.
 
-        Main axes under a coordinate system need the latched values of all three; without them
-        none of them has a value. Formulas: MEAS.PCS = MESS - all shifts + ball radius in the
-        direction of the run; MOFFS = MESS - PROG - zero shifts - tool.
+        Axes that are converted together, the main axes under a coordinate system and all of a
+        kinematic, need the latched values of all of them; without them none has a value.
+        Formulas: MEAS.PCS = MESS - all shifts + ball radius in the direction of the run;
+        MOFFS = MESS - PROG - zero shifts - tool.
         Source: FCT-C4 section 5, table of the variables; P-CHAN-00311.
         """
         usable = dict(latched_acs_mm)
-        if self.transformed and not usable.keys() >= set(self.main_axes):
-            usable = {a: v for a, v in usable.items() if a not in self.main_axes}
+        common = set(self.common_axes)
+        if not usable.keys() >= common:
+            usable = {a: v for a, v in usable.items() if a not in common}
         in_system_mm = self._from_acs({**self.acs_mm, **usable})
         values = {}
         for axis, acs_mm in usable.items():
@@ -409,7 +391,7 @@ class Coordinates:
     def _by_axis(self, vector: Array) -> dict[str, float]:
         return dict(zip(self.main_axes, vector.tolist(), strict=True))
 
-    def _to_acs(self, absolute_mm: Mapping[str, float]) -> dict[str, float]:
+    def _to_base(self, absolute_mm: Mapping[str, float]) -> dict[str, float]:
         position = dict(absolute_mm)
         if self.transformed:
             lower = self._levels[-1].frame.down(self._vector(position))
@@ -417,7 +399,14 @@ class Coordinates:
         return position
 
     def _from_acs(self, acs_mm: Mapping[str, float]) -> dict[str, float]:
-        position = dict(acs_mm)
+        if self.kinematic is None:
+            return self._from_base(acs_mm)
+        return self._from_base(
+            tool_coordinates(self.axes, self.kinematic, {**self.acs_mm, **acs_mm})
+        )
+
+    def _from_base(self, base_mm: Mapping[str, float]) -> dict[str, float]:
+        position = dict(base_mm)
         if self.transformed:
             upper = self._levels[-1].frame.up(self._vector(position))
             position.update(self._by_axis(upper))
@@ -425,9 +414,9 @@ class Coordinates:
 
     def _renew(self) -> None:
         """Express where the axes are in the coordinate system that is active now."""
-        for axis, position_mm in self._from_acs(self.acs_mm).items():
+        for axis, position_mm in self._from_base(self._base_mm).items():
             shifts = self.shifts(axis)
-            self._state[axis] = _AxisState(
+            self._state[axis] = AxisState(
                 absolute_mm=position_mm,
                 shifts=shifts,
                 programmed_mm=position_mm - shifts.total_mm,

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from axisrig.kernel.kinematics import KinematicData
 from axisrig.kernel.nc.coordinates.circle import DEFAULT_LIMITS, CircleLimits
 from axisrig.kernel.nc.coordinates.lists import TOOLS, ZERO_OFFSETS, Entry, read_entries, read_entry
 from axisrig.kernel.nc.coordinates.tools import Tools, make_tools
@@ -16,7 +17,8 @@ class OffsetTables:
     """Zero offsets, tools and what decides on their use.
 
     rotary: axes in degrees, which have no inch. ball_radius_counts: the radius of the tool is in
-    V.A.MEAS.PCS.VALUE (P-CHAN-00311 = 0). circle: how exact an arc must be.
+    V.A.MEAS.PCS.VALUE (P-CHAN-00311 = 0). circle: how exact an arc must be. kinematics:
+    parameters that the list of the channel has of them.
     """
 
     zero_offsets: ZeroOffsets = field(default_factory=ZeroOffsets)
@@ -24,6 +26,7 @@ class OffsetTables:
     rotary: frozenset[str] = frozenset()
     ball_radius_counts: bool = True
     circle: CircleLimits = DEFAULT_LIMITS
+    kinematics: KinematicData = field(default_factory=KinematicData)
 
 
 @dataclass
@@ -46,6 +49,7 @@ class Lists:
         rotary: Sequence[str],
         ball_radius_counts: bool,
         circle: CircleLimits = DEFAULT_LIMITS,
+        kinematics: KinematicData | None = None,
     ) -> OffsetTables:
         """Make the tables of one run."""
         return OffsetTables(
@@ -54,4 +58,5 @@ class Lists:
             frozenset(rotary),
             ball_radius_counts,
             circle,
+            kinematics or KinematicData(),
         )

@@ -3,9 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import GeometryError, OffsetTables
 from axisrig.kernel.nc.decoder import axes, registry
 from axisrig.kernel.nc.decoder.base.cells import Store
@@ -125,6 +125,10 @@ def _decode(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
         yield from _decode_part(context, part)
     except GeometryError as error:
         raise context.alarm(error.alarm_id, part.block, **error.values) from None
+    except Alarm as alarm:
+        if alarm.place is None:
+            raise alarm.at(context.place(part.block)) from None
+        raise
 
 
 def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command]:
@@ -153,14 +157,7 @@ def _decode_part(context: Context, part: ProgramBlock) -> Iterator[canon.Command
 
 def _refuses_itself(part: ProgramBlock) -> bool:
     """Whether a word that does not act has a handler, which can say more exactly what it is."""
-    statement = part.statement
-    if isinstance(statement, Words):
-        return part.not_acting[0].word in technology.SPINDLE
-    return (
-        isinstance(statement, Command)
-        and statement.name in registry.COMMANDS
-        and part.not_acting[0].word == f"#{statement.name}"
-    )
+    return isinstance(part.statement, Words) and part.not_acting[0].word in technology.SPINDLE
 
 
 def _decode_statement(

@@ -11,8 +11,6 @@ from axisrig.kernel.nc.text.words import commands, variables, words
 # They shape the text: the rooms of the text carry them out
 _LETTERS = "GMNPLV"
 _COMMANDS = ("COMMENT BEGIN", "COMMENT END", "L CYCLE")
-# Their handlers refuse them, with more to say than the table has
-_REFUSED = ("TRAFO", "TRAFO ON")
 _AXIS = "<axis>"
 
 
@@ -55,7 +53,7 @@ def _commands() -> Iterator[Entry]:
             is_handled = word in registry.AXIS_COMMANDS
             yield Entry(f"{_AXIS}[{word}]", "commands.csv", acts, is_handled)
         else:
-            is_handled = name in (registry.COMMANDS.keys() - _REFUSED) or name in _COMMANDS
+            is_handled = name in registry.COMMANDS or name in _COMMANDS
             yield Entry(f"#{name}", "commands.csv", acts, is_handled)
 
 

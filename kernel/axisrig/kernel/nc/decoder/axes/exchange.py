@@ -10,7 +10,7 @@ from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.axes import distance
 from axisrig.kernel.nc.decoder.axes.independent import wait_for_all
 from axisrig.kernel.nc.decoder.axes.state import states
@@ -34,7 +34,7 @@ FORBIDS: Final[tuple[Callable[[Context, Block, str], Alarm | None], ...]] = (
 def put(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     """#PUT AX [axis, ..] and #PUT AX ALL; axes that were given away already are no error.
 
-    Raises Alarm 20545 and 70333.
+    Raises Alarm 20545, 70333 and 900482.
     """
     known = states(context)
     named = [a for bracket in brackets(command) for a in bracket.arguments]
@@ -43,6 +43,7 @@ def put(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
     )
     axes = list(context.axes) if is_all else [axis_named(context, a) for a in named]
     given = tuple(a for a in dict.fromkeys(axes) if a is not None and a not in known.away)
+    context.require_free(block, given, "#PUT AX")
     yield from distance.known_states(context, block, given)
     for axis in given:
         for forbids in FORBIDS:

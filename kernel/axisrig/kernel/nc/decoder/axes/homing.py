@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.axes import distance
 from axisrig.kernel.nc.decoder.axes.independent import wait_for_all
 from axisrig.kernel.nc.decoder.axes.state import states
@@ -26,6 +26,7 @@ def home(context: Context, block: Block, words: Words) -> Iterator[canon.Command
     51062 while the distance control of an axis is on.
     """
     known = states(context)
+    context.require_free(block, (axis for axis, _ in words.axes), "G74")
     if known.active:
         raise context.alarm(20137, block, g_function="G74", group=known.active[-1])
     order = {axis: context.value(block, value) for axis, value in words.axes}

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates.stack import SAME_POSITION_MM
 from axisrig.kernel.nc.decoder.axes import coupling, distance
 from axisrig.kernel.nc.decoder.axes.state import forbidden, states
@@ -170,6 +170,8 @@ def _check(
             raise context.alarm(21068, block, g_function=word, axis=axis)
     if context.coordinates.transformed and axis in context.coordinates.main_axes:
         raise context.alarm(21071, block, axis=axis, transformation="Cartesian")
+    if axis in context.coordinates.kinematic_axes:
+        raise context.alarm(21071, block, axis=axis, transformation="kinematic")
     group = states(context).group_of(axis)
     if group is not None:
         raise context.alarm(21481, block, axis=axis, group=group)

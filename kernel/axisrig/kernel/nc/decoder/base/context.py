@@ -1,12 +1,12 @@
 """What the topics of the decoder share: the program, the machine, modal state, values, alarms."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeVar
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Coordinates, OffsetTables
 from axisrig.kernel.nc.coordinates.lists import INCH_MM
 from axisrig.kernel.nc.decoder.base.frames import Flow
@@ -165,6 +165,13 @@ class Context:
             raise self.alarm(20312, block, number=f"{number:g}")
         return axis
 
+    def require_free(self, block: Block, axes: Iterable[str], word: str) -> None:
+        """Raise Alarm 900482 for an axis that the kinematic which is on contains."""
+        kinematic, inside = self.coordinates.kinematic, self.coordinates.kinematic_axes
+        for axis in axes:
+            if kinematic is not None and axis in inside:
+                raise self.alarm(900482, block, axis=axis, name=kinematic.name, word=word)
+
     def index_alarm(self, block: Block, name: str, index: int, last: int) -> Alarm:
         """Make the alarm of an index that is too large."""
         return self.alarm(20403, block, name=name, value=index, lower=0, upper=last)
@@ -250,8 +257,11 @@ class Context:
 
     def alarm(self, alarm_id: int, block: Block, **values: object) -> Alarm:
         """Make an alarm with file, line and block number as its place."""
-        file = "" if self.flow.file is None else f"{self.flow.file} "
-        return Alarm(alarm_id, place=f"{file}{block}", **values)
+        return Alarm(alarm_id, place=self.place(block), **values)
+
+    def place(self, block: Block) -> str:
+        """Give file, line and block number."""
+        return str(block) if self.flow.file is None else f"{self.flow.file} {block}"
 
     def not_acting(self, block: Block, word: str, what: str) -> Alarm:
         """Make the alarm of a word that the manuals contain and the kernel does not carry out."""

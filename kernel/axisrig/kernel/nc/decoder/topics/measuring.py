@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Measured
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Reader, Topic, silent
@@ -90,9 +90,7 @@ def _run(
     target_mm = coordinates.aim(values, absolute=context.modal.absolute)
     if not target_mm:
         raise context.alarm(900103, block, axes=" ".join(values))
-    involved = set(target_mm)
-    if coordinates.transformed:
-        involved |= set(coordinates.main_axes)
+    involved = {*target_mm, *coordinates.common_axes}
     measuring = tuple(axis for axis in context.axes if axis in involved)
     yield canon.MeasuringRun(
         block,
@@ -106,7 +104,8 @@ def _run(
         simulated_offset_mm=context.part(Measurements).simulated_offset_mm,
     )
     yield canon.Wait(block)
-    take_results(context, measuring, tuple(values), moved=tuple(target_mm))
+    moved = dict.fromkeys((*target_mm, *coordinates.kinematic_axes))
+    take_results(context, measuring, tuple(values), moved=tuple(moved))
 
 
 def _check_axes(context: Context, block: Block, kind: MeasuringType, axes: Sequence[str]) -> None:

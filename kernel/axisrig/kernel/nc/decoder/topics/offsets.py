@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Coordinates
 from axisrig.kernel.nc.coordinates.places import PLANES
 from axisrig.kernel.nc.coordinates.zero_offsets import GROUPS
@@ -61,8 +61,8 @@ def _of_axis(value_of: Callable[[Coordinates, str], float]) -> Reader:
 def _actual(context: Context, block: Block, upper: str) -> float:
     """V.A.ACT_POS: the actual position in the active system without shifts."""
     axis, machine = context.axis(upper), context.machine
-    asked = context.coordinates.main_axes if context.coordinates.transformed else ()
-    actual = {name: machine.actual_acs_mm(name) for name in {axis, *asked}}
+    asked = {axis, *context.coordinates.common_axes}
+    actual = {name: machine.actual_acs_mm(name) for name in asked}
     return context.shown(axis, context.coordinates.without_shifts_mm(actual, axis))
 
 

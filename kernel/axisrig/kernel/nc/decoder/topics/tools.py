@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Tool
 from axisrig.kernel.nc.coordinates.tools import TOOLS
 from axisrig.kernel.nc.decoder.base.context import Context
@@ -28,7 +28,14 @@ def _announce(context: Context, block: Block, words: Words) -> None:
     context.part(ToolNumbers).t = round(context.value(block, expression))
 
 
-def _take(context: Context, block: Block, words: Words) -> None:
+def _changed(context: Context, block: Block) -> Iterator[canon.Command]:
+    """Warn of a tool that changes while a kinematic is on: it has taken its length."""
+    kinematic = context.coordinates.kinematic
+    if kinematic is not None:
+        yield canon.Warn(block, context.alarm(900481, block, name=kinematic.name))
+
+
+def _take(context: Context, block: Block, words: Words) -> Iterator[canon.Command]:
     """D: data of a tool; D0 takes them off. Source: TF5200 coordinate systems 306370955."""
     number = _number(context, block, words)
     tool = context.tools.find(number)
@@ -36,6 +43,7 @@ def _take(context: Context, block: Block, words: Words) -> None:
         raise context.alarm(900154, block, word=f"D{number}")
     context.part(ToolNumbers).d = number
     context.coordinates.tool = tool.copy()
+    yield from _changed(context, block)
 
 
 def _number(context: Context, block: Block, words: Words) -> int:
@@ -86,7 +94,8 @@ def _length(find: Find, name: str) -> tuple[Reader, Writer]:
             name,
             context.number(block, value) * context.unit_mm,
         )
-        return iter(())
+        if find is _in_use:
+            yield from _changed(context, block)
 
     return read, write
 
@@ -137,7 +146,7 @@ _ACCESS: Mapping[str, tuple[Reader, Writer]] = {
 }
 
 TOPIC = Topic(
-    addresses={"T": silent(_announce), "D": silent(_take)},
+    addresses={"T": silent(_announce), "D": _take},
     readers={
         "V.G.T_AKT": _t,
         "V.G.D_AKT": _d,

@@ -1,0 +1,80 @@
+"""Kinematic 98: the tool is virtually extended where tilting would bring the head too low.
+
+It follows another kinematic as second step and moves the TCP along the tool. With the tilt t, the
+length L1 of the tool and HD2 <= HD3:
+
+    t <= HD2         L2 = L1
+    HD2 < t <= HD3   L2 = L1 cos HD2 / cos t    the clamping point keeps its height
+    t > HD3          L2 = L1 cos HD2 / cos HD3  frozen
+
+HD1 is a further length of the lever. Facts: ISG kernel, KIN_TYP_98 (1093483659), FCT-M3 12.4.2;
+what they leave open: docs/ambiguities.md.
+"""
+
+import math
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.kinematics.kinematic import Kinematic, Positions, Vector
+
+TOLERANCE_DEG = 1e-9  # of a tilt that is exactly the largest one
+
+
+class ExtendedTool(Kinematic):
+    """The kinematic of the first step with the tool extended.
+
+    hd1_mm: further length. start_deg, end_deg: HD2 and HD3, end_deg = largest_deg where HD3 is
+    missing. largest_deg: HD4.
+    """
+
+    def __init__(
+        self,
+        first: Kinematic,
+        hd1_mm: float,
+        start_deg: float,
+        end_deg: float,
+        largest_deg: float,
+    ) -> None:
+        super().__init__(f"{first.name}, 98", first.rotary, first.axes)
+        self._first = first
+        self._hd1_mm = hd1_mm
+        self._start_deg, self._end_deg, self._largest_deg = start_deg, end_deg, largest_deg
+
+    def forward(self, axes: Positions) -> Positions:
+        """Give the tool coordinates; a tilt above HD4 counts as it is."""
+        tool = self._first.forward(axes)
+        return self._shifted(tool, -1.0)
+
+    def inverse(self, tool: Positions, near: Positions) -> Positions:
+        """Give the axis positions.
+
+        Raises Alarm for a tilt above HD4, and what the first step raises.
+        """
+        tilt_deg = self.tilt_deg(tool)
+        if tilt_deg > self._largest_deg + TOLERANCE_DEG:
+            limit, tilt = f"{self._largest_deg:g}", f"{tilt_deg:.4f}"
+            raise Alarm(900444, tilt_deg=tilt, limit_deg=limit)
+        return self._first.inverse(self._shifted(tool, 1.0), near)
+
+    def direction(self, tool: Positions) -> Vector:
+        """Give u, which the extension does not change."""
+        return self._first.direction(tool)
+
+    def length_mm(self, tool: Positions) -> float:
+        """Give L2."""
+        length_mm, tilt_deg = self._first.length_mm(tool), self.tilt_deg(tool)
+        if tilt_deg <= self._start_deg or self._start_deg >= 90.0:
+            return length_mm
+        end_deg = min(tilt_deg, self._end_deg)
+        start = math.cos(math.radians(self._start_deg))
+        return length_mm * start / math.cos(math.radians(end_deg))
+
+    def _shifted(self, tool: Positions, sign: float) -> Positions:
+        """Move the TCP along the tool: +1 to the TCP of the first step, -1 from it."""
+        way_mm = sign * (self._hd1_mm + self.length_mm(tool) - self._first.length_mm(tool))
+        u = self._first.direction(tool)
+        return (
+            tool[0] + way_mm * u[0],
+            tool[1] + way_mm * u[1],
+            tool[2] + way_mm * u[2],
+            *tool[3:],
+        )

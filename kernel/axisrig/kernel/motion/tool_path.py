@@ -1,0 +1,153 @@
+"""A path of the tool: the axes follow through a kinematic (docs/kinematics.md, "The path").
+
+The path is given in tool coordinates, the interpolator gets axis positions. Its length is the way
+of the tool centre point; where that stays, the way of the other coordinates in degrees.
+"""
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+
+from axisrig.kernel.kinematics import Kinematic
+from axisrig.kernel.motion.course import AnySlope
+from axisrig.kernel.motion.curves import Arc, Curve, Positions
+from axisrig.kernel.motion.dynamics import Dynamics, together, weakest
+
+# So far apart are the places where a path is looked at, in mm or degrees, and at most so many
+STEP = 0.5
+PLACES_MIN, PLACES_MAX = 32, 1024
+# Derivatives come from differences of places; over one degree of a turn they miss less than this
+MARGIN = 1.001
+# A change of direction, over the whole path, that is rounding
+STRAIGHT = 1e-7
+_TCP = 3
+
+
+class ToolCurve:
+    """A curve of tool coordinates seen from the axes.
+
+    path: in tool coordinates, then the axes that the kinematic does not contain. near: where all
+    axes are; the pose of the axes is followed from there without a jump. Raises Alarm for a path
+    that leaves the reach of the machine or meets a pose that the kinematic refuses.
+    """
+
+    def __init__(self, path: Curve, kinematic: Kinematic, near: Positions) -> None:
+        self.path, self._kinematic = path, kinematic
+        self.start_mm = near
+        self.length_mm = way_mm(path)
+        self._scale = path.length_mm / self.length_mm if self.length_mm > 0.0 else 0.0
+        wanted = math.ceil(_turned(path) / STEP)
+        self._count = min(max(wanted, PLACES_MIN), PLACES_MAX)
+        self.places = self._walk(near)
+        self.end_mm = self.places[-1]
+
+    def _walk(self, near: Positions) -> list[Positions]:
+        """Give the axis positions at equal distances, each from the one before."""
+        places = [near]
+        for at in range(1, self._count):
+            places.append(self._axes(self.path.at(self.path.length_mm * at / self._count), near))
+            near = places[-1]
+        places.append(self._axes(self.path.end_mm, near))
+        return places
+
+    def _axes(self, tool: Positions, near: Positions) -> Positions:
+        count = self._kinematic.count
+        return (*self._kinematic.inverse(tool[:count], near[:count]), *tool[count:])
+
+    def at(self, travelled_mm: float) -> Positions:
+        """Give the axis positions after `travelled_mm` of the tool."""
+        share = travelled_mm / self.length_mm if self.length_mm > 0.0 else 0.0
+        index = min(max(int(share * self._count), 0), self._count)
+        return self._axes(self.path.at(travelled_mm * self._scale), self.places[index])
+
+    def with_axis(self, index: int, position_mm: float) -> "ToolCurve":
+        """Give the same path with an axis that the kinematic does not contain at another place."""
+        if index < self._kinematic.count:
+            raise ValueError(f"axis {index} belongs to the kinematic")
+        near = (*self.start_mm[:index], position_mm, *self.start_mm[index + 1 :])
+        return ToolCurve(self.path.with_axis(index, position_mm), self._kinematic, near)
+
+    @property
+    def moved(self) -> frozenset[int]:
+        """The places of the axes that move anywhere on the path."""
+        lowest, highest = self.box_mm()
+        return frozenset(i for i, (a, b) in enumerate(zip(lowest, highest, strict=True)) if a != b)
+
+    def box_mm(self) -> tuple[Positions, Positions]:
+        """Give the lowest and the highest positions of the axes at the places."""
+        columns = list(zip(*self.places, strict=True))
+        return tuple(map(min, columns)), tuple(map(max, columns))
+
+    def steepness(self) -> list[tuple[float, float]]:
+        """Give the largest |dq/ds| and |d²q/ds²| of every axis; s is the way of the tool.
+
+        Central differences of the places, whose error over half a degree of a turn is 2e-5 of the
+        value (its square / 12).
+        """
+        step = self.length_mm / self._count
+        found = []
+        for q in zip(*self.places, strict=True):
+            slopes = [abs(b - a) / step for a, b in itertools.pairwise(q)]
+            bends = [
+                abs(a - 2.0 * b + c) / step**2 for a, b, c in zip(q, q[1:], q[2:], strict=False)
+            ]
+            bend = max(bends, default=0.0)
+            is_straight = bend * self.length_mm <= STRAIGHT
+            found.append(
+                (max(slopes, default=0.0), 0.0)
+                if is_straight
+                else (max(slopes) * MARGIN + bend * step / 2.0, bend * MARGIN)
+            )
+        return found
+
+
+def way_mm(path: Curve) -> float:
+    """Return how far the tool centre point moves; without that, the way of the rest in degrees."""
+    if isinstance(path, Arc):
+        return math.hypot(path.radius_mm * path.angle_rad, *path.rise_mm[:_TCP])
+    return math.dist(path.start_mm[:_TCP], path.end_mm[:_TCP]) or path.length_mm
+
+
+def _turned(path: Curve) -> float:
+    """Return how far the path goes in its fastest coordinate, mm or degrees."""
+    turned = max((abs(b - a) for a, b in zip(path.start_mm, path.end_mm, strict=True)), default=0.0)
+    return max(turned, math.degrees(path.angle_rad)) if isinstance(path, Arc) else turned
+
+
+def tool_dynamics(
+    axes: Sequence[Dynamics], curve: ToolCurve, feed_mm_s: float = math.inf
+) -> Dynamics:
+    """Return what a path of the tool may do at up to `feed_mm_s`; axes in the order of the channel.
+
+    Along the path s an axis has the speed q' v and the acceleration q'' v² + q' u with the path
+    acceleration u. q'' v² may take half of what the axis may do, which limits the speed; what it
+    leaves at that speed or at the feed is for the ramps. The largest q' and q'' of the whole path
+    count, so that no axis passes its limits anywhere. Source: chain rule.
+    """
+    moving = [
+        (axis, share, bend)
+        for axis, (share, bend) in zip(axes, curve.steepness(), strict=True)
+        if share > 0.0
+    ]
+    speed_mm_s = min(axis.speed_max_mm_s / share for axis, share, _ in moving)
+    for axis, _, bend in moving:
+        if bend > 0.0:
+            speed_mm_s = min(speed_mm_s, math.sqrt(weakest(axis) / 2.0 / bend))
+    peak_mm_s = min(speed_mm_s, feed_mm_s)
+    is_bent = any(bend for _, _, bend in moving)
+
+    def along(slope_of: Callable[[Dynamics], AnySlope]) -> AnySlope:
+        slope = together(slope_of(axis).along(share) for axis, share, _ in moving)
+        a_mm_s2 = min(
+            (slope_of(axis).least_mm_s2 - bend * peak_mm_s * peak_mm_s) / share
+            for axis, share, bend in moving
+        )
+        return slope.flat(a_mm_s2, speed_mm_s) if is_bent else slope
+
+    return Dynamics(
+        along(lambda axis: axis.acceleration),
+        along(lambda axis: axis.deceleration),
+        along(lambda axis: axis.stop_deceleration),
+        speed_mm_s,
+        along(lambda axis: axis.feedhold or axis.deceleration),
+    )

@@ -1,0 +1,104 @@
+"""Kinematic transformations: #KIN ID chooses, #TRAFO switches (docs/kinematics.md).
+
+The tool is taken in when the transformation is switched on. Sources: FCT-M3 12.2 and 12.4; TF5200
+programming manual 1133884683.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+from axisrig.kernel.kinematics import Kinematic, build, check_axes
+from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.decoder import axes
+from axisrig.kernel.nc.decoder.base.context import Context
+from axisrig.kernel.nc.decoder.base.topic import Topic, silent
+from axisrig.kernel.nc.expressions import Value
+from axisrig.kernel.nc.syntax import Command, Expression
+
+TOOL_WITH_OFFSETS = 900480
+
+
+@dataclass
+class Kinematics:
+    """What a program says of kinematics.
+
+    chosen: IDs of #KIN ID, none for those of the channel. written: V.G.KIN_STEP[].ID[].PARAM[] by
+    its three indices, in 0.1 um and 0.0001 degrees.
+    """
+
+    chosen: tuple[int, ...] = ()
+    written: dict[tuple[int, ...], float] = field(default_factory=dict)
+
+
+def _choose(context: Context, block: Block, command: Command) -> None:
+    context.part(Kinematics).chosen = _numbers(context, block, command)
+
+
+def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """#TRAFO ON with what was chosen, #TRAFO[..] with what it names.
+
+    Raises Alarm 900480 for a tool with axis offsets, and those of the kinematic.
+    """
+    kept = context.part(Kinematics)
+    known = context.tables.kinematics
+    numbers = _numbers(context, block, command) or kept.chosen or known.default_ids
+    offsets = {
+        context.axes[place]: offset_mm
+        for place, offset_mm in context.coordinates.tool.offsets_mm.items()
+        if offset_mm
+    }
+    if offsets:
+        raise context.alarm(TOOL_WITH_OFFSETS, block, axes=" ".join(offsets))
+    tool_mm = context.coordinates.tool.length_mm
+    kinematic = build(numbers, known, kept.written, tool_mm)
+    check_axes(kinematic, [(axis, axis in context.tables.rotary) for axis in context.axes])
+    yield from _switch(context, block, kinematic)
+
+
+def _switch(context: Context, block: Block, kinematic: Kinematic | None) -> Iterator[canon.Command]:
+    """Let the machine come to rest, and begin in the new coordinates where it is then."""
+    yield from axes.before_turning(context, block)
+    yield canon.Wait(block)
+    at = context.machine.position_acs_mm
+    coordinates = context.coordinates
+    coordinates.use_kinematic(kinematic, {axis: at(axis) for axis in context.axes})
+    yield canon.KinematicChoice(block, kinematic, coordinates.kinematic_axes)
+
+
+def _numbers(context: Context, block: Block, command: Command) -> tuple[int, ...]:
+    return tuple(
+        round(context.value(block, argument))
+        for argument in command.arguments
+        if isinstance(argument, Expression)
+    )
+
+
+def _off(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """#TRAFO OFF; nothing where none is on."""
+    if context.coordinates.kinematic is not None:
+        yield from _switch(context, block, None)
+
+
+def _read(context: Context, block: Block, rest: str, *indices: int) -> Value:
+    return context.part(Kinematics).written.get(indices, 0.0)
+
+
+def _write(
+    context: Context, block: Block, rest: str, value: Value, *indices: int
+) -> Iterator[canon.Command]:
+    context.part(Kinematics).written[indices] = context.number(block, value)
+    return iter(())
+
+
+PARAMETER = "V.G.KIN_STEP[].ID[].PARAM[]"
+TOPIC = Topic(
+    commands={
+        "KIN ID": silent(_choose),
+        "TRAFO": _on,
+        "TRAFO ON": _on,
+        "TRAFO OFF": _off,
+    },
+    readers={PARAMETER: _read},
+    writers={PARAMETER: _write},
+)

@@ -1,0 +1,92 @@
+"""A path of the tool through a kinematic: where it goes, and what its axes have to do."""
+
+import math
+
+import numpy as np
+import pytest
+
+from axisrig.kernel.kinematics import HeadCA
+from axisrig.kernel.motion.curves import Arc, Line
+from axisrig.kernel.motion.dynamics import Dynamics
+from axisrig.kernel.motion.profile import Slope
+from axisrig.kernel.motion.tool_path import ToolCurve, tool_dynamics
+
+HEAD = HeadCA((20.0, 35.0, 0.0, 0.0, 4.0, -3.0, 1.0, 2.0, 6.0), 80.0)
+START = (100.0, 50.0, 300.0, 20.0, -30.0)
+AXIS = Dynamics(Slope(1000.0, 1000.0, 1.0), Slope(1000.0, 1000.0, 1.0), Slope(2e3, 2e3, 1.0), 200.0)
+
+
+def curve_to(*target: float) -> ToolCurve:
+    tool = HEAD.forward(START)
+    return ToolCurve(Line(tool, tuple(target)), HEAD, START)
+
+
+def test_the_tool_goes_straight_and_the_axes_follow() -> None:
+    tool = HEAD.forward(START)
+    target = (tool[0] + 30.0, tool[1] - 40.0, tool[2], 110.0, 45.0)
+    curve = curve_to(*target)
+    assert curve.length_mm == pytest.approx(50.0, abs=1e-12)
+    assert curve.start_mm == START
+    for share in np.linspace(0.0, 1.0, 41):
+        at = HEAD.forward(curve.at(curve.length_mm * share))
+        wanted = [a + (b - a) * share for a, b in zip(tool, target, strict=True)]
+        assert at == pytest.approx(wanted, abs=1e-9)
+    assert HEAD.forward(curve.end_mm) == pytest.approx(target, abs=1e-12)
+
+
+def test_without_a_way_of_the_tool_its_turn_counts_in_degrees() -> None:
+    """FCT-M3 12.4.2.1: `G01 A90 F10` takes 540 s."""
+    tool = HEAD.forward(START)
+    assert curve_to(*tool[:4], 60.0).length_mm == pytest.approx(90.0)
+
+
+def test_an_arc_of_the_tool_has_the_length_of_its_helix() -> None:
+    tool = HEAD.forward(START)
+    centre = (tool[0] - 10.0, *tool[1:])
+    end = (tool[0] - 20.0, tool[1], tool[2] + 5.0, tool[3] + 30.0, tool[4])
+    arc = Arc(tool, end, centre, (0.0, 1.0, 0.0, 0.0, 0.0), math.pi)
+    curve = ToolCurve(arc, HEAD, START)
+    assert curve.length_mm == pytest.approx(math.hypot(10.0 * math.pi, 5.0))
+    half = HEAD.forward(curve.at(curve.length_mm / 2.0))
+    assert half == pytest.approx(
+        (tool[0] - 10.0, tool[1] + 10.0, tool[2] + 2.5, tool[3] + 15.0, tool[4]), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize(
+    "target", [(130.0, 20.0, 200.0, 110.0, 45.0), (-40.0, 80.0, 150.0, 20, 80)]
+)
+@pytest.mark.parametrize("feed_mm_s", [10.0, 80.0, math.inf])
+def test_no_axis_passes_its_limits_anywhere(target: tuple[float, ...], feed_mm_s: float) -> None:
+    """The speeds and accelerations of the axes by differences over the whole profile."""
+    curve = curve_to(*target)
+    dynamics = tool_dynamics([AXIS] * 5, curve, feed_mm_s)
+    speed_mm_s = min(feed_mm_s, dynamics.speed_max_mm_s)
+    profile = dynamics.acceleration.plan(curve.length_mm, speed_mm_s, dynamics.deceleration)
+    step_s = 1e-4
+    times = np.arange(0.0, profile.duration_s + step_s, step_s)
+    places = np.array([curve.at(profile.at(t)[0]) for t in times])
+    speeds = np.abs(np.diff(places, axis=0)) / step_s
+    bends = np.abs(np.diff(places, 2, axis=0)) / step_s**2
+    assert speeds.max() <= 200.0 * (1.0 + 1e-6)
+    assert bends.max() <= 1000.0 * (1.0 + 1e-3)
+    if feed_mm_s == math.inf:
+        assert max(speeds.max() / 200.0, bends.max() / 1000.0) > 0.5, "far too careful"
+
+
+def test_a_move_that_turns_nothing_may_do_what_a_line_may() -> None:
+    tool = HEAD.forward(START)
+    curve = curve_to(tool[0] + 30.0, tool[1] + 40.0, *tool[2:])
+    dynamics = tool_dynamics([AXIS] * 5, curve)
+    assert dynamics.speed_max_mm_s == pytest.approx(200.0 / 0.8)
+    assert dynamics.acceleration.least_mm_s2 == pytest.approx(1000.0 / 0.8)
+    assert curve.moved == {0, 1}
+
+
+def test_an_axis_beside_the_kinematic_may_be_put_elsewhere() -> None:
+    tool = (*HEAD.forward(START), 7.0)
+    curve = ToolCurve(Line(tool, (*tool[:4], 0.0, 7.0)), HEAD, (*START, 7.0))
+    moved = curve.with_axis(5, 9.0)
+    assert moved.at(3.0) == pytest.approx((*curve.at(3.0)[:5], 9.0))
+    with pytest.raises(ValueError, match="belongs to the kinematic"):
+        curve.with_axis(1, 9.0)

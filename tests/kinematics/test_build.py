@@ -1,0 +1,165 @@
+"""From IDs, lists and what a program wrote to a kinematic; what is refused and why."""
+
+from collections.abc import Mapping, Sequence
+
+import pytest
+
+from axisrig.kernel.errors import Alarm, UserError
+from axisrig.kernel.kinematics import Kinematic, KinematicData, build, check_axes, kinematic_types
+from axisrig.kernel.parameters import Origin, ParameterSet
+
+HERE = Origin("channel.lst", 1)
+REFUSED = [row.id for row in kinematic_types().values() if not row.acts]
+
+
+def _data(text: str) -> KinematicData:
+    channel = ParameterSet("channel")
+    for line in text.splitlines():
+        channel.load(*line.split(), HERE)
+    return KinematicData.read(channel)
+
+
+def _build(
+    ids: Sequence[int],
+    text: str = "",
+    written: Mapping[tuple[int, ...], float] | None = None,
+    tool_mm: float = 80.0,
+) -> Kinematic:
+    return build(ids, _data(text), written or {}, tool_mm)
+
+
+def _hd(
+    values: Sequence[float], kinematic_id: int = 98, step: int = 1
+) -> dict[tuple[int, ...], float]:
+    return {(step, kinematic_id, k): 1e4 * value for k, value in enumerate(values)}
+
+
+# --- where parameters come from ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "trafo[0].id 9\ntrafo[0].param[0] 1000000",
+        "kin_step[0].trafo[3].id 9\nkin_step[0].trafo[3].param[0] 1000000",
+        "kinematik[9].param[0] 1000000",
+        "kinematik[9].param[0] 7\ntrafo[0].id 9\ntrafo[0].param[0] 1000000",
+        "trafo[0].type 9\ntrafo[0].param[0] 1000000",
+    ],
+)
+def test_the_lists_name_an_offset_in_older_and_newer_ways(text: str) -> None:
+    assert _build([9], text).forward((0, 0, 0, 0, 0)) == (0, 0, -180, 0, 0)
+
+
+def test_a_set_of_parameters_may_have_another_id_than_its_type() -> None:
+    text = "trafo[0].id 9\ntrafo[1].id 12\ntrafo[1].type 9\ntrafo[1].param[1] 500000"
+    assert _build([9], text).forward((0, 0, 0, 0, 0))[2] == -80
+    assert _build([12], text).forward((0, 0, 0, 0, 0))[2] == -130
+    assert _build([12], text).name == "12"
+
+
+def test_what_the_program_wrote_counts_before_the_list() -> None:
+    text = "trafo[0].id 9\ntrafo[0].param[0] 1000000\ntrafo[0].param[1] 200000"
+    assert _build([9], text, {(0, 9, 0): 300000}).forward((0, 0, 0, 0, 0))[2] == -130
+
+
+def test_a_kinematic_without_parameters_has_all_of_them_0() -> None:
+    assert _build([9], tool_mm=0.0).forward((1, 2, 3, 4, 5)) == (1, 2, 3, 4, 5)
+
+
+@pytest.mark.parametrize(
+    ("text", "ids"),
+    [
+        ("", ()),
+        ("kinematik_id 9", (9,)),
+        ("kinematik_id 9\ndefault_id_of_kin_step[1] 98", (9, 98)),
+        ("kinematik_id 45\ndefault_id_of_kin_step[0] 9", (9,)),
+    ],
+)
+def test_trafo_on_alone_takes_the_default_of_each_step(text: str, ids: tuple[int, ...]) -> None:
+    assert _data(text).default_ids == ids
+
+
+def test_two_sets_with_one_id_are_refused() -> None:
+    with pytest.raises(UserError, match=r"channel.lst:1: kinematic 9 has two sets .* own ID"):
+        _data("trafo[0].id 9\ntrafo[1].id 9")
+
+
+# --- what cannot be chosen -----------------------------------------------------------------------
+
+
+@pytest.mark.provokes(292005, 2, id=13, step=0)
+def test_an_unknown_id_names_what_acts() -> None:
+    with pytest.raises(Alarm, match=r"13 is not known in step 0.*9, 45, 91, 98, 210"):
+        _build([13])
+
+
+@pytest.mark.provokes(900440, 2)
+@pytest.mark.parametrize("kinematic_id", REFUSED)
+def test_what_is_refused_says_why(kinematic_id: int) -> None:
+    row = kinematic_types()[kinematic_id]
+    with pytest.raises(Alarm, match=f"{row.name}.*{row.reason}"):
+        _build([kinematic_id])
+
+
+def test_these_are_refused() -> None:
+    assert REFUSED == [5, 6, 7, 8, 10, 96]
+
+
+@pytest.mark.provokes(900441, 2)
+@pytest.mark.parametrize(
+    ("ids", "reason"),
+    [
+        ([98], "Kinematic 98 cannot be chosen together: 98 extends the tool of another"),
+        ([98, 9], "second step after it"),
+        ([9, 9], "only 98 is a second step and 9 is 5-axis head"),
+        ([9, 98, 98], "3 steps"),
+        ([], "No kinematic cannot"),
+    ],
+)
+def test_combinations_that_do_not_exist(ids: Sequence[int], reason: str) -> None:
+    with pytest.raises(Alarm, match=reason):
+        _build(ids)
+
+
+# --- axes ----------------------------------------------------------------------------------------
+
+
+def _axes(text: str) -> list[tuple[str, bool]]:
+    return [(name.rstrip("*"), name.endswith("*")) for name in text.split()]
+
+
+@pytest.mark.parametrize("axes", ["X Y Z C* A*", "X Y Z C* A* W", "X1 Y1 Z1 B* D*"])
+def test_these_axes_fit_the_head(axes: str) -> None:
+    check_axes(_build([9]), _axes(axes))
+
+
+@pytest.mark.provokes(292040, 2, name="9")
+@pytest.mark.parametrize(
+    "axes",
+    ["", "X Y Z C*", "X Y Z A* C*", "Y X Z C* A*", "X Y Z C A", "X Y Z C* C*", "X X Z C* A*"],
+)
+def test_these_axes_do_not(axes: str) -> None:
+    words = r"needs the axes X \(linear\), Y \(linear\), Z \(linear\), C \(rotary\), A \(rotary\)"
+    with pytest.raises(Alarm, match=words):
+        check_axes(_build([9]), _axes(axes))
+
+
+# --- kinematic 98 --------------------------------------------------------------------------------
+
+
+@pytest.mark.provokes(900442, 2, id=98)
+@pytest.mark.parametrize(
+    ("hd", "message"),
+    [
+        ((0, 60, 30, 91), "HD3 of kinematic 98 is 30 and allowed is HD2 = 60 up to below 90 deg"),
+        ((0, 30, 90, 91), "HD3 of kinematic 98 is 90"),
+        ((0, 30, 60, 0), "HD4 of kinematic 98 is 0 and allowed is above 0"),
+        ((0, -1, 60, 91), "HD2 of kinematic 98 is -1 and allowed is 0 to 180 deg"),
+        ((0, 0, 0, 91), "HD4 of kinematic 98 is 91 and allowed is below 90 deg where HD3 is 0"),
+        ((), "HD4 of kinematic 98 is 0"),
+    ],
+)
+def test_angles_of_98_that_do_not_fit(hd: Sequence[float], message: str) -> None:
+    with pytest.raises(Alarm, match=message):
+        _build([9, 98], written=_hd(hd))

@@ -1,0 +1,221 @@
+"""Programs in the coordinates of the tool: #KIN ID and #TRAFO, with the head of kinematic 9.
+
+Expected positions are products of scipy's rotations: TCP = pivot - L u with u = Rz(C) Rx(A) e_z.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+from tests.nc.conftest import PlaneMachine, run_text
+
+from axisrig.kernel.errors import Alarm
+from axisrig.kernel.kinematics import Kinematic
+from axisrig.kernel.nc.canon import (
+    Command,
+    KinematicChoice,
+    LinearMove,
+    MeasuringRun,
+    Message,
+    Warn,
+)
+from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools
+
+FIVE = ("X", "Y", "Z", "C", "A")
+TABLES = OffsetTables(rotary=frozenset("CA"))
+ON = "V.G.WZ_AKT.L = 80\n#KIN ID[9]\n#TRAFO ON\n"
+
+
+def direction(c_deg: float, a_deg: float) -> np.ndarray:
+    return Rotation.from_euler("ZX", [c_deg, a_deg], degrees=True).apply([0.0, 0.0, 1.0])
+
+
+def pivot_mm(tcp_mm: Sequence[float], c_deg: float, a_deg: float) -> np.ndarray:
+    return np.array(tcp_mm) + 80.0 * direction(c_deg, a_deg)
+
+
+class FiveAxes(PlaneMachine):
+    """Moves in the coordinates of the tool while a kinematic is on; its probe touches at TCP Z."""
+
+    kinematic: Kinematic | None = None
+
+    def execute(self) -> None:
+        queue, self.queue = self.queue, []
+        for command in queue:
+            if isinstance(command, KinematicChoice):
+                self.kinematic = command.kinematic
+            elif isinstance(command, LinearMove):
+                self.go(command.target_acs_mm)
+            elif isinstance(command, MeasuringRun):
+                tool = self.tool()
+                assert self.plane is not None
+                share = (tool["Z"] - self.plane[1]) / (tool["Z"] - command.target_acs_mm["Z"])
+                self.go(
+                    {
+                        a: tool[a] + (end - tool[a]) * share
+                        for a, end in command.target_acs_mm.items()
+                    }
+                )
+                self.latched = {
+                    axis: None if axis in self.silent else self.acs_mm[axis]
+                    for axis in command.measuring_axes
+                }
+
+    def tool(self) -> dict[str, float]:
+        if self.kinematic is None:
+            return self.acs_mm
+        return dict(zip(FIVE, self.kinematic.forward(tuple(self.acs_mm.values())), strict=True))
+
+    def go(self, target) -> None:
+        tool = tuple({**self.tool(), **target}.values())
+        if self.kinematic is not None:
+            tool = self.kinematic.inverse(tool, tool)
+        self.acs_mm = dict(zip(FIVE, tool, strict=True))
+
+
+def machine(**options) -> FiveAxes:
+    return FiveAxes(
+        dict(zip(FIVE, (10.0, 20.0, 200.0, 0.0, 0.0), strict=True)), **{"plane": None, **options}
+    )
+
+
+def run5(text: str, at: FiveAxes | None = None, tables: OffsetTables = TABLES) -> list[Command]:
+    return run_text(text, at or machine(), axes=FIVE, tables=tables)
+
+
+def told(commands: Sequence[Command]) -> list[float]:
+    return [number for c in commands if isinstance(c, Message) for number in c.values]
+
+
+def test_coordinates_are_those_of_the_tool_tip() -> None:
+    at = machine()
+    commands = run5(
+        ON + '#MSG ["%f %f", V.A.ABS.Z, V.A.PROG.X]\nG0 X1 Y2 Z3 C20 A-35\n'
+        '#MSG ["%f %f %f", V.A.ABS.X, V.A.ABS.Z, V.A.ACS.ABS.Z]',
+        at,
+    )
+    assert told(commands) == pytest.approx([120.0, 10.0, 1.0, 3.0, pivot_mm((1, 2, 3), 20, -35)[2]])
+    assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm((1, 2, 3), 20, -35), 20, -35])
+
+
+def test_a_turn_of_the_tool_keeps_its_tip() -> None:
+    at = machine()
+    commands = run5(ON + "G0 X1 Y2 Z3\nG90 A=-45\n", at)
+    assert commands[-2].target_acs_mm == {"A": -45.0}
+    assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm((1, 2, 3), 0, -45), 0, -45])
+
+
+def test_off_begins_where_the_axes_are_and_the_length_shifts_z_again() -> None:
+    commands = run5(
+        ON + 'G0 X1 Y2 Z3 A90\n#TRAFO OFF\n#MSG ["%f %f", V.A.ABS.Y, V.A.PROG.Z]\nG91 G0 Y5'
+    )
+    pivot = pivot_mm((1, 2, 3), 0, 90)
+    assert told(commands) == pytest.approx([pivot[1], pivot[2] - 80.0])
+    assert commands[-2].target_acs_mm == pytest.approx({"Y": pivot[1] + 5.0})
+
+
+def test_a_coordinate_system_is_on_top_of_the_tool() -> None:
+    at = machine()
+    run5(ON + "#CS ON[5,6,7,30,0,0]\nG0 X1 Y2 Z3 A20", at)
+    tcp = np.array([5, 6, 7]) + Rotation.from_euler("X", 30, degrees=True).apply([1, 2, 3])
+    assert list(at.acs_mm.values()) == pytest.approx([*pivot_mm(tcp, 0, 20), 0, 20])
+
+
+@pytest.mark.parametrize("choice", ["#TRAFO [9]", "#KIN ID[9]\n#TRAFO", "#KIN ID[9]\n#TRAFO ON"])
+def test_ways_to_switch_it_on(choice: str) -> None:
+    (command,) = [c for c in run5(choice) if isinstance(c, KinematicChoice)]
+    assert command.kinematic is not None
+    assert command.kinematic.name == "9"
+    assert command.axes == FIVE
+
+
+def test_98_extends_the_tool() -> None:
+    """FCT-M3 12.2, example 2, with 30 and 60 degrees: 97.980 mm at 45 degrees, HD1 100 mm."""
+    at = machine()
+    parameters = "".join(
+        f"V.G.KIN_STEP[1].ID[98].PARAM[{n}] = {value}\n"
+        for n, value in enumerate((1_000_000, 300_000, 600_000, 910_000))
+    )
+    run5(parameters + "V.G.WZ_AKT.L = 80\n#KIN ID[9,98]\n#TRAFO ON\nG0 X0 Y0 Z0 A-45", at)
+    lever_mm = 100.0 + 80.0 * np.cos(np.radians(30)) / np.cos(np.radians(45))
+    assert [at.acs_mm[axis] for axis in "XYZ"] == pytest.approx([*lever_mm * direction(0, -45)])
+
+
+def test_what_a_run_gives() -> None:
+    """FCT-C4 section 5, third column: no tool in MOFFS; every axis of the head is latched."""
+    at = machine(plane=("Z", 50.0))
+    commands = run5(
+        ON + "G54 G0 X0 Y0 Z90 C20 A-35\nF500\nG100 Z40\n"
+        '#MSG ["%f %f %f %f", V.A.MESS.Z, V.A.MEAS.ACS.VALUE.Z, V.A.MOFFS.Z, V.A.MEAS.PCS.VALUE.A]',
+        at,
+    )
+    (run,) = [c for c in commands if isinstance(c, MeasuringRun)]
+    assert run.measuring_axes == FIVE
+    assert told(commands) == pytest.approx([50.0, pivot_mm((0, 0, 50), 20, -35)[2], 10.0, -35.0])
+
+
+def test_without_the_signal_of_one_axis_there_is_no_value() -> None:
+    with pytest.raises(Alarm, match=r"V\.A\.MESS\.Z") as alarm:
+        run5(
+            ON + 'G0 Z90\nF500\nG100 Z40\n#MSG ["%f", V.A.MESS.Z]',
+            machine(plane=("Z", 50.0), silent=("A",)),
+        )
+    assert alarm.value.id == 900101
+
+
+@pytest.mark.provokes(900481, 1, name="9")
+def test_a_new_tool_acts_with_the_next_transformation() -> None:
+    at = machine()
+    commands = run5(ON + "G0 Z0\nV.G.WZ_AKT.L = 100\nG0 Z10\n#TRAFO OFF\n#TRAFO ON\nG0 Z20", at)
+    (warning,) = [c.alarm for c in commands if isinstance(c, Warn)]
+    assert warning.id == 900481
+    assert at.acs_mm["Z"] == pytest.approx(120.0)
+
+
+@pytest.mark.provokes(900482, 2, axis="X", name="9", word="G74")
+def test_an_axis_of_the_kinematic_is_not_homed() -> None:
+    with pytest.raises(Alarm) as alarm:
+        run5(ON + "G74 X1")
+    assert alarm.value.id == 900482
+
+
+@pytest.mark.parametrize(
+    ("program", "alarm_id"),
+    [
+        (ON + "X[INDP_ASYN G90 POS=5 G01 FEED=100]", 21071),
+        (ON + "#PUT AX [A]", 900482),
+        ("V.G.WZ_AKT.V.X = 3\n#TRAFO [9]", 900480),
+        ("#TRAFO ON", 900441),
+        ("#TRAFO [98]", 900441),
+    ],
+)
+def test_what_does_not_go_together(program: str, alarm_id: int) -> None:
+    with pytest.raises(Alarm) as alarm:
+        run5(program)
+    assert alarm.value.id == alarm_id
+    assert alarm.value.place is not None
+    assert "line" in alarm.value.place
+
+
+def test_a_tilt_that_98_forbids_is_refused_when_it_is_switched_on() -> None:
+    parameters = (
+        "V.G.KIN_STEP[1].ID[98].PARAM[1] = 100000\nV.G.KIN_STEP[1].ID[98].PARAM[3] = 300000"
+    )
+    with pytest.raises(Alarm) as alarm:
+        run5(f"{parameters}\nG0 A40\n#TRAFO [9, 98]")
+    assert (alarm.value.id, "line 4" in str(alarm.value.place)) == (900444, True)
+
+
+def test_a_rig_without_these_axes_refuses_the_kinematic() -> None:
+    with pytest.raises(Alarm, match="needs the axes X") as alarm:
+        run_text("#TRAFO [9]")
+    assert alarm.value.id == 292040
+
+
+@pytest.mark.provokes(900480, 2, axes="X")
+def test_a_tool_of_the_list_with_offsets_is_refused() -> None:
+    tools = Tools({1: Tool(length_mm=80.0, offsets_mm={0: 3.0}, valid=True)})
+    with pytest.raises(Alarm) as alarm:
+        run5("D1\n#TRAFO [9]", tables=OffsetTables(tools=tools, rotary=frozenset("CA")))
+    assert alarm.value.id == 900480
