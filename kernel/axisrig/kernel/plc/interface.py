@@ -69,8 +69,8 @@ class PlcInterface:
     outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
     has nothing more to do. task: the task of the PLC that has a cycle of its own, None without one.
     tool: the tool of the kinematic that is on, None while none is. The channel writes it in every
-    cycle before it calls `inputs`, from the actual positions of the SYNC of this cycle: the PLC side
-    normalises the sensor value of the same SYNC by it.
+    cycle before it calls `inputs`, from the actual positions of the SYNC of this cycle, so that
+    the PLC side normalises the sensor value of the same SYNC by it.
     """
 
     def __init__(self, clock: Clock, axes: Iterable[str]) -> None:
