@@ -17,7 +17,7 @@ RIG_NAMES = ("distance-5axis", "distance-5axis-servo", "distance-robot")
 def settings_of(
     folder: Path, keys: str, *lines: str, base: str = RIG_NAMES[0], of_list: str = "channel-5axis"
 ) -> Settings:
-    """A shipped rig with other keys of its variable, and lines that its channel list has instead."""
+    """A shipped rig with other keys of its variable, and other lines in its channel list."""
     table = f'[plc]\n"V.E.SENSOR" = {{ {keys} }}\n' if keys else ""
     if lines:
         text = (RIGS / "lists" / f"{of_list}.lst").read_text(encoding="utf-8")
