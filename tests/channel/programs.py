@@ -3,10 +3,11 @@
 from typing import Any
 
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 
-def block(number: int) -> canon.Block:
-    return canon.Block(number, number * 10, f"N{number * 10}")
+def block(number: int) -> Block:
+    return Block(number, number * 10, f"N{number * 10}")
 
 
 def move(number: int, feed_mm_min: float, **target_mm: float) -> canon.LinearMove:

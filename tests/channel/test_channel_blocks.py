@@ -15,6 +15,7 @@ from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.record.blocks import STATES, BlockTrace
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., ChannelBench]
 
@@ -22,7 +23,7 @@ Make = Callable[..., ChannelBench]
 def noted(bench: ChannelBench, *commands: canon.Command) -> BlockTrace:
     """Run a program and return its block trace."""
     log = bench.channel.execution.watch = BlockLog(bench.scheduler, bench.channel)
-    bench.run([*commands, canon.EndOfProgram(canon.Block(99, 990, "N990 M30"))])
+    bench.run([*commands, canon.EndOfProgram(Block(99, 990, "N990 M30"))])
     return log.trace()
 
 
@@ -59,8 +60,8 @@ def test_a_move_begins_and_ends_with_its_set_position(channel_bench: Make, words
 def test_what_waits_is_seen(channel_bench: Make, words: Any) -> None:
     """A dwell time lasts, an exact stop waits until the axis is in its window."""
     bench = channel_bench(words.axis("Z", window_mm=0.001))
-    dwell = canon.Dwell(canon.Block(2, 20, "N20 G4 X0.25"), 250 * MS)
-    stop = canon.ExactStop(canon.Block(3, 30, "N30 G60"))
+    dwell = canon.Dwell(Block(2, 20, "N20 G4 X0.25"), 250 * MS)
+    stop = canon.ExactStop(Block(3, 30, "N30 G60"))
     trace = noted(bench, dwell, words.move(1, 600.0, Z=5.0), stop, words.wait(4))
     assert table(trace)[:3] == [
         (20, "dwell", "done"),
@@ -77,7 +78,7 @@ def test_what_waits_is_seen(channel_bench: Make, words: Any) -> None:
 
 
 def test_a_loop_that_asks_the_plc_side_is_one_row(channel_bench: Make, words: Any) -> None:
-    block = canon.Block(1, 10, "N10 $WHILE V.E.X == 0")
+    block = Block(1, 10, "N10 $WHILE V.E.X == 0")
     bench = channel_bench(words.axis("Z"))
     turns = [canon.Wait(block, for_cycle=True) for _ in range(40)]
     trace = noted(bench, *turns, words.move(2, 600.0, Z=5.0))
@@ -144,7 +145,7 @@ def _until(bench: ChannelBench, is_true: Callable[[], bool]) -> int:
 
 
 def test_an_axis_beside_the_path_has_its_own_end(channel_bench: Make, words: Any) -> None:
-    beside = canon.IndependentMove(canon.Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
+    beside = canon.IndependentMove(Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     trace = noted(bench, beside, words.move(2, 600.0, Y=5.0))
     assert table(trace)[:2] == [(10, "independent move", "done"), (20, "feed", "done")]
@@ -157,7 +158,7 @@ def test_an_axis_beside_the_path_has_its_own_end(channel_bench: Make, words: Any
 
 
 def test_a_reset_stops_the_row_of_an_axis_beside_the_path(channel_bench: Make, words: Any) -> None:
-    beside = canon.IndependentMove(canon.Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
+    beside = canon.IndependentMove(Block(1, 10, "N10 Z[INDP_ASYN]"), "Z", 50.0, 3000.0)
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
     bench.channel.execution.watch = log = BlockLog(bench.scheduler, bench.channel)
     bench.prepare([beside, words.move(2, 600.0, Y=5.0), words.end()])

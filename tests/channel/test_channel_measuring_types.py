@@ -9,6 +9,7 @@ import pytest
 
 from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., Any]
 
@@ -173,7 +174,7 @@ def test_900224_a_probe_without_stroke_cannot_be_kept_to_it(
 def test_50059_for_an_axis_that_is_named_and_stands(channel_bench: Make, words: Any) -> None:
     """All programmed axes must be released. Source: programming manual 206171147."""
     bench = channel_bench(words.axis("Y", may_measure=False), words.axis("Z", start_mm=130.0))
-    run = canon.MeasuringRun(canon.Block(1, 10, "N10"), {"Z": 110.0}, ("Y", "Z"), ("Z",), 600.0, 1)
+    run = canon.MeasuringRun(Block(1, 10, "N10"), {"Z": 110.0}, ("Y", "Z"), ("Z",), 600.0, 1)
     bench.run([run, words.wait(1), words.end()])
     (alarm,) = bench.channel.alarms
     assert (alarm.id, alarm.entry.reaction_class, alarm.values) == (50059, 4, {"axis": "Y"})

@@ -10,11 +10,12 @@ import pytest
 from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS
 
 
-def block(number: int) -> canon.Block:
-    return canon.Block(number, number * 10, f"N{number * 10}")
+def block(number: int) -> Block:
+    return Block(number, number * 10, f"N{number * 10}")
 
 
 def circle(radius: float, feed: float, angle: float = math.tau) -> canon.ArcMove:

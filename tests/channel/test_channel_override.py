@@ -14,6 +14,7 @@ from axisrig.kernel.channel import ChannelSettings
 from axisrig.kernel.channel.path.settings import OverrideMode
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., ChannelBench]
@@ -29,7 +30,7 @@ def run(bench: ChannelBench, *commands: canon.Command, path: int = 1000, **axes:
     plc.override_permille = path
     for axis, permille in axes.items():
         plc.axis[axis].override_permille = permille
-    bench.run([*commands, canon.EndOfProgram(canon.Block(99, 990, "N990 M30"))])
+    bench.run([*commands, canon.EndOfProgram(Block(99, 990, "N990 M30"))])
 
 
 @pytest.mark.parametrize(
@@ -94,8 +95,8 @@ def test_which_override_acts_on_an_axis_beside_the_path(
 ) -> None:
     """P-AXIS-00491: that of the channel, 50 %, the smaller one, or that of the axis, 30 %."""
     bench = channel_bench(words.axis("Y"), words.axis("Z", override_mode=mode))
-    beside = canon.IndependentMove(canon.Block(1, 10, "N10"), "Z", 20.0, feed_mm_min=3000.0)
-    wait = canon.WaitIndependent(canon.Block(2, 20, "N20"), ("Z",))
+    beside = canon.IndependentMove(Block(1, 10, "N10"), "Z", 20.0, feed_mm_min=3000.0)
+    wait = canon.WaitIndependent(Block(2, 20, "N20"), ("Z",))
     run(bench, beside, wait, path=500, Z=300)
     assert max(speeds_mm_s(bench, "Z")) == pytest.approx(expected_mm_s, abs=2e-6)
     assert bench.final_mm("Z") == 20.0

@@ -12,6 +12,7 @@ from axisrig.kernel.channel import ChannelSettings, ChannelState
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., ChannelBench]
@@ -51,7 +52,7 @@ def start(bench: ChannelBench, *commands: canon.Command) -> Callable[[], None]:
 
 
 def dwell(number: int, ms: int) -> canon.Dwell:
-    return canon.Dwell(canon.Block(number, number * 10, f"N{number * 10}"), ms * MS)
+    return canon.Dwell(Block(number, number * 10, f"N{number * 10}"), ms * MS)
 
 
 def begun(bench: ChannelBench) -> int:
@@ -83,11 +84,11 @@ def in_dwell(words: Any) -> list[canon.Command]:
 
 
 def in_stop(words: Any) -> list[canon.Command]:
-    return [canon.ProgramStop(canon.Block(1, 10, "N10 M0"), False)]
+    return [canon.ProgramStop(Block(1, 10, "N10 M0"), False)]
 
 
 def in_function(words: Any) -> list[canon.Command]:
-    return [canon.TechnologyFunction(canon.Block(1, 10, "N10 M50"), "M", 50)]
+    return [canon.TechnologyFunction(Block(1, 10, "N10 M50"), "M", 50)]
 
 
 def at_the_end(words: Any) -> list[canon.Command]:
@@ -113,10 +114,10 @@ def test_what_a_program_waits_for_ends_with_it(
 
 def test_an_axis_beside_the_path_stops_by_itself(channel_bench: Make, words: Any) -> None:
     bench = channel_bench(words.axis("Z"))
-    beside = canon.IndependentMove(canon.Block(1, 10, "N10"), "Z", 50.0, feed_mm_min=3000.0)
+    beside = canon.IndependentMove(Block(1, 10, "N10"), "Z", 50.0, feed_mm_min=3000.0)
     after = start(bench, words.move(1, 3000.0, Z=0.0), words.end())
     Side(bench, words, {200: reset(bench), 300: after})
-    wait = canon.WaitIndependent(canon.Block(2, 20, "N20"), ("Z",))
+    wait = canon.WaitIndependent(Block(2, 20, "N20"), ("Z",))
     bench.run([beside, wait, words.end()])
     assert bench.set_mm("Z")[begun(bench) + 290] == pytest.approx(10.0, abs=1e-9)
     assert bench.final_mm("Z") == 0.0

@@ -13,13 +13,14 @@ import pytest
 from tests.channel.conftest import ChannelBench
 
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., ChannelBench]
 T_S, JERK = 1e-3, 20_000.0
 
 
 def slope(number: int, profile: str | None) -> canon.SlopeChoice:
-    return canon.SlopeChoice(canon.Block(number, number * 10, ""), profile)
+    return canon.SlopeChoice(Block(number, number * 10, ""), profile)
 
 
 def course(bench: ChannelBench, axis: str) -> list[float]:
@@ -68,7 +69,7 @@ def test_slope_type_chooses_the_profile_of_an_axis_beside_the_path(
     found = {}
     for profile in ("SIN2", "TRAPEZ", "STEP", None):
         bench = channel_bench(words.axis("X"), words.axis("Z"))
-        block = canon.Block(2, 20, "N20")
+        block = Block(2, 20, "N20")
         alone = canon.IndependentMove(block, "X", 10.0, feed_mm_min=600.0, slope=profile)
         bench.run([slope(1, "TRAPEZ"), alone, words.move(3, 600.0, Z=10.0), words.end()])
         found[profile] = arrival(course(bench, "X"), 10.0)
@@ -81,7 +82,7 @@ def test_a_time_of_an_axis_with_ramps_is_that_of_the_whole_motion(
     channel_bench: Make, words: Any
 ) -> None:
     bench = channel_bench(words.axis("X"))
-    block = canon.Block(1, 10, "N10")
+    block = Block(1, 10, "N10")
     bench.run([canon.IndependentMove(block, "X", 10.0, time_s=0.7, slope="TRAPEZ"), words.end()])
     assert arrival(course(bench, "X"), 10.0) == 700
 

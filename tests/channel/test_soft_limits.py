@@ -8,14 +8,15 @@ import pytest
 
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.parameters import ParameterSet
 
 Make = Callable[..., Any]
 LIMITS = SoftLimits(negative_mm=-5.0, positive_mm=20.0, tolerance_mm=0.1)
 
 
-def block(number: int) -> canon.Block:
-    return canon.Block(number, number * 10, f"N{number * 10}")
+def block(number: int) -> Block:
+    return Block(number, number * 10, f"N{number * 10}")
 
 
 def test_an_axis_may_go_to_its_switches(channel_bench: Make, words: Any) -> None:

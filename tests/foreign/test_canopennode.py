@@ -31,6 +31,7 @@ from axisrig.kernel.drives.startup_steps import (
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS, US, S
 from axisrig.kernel.time.scheduler import new_scheduler
 
@@ -42,8 +43,8 @@ SLOPE = Slope(1000.0, 1000.0, 500.0)
 _NUMBERS = count()
 
 
-def block(number: int) -> canon.Block:
-    return canon.Block(number, number * 10, f"N{number * 10}")
+def block(number: int) -> Block:
+    return Block(number, number * 10, f"N{number * 10}")
 
 
 def move(number: int, z_mm: float) -> canon.LinearMove:

@@ -25,7 +25,7 @@ from axisrig.kernel.motion.interpolator import Interpolator
 from axisrig.kernel.motion.jerk import JerkSlope
 from axisrig.kernel.motion.jerk_ramps import Shape
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.parameters import ParameterSet
 from axisrig.kernel.time.clock import MS
 

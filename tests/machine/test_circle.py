@@ -13,6 +13,7 @@ from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import as_written, read_settings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.text.parser import parse_program
 
 RIG = Path(__file__).parents[2] / "testplans" / "rigs" / "probe-xyz.toml"
@@ -32,7 +33,7 @@ def circled(kv: float, *, friction: bool) -> tuple[Machine, dict[str, Any]]:
         table, files, [(parse_assignment(text), as_written) for text in changes]
     )
     machine = Machine(settings, parse_program("M30", axes=tuple(table.axis)))
-    block = canon.Block(1, 10, "")
+    block = Block(1, 10, "")
     machine.channel.load(
         iter(
             [

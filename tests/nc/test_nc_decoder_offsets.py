@@ -5,7 +5,8 @@ import math
 import pytest
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import ArcMove, Block, LinearMove
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.canon import ArcMove, LinearMove
 from axisrig.kernel.nc.coordinates import OffsetTables, Tool, Tools, ZeroOffsets
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import Assign, Number, Program, ProgramBlock, Variable, Words

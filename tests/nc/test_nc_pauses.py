@@ -7,7 +7,7 @@ import pytest
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import (
     Chain,

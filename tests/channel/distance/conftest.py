@@ -15,6 +15,7 @@ from axisrig.kernel.channel.distance.sensor import SensorSettings
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
 from axisrig.kernel.distance import DistanceSettings, DistanceState
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS, US
 
 OFFSET_NS = 620 * US
@@ -67,7 +68,7 @@ class DistanceBench:
         return list(self.bench.alarm_ids)
 
     def run(self, *commands: canon.Command) -> "DistanceBench":
-        self.bench.run([*commands, canon.EndOfProgram(canon.Block(99, 990, "N990"))])
+        self.bench.run([*commands, canon.EndOfProgram(Block(99, 990, "N990"))])
         return self
 
     def at(self, acts: Mapping[int, Callable[[], None]]) -> None:
@@ -82,7 +83,7 @@ class DistanceBench:
 
 
 def command(action: str | None = None, axis: str = "Z", **words: Any) -> canon.DistanceCommand:
-    block = canon.Block(1, 10, "N10")
+    block = Block(1, 10, "N10")
     wanted: dict[str, Any] = {
         "action": action, "wait": False, "no_move": False, "dry_run": False, "set_pos_mm": None,
         "set_dist_mm": None, "parameters": {}, "sensor_source": None, "sensor_variable": None,
@@ -92,7 +93,7 @@ def command(action: str | None = None, axis: str = "Z", **words: Any) -> canon.D
 
 
 def dwell(ms: int) -> canon.Dwell:
-    return canon.Dwell(canon.Block(2, 20, "N20"), ms * MS)
+    return canon.Dwell(Block(2, 20, "N20"), ms * MS)
 
 
 @dataclass(frozen=True)

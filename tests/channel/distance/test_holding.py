@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS
 
 RISE_NS = 200 * MS
@@ -64,7 +65,7 @@ def in_g4(say: Any) -> list[canon.Command]:
 
 
 def in_m_wait(say: Any) -> list[canon.Command]:
-    return [on(say), canon.TechnologyFunction(canon.Block(2, 20, "N20 M50"), "M", 50), say.dwell(1)]
+    return [on(say), canon.TechnologyFunction(Block(2, 20, "N20 M50"), "M", 50), say.dwell(1)]
 
 
 @pytest.mark.parametrize("program", [in_g4, in_m_wait])
@@ -132,11 +133,9 @@ def test_an_axis_beside_the_path_is_held_by_itself(
     made = distance_bench(more=(words.axis("X"),))
     held_from_to(made, of_axis, 50, 350)
     made.run(
-        canon.IndependentMove(
-            canon.Block(1, 10, "N10"), "Z", say.start_mm + 1.0, feed_mm_min=300.0
-        ),
+        canon.IndependentMove(Block(1, 10, "N10"), "Z", say.start_mm + 1.0, feed_mm_min=300.0),
         words.move(2, 600.0, X=2.0),
-        canon.WaitIndependent(canon.Block(3, 30, "N30"), ("Z",)),
+        canon.WaitIndependent(Block(3, 30, "N30"), ("Z",)),
     )
     z = made.seen.interpolated_mm
     assert len(set(z[80:349])) == 1

@@ -8,6 +8,7 @@ import pytest
 
 from axisrig.kernel.distance import DistanceCommand, DistanceState, Source
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., Any]
 
@@ -151,7 +152,7 @@ def test_no_second_encoder(distance_bench: Make, say: Any, asks: bool) -> None:
 def _run_of(words: Any, *, beside: bool) -> canon.Command:
     """A run of Z on the path, or of the axis by itself."""
     if beside:
-        block = canon.Block(3, 30, "N30")
+        block = Block(3, 30, "N30")
         return canon.IndependentMove(block, "Z", 4.0, feed_mm_min=600.0, measuring_type=1)
     run: canon.Command = words.probe(3, 600.0, Z=4.0)
     return run

@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
@@ -150,7 +151,7 @@ def test_a_frozen_offset_is_part_of_an_actual_position_that_is_adopted(
     made = distance_bench(raised)
     made.run(
         on(say), say.dwell(300), say.command("freeze"),
-        canon.AdoptActual(canon.Block(4, 40, "N40"), ("Z",)), say.dwell(20),
+        canon.AdoptActual(Block(4, 40, "N40"), ("Z",)), say.dwell(20),
         words.move(5, 600.0, Z=say.start_mm + 1.0), say.command("off", wait=True),
     )  # fmt: skip
     seen = made.seen
@@ -245,7 +246,7 @@ def test_a_gantry_slave_takes_the_offset_over_with_its_master(
     )  # fmt: skip
     pair = canon.AxisPair(slave="W", master="Z", limits_mm=(0.05, 0.1))
     made.run(
-        canon.AxisLinkOn(canon.Block(1, 10, "N10"), 1, (pair,)), on(say), say.dwell(300),
+        canon.AxisLinkOn(Block(1, 10, "N10"), 1, (pair,)), on(say), say.dwell(300),
         say.command("off", no_move=True), say.dwell(10), words.move(5, 600.0, Z=20.0),
     )  # fmt: skip
     assert made.alarm_ids == []
@@ -260,7 +261,7 @@ def test_a_gantry_slave_follows_the_offset_of_its_master(
     made = distance_bench(raised, more=(words.axis("W", start_mm=-5.0, kv=1e9),))
     pair = canon.AxisPair(slave="W", master="Z", limits_mm=(0.5, 1.0))
     made.run(
-        canon.AxisLinkOn(canon.Block(1, 10, "N10"), 1, (pair,)), on(say), say.dwell(300),
+        canon.AxisLinkOn(Block(1, 10, "N10"), 1, (pair,)), on(say), say.dwell(300),
         say.command("off", wait=True),
     )  # fmt: skip
     assert made.alarm_ids == []

@@ -7,6 +7,7 @@ import pytest
 
 from axisrig.kernel.measuring.fixed_stop.settings import FixedStopSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.time.clock import MS
 
 Make = Callable[..., Any]
@@ -22,7 +23,7 @@ def test_behind_a_fixed_stop_the_set_position_is_the_actual_one(
         lambda _time_ns: OFFSET_MM,
         spec={"source": "FIXED_STOP", "fixed_stop": LAG, "stop_mm": STOP_MM},
     )
-    block = canon.Block(4, 40, "N40")
+    block = Block(4, 40, "N40")
     run = (
         canon.IndependentMove(block, "Z", 30.0, feed_mm_min=600.0, measuring_type=7)
         if beside

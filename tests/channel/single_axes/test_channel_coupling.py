@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., Any]
 S = 1_000_000_000
@@ -13,11 +14,11 @@ INCREMENT_MM = 10 / 2**20
 
 
 def link_on(*pairs: canon.AxisPair, group: int = 1) -> canon.AxisLinkOn:
-    return canon.AxisLinkOn(canon.Block(2, 20, "N20"), group, pairs)
+    return canon.AxisLinkOn(Block(2, 20, "N20"), group, pairs)
 
 
 def link_off(group: int = 1) -> canon.AxisLinkOff:
-    return canon.AxisLinkOff(canon.Block(4, 40, "N40"), group)
+    return canon.AxisLinkOff(Block(4, 40, "N40"), group)
 
 
 GANTRY = canon.AxisPair("X2", "X", (0.3, 0.4))

@@ -9,6 +9,7 @@ import pytest
 
 from axisrig.kernel.drives.startup_steps import StartUpSettings
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., Any]
 S = 1_000_000_000
@@ -17,7 +18,7 @@ PRESENT_POSITION, NEGATIVE_SWITCH = 35, 17
 
 
 def home(*groups: tuple[str, ...]) -> canon.Homing:
-    return canon.Homing(canon.Block(3, 30, "N30"), groups)
+    return canon.Homing(Block(3, 30, "N30"), groups)
 
 
 def told(method: int, home_mm: float) -> StartUpSettings:
@@ -110,7 +111,7 @@ def test_900190_tells_what_the_drive_says(channel_bench: Make, words: Any) -> No
 
 
 def adopt(*axes: str) -> canon.AdoptActual:
-    return canon.AdoptActual(canon.Block(3, 30, "N30"), axes)
+    return canon.AdoptActual(Block(3, 30, "N30"), axes)
 
 
 def test_adopting_the_actual_position_waits_for_the_lag_of_the_motion_to_pass(
@@ -183,7 +184,7 @@ def test_an_axis_that_sways_inside_its_window_is_adopted_after_its_settling_time
 def test_a_prepared_probe_is_reset(channel_bench: Make, words: Any, resets: str) -> None:
     """FCT-C4 section 7.2: one of the prepared axes resets the preparation of all."""
     bench = channel_bench(words.axis("Y"), words.axis("Z"))
-    block = canon.Block(2, 20, "N20")
+    block = Block(2, 20, "N20")
     prepare = canon.PrepareProbe(block, ("Y", "Z"))
     other = canon.AxisExchange(block, ("Z",), ())
     reset = home(("Z",)) if resets == "homing" else other

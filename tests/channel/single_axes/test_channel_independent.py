@@ -9,6 +9,7 @@ import pytest
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., Any]
 MS, S = 1_000_000, 1_000_000_000
@@ -17,12 +18,12 @@ INCREMENT_MM = 10 / 2**20
 
 
 def alone(axis: str, target_mm: float, number: int = 1, **speed: Any) -> canon.IndependentMove:
-    block = canon.Block(number, number * 10, f"N{number * 10}")
+    block = Block(number, number * 10, f"N{number * 10}")
     return canon.IndependentMove(block, axis, target_mm, **speed)
 
 
 def at_targets(*axes: str) -> canon.WaitIndependent:
-    return canon.WaitIndependent(canon.Block(8, 80, "N80"), axes)
+    return canon.WaitIndependent(Block(8, 80, "N80"), axes)
 
 
 def trapezoid(distance: float, v: float, t: float) -> float:

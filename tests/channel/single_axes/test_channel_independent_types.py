@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Make = Callable[..., Any]
 INCREMENT_MM = 10 / 2**20
@@ -23,7 +24,7 @@ def _run(
 ) -> Any:
     """Z beside the path from 130 to 110 with FEED=3000; the lists say 10 mm/s for type 2."""
     bench = channel_bench(words.axis("Z", start_mm=130.0, **axis), plane_mm=plane_mm)
-    block = canon.Block(1, 10, "N10")
+    block = Block(1, 10, "N10")
     move = canon.IndependentMove(
         block, "Z", 110.0, feed_mm_min=3000.0, measuring_type=kind, error_no_signal=error_no_signal
     )

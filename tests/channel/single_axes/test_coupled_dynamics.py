@@ -10,9 +10,10 @@ from axisrig.kernel.channel.path.settings import AxisSettings
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.motion.profile import Slope
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.canon import AxisPair
 
-BLOCK = canon.Block(1, 10, "N10")
+BLOCK = Block(1, 10, "N10")
 
 
 def settings(name: str, a_mm_s2: float, speed_mm_s: float) -> AxisSettings:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import (
     AxisCommand,
@@ -74,7 +75,7 @@ def decode(*statements: Any, machine: Machine | None = None) -> list[canon.Comma
     """Decode statements, block by block; every block is N10, N20, .."""
     machine = machine or Machine()
     blocks = tuple(
-        ProgramBlock(canon.Block(n, 10 * n, f"N{10 * n}"), statement)
+        ProgramBlock(Block(n, 10 * n, f"N{10 * n}"), statement)
         for n, statement in enumerate(statements, 1)
     )
     program = Program("test", "test.nc", AXES, blocks, ())

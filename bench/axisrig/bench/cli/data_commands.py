@@ -61,6 +61,15 @@ def query(
 
 
 @rejecting
+def sources(folder: FolderArgument) -> None:
+    """Say which signal source is how accurate, from results of testplans/latch_study.csv."""
+    from axisrig.bench.campaign.results.stored import read_results
+    from axisrig.results.sources import sources_table
+
+    print(sources_table(read_results(folder)), end="")
+
+
+@rejecting
 def merge(
     folders: Annotated[list[Path], typer.Argument(metavar="DIR", help="Results folders.")],
     into: Annotated[Path, typer.Option("-o", "--output", help="Results folder to make.")],
@@ -70,6 +79,7 @@ def merge(
     from datetime import UTC, datetime
 
     from axisrig.bench.campaign.sharing import merge as joined
+    from axisrig.bench.plan.plan import counted
     from axisrig.reports.build import build_report
 
     started = datetime.now(UTC).isoformat(timespec="seconds")
@@ -80,7 +90,7 @@ def merge(
         print(f"missing: {run}", file=sys.stderr)
     for run in made.bare:
         print(f"the trace or the file of the run is missing: {run}", file=sys.stderr)
-    print(f"{made.runs} runs, {len(made.missing)} missing")
+    print(f"{counted(made.runs, made.statistics)}, {len(made.missing)} missing")
     print(made.report)
     raise typer.Exit(4 if made.missing or made.bare else 0)
 
@@ -140,4 +150,4 @@ def _lacking(package: str, extra: str) -> UserError:
     )
 
 
-DATA = (merge, diff, trend, export, query)
+DATA = (merge, diff, trend, export, query, sources)

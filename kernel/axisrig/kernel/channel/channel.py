@@ -151,7 +151,7 @@ class Channel(ChannelView):
         known.register(canon.LinearMove, self._move)
         known.register(canon.Warn, lambda command: self.warn(command.alarm))
         known.register(canon.ArcMove, self._move_on_arc)
-        known.register(canon.KinematicChoice, self._choose_kinematic)
+        known.register(canon.KinematicChoice, path.choose_kinematic)
         path.programmed.assign(known)
         self.pauses.assign(known)
         known.register(canon.MeasuringRun, measurement.begin, ready=path.is_in_position)
@@ -161,8 +161,8 @@ class Channel(ChannelView):
         )
         known.register(canon.PrepareProbe, measurement.prepare)
         known.register(canon.DriveWrite, self._write_function)
-        known.register(canon.DriveRead, self._ask_drive)
-        known.register(canon.DriveWait, self._ask_drive)
+        known.register(canon.DriveRead, self.functions.begin)
+        known.register(canon.DriveWait, self.functions.begin)
         self.single.assign(known)
         self.distance.assign(known)
         known.while_busy(self.plc.is_waiting)
@@ -375,14 +375,8 @@ class Channel(ChannelView):
             command.feed_mm_min,
         )
 
-    def _choose_kinematic(self, command: canon.KinematicChoice) -> None:
-        self.path.use_kinematic(command.kinematic)
-
     def _is_busy(self) -> bool:
         return self.measurement.is_active or self.path.is_moving or self.functions.is_waiting
-
-    def _ask_drive(self, command: canon.DriveRead | canon.DriveWait) -> None:
-        self.functions.begin(command)
 
     def _write_function(self, command: canon.DriveWrite) -> None:
         self.drive_writes.append((self._clock.now_ns, command))

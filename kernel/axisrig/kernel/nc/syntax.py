@@ -8,7 +8,7 @@ works them off.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 
 # ---- expressions
 

@@ -13,6 +13,7 @@ from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.path.execution import BlockEnd, BlockWatch
 from axisrig.kernel.measuring.run import RunRecord
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.time.clock import Clock, TimeNs
 
@@ -88,7 +89,7 @@ class BlockLog(BlockWatch):
         self._clock, self._channel, self._folder = clock, channel, folder
         self._rows = Rows(len(WHOLE) + len(REAL))
         self._count = 0
-        self._lines: dict[canon.Block, int] = {}
+        self._lines: dict[Block, int] = {}
         self._kinds: dict[str, int] = {}
         self._row: _Row | None = None
         self._beside: list[tuple[int, canon.IndependentMove]] = []
@@ -122,7 +123,7 @@ class BlockLog(BlockWatch):
         state = _ENDS[how] if row.begin_ns is not None else _NOT_BEGUN
         self._add(row, state)
 
-    def _file(self, block: canon.Block) -> str:
+    def _file(self, block: Block) -> str:
         if block.file is None or self._folder is None:
             return block.file or ""
         return os.path.relpath(block.file, self._folder).replace(os.sep, "/")

@@ -6,10 +6,8 @@ from axisrig.bench.record.distance import Controller, DistanceChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.axis import source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
-
-UNITS_PER_MM = 10_000
-"""Lengths of the lists are in 0.1 um."""
 
 
 @dataclass(frozen=True)

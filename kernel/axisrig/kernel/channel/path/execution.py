@@ -13,6 +13,7 @@ from typing import Any
 from axisrig.kernel.channel.path.lookahead import Lookahead
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 
 Ready = Callable[[], bool]
 Begin = Callable[[Any], None]
@@ -63,7 +64,7 @@ class Execution:
         self._steps: dict[type, _Step] = {}
         self._busy: list[Ready] = []
         self._queue: Lookahead | None = None
-        self.block: canon.Block | None = None
+        self.block: Block | None = None
         self.begun: canon.Command | None = None
         self.watch = BlockWatch()
         self._awaited: canon.Command | None = None

@@ -22,6 +22,7 @@ from axisrig.kernel.measuring.run import LatchPort, MeasuringRun, Order, RunReco
 from axisrig.kernel.measuring.simulated import SimulatedProbe, Way
 from axisrig.kernel.motion.dynamics import Dynamics, Motion
 from axisrig.kernel.nc import canon
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.time.clock import Clock
@@ -206,7 +207,7 @@ class Measurement:
         self,
         measuring_type: int,
         axes: Sequence[str],
-        block: canon.Block,
+        block: Block,
         *,
         error_no_signal: bool | None = None,
         goes_on: bool = False,
@@ -249,7 +250,7 @@ class Measurement:
         self,
         measuring: Sequence[str],
         target_acs_mm: Mapping[str, float],
-        block: canon.Block,
+        block: Block,
         motion: StopMotion,
     ) -> FixedStopRun:
         """Make a run to a fixed stop, and note it; who moves the axes has to evaluate it.
@@ -291,7 +292,7 @@ class Measurement:
     def speed_mm_s(
         self,
         measuring_type: int,
-        block: canon.Block,
+        block: Block,
         named: Sequence[str],
         moving: Sequence[str],
         wanted_mm_s: float,

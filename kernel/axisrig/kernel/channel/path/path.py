@@ -19,6 +19,7 @@ from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from axisrig.kernel.motion.ramp import Ramp
 from axisrig.kernel.motion.tool_path import ToolCurve, tool_dynamics
+from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
 
@@ -26,7 +27,7 @@ class Path:
     """Moves all axes of a channel together, one path at a time; axes and links in one order.
 
     The interpolation is in axis coordinates. A target is too, but while a kinematic is on
-    (`use_kinematic`) it is in tool coordinates, and the axes follow through the kinematic.
+    (`choose_kinematic`) it is in tool coordinates, and the axes follow through the kinematic.
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
     programmed: what the program chooses of the dynamics.
@@ -79,12 +80,12 @@ class Path:
         """Return where the interpolation is in the coordinates of targets, by axis."""
         return dict(zip(self._index, self._here(), strict=True))
 
-    def use_kinematic(self, kinematic: Kinematic | None) -> None:
-        """Take targets in tool coordinates from here on, None: in axis coordinates.
+    def choose_kinematic(self, command: canon.KinematicChoice) -> None:
+        """Take targets in tool coordinates from here on, or in axis coordinates again.
 
         To be called while the axes are at rest; nothing moves.
         """
-        self.kinematic = kinematic
+        self.kinematic = command.kinematic
 
     def end_program(self) -> None:
         """Forget what the program has chosen: its kinematic, its slope and its weights."""

@@ -14,11 +14,9 @@ from axisrig.kernel.distance.filters.weighted import (
 )
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters.table import table
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.parameters.values import ParameterSet
 from axisrig.kernel.time.clock import US, S, TimeNs
-
-# Unit of P-AXIS-00783 (docs/ambiguities.md): 0.1 um as all lengths of the lists
-SIGMA_PER_MM = 10_000
 
 
 class LowPassCode(IntEnum):
@@ -89,7 +87,8 @@ def make_filter(kind: str, settings: FilterSettings, period_ns: TimeNs, owner: s
     if "smoothing_factor" in row.parameters:
         mean = exponential_weights(settings.n_cycles, settings.smoothing_factor)
     if "kalman_sigma" in row.parameters:
-        return WeightedFilter(kalman_weights(mean, settings.kalman_sigma / SIGMA_PER_MM))
+        # P-AXIS-00783 (docs/ambiguities.md) is in 0.1 um, as all lengths of the lists
+        return WeightedFilter(kalman_weights(mean, settings.kalman_sigma / UNITS_PER_MM))
     return WeightedFilter(mean)
 
 

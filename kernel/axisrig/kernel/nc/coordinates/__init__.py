@@ -7,7 +7,8 @@ Nothing here reads NC text; docs/coordinates.md has the order of all shifts as o
 from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError
 from axisrig.kernel.nc.coordinates.frames import MAIN_AXES, Frame
 from axisrig.kernel.nc.coordinates.shifts import Shifts
-from axisrig.kernel.nc.coordinates.stack import Arc, Coordinates, Measured
+from axisrig.kernel.nc.coordinates.stack import Coordinates
+from axisrig.kernel.nc.coordinates.state import Arc, Measured
 from axisrig.kernel.nc.coordinates.tables import OffsetTables
 from axisrig.kernel.nc.coordinates.tools import Tool, Tools
 from axisrig.kernel.nc.coordinates.zero_offsets import ZeroOffsets

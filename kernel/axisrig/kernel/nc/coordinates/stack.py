@@ -19,10 +19,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from axisrig.kernel.kinematics import Kinematic
-from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError, PlaneArc, plane_arc
+from axisrig.kernel.nc.coordinates.circle import CircleWords, GeometryError, plane_arc
 from axisrig.kernel.nc.coordinates.frames import MAIN_AXES, Array, Frame
 from axisrig.kernel.nc.coordinates.places import XY, Plane, main_places
 from axisrig.kernel.nc.coordinates.shifts import Shifts
+from axisrig.kernel.nc.coordinates.state import Arc, AxisState, Level, Measured
+from axisrig.kernel.nc.coordinates.tool import axis_positions, tool_coordinates
 from axisrig.kernel.nc.coordinates.tools import Tool
 
 # An axis whose target differs by less does not move: far below every encoder increment, far above
@@ -30,65 +32,6 @@ from axisrig.kernel.nc.coordinates.tools import Tool
 SAME_POSITION_MM = 1e-9
 # 2^31 steps of 0.1 um (0.0001 deg): travel of an axis. TF5200 programming manual 15556764811
 FARTHEST_MM = 214_748.3647
-
-
-@dataclass
-class _Level:
-    """One coordinate system of the stack with the shifts programmed in it, by axis.
-
-    own: relative to the shifted system below. frame: down to the axes. zero_group: G54 is 1.
-    """
-
-    own: Frame
-    frame: Frame
-    carried_mm: dict[str, float]
-    zero_mm: dict[str, float]
-    reference_mm: dict[str, float]
-    measurement_mm: dict[str, float]
-    zero_group: int = 0
-
-    @classmethod
-    def begin(cls, own: Frame, frame: Frame, carried_mm: dict[str, float]) -> "_Level":
-        """Make a level in which no shift has been programmed yet."""
-        none = dict.fromkeys(carried_mm, 0.0)
-        return cls(own, frame, carried_mm, none, dict(none), dict(none))
-
-
-@dataclass
-class _AxisState:
-    """Where one axis is in the active coordinate system, and how it got there.
-
-    absolute_mm: ABS. shifts: those that were in effect when it was programmed absolutely.
-    programmed_mm: PCS of the last block that programmed it.
-    """
-
-    absolute_mm: float
-    shifts: Shifts
-    programmed_mm: float
-
-
-@dataclass(frozen=True)
-class Measured:
-    """The values of one axis after a measuring run, in mm; see `variables.csv`."""
-
-    acs_mm: float
-    mess_mm: float
-    pcs_mm: float
-    offset_mm: float
-
-
-@dataclass(frozen=True)
-class Arc:
-    """An arc in BASE; the fields are those of `canon.ArcMove`.
-
-    plane: the same in the plane of the active coordinate system, in ABS.
-    """
-
-    target_acs_mm: Mapping[str, float]
-    centre_acs_mm: Mapping[str, float]
-    tangent: Mapping[str, float]
-    angle_rad: float
-    plane: PlaneArc
 
 
 @dataclass
@@ -106,14 +49,14 @@ class Coordinates:
     plane: Plane = XY
     kinematic: Kinematic | None = field(init=False, default=None)
     _base_mm: dict[str, float] = field(init=False)  # acs_mm itself without a kinematic
-    _levels: list[_Level] = field(init=False)
-    _state: dict[str, _AxisState] = field(init=False)
+    _levels: list[Level] = field(init=False)
+    _state: dict[str, AxisState] = field(init=False)
     _direction: dict[str, float] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
         self._base_mm = self.acs_mm
         identity = Frame.identity()
-        self._levels = [_Level.begin(identity, identity, self._none())]
+        self._levels = [Level.begin(identity, identity, self._none())]
         self._places = main_places(self.axes)
         self._state = {}
         self._renew()
@@ -189,7 +132,7 @@ class Coordinates:
         carried = {axis: self.shifts(axis).system_mm for axis in self.axes}
         carried.update(dict.fromkeys(self.main_axes, 0.0))  # theirs are in the origin
         below = self._on_top(self._levels[-1])
-        self._levels.append(_Level.begin(frame, below.then(frame), carried))
+        self._levels.append(Level.begin(frame, below.then(frame), carried))
         self._renew()
 
     def switch_off(self) -> None:
@@ -210,7 +153,7 @@ class Coordinates:
             level.frame = self._on_top(below).then(level.own)
         self._renew()
 
-    def _on_top(self, level: _Level) -> Frame:
+    def _on_top(self, level: Level) -> Frame:
         """Give the frame of a level with its shifts in the origin, but for the tool."""
         offset = [
             level.carried_mm[a] + level.zero_mm[a] + level.reference_mm[a] + level.measurement_mm[a]
@@ -226,7 +169,9 @@ class Coordinates:
         Raises Alarm for a pose that the kinematic refuses; nothing has changed then.
         """
         acs_mm = {axis: acs_mm[axis] for axis in self.axes}
-        base_mm = _tool_coordinates(self.axes, kinematic, acs_mm)
+        base_mm = tool_coordinates(self.axes, kinematic, acs_mm)
+        if kinematic is not None:  # a pose that has no way back to the axes is refused here
+            axis_positions(self.axes, kinematic, base_mm, acs_mm)
         self.kinematic, self.acs_mm, self._base_mm = kinematic, acs_mm, base_mm
         self._renew()
 
@@ -374,13 +319,13 @@ class Coordinates:
         }
         self._base_mm.update(changed)
         if self.kinematic is not None and changed:
-            self.acs_mm = _axis_positions(self.axes, self.kinematic, self._base_mm, self.acs_mm)
+            self.acs_mm = axis_positions(self.axes, self.kinematic, self._base_mm, self.acs_mm)
         return changed
 
     def stand_at(self, acs_mm: Mapping[str, float]) -> None:
         """Take over where axes really ended; what was programmed stays as it is."""
         self.acs_mm.update(acs_mm)
-        self._base_mm = _tool_coordinates(self.axes, self.kinematic, self.acs_mm)
+        self._base_mm = tool_coordinates(self.axes, self.kinematic, self.acs_mm)
         for axis, position_mm in self._from_base(self._base_mm).items():
             self._state[axis].absolute_mm = position_mm
 
@@ -457,7 +402,7 @@ class Coordinates:
         if self.kinematic is None:
             return self._from_base(acs_mm)
         return self._from_base(
-            _tool_coordinates(self.axes, self.kinematic, {**self.acs_mm, **acs_mm})
+            tool_coordinates(self.axes, self.kinematic, {**self.acs_mm, **acs_mm})
         )
 
     def _from_base(self, base_mm: Mapping[str, float]) -> dict[str, float]:
@@ -471,32 +416,8 @@ class Coordinates:
         """Express where the axes are in the coordinate system that is active now."""
         for axis, position_mm in self._from_base(self._base_mm).items():
             shifts = self.shifts(axis)
-            self._state[axis] = _AxisState(
+            self._state[axis] = AxisState(
                 absolute_mm=position_mm,
                 shifts=shifts,
                 programmed_mm=position_mm - shifts.total_mm,
             )
-
-
-def _tool_coordinates(
-    axes: Sequence[str], kinematic: Kinematic | None, acs_mm: dict[str, float]
-) -> dict[str, float]:
-    """Give BASE of axis positions: the same positions without a kinematic."""
-    if kinematic is None:
-        return acs_mm
-    inside = axes[: kinematic.count]
-    tool = kinematic.forward(tuple(acs_mm[axis] for axis in inside))
-    return {**acs_mm, **dict(zip(inside, tool, strict=True))}
-
-
-def _axis_positions(
-    axes: Sequence[str],
-    kinematic: Kinematic,
-    base_mm: Mapping[str, float],
-    near_mm: Mapping[str, float],
-) -> dict[str, float]:
-    """Give the axis positions of BASE, the pose that is nearest to `near_mm`."""
-    inside = axes[: kinematic.count]
-    near = tuple(near_mm[axis] for axis in inside)
-    found = kinematic.inverse(tuple(base_mm[axis] for axis in inside), near)
-    return {**base_mm, **dict(zip(inside, found, strict=True))}

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from axisrig.kernel.errors import Alarm, UserError
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import GeometryError, OffsetTables
 from axisrig.kernel.nc.decoder import axes, registry
 from axisrig.kernel.nc.decoder.base.cells import Store

@@ -5,8 +5,8 @@ from functools import cache
 from typing import TypeVar
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
-from axisrig.kernel.nc.decoder import axes, systems
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.decoder import axes, kinematics, systems
 from axisrig.kernel.nc.decoder import variables as variables_
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Reader, Writer
@@ -15,7 +15,6 @@ from axisrig.kernel.nc.decoder.topics import (
     circles,
     drives,
     flow,
-    kinematics,
     measuring,
     messages,
     motion,

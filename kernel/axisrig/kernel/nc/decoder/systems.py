@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import MAIN_AXES, Frame
 from axisrig.kernel.nc.decoder import axes
 from axisrig.kernel.nc.decoder.base.context import Context

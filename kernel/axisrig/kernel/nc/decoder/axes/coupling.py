@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Final
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import AxisPair, Block
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.canon import AxisPair
 from axisrig.kernel.nc.decoder.axes.state import AxisStates, states
 from axisrig.kernel.nc.decoder.axes.values import axis_named, brackets, number, shown, whole
 from axisrig.kernel.nc.decoder.base.context import Context

@@ -10,7 +10,7 @@ from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.axes.state import forbidden
 from axisrig.kernel.nc.decoder.axes.values import number, shown
 from axisrig.kernel.nc.decoder.base.context import Context

@@ -10,7 +10,7 @@ from typing import Final
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.axes import distance
 from axisrig.kernel.nc.decoder.axes.independent import wait_for_all
 from axisrig.kernel.nc.decoder.axes.state import states

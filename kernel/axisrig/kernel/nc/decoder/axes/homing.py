@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Final
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.axes import distance
 from axisrig.kernel.nc.decoder.axes.independent import wait_for_all
 from axisrig.kernel.nc.decoder.axes.state import states

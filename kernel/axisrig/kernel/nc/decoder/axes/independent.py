@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Final
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates.stack import SAME_POSITION_MM
 from axisrig.kernel.nc.decoder.axes import coupling, distance
 from axisrig.kernel.nc.decoder.axes.state import forbidden, states

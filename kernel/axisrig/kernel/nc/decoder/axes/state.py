@@ -3,7 +3,8 @@
 from dataclasses import dataclass, field
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import AxisPair, Block
+from axisrig.kernel.nc.block import Block
+from axisrig.kernel.nc.canon import AxisPair
 from axisrig.kernel.nc.decoder.base.context import Context
 
 

@@ -1,6 +1,6 @@
 """Reading what is in the brackets of axis commands."""
 
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.syntax import Argument, Command, Group, Name, Text
 

@@ -6,7 +6,7 @@ from typing import Protocol, TypeVar
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Coordinates, OffsetTables
 from axisrig.kernel.nc.coordinates.lists import INCH_MM
 from axisrig.kernel.nc.decoder.base.frames import Flow

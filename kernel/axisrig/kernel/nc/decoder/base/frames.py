@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.cells import Store
 from axisrig.kernel.nc.decoder.base.structure import Link
 from axisrig.kernel.nc.decoder.base.subprograms import Routine

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from axisrig.kernel.errors import UserError, nearest
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.structure import Structure, resolve
 from axisrig.kernel.nc.syntax import Program, ProgramBlock, SubprogramCall
 from axisrig.kernel.nc.text.parser import read_program

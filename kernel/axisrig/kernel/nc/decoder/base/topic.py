@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.expressions import Value
 

@@ -5,7 +5,7 @@ values: with a PLC side that does not change they go on for ever.
 """
 
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.syntax import Assign, Command, Declare, EndFor, For, Statement, Words
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.cells import Cell, Store
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.frames import CALLS_MAX

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic, silent
 from axisrig.kernel.nc.decoder.topics import circles, pauses

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Coordinates
 from axisrig.kernel.nc.coordinates.places import PLANES
 from axisrig.kernel.nc.coordinates.zero_offsets import GROUPS

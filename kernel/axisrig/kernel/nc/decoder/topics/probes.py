@@ -6,7 +6,7 @@ Settings hold until the program ends. Sources: programming manual 207092107, FCT
 from collections.abc import Iterator
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic
 from axisrig.kernel.nc.decoder.topics.measuring import Measurements, choose_type

@@ -6,7 +6,7 @@ Sources: TF5200 programming manual 207190411, 206590731 and 206596619.
 from collections.abc import Iterator
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Handler, Topic
 from axisrig.kernel.nc.syntax import Command, Expression, Name, Words

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.coordinates import Tool
 from axisrig.kernel.nc.coordinates.tools import TOOLS
 from axisrig.kernel.nc.decoder.base.context import Context

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.subprograms import Unit, reachable
 from axisrig.kernel.nc.decoder.base.waiting import Waiting

@@ -14,7 +14,7 @@ from typing import NoReturn
 
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder.base.cells import RANGES, STRING, Cell, Store
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.subprograms import Unit, reachable

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 from axisrig.kernel.kinematics import Kinematic, build, check_axes
 from axisrig.kernel.nc import canon
-from axisrig.kernel.nc.canon import Block
+from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import axes
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.base.topic import Topic, silent
