@@ -8,7 +8,7 @@ import pytest
 
 from axisrig.bench.machine.plc.sensors import PlcSensors, along_of_electrode_m
 from axisrig.bench.rig.reading.plc_sensors import PlcSensorTable
-from axisrig.kernel.plc.interface import PlcInterface, ToolState
+from axisrig.kernel.plc.interface import PlcInterface
 from axisrig.kernel.time.clock import MS
 from axisrig.kernel.time.scheduler import Scheduler
 
@@ -31,7 +31,7 @@ def shown(value_m: float, tilts_deg: list[float | None], **keys: Any) -> list[fl
     sensors = PlcSensors({"V.E.S": table}, {"gap": Sensor(value_m)}, plc, lambda: 0, MS)  # type: ignore[dict-item]
     values = []
     for tilt_deg in tilts_deg:
-        plc.tool = None if tilt_deg is None else ToolState(tilt_deg, 80.0)
+        plc.tool.tilt_deg = tilt_deg
         sensors.take()
         values.append(plc.values["S"] * 1e-6)
     return values

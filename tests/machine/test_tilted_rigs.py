@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from axisrig.kernel.channel import Channel
+
 Run = Callable[..., Any]
 EXACT_MM = 1e-9
 COUNT_MM, COUNT_DEG = 1e-5, 1e-4
@@ -60,7 +62,13 @@ def test_tool_centre_point_rests_while_the_tool_tilts(run_nc: Run) -> None:
     The kernel's kinematic moves the axes, the plant's own one says where the tool then is. The
     program moves X by 5 mm on the surface; Y and Z of the tool centre point do not move.
     """
-    out = run_nc(TILTING, "", base="distance-5axis.toml")
+    shown: list[tuple[float, bool]] = []
+
+    def look(channel: Channel) -> None:
+        is_shown = channel.plc.tool.tilt_deg is not None
+        shown.append((channel.plc.values["SENSOR"] * 1e-4, is_shown))
+
+    out = run_nc(TILTING, "", base="distance-5axis.toml", watch=look)
     assert out.alarms == []
     tcp, tilt = columns(out, "gap.tcp"), out.column("gap.tilt_deg")
     on = np.flatnonzero(tilt > 1e-3)
@@ -68,6 +76,13 @@ def test_tool_centre_point_rests_while_the_tool_tilts(run_nc: Run) -> None:
     bound = COUNT_MM / 2 + LEVER_MM * np.radians(COUNT_DEG) / 2 * np.sqrt(2)
     assert np.abs(tcp[on][:, 1:]).max() < bound
     assert np.ptp(tcp[on][:, 0]) == pytest.approx(5.0, abs=0.1)
+    # The PLC makes h of what the sensor measures along the tool: half a step of the variable, and
+    # half an increment of A in the tilt, s sin t
+    orthogonal, (value, is_shown) = out.column("gap.distance_true_mm"), np.array(shown).T
+    tilted = (tilt > 1e-3) & (is_shown > 0)
+    assert np.ptp(tilt[tilted]) > 44.0
+    bound = 0.5e-4 + TOOL_MM * np.radians(COUNT_DEG) / 2
+    assert np.abs(value - orthogonal)[tilted].max() < bound
 
 
 def test_joints_of_a_robot_reach_its_sensor(run_nc: Run) -> None:

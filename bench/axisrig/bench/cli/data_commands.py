@@ -23,13 +23,21 @@ def export(
         bool, typer.Option("--mf4", help="ASAM MDF 4.10, each signal with its unit.")
     ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="CSV, the units in the second row.")] = False,
+    diagnosis: Annotated[
+        bool, typer.Option("--diagnosis", help="Diagnosis data of 3D distance control, as a text.")
+    ] = False,
 ) -> None:
     """Write the time series of runs for other programs, a file for each run."""
     from axisrig.results.export import export as exported
+    from axisrig.results.export import export_diagnosis
     from axisrig.results.loading import load
 
-    if mf4 == csv:
-        raise UserError("which form?", allowed=("--mf4", "--csv"))
+    if mf4 + csv + diagnosis != 1:
+        raise UserError("which form?", allowed=("--mf4", "--csv", "--diagnosis"))
+    if diagnosis:
+        for path in export_diagnosis(load(folder), runs or [], into or folder / "export"):
+            print(path)
+        return
     try:
         for path in exported(
             load(folder), runs or [], into or folder / "export", "mf4" if mf4 else "csv"
