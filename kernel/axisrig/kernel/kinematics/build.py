@@ -1,39 +1,24 @@
 """From the IDs that a program has chosen to a kinematic: `build`, and the axes it needs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics.data import KinematicData, Trafo
 from axisrig.kernel.kinematics.extension import ExtendedTool
 from axisrig.kernel.kinematics.head import HeadCA
 from axisrig.kernel.kinematics.kinematic import Kinematic
+from axisrig.kernel.kinematics.members import (
+    EXTENSION,
+    HEAD,
+    ROBOT,
+    UNIVERSAL,
+    Parameters,
+    Written,
+    coupled,
+    robot,
+    universal,
+)
 from axisrig.kernel.kinematics.table import KinematicType, kinematic_types
-
-Written = Mapping[tuple[int, ...], float]
-PER_MM = 10_000.0  # and per degree
-EXTENSION = 98
-
-
-class Parameters:
-    """The numbers of one kinematic: what a program wrote, else what the lists have."""
-
-    def __init__(self, step: int, trafo: Trafo, written: Written) -> None:
-        self.step, self.trafo = step, trafo
-        self._written = written
-
-    def param(self, index: int) -> float:
-        """Return `param[index]` in the units of lists."""
-        written = self._written.get((self.step, self.trafo.id, index))
-        return self.trafo.number("param[]", index) if written is None else float(written)
-
-    def hd(self, number: int) -> float:
-        """Return an offset in mm or degrees; number: from 1, as in HD1."""
-        return self.param(number - 1) / PER_MM
-
-    def refuse(self, parameter: str, value: object, allowed: str) -> Alarm:
-        """Build the alarm of a value that does not fit."""
-        shown = f"{value:g}" if isinstance(value, float) else value
-        return Alarm(900442, parameter=parameter, id=self.trafo.id, value=shown, allowed=allowed)
 
 
 def build(ids: Sequence[int], data: KinematicData, written: Written, tool_mm: float) -> Kinematic:
@@ -113,9 +98,13 @@ def _first(parameters: Parameters, data: KinematicData, tool_mm: float) -> Kinem
     trafo = parameters.trafo
     kind = _type(parameters.step, trafo.id, data)
     name = str(trafo.id)
-    if kind.id == 9:
+    if kind.id == HEAD:
         return HeadCA([parameters.hd(n) for n in range(1, 10)], tool_mm, name, kind.axes)
-    raise Alarm(900440, id=trafo.id, what=kind.name, reason="it is not there yet")
+    if kind.id == ROBOT:
+        return robot(parameters, tool_mm, name)
+    if kind.id == UNIVERSAL:
+        return universal(parameters, tool_mm, name)
+    return coupled(parameters, data.steps[parameters.step], tool_mm, name)
 
 
 def _extended(first: Kinematic, parameters: Parameters) -> Kinematic:
