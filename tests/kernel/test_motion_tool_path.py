@@ -90,3 +90,34 @@ def test_an_axis_beside_the_kinematic_may_be_put_elsewhere() -> None:
     assert moved.at(3.0) == pytest.approx((*curve.at(3.0)[:5], 9.0))
     with pytest.raises(ValueError, match="belongs to the kinematic"):
         curve.with_axis(1, 9.0)
+
+
+def test_a_path_with_an_axis_elsewhere_is_not_walked_again() -> None:
+    """It is put there in every cycle while the path goes on."""
+    tool = (*HEAD.forward(START), 7.0)
+    curve = ToolCurve(Line(tool, (*tool[:4], 0.0, 7.0)), HEAD, (*START, 7.0))
+    moved = curve.with_axis(5, 9.0)
+    assert moved.places is curve.places
+    assert (moved.start_mm, moved.end_mm) == (
+        (*curve.start_mm[:5], 9.0),
+        (*curve.end_mm[:5], 9.0),
+    )
+
+
+def test_a_way_of_the_tool_that_is_rounding_is_none() -> None:
+    """A shift by 1e-12 mm must not make a feed in mm/min of one in degrees per minute."""
+    tool = HEAD.forward(START)
+    curve = curve_to(tool[0] + 1e-12, *tool[1:4], 60.0)
+    assert curve.length_mm == pytest.approx(90.0)
+
+
+@pytest.mark.parametrize("turns", [1, 10, 100])
+def test_limits_hold_on_turns_that_are_longer_than_the_places(turns: int) -> None:
+    """C turns on and on: |q'| and |q''| of X are the lever and the lever over a rad, by hand."""
+    tool = HEAD.forward(START)
+    curve = curve_to(*tool[:3], START[3] + 360.0 * turns, START[4])
+    per_deg = math.radians(1.0)
+    lever_mm = math.hypot(*(a - b for a, b in zip(tool[:2], (101.0, 52.0), strict=True)))
+    (slope, bend), *_ = curve.steepness()
+    assert lever_mm * per_deg <= slope <= lever_mm * per_deg * 1.6
+    assert lever_mm * per_deg**2 <= bend <= lever_mm * per_deg**2 * 1.3

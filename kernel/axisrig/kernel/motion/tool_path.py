@@ -16,8 +16,12 @@ from axisrig.kernel.motion.dynamics import Dynamics, together, weakest
 # So far apart are the places where a path is looked at, in mm or degrees, and at most so many
 STEP = 0.5
 PLACES_MIN, PLACES_MAX = 32, 1024
+# The places of a turn that is longer are coarser, up to this
+COARSEST = 30.0
 # Derivatives come from differences of places; over one degree of a turn they miss less than this
-MARGIN = 1.001
+MARGIN = 1e-3
+# A way of the tool centre point that is rounding
+NO_WAY_MM = 1e-9
 # A change of direction, over the whole path, that is rounding
 STRAIGHT = 1e-7
 _TCP = 3
@@ -28,18 +32,33 @@ class ToolCurve:
 
     path: in tool coordinates, then the axes that the kinematic does not contain. near: where all
     axes are; the pose of the axes is followed from there without a jump. Raises Alarm for a path
-    that leaves the reach of the machine or meets a pose that the kinematic refuses.
+    that leaves the reach of the machine or meets a pose that the kinematic refuses. shape: the same
+    path with axes beside the kinematic elsewhere.
     """
 
-    def __init__(self, path: Curve, kinematic: Kinematic, near: Positions) -> None:
+    def __init__(
+        self,
+        path: Curve,
+        kinematic: Kinematic,
+        near: Positions,
+        shape: "ToolCurve | None" = None,
+    ) -> None:
         self.path, self._kinematic = path, kinematic
         self.start_mm = near
         self.length_mm = way_mm(path)
         self._scale = path.length_mm / self.length_mm if self.length_mm > 0.0 else 0.0
-        wanted = math.ceil(_turned(path) / STEP)
-        self._count = min(max(wanted, PLACES_MIN), PLACES_MAX)
-        self.places = self._walk(near)
-        self.end_mm = self.places[-1]
+        self._turned = _turned(path)
+        self._count: int
+        self.places: list[Positions]
+        self.end_mm: Positions
+        if shape is None:
+            wanted = min(max(math.ceil(self._turned / STEP), PLACES_MIN), PLACES_MAX)
+            self._count = max(wanted, math.ceil(self._turned / COARSEST))
+            self.places = self._walk(near)
+            self.end_mm = self.places[-1]
+        else:
+            self._count, self.places = shape._count, shape.places
+            self.end_mm = (*shape.end_mm[: kinematic.count], *path.end_mm[kinematic.count :])
 
     def _walk(self, near: Positions) -> list[Positions]:
         """Give the axis positions at equal distances, each from the one before."""
@@ -65,7 +84,7 @@ class ToolCurve:
         if index < self._kinematic.count:
             raise ValueError(f"axis {index} belongs to the kinematic")
         near = (*self.start_mm[:index], position_mm, *self.start_mm[index + 1 :])
-        return ToolCurve(self.path.with_axis(index, position_mm), self._kinematic, near)
+        return ToolCurve(self.path.with_axis(index, position_mm), self._kinematic, near, self)
 
     @property
     def moved(self) -> frozenset[int]:
@@ -81,10 +100,11 @@ class ToolCurve:
     def steepness(self) -> list[tuple[float, float]]:
         """Give the largest |dq/ds| and |d²q/ds²| of every axis; s is the way of the tool.
 
-        Central differences of the places, whose error over half a degree of a turn is 2e-5 of the
-        value (its square / 12).
+        Central differences of the places: over a step of h rad they miss h²/12 of a turn, and the
+        place next to the largest value has h²/8 less.
         """
         step = self.length_mm / self._count
+        margin = 1.0 + max(MARGIN, math.radians(self._turned / self._count) ** 2 / 4.0)
         found = []
         for q in zip(*self.places, strict=True):
             slopes = [abs(b - a) / step for a, b in itertools.pairwise(q)]
@@ -96,7 +116,7 @@ class ToolCurve:
             found.append(
                 (max(slopes, default=0.0), 0.0)
                 if is_straight
-                else (max(slopes) * MARGIN + bend * step / 2.0, bend * MARGIN)
+                else (max(slopes) * margin + bend * step / 2.0, bend * margin)
             )
         return found
 
@@ -105,7 +125,8 @@ def way_mm(path: Curve) -> float:
     """Return how far the tool centre point moves; without that, the way of the rest in degrees."""
     if isinstance(path, Arc):
         return math.hypot(path.radius_mm * path.angle_rad, *path.rise_mm[:_TCP])
-    return math.dist(path.start_mm[:_TCP], path.end_mm[:_TCP]) or path.length_mm
+    way = math.dist(path.start_mm[:_TCP], path.end_mm[:_TCP])
+    return way if way > NO_WAY_MM else path.length_mm
 
 
 def _turned(path: Curve) -> float:

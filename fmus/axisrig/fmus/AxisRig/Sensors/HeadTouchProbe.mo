@@ -186,7 +186,7 @@ equation
   total_pretravel = probe.total_pretravel;
   lever = sqrt(head.hd6^2
     + (abs(head.hd5) + sqrt(head.hd9^2 + (head.hd1 + head.reach + tool_length)^2))^2);
-  lever_share = lever*3.14159265358979/180/1e-3;
+  lever_share = lever*Constants.pi/180/1e-3;
   clearance = probe.clearance/sqrt(1 + 2*lever_share^2);
   annotation(
     Icon(graphics = {

@@ -18,7 +18,7 @@ from axisrig.kernel.motion.dynamics import Dynamics, Motion, arc_dynamics, path_
 from axisrig.kernel.motion.feed import FULL, Feed
 from axisrig.kernel.motion.interpolator import Interpolator, Positions, SetpointBuffer
 from axisrig.kernel.motion.ramp import Ramp
-from axisrig.kernel.motion.tool_path import ToolCurve, tool_dynamics
+from axisrig.kernel.motion.tool_path import NO_WAY_MM, ToolCurve, tool_dynamics
 from axisrig.kernel.nc import canon
 from axisrig.kernel.time.clock import Clock, S, TimeNs
 
@@ -31,7 +31,8 @@ class Path:
     offsets: what distance control superposes on the set positions. settings: of the channel.
     follow: gives axes their set positions that come from those of others, while any do.
     programmed: what the program chooses of the dynamics.
-    holds: cycles in which a feedhold came (True) or went (False).
+    holds: cycles in which a feedhold came (True) or went (False). kinematics: those in which a
+    kinematic was switched on, or off (None).
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class Path:
         self._led: set[int] = set()
         self.follow: Callable[[], None] | None = None
         self.kinematic: Kinematic | None = None
+        self.kinematics: list[tuple[TimeNs, canon.KinematicChoice | None]] = []
         self._floating: frozenset[str] = frozenset()
         self._held_axes: frozenset[int] = frozenset()
         self._wants_hold = False
@@ -85,11 +87,17 @@ class Path:
 
         To be called while the axes are at rest; nothing moves.
         """
-        self.kinematic = command.kinematic
+        self._choose(command.kinematic, command)
+
+    def _choose(self, kinematic: Kinematic | None, command: canon.KinematicChoice | None) -> None:
+        if kinematic is not None or self.kinematic is not None:
+            chosen = None if kinematic is None else command
+            self.kinematics.append((self._clock.now_ns, chosen))
+        self.kinematic = kinematic
 
     def end_program(self) -> None:
         """Forget what the program has chosen: its kinematic, its slope and its weights."""
-        self.kinematic = None
+        self._choose(None, None)
         self.programmed.begin()
 
     def _here(self) -> Positions:
@@ -227,11 +235,16 @@ class Path:
         return ToolCurve(path, self.kinematic, self.interpolator.positions_mm)
 
     def dynamics(
-        self, target_acs_mm: Mapping[str, float], motion: Motion, highest_mm_s: float = math.inf
+        self,
+        target_acs_mm: Mapping[str, float],
+        motion: Motion,
+        highest_mm_s: float = math.inf,
+        overtravel_mm: Mapping[str, float] | None = None,
     ) -> Dynamics | None:
         """Return the dynamics of the straight path to the target, None when nothing moves.
 
-        highest_mm_s: what the feed will not be above.
+        highest_mm_s: what the feed will not be above. overtravel_mm: as `begin` has it; the
+        dynamics of a path of the tool are those of all of it.
         """
         here = self._here()
         target = tuple(
@@ -243,7 +256,20 @@ class Path:
         axes = [self.programmed.dynamics(axis, motion) for axis in self._axes]
         if self.kinematic is None:
             return path_dynamics(axes, deltas)
-        return tool_dynamics(axes, self._of_axes(Line(here, target)), highest_mm_s)
+        if max(map(abs, deltas)) <= NO_WAY_MM:  # rounding of the way through the kinematic
+            return None
+        line = self._line(target_acs_mm, overtravel_mm)
+        return tool_dynamics(axes, self._of_axes(line), highest_mm_s)
+
+    def _line(
+        self, target_acs_mm: Mapping[str, float], overtravel_mm: Mapping[str, float] | None
+    ) -> Line:
+        """Give the straight path, in the coordinates of targets."""
+        here = self.position_mm()
+        target = {**here, **target_acs_mm}
+        if overtravel_mm is not None:
+            target = lengthened(here, target, overtravel_mm)
+        return Line(tuple(here.values()), tuple(target.values()))
 
     def begin(
         self,
@@ -258,11 +284,7 @@ class Path:
         Raises Alarm 900012 for a target that cannot be sent to a drive, 120002 or 120003 for one
         past a software limit switch.
         """
-        here = self.position_mm()
-        target = {**here, **target_acs_mm}
-        if overtravel_mm is not None:
-            target = lengthened(here, target, overtravel_mm)
-        line = Line(tuple(here.values()), tuple(target.values()))
+        line = self._line(target_acs_mm, overtravel_mm)
         if self.kinematic is None:
             self._require_reach(line.end_mm)
             self._follow(line, feed_mm_s, dynamics)

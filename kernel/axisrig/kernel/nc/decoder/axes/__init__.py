@@ -13,10 +13,20 @@ from axisrig.kernel.nc.decoder.axes.independent import (
     before_block,
     before_turning,
     synchronised,
+    wait_for_all,
 )
+from axisrig.kernel.nc.decoder.axes.state import forbidden
 from axisrig.kernel.nc.decoder.base.topic import Topic
 
-__all__ = ["TOPIC", "after_block", "before_block", "before_turning", "synchronised"]
+__all__ = [
+    "TOPIC",
+    "after_block",
+    "before_block",
+    "before_turning",
+    "forbidden",
+    "synchronised",
+    "wait_for_all",
+]
 
 TOPIC = Topic(
     commands={
