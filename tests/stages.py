@@ -4,7 +4,7 @@
 quick stage leaves out what is marked `@pytest.mark.long`; with `long(but=2)` the first two rows of
 a parametrized test stay. Of a shipped plan it keeps rows that check all its metrics, and of the
 rows that check the same the one that simulates least (`plans/simulated.csv`); statistics over
-several runs are left out.
+several runs are left out, and rows with the tag `study`, which are long and say something together.
 """
 
 import csv
@@ -22,6 +22,8 @@ from axisrig.bench.campaign.pytest_plugin import CaseItem, StatisticItem
 from axisrig.bench.plan.plan import Case
 
 SIMULATED = Path(__file__).parent / "plans" / "simulated.csv"
+STUDY = "study"
+"""Tag of rows that are neither in the demo nor in the quick stage."""
 _BEGAN = pytest.StashKey[float]()
 
 
@@ -80,7 +82,11 @@ class Stages:
         """Deselect what the other stage runs."""
         if self._stage is None:
             return
-        plans = [item.case for item in items if isinstance(item, CaseItem)]
+        plans = [
+            item.case
+            for item in items
+            if isinstance(item, CaseItem) and STUDY not in item.case.tags
+        ]
         shown = rows_of_every_metric(plans, simulated_s())
         counts: Counter[str] = Counter()
         kept, left_out = [], []

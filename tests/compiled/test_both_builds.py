@@ -19,6 +19,7 @@ PLANS = sorted((ROOT / "testplans").glob("*.csv"))
 COMPILED = ROOT / ".venv-fast/bin/python"
 SCENARIOS, BLOCK = 1000, 50
 HASHES = Path(__file__).with_name("scenario_hashes.py")
+POSES = Path(__file__).with_name("kinematics_hashes.py")
 
 pytestmark = pytest.mark.long
 
@@ -82,4 +83,10 @@ def test_every_shipped_run_leaves_the_same_bytes(
 def test_fault_scenarios_are_the_same(builds: tuple[Path, Path], first: int) -> None:
     interpreted, compiled = (_output(python, HASHES, first, BLOCK) for python in builds)
     assert len(interpreted.splitlines()) == BLOCK
+    assert interpreted == compiled
+
+
+def test_kinematics_give_the_same_bits(builds: tuple[Path, Path]) -> None:
+    interpreted, compiled = (_output(python, POSES, 1000) for python in builds)
+    assert len(interpreted.splitlines()) > 5
     assert interpreted == compiled

@@ -85,6 +85,14 @@ def test_above_hd4_the_program_ends() -> None:
         kinematic.inverse((0, 0, 0, 0, 91.1), near)
 
 
+@pytest.mark.parametrize("largest", range(61, 121))
+def test_a_tilt_of_hd4_itself_is_allowed(largest: int) -> None:
+    """Whatever the rounding of the tilt is."""
+    kinematic = _extended((HD1_MM, 30, 60, largest))
+    for c in (0.0, 20.0, 77.7):
+        kinematic.inverse((0, 0, 0, c, -largest), (0.0,) * 5)
+
+
 def test_the_first_step_does_the_rest() -> None:
     kinematic = _extended((HD1_MM, 30, 60, 91))
     axes = (10.0, 20.0, 30.0, 40.0, -50.0)

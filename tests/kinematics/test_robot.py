@@ -107,18 +107,21 @@ def test_turns_of_the_pose_before_stay() -> None:
 # --- singular poses ------------------------------------------------------------------------------
 
 
-def test_across_the_stretched_wrist_the_joints_go_on_steadily() -> None:
+@pytest.mark.parametrize("name", ["45", "45, 98", "210 robot first", "210 slide first"])
+def test_across_the_stretched_wrist_the_joints_go_on_steadily(name: str) -> None:
     """B3 goes through exactly 0; A1 and A2 keep their place."""
-    robot = MACHINE.kernel()
-    poses = np.array([(20, 30, -10, 40, b3, -70) for b3 in np.linspace(-5, 5, 201)])
+    machine = MACHINES[name]
+    kinematic = machine.kernel()
+    slides = (100.0,) * (kinematic.count - 6)
+    poses = np.array([(20, 30, -10, 40, b3, -70, *slides) for b3 in np.linspace(-5, 5, 201)])
     assert 0.0 in poses[:, 4]
     near = tuple(poses[0].tolist())
     found = []
     for pose in poses.tolist():
-        near = robot.inverse(robot.forward(tuple(pose)), near)
+        near = kinematic.inverse(kinematic.forward(tuple(pose)), near)
         found.append(near)
     assert np.abs(np.array(found) - poses).max() < 1e-7  # A1 - A2 is uncertain beside the pole
-    assert_same_tool(MACHINE, np.array(found), poses)
+    assert_same_tool(machine, np.array(found), poses)
 
 
 @pytest.mark.parametrize("b3", [0.0, 1e-12, 1e-10, 1e-8, 180.0])

@@ -198,6 +198,15 @@ def test_what_does_not_go_together(program: str, alarm_id: int) -> None:
     assert "line" in alarm.value.place
 
 
+def test_a_tilt_that_98_forbids_is_refused_when_it_is_switched_on() -> None:
+    parameters = (
+        "V.G.KIN_STEP[1].ID[98].PARAM[1] = 100000\nV.G.KIN_STEP[1].ID[98].PARAM[3] = 300000"
+    )
+    with pytest.raises(Alarm) as alarm:
+        run5(f"{parameters}\nG0 A40\n#TRAFO [9, 98]")
+    assert (alarm.value.id, "line 4" in str(alarm.value.place)) == (900444, True)
+
+
 def test_a_rig_without_these_axes_refuses_the_kinematic() -> None:
     with pytest.raises(Alarm, match="needs the axes X") as alarm:
         run_text("#TRAFO [9]")

@@ -87,6 +87,26 @@ def test_arguments_are_read() -> None:
     assert parsed("share(latch_error_um; plc:V.E.FEED)").columns == ("plc:V.E.FEED",)
 
 
+def test_a_statistic_of_each_run_stays_with_its_run(read: Read) -> None:
+    """The runs of one case, each with a condition of its own, beside one over all of them."""
+    plan = read(
+        "expand,check:mean(latch_error_um; each),check:slope(latch_error_um; plc:V.E.FEED)",
+        "a,a.nc,r.toml,,[60 | 600 | 900],,zip,[1 | 2 | 3] +- 0.1,0 +- 1",
+    )
+    texts = [[(c.metric, c.condition.text) for c in case.checks[:-1]] for case in plan.cases]
+    metric = "mean(latch_error_um; each)"
+    assert texts == [[(metric, f"{place} +- 0.1")] for place in (1, 2, 3)]
+    (row,) = plan.statistics
+    assert [check.metric for check in row.checks] == ["slope(latch_error_um; plc:V.E.FEED)"]
+    alone = read("check:mean(latch_error_um; each)", "a,a.nc,r.toml,,[60 | 600],,0 +- 1")
+    assert (len(alone.cases), alone.statistics) == (2, ())
+    with pytest.raises(UserError, match="one value of plc:V"):
+        read(
+            "check:slope(latch_error_um; plc:V.E.FEED; each)",
+            "a,a.nc,r.toml,,[60 | 600 | 900],,0 +- 1",
+        )
+
+
 @pytest.mark.parametrize(
     ("metric", "words"),
     [

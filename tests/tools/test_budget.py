@@ -1,7 +1,10 @@
 """The budget of a measured value: shares, their sum, the cause that is named."""
 
+import base64
 import csv
+import gzip
 import random
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -20,7 +23,8 @@ from axisrig.bench.plan.select import only
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.tools.budget.budget import budget_lines, causes, make_budget
 from axisrig.kernel.errors import UserError
-from axisrig.results.budget.page import waterfall, write_budget
+from axisrig.reports.build import build_report
+from axisrig.results.budget.page import add_budget, write_budget
 
 PLAN = Path(__file__).parents[2] / "testplans" / "latch_accuracy.csv"
 SPEED_MM_S = -10.0
@@ -122,9 +126,47 @@ def test_the_table_and_the_page(tmp_path: Path) -> None:
     assert sum(float(entry["in_turn_um"]) for entry in rows) == pytest.approx(budget.error_um)
     page = write_budget(tmp_path / "a.html", budget).read_text(encoding="utf-8")
     assert "pre-travel" in page
-    assert waterfall(budget) in page
+    assert page.count("<rect") == len(budget.shares) + 2  # what is left, and the whole
     with pytest.raises(UserError, match="no kind of a budget"):
         write_budget(tmp_path / "a.pdf", budget)
+
+
+def report_of(folder: Path, frames: str) -> str:
+    """Write tables and report of the row of the budget; return what the page has of runs."""
+    head = "plan,case,run,verdict,sim_s,wall_s,seed,alarms,frame_log_sha256"
+    run = f"latch_accuracy,f600,latch_accuracy-f600,pass,1,1,1,,{frames}"
+    (folder / "cases.csv").write_text(f"{head}\n{run}\n", encoding="utf-8")
+    (folder / "results.csv").write_text("run,metric,verdict\n", encoding="utf-8")
+    page = build_report(folder).read_text(encoding="utf-8")
+    packed = re.search(r'class="stored" data-run="latch_accuracy-f600">(\S+)', page)
+    assert packed is not None
+    return gzip.decompress(base64.b64decode(packed[1])).decode("utf-8")
+
+
+def test_a_budget_in_a_results_folder_is_in_the_card_of_its_run(tmp_path: Path) -> None:
+    budget = replace(make_budget(probe_row(), None, calculated), frame_log_sha256="ab" * 32)
+    assert "fall" not in report_of(tmp_path, "ab" * 32)
+    path = add_budget(tmp_path, budget)
+    assert path == tmp_path / "budgets" / "latch_accuracy-f600.csv"
+    shown = report_of(tmp_path, "ab" * 32)
+    assert shown.count('<rect class=\\"fall-') == len(budget.shares) + 2
+    assert "pre-travel" in shown
+    assert "systematic" in shown
+    # The row was run again, with other settings
+    assert "made of other frames" in report_of(tmp_path, "cd" * 32)
+    assert "fall-" not in report_of(tmp_path, "cd" * 32)
+    with pytest.raises(UserError, match="other frames"):
+        add_budget(tmp_path, budget)
+    path.write_text(path.read_text(encoding="utf-8").replace("-8.", "x8."), encoding="utf-8")
+    with pytest.raises(UserError, match="`budget` of run"):
+        report_of(tmp_path, "ab" * 32)
+
+
+def test_a_budget_of_a_row_that_the_folder_lacks_is_refused(tmp_path: Path) -> None:
+    report_of(tmp_path, "ab" * 32)
+    budget = replace(make_budget(probe_row(), None, calculated), run="latch_accuracy-f60")
+    with pytest.raises(UserError, match="no such run"):
+        add_budget(tmp_path, budget)
 
 
 def test_results_may_come_in_any_order() -> None:
@@ -137,6 +179,8 @@ def test_every_cause_has_a_place_and_says_what_it_is() -> None:
     for cause in causes():
         assert cause.place in ("probe", "axis", "drive", "set")
         assert cause.form in ("", "time", "minus_time", "length", "drawn", "rounding", "sampling")
+        assert cause.effect in ("systematic", "random")
+        assert (cause.form in ("drawn", "rounding", "sampling")) <= (cause.effect == "random")
         assert cause.meaning
         assert cause.source
 

@@ -34,9 +34,12 @@ from axisrig.bench.files import write_parts
 from axisrig.bench.judge.topics import findings
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.blocks.section import blocks_style
+from axisrig.reports.budget.drawing import budget_style
+from axisrig.reports.budget.section import budget_section
 from axisrig.reports.campaign_map.section import CampaignMap, map_style
 from axisrig.reports.coverage.section import Coverage, coverage_style
 from axisrig.reports.glossary import glossary
+from axisrig.reports.lines.section import lines_section, lines_style
 from axisrig.reports.parts.shipped import licences, page_style, plot_scripts, shipped_text
 from axisrig.reports.parts.topic import ReportTopic
 from axisrig.reports.run import (
@@ -45,6 +48,7 @@ from axisrig.reports.run import (
     Findings,
     Parts,
     probe_rows,
+    readable,
     run_view,
     verdict_words,
 )
@@ -91,7 +95,7 @@ def build_report(
 _STORE = "<!-- packed runs -->"
 _STYLES = (
     *(page_style, blocks_style, map_style),
-    *(statistics_style, sweeps_style, coverage_style),
+    *(statistics_style, sweeps_style, coverage_style, lines_style, budget_style),
 )
 
 
@@ -138,6 +142,7 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
     probes: dict[str, list[StoredRun]] = {}
     for one in results.runs:
         probes.setdefault(one.case.get(PROBE, ""), []).append(one)
+    folder = results.folder / str(results.manifest.get(RECORDINGS, ""))
     has_plans = len({run.case["plan"] for run in results.runs}) > 1
     for stored in results.runs:
         run = replace(stored)  # what it reads goes with it
@@ -147,6 +152,8 @@ def _made(results: StoredResults, pages: _Pages, store: IO[str], *, is_full: boo
         spent += len(view["data"]) * (is_whole and run.verdict is not Verdict.PASS)
         own = probes.get(run.run, ())
         view |= {"has_plans": has_plans, "probes": probe_rows(run, own)}
+        with readable(run, "budget"):
+            view["budget"] = budget_section(folder, run)
         view["searched"] = search_pictures(run, own) if view["probes"] else ""
         made.rows.append(Markup(pages.row.render(run=view)))
         if run.is_in_plan and not run.is_probe and not view["is_good"]:
@@ -196,6 +203,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "glossary": glossary(),
         },
         "statistics": statistics_section(results),
+        "lines": lines_section(results),
         "sweeps": searches_section(results)
         + sweeps_section(results, swept)
         + sensitivity_section(swept),

@@ -61,6 +61,15 @@ def query(
 
 
 @rejecting
+def sources(folder: FolderArgument) -> None:
+    """Say which signal source is how accurate, from results of testplans/latch_study.csv."""
+    from axisrig.bench.campaign.results.stored import read_results
+    from axisrig.results.sources import sources_table
+
+    print(sources_table(read_results(folder)), end="")
+
+
+@rejecting
 def merge(
     folders: Annotated[list[Path], typer.Argument(metavar="DIR", help="Results folders.")],
     into: Annotated[Path, typer.Option("-o", "--output", help="Results folder to make.")],
@@ -140,4 +149,4 @@ def _lacking(package: str, extra: str) -> UserError:
     )
 
 
-DATA = (merge, diff, trend, export, query)
+DATA = (merge, diff, trend, export, query, sources)

@@ -109,7 +109,12 @@ def budget(
     assignments: SetOption = None,
     outputs: Annotated[
         list[Path] | None,
-        typer.Option("-o", "--output", help="Write a table (.csv) or a page (.html), too."),
+        typer.Option(
+            "-o",
+            "--output",
+            help="Write a table (.csv) or a page (.html), or add it to the report of a results"
+            " folder.",
+        ),
     ] = None,
     jobs: JobsOption = JOBS_AUTO,
 ) -> None:
@@ -123,7 +128,8 @@ def budget(
     from axisrig.bench.plan.plan import read_plan
     from axisrig.bench.plan.select import only
     from axisrig.bench.tools.budget.budget import budget_lines, make_budget
-    from axisrig.results.budget.page import write_budget
+    from axisrig.reports.build import build_report
+    from axisrig.results.budget.page import add_budget, write_budget
 
     given = [parse_assignment(text) for text in assignments or ()]
     case = only(read_plan(plan).with_inputs(given).cases, select)
@@ -131,7 +137,11 @@ def budget(
     found = make_budget(case, axis, run)
     print("\n".join(budget_lines(found)))
     for path in outputs or ():
-        print(write_budget(path, found))
+        if not path.is_dir():
+            print(write_budget(path, found))
+            continue
+        print(add_budget(path, found))
+        print(build_report(path))
 
 
 TOOLS = (new, bus, budget, probe_feed, scenarios)

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 LAST = "last"
 """Argument: of each run the last measurement run alone, as a plain metric judges it."""
+EACH = "each"
+"""Argument: of each run by itself, also where the case has several."""
 RUN, TOUCH = "run", "touch"
 """Columns that every case has: the number of the run, and of the touch within it, from 1."""
 
@@ -83,7 +85,8 @@ class StatisticCheck(Check):
 
     of: the metric, with a condition that nobody judges. sides: what else each value needs, metrics
     as checks and columns by their header, in the order of the arguments. limits: of cp and cpk.
-    tolerance: of cg and cgk. is_last: of each run the last measurement run alone.
+    tolerance: of cg and cgk. is_last: of each run the last measurement run alone. is_each: over the
+    measurement runs of one run, among its checks.
     """
 
     of: Check | None = None
@@ -91,6 +94,7 @@ class StatisticCheck(Check):
     limits: tuple[float | None, float | None] | None = None
     tolerance: float | None = None
     is_last: bool = False
+    is_each: bool = False
 
     @property
     def name(self) -> str:
@@ -132,15 +136,14 @@ def parse_any_check(
         allowed = close or known_statistics()
         raise UserError("unknown statistic", value=match["name"], allowed=allowed, hint=_HINT)
     words = [word.strip() for word in match["arguments"].split(";")]
-    is_last = len(words) > 1 and words[-1] == LAST
-    words = words[:-1] if is_last else words
+    over = words.pop() if len(words) > 1 and words[-1] in (LAST, EACH) else ""
     fewest = sum(not kind.startswith("[") for kind in statistic.arguments)
     if not fewest <= len(words) <= len(statistic.arguments) or not all(words):
         raise UserError("not the arguments of the statistic", value=metric, allowed=statistic.form)
     of = _metric(words[0], reference, own)
     check = StatisticCheck(
         metric.strip(), parse_condition(condition, "number"), reference, of.axis, of.block,
-        of=of, is_last=is_last,
+        of=of, is_last=over == LAST, is_each=over == EACH,
     )  # fmt: skip
     for kind, word in zip(statistic.arguments[1:], words[1:], strict=False):
         check = _with_argument(check, kind.strip("[]"), word, reference)
@@ -221,8 +224,7 @@ def split_statistics(cases: Iterable["Case"]) -> tuple[tuple["Case", ...], tuple
         if members[0].search is not None:
             runs += [_of_probes(case) for case in members]
             continue
-        asked = [check for check in members[0].checks if isinstance(check, StatisticCheck)]
-        if asked:
+        if any(isinstance(check, StatisticCheck) for case in members for check in case.checks):
             members, of_case = _split(members)
             statistics += of_case
         runs += members
@@ -235,29 +237,36 @@ def split_statistics(cases: Iterable["Case"]) -> tuple[tuple["Case", ...], tuple
 
 
 def _split(members: Sequence["Case"]) -> tuple[list["Case"], list["Case"]]:
+    members = [_with_own(case) for case in members]
     first = members[0]
     if any(_conditions(case) != _conditions(first) for case in members):
-        column = next(check.metric for check in first.checks if isinstance(check, StatisticCheck))
+        column = next(c.metric for case in members for c in case.checks if _is_of_case(c))
         raise first.error(
-            "the runs of a case have one condition for a statistic", f"check:{column}"
+            "the runs of a case have one condition for a statistic",
+            f"check:{column}",
+            hint="with `each` as its last argument it is of each run by itself",
         )
     for check in first.checks:
-        if isinstance(check, StatisticCheck):
+        if isinstance(check, StatisticCheck) and not check.is_each:
             _check_columns(members, check)
     found = {check.metric: _with_limits(first, check) for check in first.checks}
     if len(members) == 1:
         return [replace(first, checks=tuple(found.values()))], []
-    sampled = tuple(check for check in found.values() if isinstance(check, StatisticCheck))
+    sampled = tuple(
+        check for check in found.values() if isinstance(check, StatisticCheck) and not check.is_each
+    )
     asked = {check.metric for check in sampled}
     runs = [
         replace(
             case,
-            checks=tuple(c for c in case.checks if not isinstance(c, StatisticCheck)),
+            checks=tuple(check for check in case.checks if check.metric not in asked),
             expected=tuple(name for name in case.expected if name not in asked),
             sampled=sampled,
         )
         for case in members
     ]
+    if not sampled:
+        return runs, []
     common = {
         column: value
         for column, value in first.inputs.items()
@@ -283,8 +292,24 @@ def _of_probes(case: "Case") -> "Case":
     return replace(case, search=replace(case.search, checks=probe.checks))
 
 
+def _is_of_case(check: Check) -> bool:
+    """Whether it is a statistic over all runs of a case."""
+    return isinstance(check, StatisticCheck) and not check.is_each
+
+
+def _with_own(case: "Case") -> "Case":
+    """Check the statistics that a run has by itself, and give them their limits."""
+    checks = []
+    for check in case.checks:
+        if isinstance(check, StatisticCheck) and check.is_each:
+            _check_columns([case], check)
+            check = _with_limits(case, check)  # noqa: PLW2901
+        checks.append(check)
+    return replace(case, checks=tuple(checks))
+
+
 def _conditions(case: "Case") -> list[tuple[str, str]]:
-    return [(c.metric, c.condition.text) for c in case.checks if isinstance(c, StatisticCheck)]
+    return [(c.metric, c.condition.text) for c in case.checks if _is_of_case(c)]
 
 
 def _with_limits(case: "Case", check: Check) -> Check:

@@ -48,10 +48,12 @@ class KinematicData:
         """Read the parameters of a channel. Raises UserError for an ID that is there twice."""
         sets: dict[tuple[int, int], dict[Key, Value]] = {}
         older: dict[int, dict[Key, Value]] = {}
+        places: dict[tuple[int, int], str] = {}
         for path, value in channel.items():
             indices = indices_of(path)
             if path.startswith("kin_step["):
                 name = path.partition("].trafo[")[2].partition("].")[2]
+                places.setdefault((indices[0], indices[1]), path)
                 sets.setdefault((indices[0], indices[1]), {})[_key(name)] = value
             elif path.startswith("kinematik["):
                 older.setdefault(indices[0], {})["param[]", indices[1:]] = value
@@ -64,7 +66,7 @@ class KinematicData:
             path = f"kin_step[{step}].trafo[{number}]"
             found = _trafo(channel, path, values)
             if (step, found.id) in seen:
-                raise _twice(channel, f"{path}.id", found.id)
+                raise _twice(channel, places[step, number], found.id)
             seen.add((step, found.id))
             steps[step][found.id] = found
         return cls(steps, _default_ids(channel))

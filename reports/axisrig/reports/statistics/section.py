@@ -51,7 +51,7 @@ def statistics_views(results: StoredResults) -> Iterator[Mapping[str, Any]]:
         for row in run.checks:
             with suppress(UserError):  # a metric of another version
                 check = parse_any_check(row["metric"], row["check"], row["reference"])
-                if isinstance(check, StatisticCheck):
+                if isinstance(check, StatisticCheck) and not check.is_each:
                     key = f"{check.metric_check.metric}{' last' if check.is_last else ''}"
                     by_metric.setdefault(key, []).append((check, row))
         members = _members(results, run) if by_metric else []

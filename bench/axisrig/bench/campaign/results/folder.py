@@ -38,6 +38,8 @@ PLANS = "plans"
 """Folder for the plans as they were meant, a row for each run."""
 JUDGED = "judged"
 """Folder for verdicts made anew from the recordings of this one (`rejudge`)."""
+BUDGETS = "budgets"
+"""Folder for budgets of its runs, a table for each (`axisrig budget`)."""
 _MADE = ("junit.xml", "report.html")
 _FILES = ("results.csv", "cases.csv", *_MADE, "manifest.json")
 _NEW, _COMMIT = ".new", ".commit"
@@ -72,7 +74,7 @@ def clear(folder: Path) -> None:
 
     Folders that the next results need again stay, empty.
     """
-    for name in (_NEW, JUDGED):
+    for name in (_NEW, JUDGED, BUDGETS):
         shutil.rmtree(folder / name, ignore_errors=True)
     for name in (PLANS, *FOLDERS):
         _empty(folder / name)

@@ -70,7 +70,10 @@ class Chain:
         return clamp @ shift(0, 0, -longer - self.length_mm(clamp))
 
     def tool(self, axes: npt.ArrayLike) -> Array:
-        """Return the tool coordinates (n, count): x, y, z, then the orientation, mm and degrees."""
+        """Return the tool coordinates (n, count): x, y, z, then the orientation, mm and degrees.
+
+        Where B of a robot is 90 or -90, A and C are one choice of many: compare frames there.
+        """
         axes = np.asarray(axes, dtype=float)
         frame = self.frame(axes)
         place = frame[..., :3, 3]

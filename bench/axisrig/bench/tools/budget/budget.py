@@ -24,6 +24,7 @@ from axisrig.bench.plan.checks import parse_check
 from axisrig.bench.plan.plan import Case
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
+from axisrig.reports.budget.section import COLUMNS
 
 _METRICS = ("latch_error_um", "contact_velocity_mm_s", "contact_to_latch_ms")
 _ANY = "-1e15 .. 1e15"
@@ -39,6 +40,7 @@ class Cause:
 
     place: probe, axis (its plant), drive, or set (its parameter list). key, unit: what is set
     there; off: the value that switches the cause off. form: its closed form, empty without one.
+    effect: systematic or random, as the GUM has these words (B.2.21, B.2.22).
     """
 
     cause: str
@@ -47,6 +49,7 @@ class Cause:
     unit: str
     off: str
     form: str
+    effect: str
     meaning: str
     source: str
 
@@ -81,6 +84,7 @@ class Budget:
 
     error_um: published less true position at the contact. left_um: the error with all of them off.
     velocity_mm_s: true velocity at the contact. increment_um: of the motor encoder.
+    frame_log_sha256: of the run with all causes as they are.
     """
 
     run: str
@@ -90,6 +94,7 @@ class Budget:
     increment_um: float
     left_um: float
     shares: tuple[Share, ...]
+    frame_log_sha256: str = ""
 
     @property
     def largest(self) -> Share | None:
@@ -140,7 +145,10 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases) -> Budget:
         _without(case, axis, number, {active[place][1]: active[place][0].off for place in off})
         for number, off in enumerate(wanted)
     ]
-    results = {result.case.run: _seen(result) for result in run_cases(cases)}  # in any order
+    results, frames = {}, {}
+    for result in run_cases(cases):  # in any order
+        results[result.case.run] = _seen(result)
+        frames[result.case.run] = result.frame_log_sha256
     seen = {off: results[case.run] for off, case in zip(wanted, cases, strict=True)}
     whole = seen[frozenset()]
     table = settings.rig.drive[settings.rig.axis[axis].drive]
@@ -169,6 +177,7 @@ def make_budget(case: Case, axis: str | None, run_cases: RunCases) -> Budget:
         increment_um,
         left.error_um,
         tuple(shares),
+        frames[cases[0].run],
     )
 
 
@@ -343,14 +352,17 @@ def budget_table(budget: Budget) -> list[dict[str, object]]:
             "axis": budget.axis,
             "cause": share.cause.cause,
             "setting": share.setting,
+            "effect": share.cause.effect,
             "alone_um": share.alone_um,
             "in_turn_um": share.in_turn_um,
             "closed_form_um": share.expected_um,
             "bound_um": share.bound_um,
             "meaning": share.cause.meaning,
+            "frame_log_sha256": budget.frame_log_sha256,
         }
         for share in budget.shares
     ]
-    left: dict[str, object] = dict.fromkeys(rows[0] if rows else ("run", "axis", "cause"), None)
+    left: dict[str, object] = dict.fromkeys(COLUMNS)
     left |= {"run": budget.run, "axis": budget.axis, "cause": "left with all causes off"}
-    return [*rows, left | {"in_turn_um": budget.left_um}]
+    left |= {"in_turn_um": budget.left_um, "frame_log_sha256": budget.frame_log_sha256}
+    return [*rows, left]

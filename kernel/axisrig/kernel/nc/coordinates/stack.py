@@ -170,6 +170,8 @@ class Coordinates:
         """
         acs_mm = {axis: acs_mm[axis] for axis in self.axes}
         base_mm = tool_coordinates(self.axes, kinematic, acs_mm)
+        if kinematic is not None:  # a pose that has no way back to the axes is refused here
+            axis_positions(self.axes, kinematic, base_mm, acs_mm)
         self.kinematic, self.acs_mm, self._base_mm = kinematic, acs_mm, base_mm
         self._renew()
 

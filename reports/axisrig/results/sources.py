@@ -1,0 +1,110 @@
+"""`axisrig sources`: which signal source is how accurate, from the results of a study.
+
+A study is a plan as `testplans/latch_study.csv`: its cases fit a line to the error of the value
+over the velocity at the contact. Its slope is the delay of the chain, its intercept the pre-travel;
+what a run has beside these is what the source costs at that feed.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from axisrig.bench.campaign.results.stored import StoredResults
+from axisrig.kernel.errors import UserError
+from axisrig.reports.lines.drawing import Point
+from axisrig.reports.lines.section import Lines, lines
+
+METRIC, VELOCITY = "latch_error_um", "contact_velocity_mm_s"
+_SIGNAL = ".kenngr.measure.signal"
+_HEAD = (
+    *("source", "case", "delay, ms, by its closed form", "found", "at, mm/min"),
+    *("off by, um", "standard deviation, um", "from end to end, um"),
+)
+
+
+@dataclass(frozen=True)
+class SourceRow:
+    """One case of a study.
+
+    expected_ms: the delay that the plan asks for. found_ms, bound_ms: slope and its bound of 95 %.
+    feed_mm_min: of the fastest run. off_um: its mean error less the pre-travel. spread_um,
+    range_um: its standard deviation, and its largest error less the smallest.
+    """
+
+    source: str
+    case: str
+    expected_ms: float
+    found_ms: float
+    bound_ms: float
+    feed_mm_min: float
+    off_um: float
+    spread_um: float
+    range_um: float
+
+
+def source_rows(results: StoredResults) -> list[SourceRow]:
+    """Return a row for each case that has a line. Raises UserError where the folder has none."""
+    found = [
+        row
+        for one in lines(results)
+        if (one.metric, one.column) == (METRIC, VELOCITY)
+        for row in _rows(results, one)
+    ]
+    if not found:
+        raise UserError(
+            f"no case has slope and intercept of {METRIC} over {VELOCITY}",
+            file=results.folder,
+            hint="run testplans/latch_study.csv into it",
+        )
+    return found
+
+
+def _rows(results: StoredResults, one: Lines) -> Iterator[SourceRow]:
+    runs = {run.run: run for run in results.runs}
+    for fitted, (slope, intercept) in zip(one.fitted, one.rows, strict=True):
+        fastest = max(fitted.points, key=_speed)
+        case = runs[fastest.run].case
+        signals = {text for column, text in case.items() if column.endswith(_SIGNAL) and text}
+        ranges = [
+            float(row["value"])
+            for row in runs[fastest.run].checks
+            if row["metric"].startswith(f"range({METRIC}")
+        ]
+        yield SourceRow(
+            ", ".join(sorted(signals)),
+            fitted.name,
+            _middle(slope["check"]),
+            fitted.slope,
+            float(slope["uncertainty"]),
+            _speed(fastest) * 60.0,
+            fastest.y - _middle(intercept["check"]),
+            fastest.spread or 0.0,
+            *ranges,
+        )
+
+
+def _speed(point: Point) -> float:
+    return abs(point.x)
+
+
+def _middle(condition: str) -> float:
+    """Return what a condition `a +- b` is about."""
+    return float(condition.partition("+-")[0])
+
+
+def sources_table(results: StoredResults) -> str:
+    """Return the table as Markdown, a line for each case."""
+    rows = [_HEAD, ("---",) * len(_HEAD), *(_cells(row) for row in source_rows(results))]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in rows)
+
+
+def _cells(row: SourceRow) -> tuple[str, ...]:
+    digits = 4 if row.bound_ms < 0.001 else 3
+    bound = f" ± {row.bound_ms:.3f}" if row.bound_ms >= 0.001 else ""
+    return (
+        f"`{row.source}`",
+        f"`{row.case}`",
+        f"{row.expected_ms:.{digits}f}",
+        f"{row.found_ms:.{digits}f}{bound}",
+        f"{row.feed_mm_min:.0f}",
+        *(f"{value:.3f}" for value in (row.off_um, row.spread_um, row.range_um)),
+    )

@@ -1,0 +1,61 @@
+"""The chains of matrices against poses computed by hand, and how the oracle reads lists."""
+
+import numpy as np
+import pytest
+
+from axisrig.bench.oracles.kinematics.chain import Chain, tilt_deg
+from axisrig.bench.oracles.kinematics.lists import Lists
+
+ARM = {f"trafo[0].param[{k}]": 1e4 * v for k, v in {6: 400, 7: 500, 8: 600, 9: 80}.items()}
+ARM |= {"trafo[0].id": 45, "trafo[0].param[10]": 1000000, "trafo[0].param[11]": 500000}
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        {"kinematik[9].param[0]": 1000000},
+        {"trafo[3].id": 9, "trafo[3].param[0]": "1000000"},
+        {"kin_step[0].trafo[0].type": 9, "kin_step[0].trafo[0].param[0]": 1000000},
+    ],
+)
+def test_the_head_has_its_lever_however_the_list_names_it(written: dict[str, object]) -> None:
+    axes = [[1.0, 2.0, 3.0, 0.0, 0.0], [0.0, 0.0, 0.0, 90.0, 90.0], [0.0, 0.0, 0.0, 0.0, -90.0]]
+    found = Chain((9,), written, {}, 80.0).tool(axes)
+    expected = [[1, 2, -177, 0, 0], [-180, 0, 0, 90, 90], [0, -180, 0, 0, -90]]
+    assert found == pytest.approx(np.array(expected), abs=1e-12)
+
+
+def test_what_the_program_wrote_counts() -> None:
+    written = {"trafo[0].id": 9, "trafo[0].param[0]": 1000000}
+    found = Chain((9,), written, {(0, 9, 0): 300000.0}, 80.0).tool([[0.0] * 5])
+    assert found[0, 2] == pytest.approx(-110, abs=1e-12)
+
+
+def test_the_robot_in_its_zero_pose_and_straight_down() -> None:
+    chain = Chain((45,), ARM, {}, 120.0)
+    zero = chain.frame([[0.0] * 6])[0, :3]
+    assert zero[:, 3] == pytest.approx((900, 0, 850), abs=1e-9)
+    assert zero[:, 2] == pytest.approx((-1, 0, 0), abs=1e-12)
+    down = chain.tool([[0.0, 0.0, 0.0, 0.0, 90.0, 0.0]])
+    assert down[0] == pytest.approx((700, 0, 650, 0, 0, 0), abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("start", "end", "tilt", "l2_mm"),
+    [(30, 60, 45, 97.980), (30, 60, 60, 138.564), (50, 70, 70, 150.351), (10, 31, 31, 91.913)],
+)
+def test_the_extended_tool(start: float, end: float, tilt: float, l2_mm: float) -> None:
+    program = {(1, 98, 0): 1e6, (1, 98, 1): 1e4 * start, (1, 98, 2): 1e4 * end, (1, 98, 3): 91e4}
+    chain = Chain((9, 98), {}, program, 80.0)
+    axes = [[0.0, 0.0, 0.0, 33.0, -tilt]]
+    assert tilt_deg(chain.direction(axes))[0] == pytest.approx(tilt, abs=1e-9)
+    tcp, clamp = chain.frame(axes)[0, :3, 3], chain.clamp_mm(axes)[0]
+    assert np.linalg.norm(clamp - tcp) == pytest.approx(l2_mm, abs=5e-4)
+    assert np.linalg.norm(tcp) == pytest.approx(100 + l2_mm, abs=5e-4)
+
+
+def test_axes_without_an_order_follow_as_they_are_numbered() -> None:
+    written = {"trafo[0].id": 91, "trafo[0].number_of_axes": 4}
+    assert Lists(written, {}).of(0, 91).order() == [0, 1, 2, 3]
+    written |= {f"trafo[0].chain[{k}]": place for k, place in enumerate((3, 0, 1, 2))}
+    assert Lists(written, {}).of(0, 91).order() == [3, 0, 1, 2]
