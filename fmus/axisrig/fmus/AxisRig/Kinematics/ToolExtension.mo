@@ -2,10 +2,10 @@ within AxisRig.Kinematics;
 block ToolExtension "Virtual length of an inclined tool (kinematic 98)"
   parameter Units.Length nominal = 80e-3 "Length of the tool that is not inclined"
     annotation(Dialog(group = "Parameters"));
-  parameter Units.Angle hd2(min = 0, max = 1.5707963267948966) = 1.5707963267948966
+  parameter Units.Angle hd2(min = 0, max = 1.6) = 1.5707963267948966
     "Inclination from which it is extended; 90 degrees: never"
     annotation(Dialog(group = "Offsets"));
-  parameter Units.Angle hd3(min = 0, max = 1.5707963267948966) = 0
+  parameter Units.Angle hd3(min = 0, max = 1.6) = 0
     "Inclination up to which it is extended; not above hd2: never"
     annotation(Dialog(group = "Offsets"));
   Interfaces.AngleInput tilt "Inclination of the tool against z"
