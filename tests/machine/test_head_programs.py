@@ -123,3 +123,16 @@ def test_a_simulated_probe_is_refused_in_tool_coordinates(run5: Run) -> None:
     """It latches nothing; an axis that the block does not name counts too."""
     simulated = "set:A.meas_simu.meas_simu_mode=1"
     refused(run5("N10 D1\nN20 #TRAFO [9]\nN40 G100 Z-5 F600", simulated), "axis A")
+
+
+def test_the_limits_of_the_axes_hold_on_the_overtravel(run5: Run) -> None:
+    """A turns by 44 degrees more after its target: z' = L sin a is largest where that ends."""
+    outcome = run5(
+        "N10 D1\nN20 #TRAFO [9]\nN30 G00 G90 X0 Y0 Z60 A44\nN40 G100 A46 F6000",
+        "set:A.kenngr.probing_offset=440000",
+        "set:Z.getriebe[0].dynamik.vb_max=50000",
+    )
+    assert outcome.alarms == []
+    assert ends(outcome)[4] == pytest.approx(90.0, abs=2.0 * STEP_DEG)
+    fastest_mm_s = np.abs(np.diff(outcome.observed.column("Z", "set_mm"))).max() / 1e-3
+    assert 48.0 < fastest_mm_s <= 50.0 + 1e-9

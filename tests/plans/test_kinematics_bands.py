@@ -10,6 +10,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -103,10 +104,11 @@ def test_the_tool_is_on_its_line_to_half_an_increment_and_the_lever(
 
 @pytest.mark.parametrize("case", ["turn-a", "turn-c-a", "line", "line-held", "system"])
 def test_the_end_is_the_programmed_one(case: str) -> None:
+    turned = Rotation.from_euler("X", 30, degrees=True)
     place = {
         "turn": (10.0, 20.0, 5.0),
         "line": (60.0, 30.0, 30.0),
-        "system": [*Rotation.from_euler("X", 30, degrees=True).apply([40, 10, 15]), 10, 20, 5],
+        "system": np.add((10.0, 20.0, 5.0), turned.apply((40.0, 10.0, 15.0))),
     }[case.partition("-")[0]]
     error_mm = half_mm() + 2.0 * LEVER_MM * half_deg(case) * PER_DEG
     for axis, expected in zip("XYZ", place, strict=True):
