@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 
+from axisrig.kernel.errors import Alarm
 from axisrig.kernel.kinematics import Kinematic
 from axisrig.kernel.motion.course import AnySlope
 from axisrig.kernel.motion.curves import Arc, Curve, Positions
@@ -20,6 +21,8 @@ PLACES_MIN, PLACES_MAX = 32, 1024
 COARSEST = 30.0
 # Derivatives come from differences of places; over one degree of a turn they miss less than this
 MARGIN = 1e-3
+# A rotary axis that turns by more degrees from one place to the next passes a singular pose
+JUMP_DEG = 45.0
 # A way of the tool centre point that is rounding
 NO_WAY_MM = 1e-9
 # A change of direction, over the whole path, that is rounding
@@ -63,11 +66,32 @@ class ToolCurve:
     def _walk(self, near: Positions) -> list[Positions]:
         """Give the axis positions at equal distances, each from the one before."""
         places = [near]
-        for at in range(1, self._count):
-            places.append(self._axes(self.path.at(self.path.length_mm * at / self._count), near))
+        for at in range(1, self._count + 1):
+            is_last = at == self._count
+            tool = self.path.end_mm if is_last else self._tool(at)
+            places.append(self._axes(tool, near))
+            self._require_steady(near, places[-1], tool)
             near = places[-1]
-        places.append(self._axes(self.path.end_mm, near))
         return places
+
+    def _tool(self, place: int) -> Positions:
+        return self.path.at(self.path.length_mm * place / self._count)
+
+    def _require_steady(self, before: Positions, after: Positions, tool: Positions) -> None:
+        """Raise Alarm 292016 where a rotary axis would jump while the tool hardly moves."""
+        most_deg = max(JUMP_DEG, 2.0 * self._turned / self._count)
+        for place, is_rotary in enumerate(self._kinematic.rotary):
+            way_deg = abs(after[place] - before[place])
+            if is_rotary and way_deg > most_deg:
+                pose = " ".join(f"{value:.4f}" for value in tool[: self._kinematic.count])
+                step = self._turned / self._count
+                reason = f"axis {place + 1} turns by {way_deg:.1f} deg while the tool moves by"
+                raise Alarm(
+                    292016,
+                    name=self._kinematic.name,
+                    pose=pose,
+                    reason=f"{reason} {step:.4g} mm or deg",
+                )
 
     def _axes(self, tool: Positions, near: Positions) -> Positions:
         count = self._kinematic.count
