@@ -165,3 +165,16 @@ def test_joints_keep_their_limits_beside_the_stretched_wrist_and_through_it(miss
     places = np.array([curve.at(profile.at(t)[0]) for t in times])
     assert np.abs(np.diff(places, axis=0)).max() / step_s <= 200.0 * (1.0 + 1e-3)
     assert np.abs(np.diff(places, 2, axis=0)).max() / step_s**2 <= 1000.0 * (1.0 + 1e-3)
+
+
+def test_an_axis_beside_the_kinematic_goes_evenly_with_the_tool_and_limits_it() -> None:
+    """30 mm of it on 50 mm of the tool: at 60 mm/s the tool is no faster than 60 / 0.6."""
+    tool = (*HEAD.forward(START), 7.0)
+    target = (tool[0] + 30.0, tool[1] + 40.0, *tool[2:5], 37.0)
+    curve = ToolCurve(Line(tool, target), HEAD, (*START, 7.0))
+    assert curve.length_mm == pytest.approx(50.0)
+    assert curve.at(20.0)[5] == pytest.approx(7.0 + 0.4 * 30.0)
+    assert curve.moved == {0, 1, 5}
+    slow = Dynamics(AXIS.acceleration, AXIS.deceleration, AXIS.stop_deceleration, 60.0)
+    dynamics = tool_dynamics([*[AXIS] * 5, slow], curve)
+    assert dynamics.speed_max_mm_s == pytest.approx(60.0 / 0.6)

@@ -261,3 +261,15 @@ def test_what_was_chosen_is_in_the_command() -> None:
         if isinstance(c, KinematicChoice)
     ]
     assert (on.ids, on.tool_mm, on.written) == ((9,), 80.0, {(0, 9, 0): 1000.0})
+
+
+def test_the_ball_counts_in_the_direction_of_the_run_alone() -> None:
+    """X has moved before the run and not in it: its value has no share of the ball."""
+    tables = OffsetTables(rotary=frozenset("CA"), ball_radius_counts=True)
+    commands = run5(
+        "V.G.WZ_AKT.R = 2\n" + ON + "G0 X1 Y2 Z90\nG0 X7\nF500\nG100 Z40\n"
+        '#MSG ["%f %f", V.A.MEAS.PCS.VALUE.X, V.A.MEAS.PCS.VALUE.Z]',
+        machine(plane=("Z", 50.0)),
+        tables,
+    )
+    assert told(commands) == pytest.approx([7.0, 48.0])
