@@ -8,6 +8,7 @@ from axisrig.kernel.nc.decoder.axes import (
     independent,
     positions,
 )
+from axisrig.kernel.nc.decoder.axes.distance import turns_channel
 from axisrig.kernel.nc.decoder.axes.independent import (
     after_block,
     before_block,
@@ -25,6 +26,7 @@ __all__ = [
     "before_turning",
     "forbidden",
     "synchronised",
+    "turns_channel",
     "wait_for_all",
 ]
 
@@ -40,6 +42,7 @@ TOPIC = Topic(
         "PUT AX": exchange.put,
         "CALL AX": exchange.call,
         "CHANNEL INIT": positions.initialise,
+        "DIST CTRL": distance.channel_control,
     },
     axis_commands={
         "INDP_SYN": independent.move,
