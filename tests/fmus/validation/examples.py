@@ -209,6 +209,24 @@ def gantry(time_s: Vector) -> Mapping[str, Vector]:
     return {k: signals[k] for k in ("position_1", "position_2", "skew", "force_1", "force_2")}
 
 
+def inclined_tool(time_s: Vector) -> Mapping[str, Vector]:
+    """The height of the clamping point over the tilt: falls, rests, falls."""
+    tilt = 1.4 * (3 * time_s**2 - 2 * time_s**3)
+    begin, end = np.radians([50.0, 70.0])
+    rest = 80e-3 * np.cos(begin)
+    height = np.where(tilt < begin, 80e-3 * np.cos(tilt), rest)
+    height = np.where(tilt > end, rest * np.cos(tilt) / np.cos(end), height)
+    nothing = np.zeros_like(time_s)
+    return {
+        "distance": height / np.cos(tilt),
+        "distance_true": height,
+        "tcp_x": nothing,
+        "tcp_z": nothing,
+        "clamping_z": height,
+        "tilt": tilt,
+    }
+
+
 REFERENCES: Mapping[str, Callable[[Vector], Mapping[str, Vector]]] = {
     "Touch": touch,
     "TiltingTouch": tilting_touch,
@@ -216,6 +234,7 @@ REFERENCES: Mapping[str, Callable[[Vector], Mapping[str, Vector]]] = {
     "DistanceLoop": distance_loop,
     "Homing": homing,
     "Gantry": gantry,
+    "InclinedTool": inclined_tool,
 }
 
 
