@@ -31,7 +31,7 @@ def shown(value_m: float, tilts_deg: list[float | None], **keys: Any) -> list[fl
     sensors = PlcSensors({"V.E.S": table}, {"gap": Sensor(value_m)}, plc, lambda: 0, MS)  # type: ignore[dict-item]
     values = []
     for tilt_deg in tilts_deg:
-        plc.tool = None if tilt_deg is None else ToolState(tilt_deg, 80.0)
+        plc.tool = ToolState(tilt_deg, None if tilt_deg is None else 80.0)
         sensors.take()
         values.append(plc.values["S"] * 1e-6)
     return values

@@ -177,7 +177,7 @@ class Measurement:
 
     def _require_latches(self, command: canon.MeasuringRun) -> None:
         """Raise Alarm 900483 where a position is not latched in each axis of the kinematic."""
-        kinematic = self._path.kinematic
+        kinematic = self._path.tool_side.kinematic
         if kinematic is None:
             return
         what = None
