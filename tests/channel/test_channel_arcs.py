@@ -29,7 +29,7 @@ class Standing:
         return self.acs_mm[axis]
 
     def channel_distance(self) -> None:
-        return None
+        """There is no 3D distance control."""
 
 
 def arcs(text: str) -> list[Arc]:

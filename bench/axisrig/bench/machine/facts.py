@@ -31,6 +31,7 @@ from axisrig.bench.record.facts import (
     Timing,
 )
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
+from axisrig.bench.rig.arrival import TerminalGrid, terminal_grid
 from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.latches import unproved_notes
 from axisrig.bench.rig.printed import printed_log
@@ -216,12 +217,15 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
     if table is None or runner is None:
         return None
     terminal = table.terminal or TerminalTable()
+    grid = terminal_grid(machine.settings) or TerminalGrid(
+        terminal.cycle_ns(table), terminal.offset_ns(table), 0
+    )
     return PlcTaskRecord(
         period_ns=table.period_ns,
         offset_ns=table.offset_us * US,
         busy_ns=table.busy_us * US,
-        terminal_ns=terminal.cycle_ns(table),
-        terminal_offset_ns=terminal.offset_ns(table),
+        terminal_ns=grid.period_ns,
+        terminal_offset_ns=grid.offset_ns,
         filter_ns=round(terminal.filter_us * US),
         stamp_resolution_ns=terminal.stamp_resolution_ns,
         stamp_jitter_ns=terminal.stamp_jitter_ns,
@@ -231,6 +235,7 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
         assumed_drift_ppm=table.assumed_drift_ppm,
         left_out=runner.left_out,
         probes=tuple(terminal.inputs.values()),
+        terminal_late_ns=grid.late_ns,
     )
 
 
