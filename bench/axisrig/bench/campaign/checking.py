@@ -16,6 +16,7 @@ from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.check import check_rig, describe_schedules
 from axisrig.bench.rig.contents import contents_text
 from axisrig.bench.rig.describe import describe_axes
+from axisrig.bench.rig.distance.channel import channel_warnings, describe_channel
 from axisrig.bench.rig.distance.check import (
     age_warnings,
     describe_distance,
@@ -112,6 +113,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         start_plant(settings, plant)
         of_plants = [*describe_plants(settings, plant), *printed_log(settings)]
         loops = describe_distance(settings, drive_lags_s(settings, plant))
+        loops += describe_channel(settings)
     finally:
         close_plant(plant)
     tables = describe_schedules(settings)
@@ -123,7 +125,7 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
         for change in changes
         if change.column in settings.bare
     ]
-    lacking = [*distance_warnings(settings), *age_warnings(settings)]
+    lacking = [*distance_warnings(settings), *age_warnings(settings), *channel_warnings(settings)]
     remarks += [f"warning: {warning}" for warning in lacking]
     described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]
     axes = "\n".join([*described, *remarks])
