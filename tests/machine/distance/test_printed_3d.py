@@ -1,7 +1,7 @@
-"""Programs of FCT-M3 12 with the times and feeds that are printed there: minutes in place of seconds.
+"""Programs of FCT-M3 12 with the times and feeds that are printed there: minutes, not seconds.
 
-The rows of testplans/distance_3d.csv have F3600 for F10 and #TIME 0.71 for #TIME 71. Cycles of 10 ms
-here: nothing in these examples is fast.
+The rows of testplans/distance_3d.csv have F3600 for F10 and #TIME 0.71 for #TIME 71. Cycles of
+10 ms here: nothing in these examples is fast.
 """
 
 import math

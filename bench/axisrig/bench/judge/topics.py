@@ -11,8 +11,10 @@ from typing import Any
 
 from axisrig.bench.judge.distance.findings import distance_blocks, distance_events
 from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
+from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
 from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
 from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
+from axisrig.bench.judge.kinematics.metrics import KINEMATIC_METRICS
 from axisrig.bench.judge.latch.findings import latch_events
 from axisrig.bench.judge.latch.metrics import LATCH_METRICS
 from axisrig.bench.judge.observed.event import Event
@@ -42,7 +44,8 @@ TOPICS: tuple[Topic, ...] = (
     Topic("program", PROGRAM_METRICS, program_events),
     Topic("latch", LATCH_METRICS, latch_events),
     Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
-    Topic("distance", DISTANCE_METRICS, distance_events, distance_blocks),
+    Topic("distance", {**DISTANCE_METRICS, **TOOL_METRICS}, distance_events, distance_blocks),
+    Topic("kinematics", KINEMATIC_METRICS, lambda _observed: []),
 )
 
 
@@ -63,7 +66,7 @@ def observe(
     hidden = observed.hides(check.definition, check.axis)
     if hidden:
         return Observation(None, note=hidden, is_hidden=True)
-    refused = turned(observed, check)
+    refused = "" if _of_no_axis(observed, check) else turned(observed, check)
     if refused:
         return Observation(None, note=refused)
     metric = check.definition
@@ -71,6 +74,16 @@ def observe(
     function = next(topic.metrics[name] for topic in topics if name in topic.metrics)
     found = function(observed, check.axis)
     return in_newton_metres(found, observed, check) if metric.unit == TORQUE else found
+
+
+def _of_no_axis(observed: Observed, check: Check) -> bool:
+    """Whether a check is about the channel: lengths of its tool and of its 3D distance control."""
+    if check.axis is not None:
+        return False
+    is_control = (
+        check.definition.name in DISTANCE_METRICS and observed.facts.distance_3d is not None
+    )
+    return is_control or check.definition.scope == "run"
 
 
 def judged(

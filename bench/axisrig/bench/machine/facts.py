@@ -1,14 +1,16 @@
 """What a machine leaves when its program has ended, as data (`bench.record`)."""
 
 from collections.abc import Iterator, Mapping
+from itertools import zip_longest
 
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
 from axisrig.bench.machine.recording.acting import acting_warnings
 from axisrig.bench.machine.recording.bus_figures import bus_figures
-from axisrig.bench.machine.recording.distance_log import CHANNEL
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
+from axisrig.bench.machine.recording.plc_sensor import plc_sensor
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.axes import (
     AxisRecord,
     Contact,
@@ -20,7 +22,7 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -30,7 +32,9 @@ from axisrig.bench.record.facts import (
     Note,
     Timing,
 )
+from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import Criteria, FixedStop, MeasurementRun, PlcTaskRecord
+from axisrig.bench.rig.arrival import TerminalGrid, terminal_grid
 from axisrig.bench.rig.distance.check import distance_warnings
 from axisrig.bench.rig.latches import unproved_notes
 from axisrig.bench.rig.printed import printed_log
@@ -68,14 +72,14 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         plants={name: plant_record(axis) for name, axis in machine.plant.axes.items()},
         probes=_probes(machine),
         plc_sensors={
-            name: PlcSensor(table.sensor, table.sign, table.delay_cycles)
-            for name, table in settings.rig.plc.items()
+            name: plc_sensor(table, machine.plant) for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
         distance_3d=_distance_3d(machine),
         channel=_written(settings, None),
         runs=tuple(_run(machine, record) for record in channel.records),
+        kinematics=tuple(_kinematics(machine)),
         blocks=machine.blocks.trace(),
         alarms=tuple(_alarms(machine)),
         messages=tuple(
@@ -169,6 +173,19 @@ def _probes(machine: Machine) -> dict[str, ProbeRecord]:
     return found
 
 
+def _kinematics(machine: Machine) -> Iterator[KinematicRecord]:
+    """Yield what was on, each until the next choice."""
+    noted = machine.channel.path.tool_side.choices
+    ends_ns = [at for at, _ in noted[1:]]
+    for (at, command), end_ns in zip_longest(noted, ends_ns):
+        if command is not None:
+            program = tuple(
+                ((step, number, place), value)
+                for (step, number, place), value in command.written.items()
+            )
+            yield KinematicRecord(at, end_ns, command.axes, command.ids, command.tool_mm, program)
+
+
 def _run(machine: Machine, record: RunRecord) -> MeasurementRun:
     target_mm = machine.measuring_targets.get(record.block)
     stop = record.fixed_stop
@@ -216,12 +233,15 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
     if table is None or runner is None:
         return None
     terminal = table.terminal or TerminalTable()
+    grid = terminal_grid(machine.settings) or TerminalGrid(
+        terminal.cycle_ns(table), terminal.offset_ns(table), 0
+    )
     return PlcTaskRecord(
         period_ns=table.period_ns,
         offset_ns=table.offset_us * US,
         busy_ns=table.busy_us * US,
-        terminal_ns=terminal.cycle_ns(table),
-        terminal_offset_ns=terminal.offset_ns(table),
+        terminal_ns=grid.period_ns,
+        terminal_offset_ns=grid.offset_ns,
         filter_ns=round(terminal.filter_us * US),
         stamp_resolution_ns=terminal.stamp_resolution_ns,
         stamp_jitter_ns=terminal.stamp_jitter_ns,
@@ -231,6 +251,7 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
         assumed_drift_ppm=table.assumed_drift_ppm,
         left_out=runner.left_out,
         probes=tuple(terminal.inputs.values()),
+        terminal_late_ns=grid.late_ns,
     )
 
 
@@ -247,7 +268,11 @@ def _distance_3d(machine: Machine) -> ChannelDistanceRecord | None:
     if found is None:
         return None
     return ChannelDistanceRecord(
-        _variable(machine, found.sensor), log.recorded(CHANNEL), log.dumps(machine.channel)
+        _variable(machine, found.sensor),
+        CHANNEL in machine.referenced,
+        log.recorded(CHANNEL),
+        log.dumps(machine.channel),
+        log.guides,
     )
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
 from axisrig.bench.record.frozen import Frozen
+from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.time.clock import TimeNs
 
 ON = ("ACTIVE", "ACTIVE_CONST_DIST")
@@ -95,20 +96,30 @@ class Diagnosis(Frozen):
 
 @dataclass(frozen=True)
 class ChannelDistanceRecord(Frozen):
-    """3D distance control of the channel. variable: as in `DistanceRecord`.
+    """3D distance control of the channel. variable, is_referenced: as in `DistanceRecord`.
 
-    diagnosis: at every change, and at the end of the run.
+    diagnosis: at every change, and at the end of the run. guides: where the offset acted.
     """
 
     variable: str = ""
+    is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
     diagnosis: tuple[Diagnosis, ...] = ()
+    guides: tuple[GuideChange, ...] = ()
 
 
 @dataclass(frozen=True)
 class PlcSensor(Frozen):
-    """A V.E. variable in which the PLC side shows a distance sensor."""
+    """A V.E. variable in which the PLC side shows a distance sensor.
+
+    Of one at an inclined tool: is_along: it measures along the tool; is_normalised: the PLC takes
+    that times the cosine of the tilt; normal: of its workpiece as a whole, None where it gives
+    none.
+    """
 
     sensor: str
     sign: int
     delay_cycles: int
+    is_along: bool = False
+    is_normalised: bool = False
+    normal: tuple[float, float, float] | None = None

@@ -24,14 +24,15 @@ from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
+from axisrig.bench.record.kinematics import KinematicRecord
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
-VERSION: Final = 2
+VERSION: Final = 3
 """Counts up with every change after which an older version cannot read what is written."""
-READABLE: Final = (1, 2)
-"""Versions that are read. 1 has no `blocks`."""
+READABLE: Final = (1, 2, 3)
+"""Versions that are read. 1 has no `blocks`, 1 and 2 no `distance_3d` and `kinematics`."""
 
 _AGAIN = "run the case again with this version"
 
@@ -140,6 +141,7 @@ class Facts(Frozen):
     distance_3d: ChannelDistanceRecord | None = None
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()
+    kinematics: tuple[KinematicRecord, ...] = ()
     blocks: BlockTrace | None = None
     alarms: tuple[AlarmRecord, ...] = ()
     messages: tuple[MessageRecord, ...] = ()
@@ -155,7 +157,7 @@ class Facts(Frozen):
 class RunFile(Frozen):
     """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
 
-    version: Literal[1, 2]
+    version: Literal[1, 2, 3]
     facts: Facts | None = None
     error: str | None = None
     log: tuple[str, ...] = ()

@@ -14,18 +14,18 @@ import numpy as np
 
 from axisrig.bench.judge.distance import stretches
 from axisrig.bench.judge.distance.stretches import Stretch
+from axisrig.bench.judge.distance.tool import distance_truths
 from axisrig.bench.judge.distance.truth import (
     INACTIVE,
     TURNING_OFF,
     DistanceTruth,
     Flags,
-    distance_truths,
 )
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.cycles import NotMeasurableError
 from axisrig.bench.oracles.distance.following import ramp_lag_mm
-from axisrig.bench.oracles.distance.lists import Control
+from axisrig.bench.oracles.distance.lists import CHANNEL, Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
 from axisrig.bench.oracles.distance.smoothing import of_control
 from axisrig.bench.oracles.distance.stability import kp_limit
@@ -60,7 +60,7 @@ def block_of(truth: DistanceTruth) -> dict[str, Any]:
     parts = _parts(truth, changes, laws)
     return {
         "axis": truth.axis,
-        "sensor": truth.record.sensor or None,
+        "sensor": truth.sensor_name or None,
         "zero_mm": truth.zero_mm,
         "period_ms": truth.period_ns / 1e6,
         "late_cycles": 0 if truth.listed.is_optimized else 1,
@@ -75,11 +75,11 @@ def block_of(truth: DistanceTruth) -> dict[str, Any]:
 
 def distance_events(observed: Observed) -> list[Event]:
     """Return what the program commanded, as marks of the report; the PLC side has its own."""
-    return [
-        mark
-        for axis, record in observed.facts.distance.items()
-        for mark in _commands(axis, record.changes)
-    ]
+    facts, owners = observed.facts, {}
+    owners.update({axis: record.changes for axis, record in facts.distance.items()})
+    if facts.distance_3d is not None:
+        owners[CHANNEL] = facts.distance_3d.changes
+    return [mark for owner, changes in owners.items() for mark in _commands(owner, changes)]
 
 
 def _commands(axis: str, changes: Sequence[DistanceChange]) -> list[Event]:

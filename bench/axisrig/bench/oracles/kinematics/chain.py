@@ -57,7 +57,7 @@ class Chain:
         self._lists = Lists(written, program)
         self._first = self._lists.of(0, ids[0])
         self._second = self._lists.of(1, ids[1]) if len(ids) > 1 else None
-        self._tool_mm = tool_mm
+        self.tool_mm = tool_mm
         if self._first.type == COUPLING:
             low, high = self._first.words("group[0].chain")
             self._slide, self._robot = self._lists.of(0, low), self._lists.of(0, high)
@@ -100,7 +100,7 @@ class Chain:
         """Return the lengths (n,) of the tool at frames, virtually extended or not."""
         tilt = tilt_deg(frame[..., :3, 2])
         factor = np.ones_like(tilt) if self._second is None else _factor(self._second, tilt)
-        return np.asarray(self._tool_mm * factor)
+        return np.asarray(self.tool_mm * factor)
 
     def axes(self, tool: Sequence[float], near: Sequence[float]) -> Array:
         """Return the axis positions (count,) of tool coordinates, by Newton's method from near."""
