@@ -212,6 +212,7 @@ def tilting(row: Row) -> Expected:
     yield from of_tool(row, a, kept, 5e-4)
     yield "superposed_mm_max:Y", row.lift * law.tan(abs(a)), 2e-3
     yield "tool_tilt_apart_mdeg", 0.0, 1e-3
+    yield "tool_sideways_um_max", 0.0, 1e-3
 
 
 def limits(row: Row) -> Expected:
