@@ -22,7 +22,7 @@ HERE = Path(__file__).parent
 # Each holds the references of one part of the library.
 MODULES = (
     *("mechanics", "drives", "axes", "gantry", "sampled", "controls"),
-    *("edges", "probe", "distance", "terminal", "workpieces"),
+    *("edges", "probe", "distance", "tilted", "terminal", "workpieces"),
 )
 
 Reference = Callable[[NDArray[np.float64]], Mapping[str, NDArray[np.float64]]]

@@ -226,7 +226,7 @@ class Machine:
         if self.settings.rig.plc:
             tables, distances = self.settings.rig.plc, self.plant.distances
             period_ns = self.timing.period_ns
-            sensors = PlcSensors(tables, distances, plc.values, plc.refreshed, sync_ns, period_ns)
+            sensors = PlcSensors(tables, distances, plc, sync_ns, period_ns)
             plc.inputs.append(sensors.take)
 
     def _expect_answers(self) -> None:

@@ -4,7 +4,8 @@ package UsersGuide "How the library is meant"
     annotation(DocumentationClass = true, Documentation(info="<html>
 <p>An axis is one model: drive with its loops, motor, mechanics and a fixed stop (package Drives, from parts
 of Mechanics). What is stiff stays in one model. A sensor reads positions and never acts back on the
-machine (package Sensors); what it looks at is a surface (package Workpieces).</p>
+machine (package Sensors); what it looks at is a surface (package Workpieces). Where a sensor is at an inclined
+tool, it has the kinematic of its machine in it (package Kinematics).</p>
 <p>A demand comes from a numerical control over a fieldbus. Between two telegrams it is straight in time:
 position, velocity, the instant at which they hold and the instant from which the demand rests
 (Drives.Setpoint).</p>
@@ -56,6 +57,8 @@ equation. Icons and diagrams; parameters in groups.</li>
 <code>SwitchOnDelay.delay</code> is <code>start_up_time</code>.</li>
 <li>New: Machines.ProbeOnAxis and Machines.DistanceSensorOnAxis; Examples Touch, FixedStop, DistanceLoop, Homing
 and Gantry with reference results.</li>
+<li>New: package Kinematics (HeadCA, SixJointRobot, ToolExtension), Sensors.HeadDistanceSensor and
+Sensors.RobotDistanceSensor at an inclined tool.</li>
 </ul>
 </html>"));
   end ReleaseNotes;

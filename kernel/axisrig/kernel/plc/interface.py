@@ -27,6 +27,18 @@ class PlcAction:
     place: str
 
 
+@dataclass(frozen=True)
+class ToolState:
+    """What the channel shows of an inclined tool, for the PLC to adapt sensor and process to it.
+
+    tilt_deg: angle between the tool and Z of the machine. length_mm: length of the tool with its
+    virtual extension. Source: FCT-M3 12.5.
+    """
+
+    tilt_deg: float
+    length_mm: float
+
+
 class PlcEvent(NamedTuple):
     """Something that passed between the program and the PLC side.
 
@@ -56,6 +68,9 @@ class PlcInterface:
     wants_reset, program: commands to the channel, which takes them in the same cycle.
     outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
     has nothing more to do. task: the task of the PLC that has a cycle of its own, None without one.
+    tool: the tool of the kinematic that is on, None while none is. The channel writes it in every
+    cycle before it calls `inputs`, from the actual positions of the SYNC of this cycle: the PLC side
+    normalises the sensor value of the same SYNC by it.
     """
 
     def __init__(self, clock: Clock, axes: Iterable[str]) -> None:
@@ -76,6 +91,7 @@ class PlcInterface:
         self._awaits_acknowledgement = False
         self.reported: list[Alarm] = []
         self.task: PlcTask | None = None
+        self.tool: ToolState | None = None
 
     # What the channel does
 

@@ -28,7 +28,7 @@ from axisrig.bench.record.series import (
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.cosim.fmi.roles import Roles
 from axisrig.kernel.cosim.plant.axis import AXIS_OUTPUTS, PlantAxis
-from axisrig.kernel.cosim.plant.distance import PlantDistance
+from axisrig.kernel.cosim.plant.distance import TOOL, PlantDistance
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.cosim.plant.probe import PlantProbe
 from axisrig.kernel.time.clock import TimeNs
@@ -60,6 +60,13 @@ DISTANCE_COLUMNS = {
     "valid": "valid",
     "touching": "touching",
 }
+# Columns of a sensor at an inclined tool, in the order of TOOL
+TOOL_COLUMNS = (
+    "along_mm",
+    *("clamping_x_mm", "clamping_y_mm", "clamping_z_mm"),
+    *("tcp_x_mm", "tcp_y_mm", "tcp_z_mm"),
+    *("virtual_length_mm", "tilt_deg"),
+)
 
 
 Floats = npt.NDArray[np.float64]
@@ -102,7 +109,8 @@ class Recorder:
     AXIS_COLUMNS (float64; KERNEL_COLUMNS without a plant) with the forces and the stop that its FMU
     has (no stop farther away than NO_STOP_M when the program begins), per probe its signal, per
     axis with distance control DISTANCE_CONTROL_COLUMNS (`distance_trace`) and per distance sensor
-    those of DISTANCE_COLUMNS that its FMU has. Those of axes that turn have the names of
+    those of DISTANCE_COLUMNS that its FMU has (TOOL_COLUMNS too at an inclined tool). Those of axes
+    that turn have the names of
     `record.series`.
     """
 
@@ -126,7 +134,8 @@ class Recorder:
         self._times: list[int] = []
         self._rows = Rows(sum(self._widths))
         self._levels = Rows(len(self._signals))
-        self._distances = Rows(len(self._sensors) * len(DISTANCE_COLUMNS))
+        widths = [len(DISTANCE_COLUMNS) + s.has_tool * len(TOOL) for _, s in self._sensors]
+        self._distances = Rows(sum(widths))
         self._controls = DistanceTrace()
         self._before: tuple[int, tuple[float, ...]] | None = None
         self._columns: dict[str, list[str]] = {}
@@ -169,10 +178,14 @@ class Recorder:
 
     @staticmethod
     def _reported(sensor: PlantDistance, time_ns: TimeNs) -> tuple[float, ...]:
-        """Return the values of DISTANCE_COLUMNS at the SYNC."""
+        """Return the values of DISTANCE_COLUMNS at the SYNC, and those of TOOL_COLUMNS."""
         distance_m, true_m, is_valid, is_touching = sensor.told_at(time_ns)
         true_m = math.nan if true_m is None else true_m
-        return (distance_m * 1e3, true_m * 1e3, is_valid, is_touching)
+        reported = (distance_m * 1e3, true_m * 1e3, is_valid, is_touching)
+        if not sensor.has_tool:
+            return reported
+        *lengths_m, tilt_rad = sensor.tool_at(time_ns)
+        return (*reported, *[length_m * 1e3 for length_m in lengths_m], math.degrees(tilt_rad))
 
     def series(self) -> Series:
         """Write the last block and return the series. Raises OSError with the name of the file."""
@@ -262,4 +275,6 @@ class Recorder:
                 if sensor.roles.has(role):
                     kind = np.float64 if column.endswith("_mm") else np.int8
                     columns[f"{name}.{column}"] = column_of(reported.astype(kind))
+            for column in TOOL_COLUMNS if sensor.has_tool else ():
+                columns[f"{name}.{column}"] = column_of(next(values))
         return columns

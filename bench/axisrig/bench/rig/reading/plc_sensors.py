@@ -29,6 +29,11 @@ class PlcSensorTable(Table):
     period_ms: the PLC promises a value at least so often, and reads one as often as whole cycles
     allow; None: it reads in every cycle and promises nothing. silent_from_ms: simulated loss, from
     this time after the start of the program on the PLC reads no more; None: it always reads.
+
+    normalise: what the PLC makes of the value by the tilt that the kernel shows: nothing; the
+    orthogonal distance from one along the tool; or from what a disc electrode across the tool gives
+    (electrode_radius_mm, tilt_factor as its FMU has them). Wrong on purpose: tilt_error_deg, what
+    is added to the tilt; tilt_delay_cycles, how old the tilt is beside the value.
     """
 
     sensor: Name
@@ -37,6 +42,11 @@ class PlcSensorTable(Table):
     delay_cycles: Annotated[int, Field(ge=0, le=DELAY_MAX)] = 0
     period_ms: Annotated[float, Field(gt=0, le=60_000)] | None = None
     silent_from_ms: Annotated[float, Field(ge=0)] | None = None
+    normalise: Literal["none", "along", "electrode"] = "none"
+    electrode_radius_mm: Annotated[float, Field(gt=0, le=1000)] = 2.0
+    tilt_factor: Annotated[float, Field(ge=1, le=20)] = 1.0
+    tilt_error_deg: Annotated[float, Field(gt=-90, lt=90)] = 0.0
+    tilt_delay_cycles: Annotated[int, Field(ge=0, le=DELAY_MAX)] = 0
 
     def every(self, cycle_ns: TimeNs) -> int:
         """Return with every how many cycles the PLC reads."""

@@ -105,6 +105,11 @@ a component that needs it writes <code>v = der(flange.s)</code>, which keeps the
     annotation(Icon(graphics = {
       Polygon(points = {{-100, 100}, {100, 0}, {-100, -100}}, lineColor = {0, 0, 127},
         fillColor = {0, 0, 127}, fillPattern = FillPattern.Solid)}));
+  connector DirectionOutput = output Units.Direction
+    "Component of a unit vector that a component gives"
+    annotation(Icon(graphics = {
+      Polygon(points = {{-100, 100}, {100, 0}, {-100, -100}}, lineColor = {0, 0, 127},
+        fillColor = {255, 255, 255}, fillPattern = FillPattern.Solid)}));
   connector RealInput = input Real(unit = "1") "Number that a component takes" annotation(
     Icon(graphics = {Polygon(points = {{-100, 100}, {100, 0}, {-100, -100}}, lineColor = {0, 0, 127},
           fillColor = {0, 0, 127}, fillPattern = FillPattern.Solid)}));

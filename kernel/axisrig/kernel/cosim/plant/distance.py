@@ -13,6 +13,15 @@ from axisrig.kernel.time.clock import S, TimeNs
 Reported = tuple[float, float | None, bool, bool]
 
 
+TOOL = (
+    "distance_along",
+    *("clamping_x", "clamping_y", "clamping_z"),
+    *("tcp_x", "tcp_y", "tcp_z"),
+    *("virtual_length", "tilt"),
+)
+"""What a sensor at an inclined tool says besides, in m and rad."""
+
+
 def _place(role: str, roles: Sequence[str]) -> int:
     return roles.index(role) if role in roles else -1
 
@@ -37,6 +46,8 @@ class PlantDistance:
         self.distance_true_m: float | None = None
         self.is_valid, self.is_touching = True, False
         self._past: deque[tuple[TimeNs, Reported]] = deque(maxlen=HISTORY_STEPS)
+        self._tool = roles.exchange(TOOL) if roles.has_group("tool") else None
+        self._tools: deque[tuple[TimeNs, list[float]]] = deque(maxlen=HISTORY_STEPS)
         self._sources = list(sources.values())
         self._trajectory = Trajectory(roles, sources) if roles.has_group("trajectory") else None
         if self._trajectory is None:
@@ -94,6 +105,18 @@ class PlantDistance:
                 return report
         raise PlantError(self.slave.name, time_ns, "no distance is kept for this instant")
 
+    @property
+    def has_tool(self) -> bool:
+        """Whether it is at an inclined tool and reports where that is."""
+        return self._tool is not None
+
+    def tool_at(self, time_ns: TimeNs) -> list[float]:
+        """Return the values of TOOL at an instant at which `look` was; only where `has_tool`."""
+        for end_ns, values in reversed(self._tools):
+            if end_ns <= time_ns:
+                return values
+        raise PlantError(self.slave.name, time_ns, "no place of the tool is kept for this instant")
+
     def _write_positions(self) -> None:
         self._positions.values[:] = [axis.motion[POSITION] for axis in self._sources]
         self._positions.write()
@@ -116,3 +139,6 @@ class PlantDistance:
                 self.is_touching = bool(levels[self._touching_at])
         report = (self.distance_m, self.distance_true_m, self.is_valid, self.is_touching)
         self._past.append((self.slave.time_ns, report))
+        if self._tool is not None:
+            self._tool.read()
+            self._tools.append((self.slave.time_ns, self._tool.values[:]))
