@@ -164,11 +164,12 @@ class ChannelBench:
         start_up: StartUpSettings | None = None,
         profile: DriveProfile | None = None,
         stamps: StampClock | None = None,
+        bitrate: int = 1_000_000,
     ) -> None:
         self.bus = BusSettings(sync_counter=sync_counter)
         self.start_up = start_up or StartUpSettings()
         self.scheduler = new_scheduler()
-        self.segment = Segment(f"channel bus {next(_NUMBERS)}", 1_000_000, self.scheduler)
+        self.segment = Segment(f"channel bus {next(_NUMBERS)}", bitrate, self.scheduler)
         self.world = World()
         self.frames: list[tuple[int, int, bytes]] = []
         self.segment.observe(lambda t, _name, frame, _e: self.frames.append((t, *frame[:2])))

@@ -4,7 +4,10 @@ from pathlib import Path
 
 import pytest
 
+from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
 from axisrig.kernel.distance import DistanceSettings, names_newer
+from axisrig.kernel.distance.filters.build import OF_CHANNEL
+from axisrig.kernel.errors import UserError
 from axisrig.kernel.parameters import ParameterSet, read_list, write_list
 
 # Every parameter of the control with a value that is not its default
@@ -105,3 +108,76 @@ def test_a_list_that_is_written_keeps_the_family(
 def test_a_name_that_there_is_not() -> None:
     with pytest.raises(TypeError):
         DistanceSettings().replaced(kq=1.0)
+
+
+# ---- the list of the channel (3D)
+
+# FCT-M3 12.8.3, as printed but for what its misprints are
+CHANNEL = """
+configuration.decoder.function FCT_3D_DIST_CTRL
+dist_ctrl[0].max_deviation 10000000
+dist_ctrl[0].v_max 10000
+dist_ctrl[0].a_max 100
+dist_ctrl[0].max_act_value_change 10000000
+dist_ctrl[0].v_weight_down 0
+dist_ctrl[0].a_weight_down 0
+dist_ctrl[0].ref_offset 0
+dist_ctrl[0].max_pos 1500000
+dist_ctrl[0].min_pos -1500000
+dist_ctrl[0].tolerance 0
+dist_ctrl[0].kp 0.3
+dist_ctrl[0].i_tn 0.0
+dist_ctrl[0].d_tv 0.01
+dist_ctrl[0].n_cycles 20
+dist_ctrl[0].filter_type MOVING_AVERAGE
+dist_ctrl[0].smoothing_factor 0.05
+dist_ctrl[0].kalman_sigma 2000
+dist_ctrl[0].low_pass_filter_order 3
+dist_ctrl[0].low_pass_filter_fg_f0 50
+dist_ctrl[0].use_adaptive_acceleration 0
+dist_ctrl[0].a_min 1
+dist_ctrl[0].dist_error_a_min 400
+dist_ctrl[0].dist_error_a_max 2500
+"""
+
+
+def of_channel(path: Path, text: str) -> ParameterSet:
+    path.write_text(text, encoding="utf-8")
+    return read_list(path, "channel")
+
+
+def test_the_list_of_the_channel_has_the_same_in_the_same_units(tmp_path: Path) -> None:
+    found = DistanceSettings.read(of_channel(tmp_path / "c.lst", CHANNEL), OF_CHANNEL)
+    assert found == DistanceSettings(
+        kp=0.3, tv_s=0.01, max_deviation_mm=1000.0, v_max_mm_s=10.0, a_max_mm_s2=100.0,
+        a_axis_mm_s2=0.0, a_min_mm_s2=1.0, error_a_min_mm=0.04, error_a_max_mm=0.25,
+        max_change_mm_s=1e4, min_pos_mm=-150.0, max_pos_mm=150.0, is_newer=True, sensor_sign=-1,
+    ).replaced(
+        filter_type="MOVING_AVERAGE", n_cycles=20, smoothing_factor=0.05, kalman_sigma=2000.0,
+        low_pass_filter_order=3, low_pass_filter_fg_f0=50.0, prefix=OF_CHANNEL,
+    )  # fmt: skip
+
+
+def test_there_is_no_acceleration_of_an_axis_to_fall_back_on(tmp_path: Path) -> None:
+    text = CHANNEL.replace("dist_ctrl[0].a_max 100\n", "")
+    found = DistanceSettings.read(of_channel(tmp_path / "c.lst", text), OF_CHANNEL)
+    assert found.a_mm_s2 == 0.0  # 315001 at the start sets it to 1 mm/s2
+
+
+def test_the_channel_has_the_control_where_its_list_releases_it(tmp_path: Path) -> None:
+    lines = "dist_ctrl[0].optimized_scheduling 1\ndist_ctrl[0].check_sw_limit_switch 1\n"
+    text = CHANNEL.replace("ref_offset 0", "ref_offset 30000") + lines
+    found = ChannelDistanceSettings.read(of_channel(tmp_path / "c.lst", text), is_licensed=False)
+    assert found is not None
+    assert (found.ref_offset_mm, found.is_licensed) == (3.0, False)
+    assert found.is_optimized
+    assert found.checks_limits
+    assert found.control.has_absolute_sensor
+    without = CHANNEL.replace("FCT_3D_DIST_CTRL", "FCT_USE_CACHED_FILES")
+    assert ChannelDistanceSettings.read(of_channel(tmp_path / "d.lst", without)) is None
+
+
+@pytest.mark.parametrize("name", ["dist_ctrl[1].kp", "dist_ctrl[0].nonsense"])
+def test_there_is_one_control_for_a_channel(tmp_path: Path, name: str) -> None:
+    with pytest.raises(UserError):
+        of_channel(tmp_path / "c.lst", f"{name} 1\n")

@@ -8,6 +8,7 @@ import pytest
 from axisrig.kernel.nc.canon import Command, LinearMove, MeasuringRun, Wait
 from axisrig.kernel.nc.coordinates import OffsetTables
 from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.decoder.base.context import ChannelControl
 from axisrig.kernel.nc.text.parser import parse_program, read_program
 
 PROGRAMS = Path(__file__).parents[2] / "testplans" / "programs"
@@ -55,6 +56,9 @@ class PlaneMachine:
         return axis not in self.not_released
 
     def distance_state(self, axis: str) -> str | None:
+        return None
+
+    def channel_distance(self) -> ChannelControl | None:
         return None
 
     def axis_numbered(self, number: int) -> str | None:

@@ -114,11 +114,13 @@ def test_a_file_that_check_does_not_know_names_what_does(tmp_path: Path) -> None
 
 def test_what_does_not_act_is_told_once_for_each_list(rig_file: Write, settings_of: Read) -> None:
     rig = listed(rig_file(), "getriebe[0].kv 300\nkenngr.echtzeit_bit_nr 1\nkenngr.messachse 1\n")
-    listed(rig, "kasto_prog_meas_trigger 1\ndist_ctrl[0].v_max 10000\n", "channel.lst")
+    listed(
+        rig, "kasto_prog_meas_trigger 1\nconfiguration.decoder.max_cache_size 10\n", "channel.lst"
+    )
     channel, axis = settings_of(rig).notes
     assert channel == (
         "channel: 2 settings do not act yet (channel.lst):"
-        " kasto_prog_meas_trigger = 1, dist_ctrl[0].v_max = 10000"
+        " kasto_prog_meas_trigger = 1, configuration.decoder.max_cache_size = 10"
     )
     assert axis == (
         "axis Z: 2 settings do not act yet (axis-z.lst):"

@@ -100,7 +100,7 @@ def test_a_filter_that_cannot_be_built(run_distance, newer, words):
 @pytest.mark.provokes(22096, 2, value_s=60.0, low_s=0.0, high_s=50.0)
 @pytest.mark.provokes(22142, 2, value="7", low=0, high=6)
 @pytest.mark.provokes(22349, 2, value="2")
-@pytest.mark.provokes(900300, 2, keyword="KP", value="3", axis="Z")
+@pytest.mark.provokes(900300, 2, keyword="KP", value="3", owner="axis Z")
 @pytest.mark.parametrize(
     ("alarm_id", "words"),
     [(22096, "I_TN=60"), (22142, "ORDER=7"), (22349, "BOTH_ENCODER=2"), (900300, "KP=P1")],

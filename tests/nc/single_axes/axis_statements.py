@@ -6,6 +6,7 @@ from typing import Any
 from axisrig.kernel.nc import canon
 from axisrig.kernel.nc.block import Block
 from axisrig.kernel.nc.decoder import Interpreter
+from axisrig.kernel.nc.decoder.base.context import ChannelControl
 from axisrig.kernel.nc.syntax import (
     AxisCommand,
     Command,
@@ -51,6 +52,9 @@ class Machine:
         return True
 
     def distance_state(self, axis: str) -> str | None:
+        return None
+
+    def channel_distance(self) -> ChannelControl | None:
         return None
 
     def axis_numbered(self, number: int) -> str | None:

@@ -222,7 +222,7 @@ def test_900300_for_values_without_an_id_of_their_own(
     assert caught.value.values == {
         "keyword": keyword,
         "value": value,
-        "axis": "Z",
+        "owner": "axis Z",
         "allowed": allowed,
     }
 
@@ -235,8 +235,3 @@ def test_the_measuring_function_does_not_act_yet_and_says_so(run: Run, word: str
     assert any("measuring function of distance control" in note.text for note in notes)
     with pytest.raises(Alarm, match="measuring function of distance control"):
         run(text)
-
-
-def test_3d_distance_control_does_not_act_yet(run: Run) -> None:
-    with pytest.raises(Alarm, match="3D distance control"):
-        run("%t\n#DIST CTRL ON [SURFACE SET_POS=3]\nM30\n")

@@ -180,7 +180,7 @@ class Machine:
         for command in commands:
             if isinstance(command, MeasuringRun):
                 self.measuring_targets[str(command.block)] = command.target_acs_mm
-            elif isinstance(command, DistanceCommand) and command.action == "ref":
+            elif isinstance(command, DistanceCommand) and command.axis and command.action == "ref":
                 self.referenced.add(command.axis)
             yield command
 
@@ -322,6 +322,7 @@ class Machine:
                 self.settings.channel,
                 start_after_ns=operator.start_after_ns,
                 optional_stop=operator.optional_stop,
+                cutting_licence=self.settings.rig.channel.cutting_licence,
             ),
         )
         channel.plc.values.update(self.settings.external)

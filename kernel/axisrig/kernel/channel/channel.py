@@ -10,9 +10,7 @@ from typing import Any
 from axisrig.kernel.channel.alarm_log import AlarmLog, faulty_axes
 from axisrig.kernel.channel.axes import Couplings, SingleAxes
 from axisrig.kernel.channel.control_units import ControlUnits
-from axisrig.kernel.channel.distance.axis import AxisDistance
-from axisrig.kernel.channel.distance.offsets import Offsets
-from axisrig.kernel.channel.distance_controls import DistanceControls
+from axisrig.kernel.channel.distance_controls import DistanceControls, make_controls
 from axisrig.kernel.channel.path.execution import BlockEnd, Execution
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.monitor import Monitor, PowerUp
@@ -98,14 +96,9 @@ class Channel(ChannelView):
         self._log = AlarmLog(clock)
         self.execution = Execution(around.put_out)
         self.plc = plc = PlcInterface(clock, links)
-        controls = {
-            axis.name: AxisDistance(
-                links[axis.name], axis.distance, plc.values, plc.refreshed, timing.period_ns
-            )
-            for axis in self.axes
-            if axis.distance is not None
-        }
-        offsets = Offsets(controls)
+        offsets = make_controls(
+            self.axes, settings, links, plc, lambda: self.path.kinematic, timing.period_ns
+        )
         self.path = path = Path(clock, timing, self.axes, self.links, offsets, settings)
         couplings = Couplings(path, links)
         self.measurement = Measurement(
@@ -132,10 +125,8 @@ class Channel(ChannelView):
             self.single.stop,
             each_axis_halts=settings.each_axis_halts,
         )
-        self.distance = DistanceControls(
-            path, self.single, self.axes, controls, plc.axis, self.warn
-        )
-        self._superpose = self.distance.superpose if controls else None
+        self.distance = DistanceControls(path, self.single, self.axes, offsets, plc.axis, self.warn)
+        self._superpose = self.distance.superpose if offsets.is_used else None
         self.pauses = Pauses(clock, timing.period_ns, path.is_in_position, plc.events, settings)
         limits = {axis.name: axis.limits for axis in self.axes}
         self._limits = SoftLimitWatch(limits, links, offsets.uncounted_mm())

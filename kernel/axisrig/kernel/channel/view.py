@@ -7,7 +7,9 @@ from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.channel.path.measurement import Measurement
 from axisrig.kernel.channel.path.path import Path
 from axisrig.kernel.channel.path.settings import AxisSettings
+from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.drives.link import AxisLink
+from axisrig.kernel.nc.decoder.base.context import ChannelControl
 
 
 class ChannelView:
@@ -41,9 +43,21 @@ class ChannelView:
         return self.path.settings(axis).may_measure
 
     def distance_state(self, axis: str) -> str | None:
-        """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
-        found = self.distance.axes.get(axis)
+        """Give the state of the distance control of an axis (ACTIVE, ..); None without one.
+
+        That of 3D control while it may move the axis; INACTIVE where it does not.
+        """
+        found, channel = self.distance.axes.get(axis), self.distance.channel
+        if channel is not None:
+            if not channel.is_idle and channel.may_move((axis,)):
+                return channel.control.state.name
+            return DistanceState.INACTIVE.name if found is None else found.control.state.name
         return None if found is None else found.control.state.name
+
+    def channel_distance(self) -> ChannelControl | None:
+        """Give the 3D distance control of the channel; None where P-CHAN-00500 is without it."""
+        channel = self.distance.channel
+        return None if channel is None else ChannelControl(channel.plane, channel.is_licensed)
 
     def axis_numbered(self, number: int) -> str | None:
         """Return the axis with a logical number (P-AXIS-00016), None when there is none."""

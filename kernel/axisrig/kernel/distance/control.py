@@ -5,7 +5,8 @@ the tool lifts, s = -g with the gap g, and are 0 where the tool touches the idea
 (FCT-M3 5). Laws:
 
 surface (FCT-M3 5.1)            e = filter(actual + sensor - SET_POS) - offset
-constant distance (5.2, 7.1)    e = SET_DIST - filter(d), d = -sensor
+constant distance (5.2, 7.1)    e = SET_DIST - filter(d), d = -sensor; 3D (12.1): d + what an
+                                inclined tool is nearer
 both encoders (7.1)             e = SET_DIST - filter(d - (actual - sent))
 
 and offset += limit(PID(e)). The surface law compares with the offset that already acts, as its
@@ -17,7 +18,7 @@ from collections.abc import Mapping
 
 from axisrig.kernel.distance.controller import Controller
 from axisrig.kernel.distance.filters import Filter, make_filter, memory_cycles
-from axisrig.kernel.distance.limiter import Limiter
+from axisrig.kernel.distance.limiter import UNLIMITED, AxesAllow, Limiter
 from axisrig.kernel.distance.settings import DistanceSettings, field_name
 from axisrig.kernel.distance.states import (
     FOLLOWING,
@@ -47,7 +48,8 @@ class Reading:
     sensor_mm: sensor value. actual_mm: actual position of the same SYNC. sent_mm: total set
     position that was sent in the cycle before. is_held: feedhold or override 0 of the axis.
     silence: the sensor value is too old; None while it is not. override: of the axis, 1 = 100 %; it
-    scales v_max.
+    scales v_max. shorter_mm: by how much the distance is less than SET_DIST although the tool is
+    where it should be, as an inclined one is. axes: what the axes allow the offset.
     """
 
     # Made in every cycle: a dataclass has a constructor that is never compiled
@@ -59,9 +61,12 @@ class Reading:
         is_held: bool = False,
         silence: Silence | None = None,
         override: float = 1.0,
+        shorter_mm: float = 0.0,
+        axes: AxesAllow = UNLIMITED,
     ) -> None:
         self.sensor_mm, self.actual_mm, self.sent_mm = sensor_mm, actual_mm, sent_mm
         self.is_held, self.silence, self.override = is_held, silence, override
+        self.shorter_mm, self.axes = shorter_mm, axes
 
 
 class DistanceControl:
@@ -319,7 +324,9 @@ class DistanceControl:
             self._rest()
             self._controller.settle(is_limited=True)
             return
-        step_mm = self._limiter.limit(self.delta_mm, self.error_mm, self.settings, reading.override)
+        step_mm = self._limiter.limit(
+            self.delta_mm, self.error_mm, self.settings, reading.override, reading.axes
+        )
         self._controller.settle(is_limited=step_mm != self.delta_mm)
         self._move(step_mm)
 
@@ -339,6 +346,8 @@ class DistanceControl:
         is_surface = self._mode is DistanceState.ACTIVE
         set_mm = self.set_pos_mm if is_surface else self.set_dist_mm
         raw_mm = self.surface_mm - (set_mm or 0.0) if is_surface else self.distance_mm
+        if reading.shorter_mm and not is_surface:
+            raw_mm += reading.shorter_mm
         if self.settings.both_encoders and not is_surface:
             raw_mm -= reading.actual_mm - reading.sent_mm
         assert self._filter is not None
@@ -362,6 +371,11 @@ class DistanceControl:
         if alarm is not None:
             self._fail(alarm)
 
+    def fail(self, alarm: Alarm) -> None:
+        """Hold the offset after an error that the owner has found; raises its alarm."""
+        self.delta_mm = self.step_mm = 0.0
+        self._fail(alarm)
+
     def _fail(self, alarm: Alarm) -> None:
         """Hold the offset from the next cycle on."""
         self.state, self.is_dry_run = DistanceState.ERROR, False
@@ -373,7 +387,9 @@ class DistanceControl:
         if reading.is_held:
             self._rest()
             return
-        self.step_mm = self._limiter.run_out(self.offset_mm, self.settings, reading.override)
+        self.step_mm = self._limiter.run_out(
+            self.offset_mm, self.settings, reading.override, reading.axes
+        )
         self.offset_mm += self.step_mm
         if self.offset_mm == 0.0:
             self.state = DistanceState.INACTIVE

@@ -6,6 +6,7 @@ offset is run out, speed follows a braking curve and ends at exactly 0. Sources:
 """
 
 import math
+from typing import NamedTuple
 
 from axisrig.kernel.distance.settings import DistanceSettings
 from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
@@ -13,6 +14,19 @@ from axisrig.kernel.time.clock import TimeNs, ns_to_seconds
 PERMILLE = 1000
 # The braking curve leaves the acceleration room for the rounding of floats
 OF_ACCELERATION = 1 - 1e-9
+
+
+class AxesAllow(NamedTuple):
+    """Speed and acceleration of the offset that the axes which it moves allow, mm/s and mm/s2.
+
+    Only 3D distance control has them: one mm of its offset may be several of an axis.
+    """
+
+    v_mm_s: float = math.inf
+    a_mm_s2: float = math.inf
+
+
+UNLIMITED = AxesAllow()
 
 
 class Limiter:
@@ -31,34 +45,52 @@ class Limiter:
         self.step_mm = 0.0
 
     def limit(
-        self, delta_mm: float, error_mm: float, settings: DistanceSettings, override: float = 1.0
+        self,
+        delta_mm: float,
+        error_mm: float,
+        settings: DistanceSettings,
+        override: float = 1.0,
+        axes: AxesAllow = UNLIMITED,
     ) -> float:
         """Return the step of this cycle towards what the controller asks for.
 
         error_mm: control error, which decides the acceleration when that is adaptive. override:
-        share of v_max that acts.
+        share of v_max that acts. axes: what the axes that the offset moves allow it.
         """
-        return self._go(delta_mm, acceleration_mm_s2(error_mm, settings), settings, override)
+        a_mm_s2 = min(acceleration_mm_s2(error_mm, settings), axes.a_mm_s2)
+        return self._go(delta_mm, a_mm_s2, settings, override, axes.v_mm_s)
 
-    def run_out(self, offset_mm: float, settings: DistanceSettings, override: float = 1.0) -> float:
+    def run_out(
+        self,
+        offset_mm: float,
+        settings: DistanceSettings,
+        override: float = 1.0,
+        axes: AxesAllow = UNLIMITED,
+    ) -> float:
         """Return the step of this cycle on the way of an offset to 0.
 
-        override: share of v_max that acts. The last step is exactly -offset. From a speed that
-        cannot be braked in time the offset goes past 0 and comes back.
+        override, axes: as in `limit`. The last step is exactly -offset. From a speed that cannot be
+        braked in time the offset goes past 0 and comes back.
         """
-        a_mm_s2 = settings.a_mm_s2
+        a_mm_s2 = min(settings.a_mm_s2, axes.a_mm_s2)
         brake_mm = self._in_cycle(a_mm_s2) * OF_ACCELERATION
         step_mm = fastest_step_mm(abs(offset_mm), brake_mm)
-        return self._go(math.copysign(step_mm, -offset_mm), a_mm_s2, settings, override)
+        wanted_mm = math.copysign(step_mm, -offset_mm)
+        return self._go(wanted_mm, a_mm_s2, settings, override, axes.v_mm_s)
 
     def _in_cycle(self, a_mm_s2: float) -> float:
         """Give an acceleration as the change of the step from cycle to cycle."""
         return a_mm_s2 * self._period_s * self._period_s
 
     def _go(
-        self, wanted_mm: float, a_mm_s2: float, settings: DistanceSettings, override: float
+        self,
+        wanted_mm: float,
+        a_mm_s2: float,
+        settings: DistanceSettings,
+        override: float,
+        v_axes_mm_s: float,
     ) -> float:
-        up_mm = settings.v_max_mm_s * self._period_s * override
+        up_mm = min(settings.v_max_mm_s, v_axes_mm_s) * self._period_s * override
         down_mm = up_mm * _weight(settings.v_weight_down_permille)
         change_mm = self._in_cycle(a_mm_s2)
         before_mm = self.step_mm

@@ -12,10 +12,9 @@ from importlib import resources
 from typing import Any
 
 from axisrig.kernel.distance.control import DistanceControl
-from axisrig.kernel.distance.settings import OF_AXIS
+from axisrig.kernel.distance.filters.build import OF_AXIS, parameter_row
 from axisrig.kernel.errors import UserError, nearest
 from axisrig.kernel.parameters.origin import Origin
-from axisrig.kernel.parameters.table import table
 from axisrig.kernel.parameters.types import Value
 
 
@@ -99,8 +98,7 @@ def accept(name: str, text: str, origin: Origin) -> Value:
     if not item.is_writable:
         writable = ", ".join(o.name for o in objects().values() if o.is_writable)
         raise origin.error("this CNC object can only be read", value=name, allowed=writable)
-    row, _ = table("axis").find(OF_AXIS + item.parameter)
-    return row.accept(text, origin)
+    return parameter_row(OF_AXIS, item.parameter).accept(text, origin)
 
 
 def write(control: DistanceControl, name: str, value: Value) -> None:

@@ -56,7 +56,12 @@ def change_alarm(
 
 
 def range_alarm(owner: str, sensor_mm: float, settings: DistanceSettings) -> Alarm | None:
-    """Return the alarm of a sensor value outside limits less tolerance (00419 to 00421)."""
+    """Return the alarm of a sensor value outside limits less tolerance (00419 to 00421).
+
+    The limits of the channel are those of the value as the PLC gives it, which grows when the tool
+    lifts.
+    """
+    sensor_mm *= settings.sensor_sign
     highest_mm = settings.max_pos_mm - settings.tolerance_mm
     lowest_mm = settings.min_pos_mm + settings.tolerance_mm
     value_mm = round(sensor_mm, 6) + 0.0  # no minus zero

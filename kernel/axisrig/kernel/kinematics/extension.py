@@ -68,6 +68,10 @@ class ExtendedTool(Kinematic):
         start = math.cos(math.radians(self._start_deg))
         return length_mm * start / math.cos(math.radians(end_deg))
 
+    def nominal_length_mm(self, tool: Positions) -> float:
+        """Give L1."""
+        return self._first.nominal_length_mm(tool)
+
     def _shifted(self, tool: Positions, sign: float) -> Positions:
         """Move the TCP along the tool: +1 to the TCP of the first step, -1 from it."""
         way_mm = sign * (self._hd1_mm + self.length_mm(tool) - self._first.length_mm(tool))

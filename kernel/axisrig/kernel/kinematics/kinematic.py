@@ -41,6 +41,10 @@ class Kinematic:
         """Give the distance of the clamping point from the TCP, virtually extended or not."""
         raise NotImplementedError
 
+    def nominal_length_mm(self, tool: Positions) -> float:
+        """Give the length of the tool as its data has it, never extended."""
+        return self.length_mm(tool)
+
     def tilt_deg(self, tool: Positions) -> float:
         """Give the angle between the tool and Z of the machine, 0 to 180 degrees."""
         x, y, z = self.direction(tool)

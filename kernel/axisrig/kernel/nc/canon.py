@@ -356,19 +356,22 @@ class AdoptActual:
 
 @dataclass(frozen=True)
 class DistanceCommand:
-    """One word for the distance control of an axis: `Z[DIST_CTRL ..]`.
+    """One word for the distance control of an axis, `Z[DIST_CTRL ..]`, or of the channel.
 
+    axis: None = the control of the channel, `#DIST CTRL`.
     action: on (surface), on_const, off, freeze, check, ref; None where only values are given.
     wait: nothing goes on before the control is completely on or off. no_move: with off, the axis
     stays where it is and the program counts from there. dry_run: with on and on_const, nothing is
     put out. set_pos_mm: of the surface, axis coordinates; set_dist_mm. parameters: by their names
     in `DistanceControl.program`, what was not programmed is not there. sensor_source: VARIABLE or
     SECOND_ENCODER. sensor_variable: after `V.E.` as the PLC side spells it, else as programmed.
-    values: VAL1 to VAL5. All act in this order: sensor, values, parameters, action.
+    values: VAL1 to VAL5. All act in this order: sensor, values, parameters, action. Of the channel
+    alone: mode (ACS, ECS, MCS) and direction, the axis of ACS, None = as before; normal and
+    origin_mm: Z axis and origin of the active #CS in the coordinates of the machine.
     """
 
     block: Block
-    axis: str
+    axis: str | None
     action: str | None = None
     wait: bool = False
     no_move: bool = False
@@ -379,6 +382,10 @@ class DistanceCommand:
     sensor_source: str | None = None
     sensor_variable: str | None = None
     values: tuple[float | None, ...] = (None,) * 5
+    mode: str | None = None
+    direction: str | None = None
+    normal: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    origin_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 AxisOrder = (

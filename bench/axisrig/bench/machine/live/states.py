@@ -16,7 +16,8 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.unfinished import at_work, waited_for
 from axisrig.bench.rig.rotary import is_rotary
 from axisrig.kernel.channel import ChannelState
-from axisrig.kernel.channel.distance.axis import AxisDistance, source_word
+from axisrig.kernel.channel.distance.axis import AxisDistance
+from axisrig.kernel.channel.distance.sensing import source_word
 from axisrig.kernel.distance import DistanceState
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.time.clock import MS, US

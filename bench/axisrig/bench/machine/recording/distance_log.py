@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from axisrig.bench.record.distance import Controller, DistanceChange
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.channel.distance.axis import source_word
+from axisrig.kernel.channel.distance.sensing import source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
 from axisrig.kernel.time.clock import TimeNs
 

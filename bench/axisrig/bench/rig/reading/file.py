@@ -52,11 +52,15 @@ def _whole_um(value_mm: float) -> float:
 
 
 class ChannelTable(Table):
-    """`[channel]`: its lists in the manual's format: parameters, zero offsets, tools."""
+    """`[channel]`: its lists in the manual's format: parameters, zero offsets, tools.
+
+    cutting_licence: the option that 3D distance control needs is there.
+    """
 
     list: str
     zero_offsets: str | None = None
     tools: str | None = None
+    cutting_licence: bool = True
 
 
 def _known_interface(name: str) -> str:

@@ -2,32 +2,19 @@
 
 from collections.abc import Mapping
 
-from axisrig.kernel.channel.distance.sensor import (
-    PERIODS_MAX,
-    SECOND_ENCODER,
-    VARIABLE,
-    EncoderSensor,
-    Sensor,
-    VariableSensor,
-)
+from axisrig.kernel.channel.distance.sensing import Sensing
+from axisrig.kernel.channel.distance.sensor import VARIABLE, EncoderSensor, Sensor, VariableSensor
 from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
-from axisrig.kernel.distance import DistanceControl, DistanceState, Reading, Silence
-from axisrig.kernel.distance.states import FOLLOWING
+from axisrig.kernel.distance import DistanceControl, Reading
 from axisrig.kernel.drives.link import AxisLink
-from axisrig.kernel.errors import Alarm
 from axisrig.kernel.plc.unit import Refreshed, UnitState
-from axisrig.kernel.time.clock import MS, TimeNs
-
-NO_VARIABLE, SOURCE_CHANGED, NO_SECOND_ENCODER = 310027, 310028, 310029
-WITHOUT_AGE = 900315
+from axisrig.kernel.time.clock import TimeNs
 
 
-class AxisDistance:
+class AxisDistance(Sensing):
     """Distance control of one axis.
 
     values: V.E. variables, by the name after `V.E.`. refreshed: those that come with a period.
-    is_held: the offset is held, by feedhold or override 0 of the axis. override: of the axis, 1 =
-    100 %. output_mm: the offset that was sent in the last cycle.
     """
 
     def __init__(
@@ -40,104 +27,21 @@ class AxisDistance:
     ) -> None:
         self.name, self.settings = link.name, settings
         self._link, self._values, self._refreshed = link, values, refreshed
-        self._period_ns = period_ns
-        self.control = DistanceControl(f"axis {link.name}", settings.control, period_ns)
         self._encoder = EncoderSensor(link, settings.sensor)
-        self.sensor: Sensor = self._encoder
-        self.sensor_mm: float | None = None
-        self.is_held, self.override = False, 1.0
-        self.output_mm = 0.0
-        self._before_mm = 0.0  # offset of the cycle before, which is sent in this one
-        self._without_age: set[str] = set()  # sensors that were warned of
+        super().__init__(
+            DistanceControl(f"axis {link.name}", settings.control, period_ns),
+            self._encoder,
+            period_ns,
+            link.settings.sensor_age_limit_ms,
+            is_optimized=settings.is_optimized,
+        )
 
-    @property
-    def is_moving(self) -> bool:
-        """Whether the offset may change by itself."""
-        state = self.control.state
-        if state in FOLLOWING:
-            return not self.control.is_dry_run
-        return state is DistanceState.TURNING_OFF
-
-    # Sensor
-
-    def choose(self, source: str | None, variable: str | None) -> None:
-        """Take another sensor (SENSOR_SOURCE, SENSOR_VAR); None leaves what is.
-
-        Raises Alarm 310027, 310028, 310029.
-        """
-        if source is None and variable is None:
-            return
-        source = source or (VARIABLE if variable is not None else SECOND_ENCODER)
-        sensor: Sensor = self._encoder
-        if source == VARIABLE:
-            known = self.sensor.name if isinstance(self.sensor, VariableSensor) else ""
-            sensor = VariableSensor(
-                variable or known, self._values, self.settings.sensor, self._refreshed
-            )
-        if self.control.state is not DistanceState.INACTIVE and source_word(sensor) != source_word(
-            self.sensor
-        ):
-            raise Alarm(
-                SOURCE_CHANGED,
-                owner=self.control.owner,
-                current=source_word(self.sensor),
-                programmed=source_word(sensor),
-            )
-        self._require(sensor)
-        if source_word(sensor) != source_word(self.sensor):
-            self.control.forget_readings()
-        self.sensor = sensor
-
-    def require_sensor(self) -> float:
-        """Return the sensor value.
-
-        Raises Alarm 310027 or 310029 when nothing measures it, 900314 when it is too old.
-        """
-        self._require(self.sensor)
-        self.take()  # a program may begin in the cycle that has just powered the drives
-        if self.sensor_mm is None:
-            raise self._missing(self.sensor)
-        silence = self._silence()
-        if silence is not None:
-            raise silence.alarm(self.control.owner, self.control.settings)
-        return self.sensor_mm
-
-    def may_reference(self) -> bool:
-        """Whether REF can act, or will be refused: it waits for what the filter remembers."""
-        is_told = self.sensor.exists and self.sensor_mm is not None
-        return not is_told or self.control.may_reference()
-
-    def age_warning(self) -> Alarm | None:
-        """Return Alarm 900315 for a sensor whose silence nobody can notice; once for each."""
-        source = source_word(self.sensor)
-        if source in self._without_age or self.sensor.period_ns(self._period_ns) is not None:
-            return None
-        self._without_age.add(source)
-        return Alarm(WITHOUT_AGE, owner=self.control.owner, source=source)
-
-    def _silence(self) -> Silence | None:
-        """Return how long the sensor has been silent when that is too long, None when it is not."""
-        promised_ns = self.sensor.period_ns(self._period_ns)
-        if promised_ns is None:
-            return None
-        limit_ms = self._link.settings.sensor_age_limit_ms
-        limit_ms = PERIODS_MAX * promised_ns / MS if limit_ms is None else limit_ms
-        age_ms = self.sensor.age_cycles * self._period_ns / MS
-        return Silence(source_word(self.sensor), age_ms, limit_ms) if age_ms > limit_ms else None
-
-    def _require(self, sensor: Sensor) -> None:
-        if not sensor.exists:
-            raise self._missing(sensor)
-
-    def _missing(self, sensor: Sensor) -> Alarm:
-        alarm_id = NO_VARIABLE if isinstance(sensor, VariableSensor) else NO_SECOND_ENCODER
-        return Alarm(alarm_id, owner=self.control.owner, source=source_word(sensor))
-
-    # Each cycle
-
-    def take(self) -> None:
-        """Take the sensor value of this cycle."""
-        self.sensor_mm = self.sensor.read_mm()
+    def sensor_for(self, source: str, variable: str | None) -> Sensor:
+        """Return the second encoder, or a variable of the PLC side."""
+        if source != VARIABLE:
+            return self._encoder
+        settings = self.settings.sensor
+        return VariableSensor(variable or "", self._values, settings, self._refreshed)
 
     def step(self) -> None:
         """Control with the values of this cycle; raises the alarms of the control."""
@@ -146,24 +50,9 @@ class AxisDistance:
         link = self._link
         held, override = self.is_held, self.override
         reading = Reading(
-            self.sensor_mm, link.actual_mm, link.set_mm, held, self._silence(), override
+            self.sensor_mm, link.actual_mm, link.set_mm, held, self.silence(), override
         )
         self.control.step(reading)
-
-    @property
-    def pending_mm(self) -> float:
-        """The offset that is sent in this cycle."""
-        return self.control.offset_mm if self.settings.is_optimized else self._before_mm
-
-    def put_out(self) -> float:
-        """Return the offset of this cycle. To be called once per cycle, after everything else."""
-        self.output_mm = self.pending_mm
-        self._before_mm = self.control.offset_mm
-        return self.output_mm
-
-    def forget_offset(self) -> None:
-        """The interpolated position has taken the offset over: none is on its way any more."""
-        self.output_mm = self._before_mm = self.control.offset_mm
 
     def show(self, state: UnitState) -> None:
         """Show the PLC what there is."""
@@ -172,11 +61,3 @@ class AxisDistance:
         state.actual_offset_mm = control.offset_mm
         if self.sensor_mm is not None:
             state.surface_mm, state.distance_mm = control.surface_mm, control.distance_mm
-
-
-def source_word(sensor: Sensor) -> str:
-    """Name a sensor: SECOND_ENCODER, or VARIABLE with its name."""
-    if isinstance(sensor, VariableSensor):
-        name = sensor.name if sensor.name.startswith("V.") else f"V.E.{sensor.name}"
-        return f"VARIABLE {name}" if sensor.name else "VARIABLE without SENSOR_VAR"
-    return sensor.source

@@ -1,9 +1,10 @@
-"""What the channel takes from the parameter list of an axis for its distance control."""
+"""What the channel takes from the parameter lists for its distance controls."""
 
 from dataclasses import dataclass, field
 
 from axisrig.kernel.channel.distance.sensor import SensorSettings
 from axisrig.kernel.distance import DistanceSettings
+from axisrig.kernel.distance.filters.build import OF_CHANNEL
 from axisrig.kernel.parameters import ParameterSet
 
 
@@ -30,4 +31,38 @@ class AxisDistanceSettings:
             sensor=SensorSettings.read(axis),
             is_optimized=axis.flag("kenngr.dist_ctrl[0].optimized_scheduling"),
             checks_limits=axis.flag("kenngr.dist_ctrl[0].check_sw_limit_switch"),
+        )
+
+
+RELEASED = "FCT_3D_DIST_CTRL"
+
+
+@dataclass(frozen=True)
+class ChannelDistanceSettings:
+    """What the channel needs for 3D distance control.
+
+    ref_offset_mm: P-CHAN-00805, the distance that the PLC gives where the tool touches the surface.
+    is_optimized: P-CHAN-00818. checks_limits: P-CHAN-00809, software limit switches count what the
+    offset moves. is_licensed: the option is there, else 21837.
+    """
+
+    control: DistanceSettings
+    ref_offset_mm: float = 0.0
+    is_optimized: bool = False
+    checks_limits: bool = False
+    is_licensed: bool = True
+
+    @classmethod
+    def read(
+        cls, channel: ParameterSet, *, is_licensed: bool = True
+    ) -> "ChannelDistanceSettings | None":
+        """Take the settings from the parameters of the channel; None without P-CHAN-00500."""
+        if channel.word("configuration.decoder.function") != RELEASED:
+            return None
+        return cls(
+            control=DistanceSettings.read(channel, OF_CHANNEL),
+            ref_offset_mm=channel.mm(f"{OF_CHANNEL}ref_offset"),
+            is_optimized=channel.flag(f"{OF_CHANNEL}optimized_scheduling"),
+            checks_limits=channel.flag(f"{OF_CHANNEL}check_sw_limit_switch"),
+            is_licensed=is_licensed,
         )

@@ -149,16 +149,24 @@ class Path:
         """
         index = self._index[axis]
         position_mm -= self.superposed_mm(axis)
-        self.interpolator.lead(index, position_mm)
+        self._set(index, position_mm)
         self._buffer.put(index, position_mm)
 
     def take_offset(self, axis: str, offset_mm: float) -> None:
         """Let the set position of an axis at rest contain what was superposed on it until now."""
         index = self._index[axis]
-        self.interpolator.lead(index, self.interpolator.positions_mm[index] + offset_mm)
+        self._set(index, self.interpolator.positions_mm[index] + offset_mm)
         self._buffer.move(index, offset_mm)
         for at, positions_mm in enumerate(self._recent):
             self._recent[at] = with_axis(positions_mm, index, positions_mm[index] + offset_mm)
+
+    def _set(self, index: int, position_mm: float) -> None:
+        """Put an axis at rest; a path of the tool that has ended leads its axes no more."""
+        interpolator = self.interpolator
+        if interpolator.is_standing and isinstance(interpolator.path, ToolCurve):
+            interpolator.hold(with_axis(interpolator.positions_mm, index, position_mm))
+        else:
+            interpolator.lead(index, position_mm)
 
     def let_float(self, axes: Collection[str]) -> None:
         """Ask no exact-stop window of these axes: their offset goes on while the path rests."""

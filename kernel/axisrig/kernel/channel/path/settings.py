@@ -2,9 +2,14 @@
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from math import isfinite
 
-from axisrig.kernel.channel.distance.settings import AxisDistanceSettings
+from axisrig.kernel.channel.distance.settings import (
+    AxisDistanceSettings,
+    ChannelDistanceSettings,
+)
 from axisrig.kernel.channel.path.soft_limits import SoftLimits
+from axisrig.kernel.distance.limiter import AxesAllow
 from axisrig.kernel.distance.settings import names_newer
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.rules import MeasuringAxis
@@ -45,6 +50,7 @@ class ChannelSettings:
     does. optional_stop: whether M1 stops. slope: the acceleration profile of a program that has
     chosen none, P-CHAN-00071. weighted_acceleration, weighted_time: what the weights of a program
     act on, P-CHAN-00001 and 00073. weighs_measuring: also on measurement runs, P-CHAN-00296.
+    distance: of 3D distance control, None where P-CHAN-00500 does not release it.
     """
 
     error_no_signal: bool = False
@@ -57,12 +63,21 @@ class ChannelSettings:
     weighted_acceleration: int = 0
     weighted_time: int = 0
     weighs_measuring: bool = False
+    distance: ChannelDistanceSettings | None = None
 
     @classmethod
     def read(
-        cls, channel: ParameterSet, *, start_after_ns: TimeNs | None, optional_stop: bool
+        cls,
+        channel: ParameterSet,
+        *,
+        start_after_ns: TimeNs | None,
+        optional_stop: bool,
+        cutting_licence: bool = True,
     ) -> "ChannelSettings":
-        """Take the settings from the parameter set of the channel, and what the operator does."""
+        """Take the settings from the parameter set of the channel, and what the operator does.
+
+        cutting_licence: the option that 3D distance control needs.
+        """
         return cls(
             error_no_signal=channel.flag("meas_error_no_signal"),
             stop_may_be_missing=channel.flag("meas_fixed_stop_no_error"),
@@ -74,6 +89,7 @@ class ChannelSettings:
             weighted_acceleration=channel.integer("prog_start.slope.acceleration"),
             weighted_time=channel.integer("prog_start.slope.ramp_time"),
             weighs_measuring=channel.flag("meas_use_std_dynamic"),
+            distance=ChannelDistanceSettings.read(channel, is_licensed=cutting_licence),
         )
 
 
@@ -123,6 +139,15 @@ class AxisSettings:
             word = f"acceleration profile {slope} of P-CHAN-00071"
             raise Alarm(900100, word=word, what="0, 1 and 2 act")
         return self.jerk_limited[Shape(slope)][motion]
+
+    @property
+    def allowed(self) -> AxesAllow:
+        """What the axis may do whatever moves it: rapid traverse and P-AXIS-00008."""
+        dynamics = self.dynamics[Motion.RAPID]
+        a_mm_s2 = dynamics.highest_mm_s2
+        if not isfinite(a_mm_s2):
+            a_mm_s2 = dynamics.acceleration.least_mm_s2
+        return AxesAllow(dynamics.speed_max_mm_s, a_mm_s2)
 
     @property
     def own_stop(self) -> AnySlope:

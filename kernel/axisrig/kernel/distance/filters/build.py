@@ -13,9 +13,13 @@ from axisrig.kernel.distance.filters.weighted import (
     mean_weights,
 )
 from axisrig.kernel.errors import Alarm
-from axisrig.kernel.parameters.table import table
+from axisrig.kernel.parameters.table import Parameter, table
 from axisrig.kernel.parameters.values import ParameterSet
 from axisrig.kernel.time.clock import US, S, TimeNs
+
+# Where a list has distance control: that of an axis, that of the channel (3D)
+OF_AXIS = "kenngr.dist_ctrl[0]."
+OF_CHANNEL = "dist_ctrl[0]."
 
 # Unit of P-AXIS-00783 (docs/ambiguities.md): 0.1 um as all lengths of the lists
 SIGMA_PER_MM = 10_000
@@ -44,7 +48,8 @@ class FilterSettings:
 
     kind: ident of `filters.csv` (P-AXIS-00782). n_cycles (00413). smoothing_factor: share of the
     newest value (00784). kalman_sigma: standard deviation of a measured value, 0.1 um (00783).
-    low_pass_filter_order (00507), low_pass_filter_fg_f0: Hz (00508).
+    low_pass_filter_order (00507), low_pass_filter_fg_f0: Hz (00508). prefix: of the list that has
+    the ranges.
     """
 
     kind: str = "DEFAULT"
@@ -53,6 +58,7 @@ class FilterSettings:
     kalman_sigma: float = 1000.0
     low_pass_filter_order: int = 4
     low_pass_filter_fg_f0: float = 25.0
+    prefix: str = OF_AXIS
 
     @classmethod
     def read(cls, parameters: ParameterSet, prefix: str) -> "FilterSettings":
@@ -70,7 +76,14 @@ class FilterSettings:
             float(parameters.get(f"{prefix}kalman_sigma")),
             parameters.integer(f"{prefix}low_pass_filter_order"),
             float(parameters.get(f"{prefix}low_pass_filter_fg_f0")),
+            prefix,
         )
+
+
+def parameter_row(prefix: str, name: str) -> Parameter:
+    """Return the row of a parameter of distance control in the table of its list."""
+    row, _ = table("channel" if prefix == OF_CHANNEL else "axis").find(prefix + name)
+    return row
 
 
 def make_filter(kind: str, settings: FilterSettings, period_ns: TimeNs, owner: str = "") -> Filter:
@@ -102,8 +115,7 @@ def _check(parameters: tuple[str, ...], settings: FilterSettings, kind: str, own
 
 def _is_within(name: str, settings: FilterSettings) -> bool:
     """Whether a value is in the range that the parameter tables give it."""
-    row, _ = table("axis").find(f"kenngr.dist_ctrl[0].{name}")
-    return row.is_within(getattr(settings, name))
+    return parameter_row(settings.prefix, name).is_within(getattr(settings, name))
 
 
 def _low_pass(settings: FilterSettings, period_ns: TimeNs, owner: str) -> Filter:

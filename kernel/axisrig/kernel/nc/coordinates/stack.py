@@ -98,6 +98,12 @@ class Coordinates:
         return tuple(float(part) for part in self._levels[-1].frame.offset_mm)
 
     @property
+    def normal_acs(self) -> tuple[float, float, float]:
+        """Z of the active coordinate system, a unit vector in those of the machine."""
+        x, y, z = (float(part) for part in self._levels[-1].frame.rotation[:, 2])
+        return (x, y, z)
+
+    @property
     def zero_group(self) -> int:
         """The group of zero offsets in use; 0 without."""
         return self._levels[-1].zero_group

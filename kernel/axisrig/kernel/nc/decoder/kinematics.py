@@ -57,7 +57,11 @@ def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
 
 
 def _switch(context: Context, block: Block, kinematic: Kinematic | None) -> Iterator[canon.Command]:
-    """Let the machine come to rest, and begin in the new coordinates where it is then."""
+    """Let the machine come to rest, and begin in the new coordinates where it is then.
+
+    Raises Alarm 51062 while the offset of 3D distance control changes.
+    """
+    yield from axes.turns_channel(context, block, "#TRAFO")
     yield from axes.before_turning(context, block)
     yield canon.Wait(block)
     at = context.machine.position_acs_mm

@@ -184,6 +184,7 @@ def _turning(act: Callable[[Context, Block, Command], None]) -> Handler:
     """Make the handler of a command that changes the active system."""
 
     def handler(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+        yield from axes.turns_channel(context, block, f"#{command.name}")
         yield from axes.before_turning(context, block)
         act(context, block, command)
 

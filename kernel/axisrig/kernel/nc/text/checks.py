@@ -9,7 +9,7 @@ from axisrig.kernel.nc import message
 from axisrig.kernel.nc.coordinates import MAIN_AXES
 from axisrig.kernel.nc.measuring_types import measuring_types
 from axisrig.kernel.nc.syntax import Command, Group, Name, Number, Text, Variable
-from axisrig.kernel.nc.text import nodes
+from axisrig.kernel.nc.text import distance, nodes
 from axisrig.kernel.nc.text.values import ExpressionBuilder
 
 PROBE_OF_AXIS = ("SIGNAL", "EDGE", "INPUT", "G107", "G108")
@@ -249,6 +249,14 @@ def _kinematic(
     return command
 
 
+def _distance(
+    builder: ExpressionBuilder, command: Command, places: Mapping[str, int], raw: nodes.RawCommand
+) -> Command:
+    written = [keyword for keyword, _ in command.options]
+    distance.check(builder, f"#{command.name}", written, places, raw.offset)
+    return command
+
+
 _CHECKS: Mapping[str, Check] = {
     "MSG": _message,
     "MEAS MODE": _measuring_mode,
@@ -257,4 +265,5 @@ _CHECKS: Mapping[str, Check] = {
     "DRIVE": _drive,
     "IDENT": _ident,
     "KIN ID": _kinematic,
+    "DIST CTRL": _distance,
 }

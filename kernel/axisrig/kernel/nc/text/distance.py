@@ -1,4 +1,6 @@
-"""What DIST_CTRL may say that its table does not limit: keywords that exclude or need each other.
+"""What DIST_CTRL and #DIST CTRL may say that their tables do not limit.
+
+Some keywords exclude each other, some need another one.
 
 Sources: FCT-M3 6; TF5200 distance control 15548060043 (ON, OFF, FREEZE, CHECK_POS and REF exclude
 each other in one command), programming manual 208654987 (WAIT).
@@ -11,13 +13,19 @@ from axisrig.kernel.errors import UserError
 from axisrig.kernel.nc.text.values import ExpressionBuilder
 
 NAME: Final = "DIST_CTRL"
+MODES: Final = ("SURFACE", "CONST_DIST")
 ACTIONS: Final = ("ON", "DRYRUN", "OFF", "FREEZE", "CHECK_POS", "REF")
 NEEDS: Final[Mapping[str, tuple[str, ...]]] = {
     "CONST_DIST": ("ON", "DRYRUN"),
+    "SURFACE": ("ON", "DRYRUN"),
     "NO_MOVE": ("OFF",),
     "WAIT": ("ON", "DRYRUN", "OFF", "FREEZE"),
 }
-SPELLINGS: Final = (("N_CYCLES", "DISTC_N_CYCLES"), ("ORDER", "DISTC_ORDER"))
+SPELLINGS: Final = (
+    ("N_CYCLES", "DISTC_N_CYCLES"),
+    ("ORDER", "DISTC_ORDER"),
+    ("N_CYCLES", "FILTER_TIME"),
+)
 
 
 def check(
@@ -36,10 +44,12 @@ def check(
         at = places.get(word, offset)
         return builder.source.error(message, at, value=word, allowed=allowed)
 
-    actions = [word for word in written if word in ACTIONS]
-    if len(set(actions)) > 1:
-        message = f"{actions[0]} and {actions[1]} of {shown} exclude each other"
-        raise wrong(message, actions[1], "one of them")
+    actions = list(dict.fromkeys(word for word in written if word in ACTIONS))
+    modes = [word for word in written if word in MODES]
+    for both in (actions, modes):
+        if len(both) > 1:
+            message = f"{both[0]} and {both[1]} of {shown} exclude each other"
+            raise wrong(message, both[1], "one of them")
     for word, needed in NEEDS.items():
         if word in written and not set(needed) & set(actions):
             raise wrong(f"{word} of {shown} needs {' or '.join(needed)}", word, needed)
@@ -47,4 +57,5 @@ def check(
         if set(pair) <= set(written):
             raise wrong(f"{pair[0]} and {pair[1]} of {shown} are the same", pair[1], pair[0])
     if not written:
-        raise builder.source.error(f"{shown}] says nothing", offset, allowed=ACTIONS)
+        end = "]" if "[" in shown else ""
+        raise builder.source.error(f"{shown}{end} says nothing", offset, allowed=ACTIONS)

@@ -8,6 +8,7 @@ from axisrig.kernel.nc.decoder.axes import (
     independent,
     positions,
 )
+from axisrig.kernel.nc.decoder.axes.distance import turns_channel
 from axisrig.kernel.nc.decoder.axes.independent import (
     after_block,
     before_block,
@@ -16,7 +17,14 @@ from axisrig.kernel.nc.decoder.axes.independent import (
 )
 from axisrig.kernel.nc.decoder.base.topic import Topic
 
-__all__ = ["TOPIC", "after_block", "before_block", "before_turning", "synchronised"]
+__all__ = [
+    "TOPIC",
+    "after_block",
+    "before_block",
+    "before_turning",
+    "synchronised",
+    "turns_channel",
+]
 
 TOPIC = Topic(
     commands={
@@ -30,6 +38,7 @@ TOPIC = Topic(
         "PUT AX": exchange.put,
         "CALL AX": exchange.call,
         "CHANNEL INIT": positions.initialise,
+        "DIST CTRL": distance.channel_control,
     },
     axis_commands={
         "INDP_SYN": independent.move,

@@ -1,11 +1,12 @@
-"""DIST_CTRL: words for the distance control of an axis; what a control that is on forbids.
+"""DIST_CTRL and #DIST CTRL: words for the distance control of an axis and for that of the channel;
+what a control that is on forbids.
 
 The words of a block act in their order, before its motion. Sources: FCT-M3 6; TF5200 distance
-control 290203275, programming manual 208654987, diagnosis 1257123723.
+control 290203275, programming manual 208654987, diagnosis 1257123723; FCT-M3 12.2.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from axisrig.kernel.errors import Alarm
@@ -16,7 +17,7 @@ from axisrig.kernel.nc.decoder.axes.values import number, shown
 from axisrig.kernel.nc.decoder.base.context import Context
 from axisrig.kernel.nc.decoder.variables.external import spelled_by_plc
 from axisrig.kernel.nc.decoder.variables.own import spelled
-from axisrig.kernel.nc.syntax import AxisCommand, Name, Option, Text, Variable
+from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, Option, Text, Variable
 from axisrig.kernel.parameters.table import Parameter, table
 
 NAME: Final = "DIST_CTRL"
@@ -30,20 +31,23 @@ ACTIONS: Final = {
 }
 FREE_VALUES: Final = ("VAL1", "VAL2", "VAL3", "VAL4", "VAL5")
 FIELD: Final = "V.E."
-_LIST: Final = "kenngr.dist_ctrl[0]."
+HASH: Final = "#DIST CTRL"
+_OF_AXIS: Final = "kenngr.dist_ctrl[0]."
+_OF_CHANNEL: Final = "dist_ctrl[0]."
 
 
 @dataclass(frozen=True)
 class _Parameter:
     """A keyword that sets a parameter.
 
-    name: in `DistanceControl.program`. path: whose range counts, after `kenngr.dist_ctrl[0].`;
-    empty where the control itself looks whether it can be (310001, 310003).
+    name: in `DistanceControl.program`. path: whose range counts, after `dist_ctrl[0].`; empty where
+    the control itself looks whether it can be (310001, 310003). is_time: a time in s above 0.
     """
 
     name: str
     path: str = ""
     is_whole: bool = False
+    is_time: bool = False
 
 
 # DISTC_N_CYCLES and DISTC_ORDER: TF5200 diagnosis 1097719947 and 882893195
@@ -58,6 +62,7 @@ _PARAMETERS: Final[Mapping[str, _Parameter]] = {
     "DISTC_ORDER": _Parameter("low_pass_filter_order", "low_pass_filter_order", is_whole=True),
     "SMOOTH_FACT": _Parameter("smoothing_factor"),
     "KALMAN_SIGMA": _Parameter("kalman_sigma"),
+    "FILTER_TIME": _Parameter("filter_time_s", is_time=True),
 }
 
 
@@ -66,18 +71,55 @@ def control(context: Context, block: Block, command: AxisCommand) -> Iterator[ca
 
     Raises Alarm 22096, 22142, 22349 and 900300; 900196 for a slave that is to be switched on.
     """
-    axis, options = command.axis, dict(command.options)
-    action = next((ACTIONS[word] for word in options if word in ACTIONS), None)
-    no_move = "NO_MOVE" in options
-    alarm = forbidden(context, block, axis) if action == "on" else None
+    axis = command.axis
+    wanted = _wanted(context, block, dict(command.options), axis)
+    alarm = forbidden(context, block, axis) if wanted.action in ("on", "on_const") else None
     if alarm is not None:
         raise alarm
-    yield canon.DistanceCommand(
+    yield wanted
+    if wanted.no_move:
+        yield from _begin_where_they_are(context, block, (axis,))
+
+
+def channel_control(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
+    """`#DIST CTRL`: 3D control; after OFF NO_MOVE the program counts from where the axes are.
+
+    Raises Alarm 20209 without P-CHAN-00500, 21837 without the option, 22356 for WP_ORIENTATION, of
+    which no source lists the values; the others as `control`.
+    """
+    known = context.machine.channel_distance()
+    if known is None:
+        raise context.alarm(20209, block, word=HASH)
+    if not known.is_licensed:
+        raise context.alarm(21837, block, word=HASH)
+    options = dict(command.options)
+    if "WP_ORIENTATION" in options:
+        value = shown(context, block, options["WP_ORIENTATION"])
+        raise context.alarm(22356, block, value=value)
+    x, y, z = (*context.coordinates.origin_acs_mm, 0.0, 0.0, 0.0)[:3]
+    wanted = replace(
+        _wanted(context, block, options, None),
+        mode=_name(options.get("MODE")),
+        direction=_name(options.get("DIRECTION")),
+        normal=context.coordinates.normal_acs,
+        origin_mm=(x, y, z),
+    )
+    yield wanted
+    if wanted.no_move:
+        yield from _begin_where_they_are(context, block, context.axes)
+
+
+def _wanted(
+    context: Context, block: Block, options: Mapping[str, Option], axis: str | None
+) -> canon.DistanceCommand:
+    """Give what the keywords say to the control of an axis, or to that of the channel."""
+    action = next((ACTIONS[word] for word in options if word in ACTIONS), None)
+    return canon.DistanceCommand(
         block,
         axis,
         "on_const" if "CONST_DIST" in options else action,
         wait="WAIT" in options,
-        no_move=no_move,
+        no_move="NO_MOVE" in options,
         dry_run="DRYRUN" in options,
         set_pos_mm=_length(context, block, axis, options.get("SET_POS")),
         set_dist_mm=_length(context, block, axis, options.get("SET_DIST")),
@@ -86,14 +128,21 @@ def control(context: Context, block: Block, command: AxisCommand) -> Iterator[ca
         sensor_variable=_variable(context, block, options.get("SENSOR_VAR")),
         values=tuple(number(context, block, options.get(word)) for word in FREE_VALUES),
     )
-    if no_move:
-        yield canon.Wait(block)
-        context.coordinates.begin_at({axis: context.machine.position_acs_mm(axis)})
 
 
-def _length(context: Context, block: Block, axis: str, option: Option) -> float | None:
+def _begin_where_they_are(
+    context: Context, block: Block, axes: Iterable[str]
+) -> Iterator[canon.Command]:
+    yield canon.Wait(block)
+    at = context.machine.position_acs_mm
+    context.coordinates.begin_at({axis: at(axis) for axis in axes})
+
+
+def _length(context: Context, block: Block, axis: str | None, option: Option) -> float | None:
     value = number(context, block, option)
-    return None if value is None else context.mm(axis, value)
+    if value is None:
+        return None
+    return value * context.unit_mm if axis is None else context.mm(axis, value)
 
 
 def _name(option: Option) -> str | None:
@@ -113,7 +162,7 @@ def _variable(context: Context, block: Block, option: Option) -> str | None:
 
 
 def _parameters(
-    context: Context, block: Block, axis: str, options: Mapping[str, Option]
+    context: Context, block: Block, axis: str | None, options: Mapping[str, Option]
 ) -> Iterator[tuple[str, float | str]]:
     """Give the parameters of the command under their names in the control."""
     for keyword, option in options.items():
@@ -129,25 +178,29 @@ def _parameters(
             yield _PARAMETERS[keyword].name, _value(context, block, axis, keyword, option)
 
 
-def _value(context: Context, block: Block, axis: str, keyword: str, option: Option) -> float:
+def _value(context: Context, block: Block, axis: str | None, keyword: str, option: Option) -> float:
     """Give the number after a keyword; raises Alarm 22096, 22142 and 900300 for a wrong one."""
     known = _PARAMETERS[keyword]
     value = number(context, block, option)
     assert value is not None, "the table of commands has checked it"
-    row: Parameter | None = table("axis").find(_LIST + known.path)[0] if known.path else None
+    scope, prefix = ("channel", _OF_CHANNEL) if axis is None else ("axis", _OF_AXIS)
+    row: Parameter | None = table(scope).find(prefix + known.path)[0] if known.path else None
     fits = row is None or row.is_within(value)
+    if known.is_time:
+        fits = value > 0
     if fits and not (known.is_whole and value != int(value)):
         return int(value) if known.is_whole else value
     if row is None or row.minimum is None or row.maximum is None:
-        allowed = "whole numbers"
+        allowed = "above 0" if known.is_time else "whole numbers"
     elif known.name == "tn_s":
         raise context.alarm(22096, block, value_s=value, low_s=row.minimum, high_s=row.maximum)
     elif known.name == "low_pass_filter_order":
         raise context.alarm(22142, block, value=f"{value:g}", low=row.minimum, high=row.maximum)
     else:
         allowed = row.allowed
+    owner = "the channel" if axis is None else f"axis {axis}"
     raise context.alarm(
-        900300, block, keyword=keyword, value=f"{value:g}", axis=axis, allowed=allowed
+        900300, block, keyword=keyword, value=f"{value:g}", owner=owner, allowed=allowed
     )
 
 
@@ -180,3 +233,16 @@ def initialises(
     for axis in axes:
         if context.machine.distance_state(axis) not in (None, *HOLDING):
             raise context.alarm(51062, block, word=word, plane=PLANE)
+
+
+def turns_channel(context: Context, block: Block, word: str) -> Iterator[canon.Command]:
+    """Refuse what begins the position of the channel anew while the offset of 3D control changes.
+
+    Source: FCT-M3 12.4.5. Raises Alarm 51062.
+    """
+    if context.machine.channel_distance() is None:
+        return
+    yield canon.Wait(block)
+    known = context.machine.channel_distance()
+    if known is not None and known.plane is not None:
+        raise context.alarm(51062, block, word=word, plane=known.plane)

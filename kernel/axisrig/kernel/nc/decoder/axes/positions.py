@@ -21,7 +21,7 @@ from axisrig.kernel.nc.syntax import Command, Expression, Option
 def initialise(context: Context, block: Block, command: Command) -> Iterator[canon.Command]:
     """#CHANNEL INIT [CMDPOS|ACTPOS {AX=name | AXNR=number}]; raises Alarm 20312 for a number.
 
-    ACTPOS raises Alarm 51062 while the distance control of an axis is on.
+    ACTPOS raises Alarm 51062 while the distance control of an axis is on, both while 3D control is.
     """
     known = states(context)
     actual = command.has("ACTPOS")
@@ -29,6 +29,7 @@ def initialise(context: Context, block: Block, command: Command) -> Iterator[can
     named = [_axis(context, block, k, v) for k, v in command.options if k in ("AX", "AXNR")]
     axes = named or present
     yield from wait_for_all(context, block, tuple(present if actual else axes))
+    yield from distance.turns_channel(context, block, "#CHANNEL INIT")
     if actual:
         yield from distance.initialises(context, block, axes, "#CHANNEL INIT[ACTPOS]")
         slaves = {pair.slave for _, pair in known.pairs()}

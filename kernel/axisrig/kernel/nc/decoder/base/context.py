@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol, TypeVar
+from typing import NamedTuple, Protocol, TypeVar
 
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.nc import canon
@@ -21,6 +21,17 @@ from axisrig.kernel.nc.expressions import (
 from axisrig.kernel.nc.syntax import Expression, Number, Program, Variable, Words
 
 Part = TypeVar("Part")
+
+
+class ChannelControl(NamedTuple):
+    """3D distance control, as a program may ask for it.
+
+    plane: in which coordinates its offset may change now (ACS, ECS, MCS); None while no axis offset
+    changes. is_licensed: the option is there.
+    """
+
+    plane: str | None = None
+    is_licensed: bool = True
 
 
 class MachineView(Protocol):
@@ -56,6 +67,10 @@ class MachineView(Protocol):
 
     def distance_state(self, axis: str) -> str | None:
         """Give the state of the distance control of an axis (ACTIVE, ..); None without one."""
+        ...
+
+    def channel_distance(self) -> ChannelControl | None:
+        """Give the 3D distance control of the channel; None where P-CHAN-00500 is without it."""
         ...
 
     def drive_value(self, axis: str, key: str) -> float:
