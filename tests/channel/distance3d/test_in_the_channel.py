@@ -326,3 +326,30 @@ def test_its_axes_neither_leave_nor_measure(make_head: Make, block: str, alarm_i
         + block
     )
     assert made.alarm_ids[-1] == alarm_id
+
+
+# ---- what the PLC side and a program see
+
+
+def test_the_plc_sees_inclination_and_length_of_every_cycle(make_head: Make) -> None:
+    """FCT-M3 12.5, of the actual positions; with kinematic 98 [30; 60] at 40 deg: 90.440 mm."""
+    made = make_head()
+    seen: list[tuple[float | None, float | None]] = []
+    tool = made.channel.plc.tool
+    made.channel.observers.append(lambda _c: seen.append((tool.tilt_deg, tool.length_mm)))
+    made.run(
+        HEAD.replace("#TRAFO [9]\n", "")
+        + "V.G.KIN_STEP[1].ID[98].PARAM[1]=300000\nV.G.KIN_STEP[1].ID[98].PARAM[2]=600000\n"
+        "V.G.KIN_STEP[1].ID[98].PARAM[3]=800000\n#TIME 0.01\n#TRAFO [9, 98]\nG1 F60000 A-40\n"
+        "#TIME 0.02\nV.P.TILT = V.E.TOOL_TILT\nV.P.LENGTH = V.E.TOOL_LENGTH\n"
+        '#MSG ["%.3f %.3f", V.P.TILT, V.P.LENGTH]\n#TRAFO OFF\n#TIME 0.01'
+    )
+    assert made.alarm_ids == []
+    assert (None, None) in seen
+    assert seen[-1] == (None, None)
+    tilts = [tilt for tilt, _ in seen if tilt is not None]
+    assert max(tilts) == pytest.approx(40.0, abs=1e-4)
+    assert any(5 < tilt < 35 for tilt in tilts)
+    l2_mm = 80 * math.cos(math.radians(30)) / math.cos(math.radians(40))
+    assert max(length for _, length in seen if length) == pytest.approx(l2_mm, abs=1e-3)
+    assert made.bench.messages[-1][1] == f"40.000 {l2_mm:.3f}"

@@ -10,7 +10,7 @@ from axisrig.kernel.plc.interface import PlcInterface
 
 
 class ControlUnits:
-    """Carries out feedhold and override of channel and axes."""
+    """Carries out feedhold and override of channel and axes, and shows the tool."""
 
     def __init__(self, plc: PlcInterface, path: Path) -> None:
         self._plc, self._path = plc, path
@@ -18,6 +18,8 @@ class ControlUnits:
     def step(self) -> None:
         """Give the PLC side its turn; raises the alarm that it has reported."""
         plc = self._plc
+        if self._path.kinematic is not None or plc.tool.tilt_deg is not None:
+            plc.show_tool(*self._path.tool())
         for take in plc.inputs:
             take()
         plc.take_turn()

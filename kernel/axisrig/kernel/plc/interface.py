@@ -15,8 +15,11 @@ from axisrig.kernel.errors import Alarm
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.nc import canon
 from axisrig.kernel.plc.probing import PlcTask
-from axisrig.kernel.plc.unit import AxisUnit, Refreshed
+from axisrig.kernel.plc.unit import AxisUnit, Refreshed, ToolState
 from axisrig.kernel.time.clock import Clock, TimeNs
+
+# V.E. variables of a channel with 3D distance control: degrees, mm; 0 without a kinematic
+TOOL_TILT, TOOL_LENGTH = "TOOL_TILT", "TOOL_LENGTH"
 
 
 @dataclass(frozen=True)
@@ -25,18 +28,6 @@ class PlcAction:
 
     words: str
     place: str
-
-
-@dataclass(frozen=True)
-class ToolState:
-    """What the channel shows of an inclined tool, for the PLC to adapt sensor and process to it.
-
-    tilt_deg: angle between the tool and Z of the machine. length_mm: length of the tool with its
-    virtual extension. Source: FCT-M3 12.5.
-    """
-
-    tilt_deg: float
-    length_mm: float
 
 
 class PlcEvent(NamedTuple):
@@ -68,9 +59,7 @@ class PlcInterface:
     wants_reset, program: commands to the channel, which takes them in the same cycle.
     outlives_program: the PLC side goes on when a program has ended, until `is_idle` says that it
     has nothing more to do. task: the task of the PLC that has a cycle of its own, None without one.
-    tool: the tool of the kinematic that is on, None while none is. The channel writes it in every
-    cycle before it calls `inputs`, from the actual positions of the SYNC of this cycle: the PLC side
-    normalises the sensor value of the same SYNC by it.
+    tool: inclination and length of the tool while a kinematic is on.
     """
 
     def __init__(self, clock: Clock, axes: Iterable[str]) -> None:
@@ -91,7 +80,7 @@ class PlcInterface:
         self._awaits_acknowledgement = False
         self.reported: list[Alarm] = []
         self.task: PlcTask | None = None
-        self.tool: ToolState | None = None
+        self.tool = ToolState()
 
     # What the channel does
 
@@ -108,6 +97,13 @@ class PlcInterface:
         """Give out a value: the PLC side has it from now on."""
         self.values[command.name] = command.value
         self.events.append(PlcEvent(self._clock.now_ns, command))
+
+    def show_tool(self, tilt_deg: float | None, length_mm: float | None) -> None:
+        """Show the PLC side the tool, and a program where it has the variables."""
+        self.tool.tilt_deg, self.tool.length_mm = tilt_deg, length_mm
+        for name, value in ((TOOL_TILT, tilt_deg), (TOOL_LENGTH, length_mm)):
+            if name in self.values:
+                self.values[name] = value or 0.0
 
     # What the PLC side does in its turn, or when a drive has answered it
 

@@ -70,6 +70,18 @@ class AxisUnit:
 
 
 @dataclass
+class ToolState:
+    """The tool as a kinematic has it at the actual positions of this cycle; None without one.
+
+    tilt_deg: inclination to Z of the machine. length_mm: from the tool clamping point to the TCP,
+    virtually extended or not. Source: FCT-M3 12.5.
+    """
+
+    tilt_deg: float | None = None
+    length_mm: float | None = None
+
+
+@dataclass
 class Refreshed:
     """A variable that the PLC side promises to refresh.
 

@@ -50,8 +50,7 @@ class PlcSensors:
     def take(self) -> None:
         """Take the readings of this cycle; until there are some as old as asked for, the first."""
         self._syncs.append(self._sync_ns())
-        tool = self._plc.tool
-        self._tilts_deg.append(0.0 if tool is None else tool.tilt_deg)
+        self._tilts_deg.append(self._plc.tool.tilt_deg or 0.0)
         for name, table, sensor in self._inputs:
             promised = self._refreshed.get(name)
             if promised is not None:

@@ -87,6 +87,17 @@ class Path:
         """
         self.kinematic = command.kinematic
 
+    def tool(self) -> tuple[float | None, float | None]:
+        """Return tilt (degrees) and length (mm) of the tool at the actual positions.
+
+        None without a kinematic.
+        """
+        kinematic = self.kinematic
+        if kinematic is None:
+            return None, None
+        at = kinematic.forward(tuple(link.actual_mm for link in self._links[: kinematic.count]))
+        return kinematic.tilt_deg(at), kinematic.length_mm(at)
+
     def end_program(self) -> None:
         """Forget what the program has chosen: its kinematic, its slope and its weights."""
         self.kinematic = None
