@@ -19,7 +19,7 @@ from typing import Any
 import pytest
 
 from axisrig.bench.campaign.pytest_plugin import CaseItem, StatisticItem
-from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.case import Case
 
 SIMULATED = Path(__file__).parent / "plans" / "simulated.csv"
 STUDY = "study"

@@ -55,7 +55,7 @@ TABLES = [
     ("column missing", "case,program\na,part.nc\n", ["plan.csv:1", "'rig' is missing"]),
     ("column without name", f"{HEADER},,title\n{ROW},,x\n", ["plan.csv:1:5:", "no name"]),
     ("more cells", f"{HEADER}\n{ROW},x,y\n", ["plan.csv:2", "6 cells and the header 4"]),
-    ("fewer cells", f"{HEADER}\na,part.nc\n", ["plan.csv:2:3:", "missing", "'rig'"]),
+    ("fewer cells", f"{HEADER}\na,part.nc\n", ["plan.csv:2:", "2 cells and the header 4"]),
     ("open quote", f'{HEADER}\n"{ROW}\n', ["plan.csv"]),
     ("case twice", f"{HEADER}\n{ROW}\n\n{ROW}\n", ["plan.csv:4:1:", "line 2", "'plan-a'"]),
     ("case twice but for case", f"{HEADER}\n{ROW}\nA{ROW[1:]}\n", ["plan.csv:3:1:", "line 2"]),

@@ -12,7 +12,7 @@ from cli_plan import write_plan
 
 from axisrig.bench.campaign import runner
 from axisrig.bench.campaign.results.build_info import build_word, sources_sha256
-from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.case import Case
 from axisrig.fmus import MODELS
 
 Outcome = tuple[int, str, str]
@@ -233,6 +233,7 @@ def test_small_commands(axisrig: Call) -> None:
     code, out, err = axisrig("doctor")
     assert (code, err) == (0, "")
     assert "LACKS" not in out
+    assert "pip install -e" not in out  # a wheel has no source folder
     assert "rumoca 0.10.2" in out
     assert f"info  axisrig runs {build_word()}, sources {sources_sha256()}\n" in out
 

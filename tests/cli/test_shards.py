@@ -79,7 +79,7 @@ def test_shares_joined_are_the_whole_campaign(place: Path, called: Call) -> None
         *(["plan-a", "plan-c"], ["plan-b-2500"], ["plan-b-3000"])
     ]
     code, out, _ = called("merge", "s3", "s1", "s2", "-o", "all")
-    assert (code, out.splitlines()[0]) == (0, "4 runs, 0 missing")
+    assert (code, out.splitlines()[0]) == (0, "4 runs and 1 row of statistics, 0 missing")
     assert _content(place / "all") == _content(place / "whole")
     assert (place / "all" / "report.html").is_file()
 

@@ -53,6 +53,9 @@ def values(folder: Path) -> dict[str, str]:
 def test_a_row_of_statistics_comes_after_its_runs(axisrig: Call, place: Path, plan: str) -> None:
     code, printed, _ = axisrig("run", plan, "-o", "all")
     assert code == 0, printed
+    page = (place / "all" / "report.html").read_text(encoding="utf-8")
+    assert "6 of 6 rows: 4 runs and 2 rows of statistics</span>" in page
+    assert "plan.csv: 4 runs and 2 rows of statistics\n" in axisrig("check", plan)[1]
     cases = rows(place / "all" / "cases.csv")
     assert list(cases) == [
         *("plan-drawn-001", "plan-drawn-002", "plan-drawn"),

@@ -164,7 +164,7 @@ def test_step_behind_the_stop_time_is_refused(servo):
     axis.slave.doStep(0.0, 0.01)
     with pytest.raises(FMICallException):
         axis.slave.doStep(0.01, 0.01)
-    assert "behind the stop time" in axis.messages[-1]
+    assert "after the stop time" in axis.messages[-1]
 
 
 def test_start_time_other_than_zero(servo):

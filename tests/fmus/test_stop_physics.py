@@ -220,7 +220,7 @@ def test_a_stop_that_moves_is_where_it_was_sent(axis, name, end, direction, load
 @pytest.mark.parametrize(
     ("start", "message"),
     [
-        ({"stop_speed": 0.1}, "stop_end behind stop_begin"),
+        ({"stop_speed": 0.1}, "stop_end after stop_begin"),
         ({"stop_begin": 1.0, "stop_end": 0.5}, "stop_end must not be before stop_begin"),
     ],
 )

@@ -90,6 +90,10 @@ def test_too_few_values_and_no_spread_are_inconclusive() -> None:
     few = judge_statistic(asked("mean(latch_error_um)"), [sample("a", [1.0])])
     assert (few.value, few.verdict) == (None, Verdict.INCONCLUSIVE)
     assert few.note == "n = 1; mean needs 2 values"
+    repeats = [sample(name, [1.0], frames="f") for name in ("a", "b")]
+    note = judge_statistic(asked("mean(latch_error_um)"), repeats).note
+    assert "mean needs 2 values; nothing in the row is random" in note
+    assert "drive:<drive>.input_jitter_us" in note
     flat = judge_statistic(asked("cpk(latch_error_um; -1 .. 1)"), [sample("a", [1.0, 1.0])])
     assert flat.verdict is Verdict.INCONCLUSIVE
     assert "all values are equal" in flat.note

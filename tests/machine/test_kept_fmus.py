@@ -15,7 +15,8 @@ from axisrig.bench.machine import kept_fmus
 from axisrig.bench.machine.kept_fmus import close_fmus, take_fmu
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.fmus import ensure_built
 from axisrig.kernel.cosim.fmi.fmu import FmuSlave, PlantError
 from axisrig.kernel.cosim.fmi.steps import StepsInARow

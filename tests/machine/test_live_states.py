@@ -17,7 +17,8 @@ from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.machine.live import states
 from axisrig.bench.machine.live.pipe import CAPACITY, Inlet, Outlet
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import read_settings
 from axisrig.kernel.nc.text.parser import read_program

@@ -6,6 +6,9 @@ from typing import Any
 
 import pytest
 
+from axisrig.bench.machine.plc.hli import Hli, Inputs, Named, Variables
+from axisrig.bench.machine.plc.program import PlcProgram
+from axisrig.bench.machine.plc.terminal import ChannelInput
 from axisrig.kernel.errors import UserError
 
 MS = 1_000_000
@@ -62,7 +65,61 @@ def test_an_exception_is_named_with_file_and_line(run_plc: RunNc) -> None:
         run_plc("N10 G4 1", body)
     assert Path(str(caught.value.file)).name == "plc.py"
     assert caught.value.line == 7
-    assert "KeyError: 'Q'" in str(caught.value)
+    assert "unknown axis; found 'Q'; allowed: " in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        ("hli.ax['Q']", "unknown axis; found 'Q'; allowed: X, Z"),
+        ("inputs.channel[2]", "unknown channel of the terminal; found 2; allowed: 1"),
+        ("hli.ve['FEDE']", "unknown variable V.E.; found 'FEDE'; allowed: FEED"),
+        ("hli.ax['Z'].lr_mc_control.timestamp.command_w = True", "timestamp.command_w has a wrong"),
+        ("hli.ax['Z'].lr_mc_control.ext_latch.done_w = 1", r"ext_latch.done_w has a wrong type"),
+        ("hli.ax['X'].lr_mc_control.override.command_w = 1001", "allowed: 0 .. 1000"),
+        ("hli.ch.reset.enable_w = 1", "ch.reset.enable_w has a wrong type; found 1"),
+        ("hli.ch.comand_w = 1", "no attribute 'comand_w'"),
+        ("hli.ve['FEED'] = '6'", "V.E.FEED has a wrong type; found '6'; allowed: a number"),
+    ],
+)
+def test_what_is_not_there_is_listed_and_a_wrong_value_has_its_line(
+    tmp_path: Path, use: str, words: str
+) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
+    hli = Hli(["X", "Z"])
+    hli.ve = Variables({"FEED": 600.0})
+    channels = Named("channel of the terminal", {1: ChannelInput()})
+    with pytest.raises(UserError, match=words) as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, channels), hli)
+    assert (caught.value.file, caught.value.line) == (str(path), 3)
+
+
+@pytest.mark.parametrize(
+    ("use", "words"),
+    [
+        ("hli.ch.feedhold = True", "ch.feedhold has been replaced.*set ch.feedhold.command_w"),
+        ("hli.ve.update(FEED='x')", "V.E.FEED has a wrong type"),
+        ("hli.ch = None", "has failed"),
+    ],
+)
+def test_what_is_replaced_is_found_after_the_cycle(tmp_path: Path, use: str, words: str) -> None:
+    path = tmp_path / "plc.py"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {use}\n", "utf-8")
+    with pytest.raises(UserError, match=words) as caught:
+        PlcProgram(path).cycle(Inputs(0, 0, {}), Hli(["Z"]))
+    assert caught.value.file == str(path)
+
+
+def test_a_program_may_look_whether_something_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "plc.py"
+    looks = "assert 'Q' not in hli.ax and hli.ve.get('A') is None\n"
+    looks += "        try:\n            hli.ax['Q']\n"
+    looks += "        except KeyError:\n            hli.ve['A'] = 1\n"
+    path.write_text(f"class Program:\n    def cycle(self, inputs, hli):\n        {looks}", "utf-8")
+    hli = Hli(["Z"])
+    PlcProgram(path).cycle(Inputs(0, 0, {}), hli)
+    assert hli.ve == {"A": 1}
 
 
 @pytest.mark.parametrize(

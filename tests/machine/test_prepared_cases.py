@@ -9,7 +9,8 @@ from axisrig.bench.campaign import preparing, runner
 from axisrig.bench.campaign.preparing import prepare, recall
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import prepare_all, run_case
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.errors import UserError
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"

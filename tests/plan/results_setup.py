@@ -15,8 +15,9 @@ from tests.recordings import facts, kept
 
 from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import judge
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.plan import Plan
 from axisrig.bench.record.axes import AxisRecord, Edge, Latch, ProbeRecord
 from axisrig.bench.record.facts import Facts, MessageRecord
 

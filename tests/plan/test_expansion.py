@@ -11,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import kstest, qmc
 
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.composition import MeantRow
 from axisrig.bench.plan.expanded import expanded_text
 from axisrig.bench.plan.expansion import RUNS_MAX, draw, parse_cell, variants
-from axisrig.bench.plan.plan import default_seed, parse_assignment, read_plan
+from axisrig.bench.plan.plan import default_seed, read_plan
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
@@ -271,7 +272,47 @@ def test_the_expanded_plan_is_a_plan_with_the_same_runs(write_plan: PlanWriter) 
         ]
 
 
+@pytest.mark.parametrize(
+    ("column", "cell", "hint"),
+    [
+        ("plant:p.x_um", "600,5", "a decimal point, not a comma: 600.5"),
+        ("plant:p.x_um", "[300 600]", r"a list with bars: \[300 \| 600\]"),
+        ("plant:p.x_um", "x1", None),
+        ("plant:p.x_um", "100mm", r"write 100, in the unit of the header \(um\)"),
+        ("plant:p.x", "100mm", "write 100; the unit ends the header: plant:p.x_mm"),
+        ("plant:p.x", "100 mm/min", "write 100; the unit ends the header: plant:p.x_mm_min"),
+        ("plant:p.x", "1.5 furlongs", "write 1.5; the unit ends the header: plant:p.x_<unit>"),
+        ("plc:V.E.FEED", "600 mm/min", "write 600 without a unit"),
+        ("plant:p.x_um", "high", None),
+    ],
+)
+def test_what_looks_like_a_number_gets_a_hint(
+    write_plan: PlanWriter, column: str, cell: str, hint: str | None
+) -> None:
+    text = f'{HEAD},{column}\na,{ROW},"{cell}"\n'
+    path = write_plan(text)
+    with pytest.raises(UserError, match="not a number") as caught:
+        read_plan(path).cases[0].assignments()[0].si()
+    found = caught.value.hint
+    assert found is None if hint is None else re.search(hint, found or "")
+
+
 def test_the_command_line_cannot_set_what_the_plan_sweeps(write_plan: PlanWriter) -> None:
     plan = read_plan(write_plan(f"{HEAD},plc:V.E.A\na,{ROW},[1 | 2]\n"))
     with pytest.raises(UserError, match="several values"):
         plan.with_inputs([parse_assignment("plc:V.E.A=3")])
+
+
+def test_the_command_line_sets_what_only_rows_sweep_that_are_not_chosen(
+    write_plan: PlanWriter,
+) -> None:
+    text = f"{HEAD},plc:V.E.A,search:plc:V.E.B,check:overtravel_mm\n"
+    text += f"swept,{ROW},[1 | 2],,\nsought,{ROW},,1 .. 9 to 1,<= 1\nplain,{ROW},7,,\n"
+    plan = read_plan(write_plan(text))
+    given = [parse_assignment("plc:V.E.A=3"), parse_assignment("plc:V.E.B=4")]
+    found = [case.inputs for case in plan.with_inputs(given, "plain").cases]
+    a, b = "plc:V.E.A", "plc:V.E.B"
+    assert found == [{a: "1", b: "4"}, {a: "2", b: "4"}, {a: "3"}, {a: "3", b: "4"}]
+    for select, column in (("swept", a), ("sought or plain", b)):
+        with pytest.raises(UserError, match=f"--set {column}: the plan gives this column several"):
+            plan.with_inputs(given, select)

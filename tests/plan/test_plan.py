@@ -7,7 +7,8 @@ from zipfile import ZipFile
 
 import pytest
 
-from axisrig.bench.plan.plan import parse_assignment, read_plan
+from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.table import read_table
 from axisrig.kernel.errors import UserError
 
@@ -60,9 +61,21 @@ def test_semicolons_byte_order_mark_blank_lines_and_line_breaks_in_cells(
     ]
 
 
-def test_short_rows_are_filled_with_empty_cells(write_plan: PlanWriter) -> None:
-    plan = read_plan(write_plan(f"{HEAD},title\na,{ROW}\n"))
-    assert plan.cases[0].title == ""
+def test_rows_with_fewer_cells_than_the_header_are_refused_all_at_once(
+    write_plan: PlanWriter,
+) -> None:
+    text = f"{HEAD},title,check:latch_mm:Z,\n# a note\na,{ROW},x\nb,{ROW},,3\n\n,# no row\nc\n"
+    with pytest.raises(UserError) as caught:
+        read_plan(path := write_plan(text))
+    found = [(e.file, e.line, e.message) for e in (caught.value, *caught.value.further)]
+    assert found == [
+        (str(path), 3, "the row has 4 cells and the header 5"),
+        (str(path), 7, "the row has 1 cell and the header 5"),
+    ]
+    outer = write_plan(f"{HEAD}\ninclude,{path.name},machine.toml\n", name="outer.csv")
+    with pytest.raises(UserError, match=r"5 \(included by outer.csv:2\)") as caught:
+        read_plan(outer)
+    assert [error.line for error in (caught.value, *caught.value.further)] == [3, 7]
 
 
 def test_repeats_are_runs_with_seeds_of_their_own(write_plan: PlanWriter) -> None:
@@ -88,7 +101,11 @@ def test_repeats_are_runs_with_seeds_of_their_own(write_plan: PlanWriter) -> Non
         (f"{HEAD}\n", None, None, "no case"),
         (f"case,program\na,{ROW}\n", 2, None, "header"),
         ("case,program\na,probe.nc\n", 1, None, "'rig' is missing"),
-        (f"{HEAD},chek:latch_mm\na,{ROW},1\n", 1, 4, "check:<metric>"),
+        (f"{HEAD},chek:latch_mm\na,{ROW},1\n", 1, 4, "did you mean: check:latch_mm"),
+        (f"{HEAD},pla:V.E.F\na,{ROW},1\n", 1, 4, "did you mean: .*plc:V.E.F"),
+        (f"{HEAD},plc.V.E.F\na,{ROW},1\n", 1, 4, "did you mean: plc:V.E.F"),
+        (f"{HEAD},V.E.F\na,{ROW},1\n", 1, 4, "did you mean: plc:V.E.F"),
+        (f"{HEAD},fautl:drop\na,{ROW},1\n", 1, 4, "did you mean: fault:drop"),
         (f"{HEAD},title,Title\na,{ROW},1,\n", 1, 5, "title"),
         (f"{HEAD},set:Z\na,{ROW},1\n", 1, 4, "set:<axis>.<path>"),
         (f"{HEAD},title,title\na,{ROW},x,y\n", 1, 5, "twice"),

@@ -8,6 +8,7 @@ from rich.console import Console
 
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.campaign.shown import CampaignProgress
+from axisrig.bench.plan.plan import counted
 from axisrig.bench.plan.verdict import Verdict
 
 
@@ -34,6 +35,12 @@ class Shown:
     @property
     def lines(self) -> list[str]:
         return self._text.getvalue().splitlines()
+
+
+def test_rows_of_statistics_are_counted_as_such() -> None:
+    progress = CampaignProgress(16, lambda: 1.0, Console(file=io.StringIO()), statistics=1)
+    assert progress.state == "0/17 rows"
+    assert (counted(16, 1), counted(1, 0)) == ("16 runs and 1 row of statistics", "1 run")
 
 
 def test_a_line_every_thirty_seconds_says_how_far_it_is() -> None:

@@ -9,9 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from axisrig.bench.plan.assignment import parse_assignment
 from axisrig.bench.plan.expanded import expanded_text
-from axisrig.bench.plan.plan import parse_assignment, read_plan
-from axisrig.bench.plan.searching import PROBES_MAX, Bracket, Search, bisect, probe_of
+from axisrig.bench.plan.plan import read_plan
+from axisrig.bench.plan.probes import probe_of
+from axisrig.bench.plan.searching import PROBES_MAX, Bracket, Search, bisect
 from axisrig.kernel.errors import UserError
 
 PlanWriter = Callable[..., Path]

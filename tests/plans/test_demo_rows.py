@@ -7,7 +7,8 @@ import pytest
 from tests.stages import STUDY
 
 from axisrig.bench.cli import main
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import matches
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"

@@ -75,7 +75,7 @@ def is_noisy(row: dict[str, str]) -> bool:
 
 
 def part_of(row: dict[str, str]) -> int:
-    return int(row["plc:V.E.PART"] or _OFF)
+    return int(row["plc:V.E.PART"] or row["note:part"] or _OFF)
 
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: row["case"])

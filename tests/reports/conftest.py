@@ -15,8 +15,9 @@ from axisrig.bench.campaign.results.writer import (
     ResultsWriter,
     no_values,
 )
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, judge
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.axes import AxisRecord, Contact, Edge, Latch, ProbeRecord
 from axisrig.bench.record.blocks import BlockTrace

@@ -307,6 +307,8 @@ def test_the_map_shows_what_is_filtered_and_a_cell_opens_its_run(page: Browser) 
     )
     click(page, ".filter input[value=pass]")
     label = "document.querySelector('.map canvas').getAttribute('aria-label')"
+    # Its keys are its own: a screen reader has to hand them on
+    assert page.run("document.querySelector('.map canvas').getAttribute('role')") == "application"
     assert page.run(label).startswith(f"probing: {len(shown(page))} runs across, 6 metrics down: ")
     assert "pass" not in page.run(label)
     # The filter stays, and what is opened by the keyboard is what is chosen

@@ -6,12 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 from scipy import stats
 
 from axisrig.bench.campaign.results.stored import read_results
+from axisrig.bench.record.series import TIME
 from axisrig.kernel.errors import UserError
 from axisrig.results.compare.drawing import overlay
+from axisrig.results.compare.page import pictures
 from axisrig.results.compare.pairs import Comparison, Frames, compare, welch_p
 from axisrig.results.compare.trend import trend
 
@@ -112,6 +116,45 @@ def test_a_metric_nearer_to_its_limit_is_worse(
     assert metric.is_nearer == nearer
     assert metric.is_significant == significant
     assert bool(compared(a, b).worse()) == nearer
+
+
+def test_a_metric_that_has_to_fail_is_not_nearer_to_its_limit(tmp_path: Path) -> None:
+    rows = [f"r,m,{value},,1.0,0.01,fail" for value in (2.0, 3.0)]
+    folders = [
+        folder(tmp_path / name, "c r pass h 1", checks=(row,))
+        for name, row in zip("ab", rows, strict=True)
+    ]
+    assert compared(*folders).worse() == ["r: m is nearer to its limit, -1 -> -2 um"]
+    for place in folders:
+        table = place / "cases.csv"
+        head, row = table.read_text(encoding="utf-8").splitlines()
+        table.write_text(f"{head},expected\n{row},fail:other m\n", encoding="utf-8")
+    assert compared(*folders).worse() == []
+    assert compared(*folders).pairs[0].metrics[0].is_significant
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "gap", "is_drawn"),
+    [
+        ("Z.set_mm", 100.0, 0.4e-6, False),  # half of a nanometre: the last digit of a report
+        ("Z.set_mm", 100.0, 2e-6, True),
+        ("Z.cnc_lag_mm", 0.0, 1e-13, False),  # what is left of a difference of equal numbers
+        ("Z.own", 100.0, 0.9e-7, False),  # no digits are known of it: 1e-9 of the largest value
+        ("Z.own", 100.0, 2e-7, True),
+        ("Z.own", 0.0, 1e-13, True),
+    ],
+)
+def test_signals_that_differ_by_rounding_are_not_drawn(
+    tmp_path: Path, name: str, values: float, gap: float, *, is_drawn: bool
+) -> None:
+    pairs = [folder(tmp_path / place, "c r pass h 1") for place in "ab"]
+    for place, added in zip(pairs, (0.0, gap), strict=True):
+        (place / "traces").mkdir()
+        columns = {TIME: np.arange(5) * 1_000_000, name: np.full(5, values)}
+        columns[name][2] += added
+        pq.write_table(pa.table(columns), place / "traces" / "r.parquet")
+    (pair,) = compared(*pairs).pairs
+    assert bool(pictures(pair)) == is_drawn
 
 
 def test_values_that_are_no_numbers_are_compared_by_their_verdicts(tmp_path: Path) -> None:

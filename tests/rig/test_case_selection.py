@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.select import matches
 from axisrig.kernel.errors import UserError
 

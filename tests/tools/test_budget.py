@@ -17,8 +17,9 @@ from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_cases
 from axisrig.bench.cli.main import app
 from axisrig.bench.plan.assignment import parse_assignment
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import judge
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.select import only
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.tools.budget.budget import budget_lines, causes, make_budget

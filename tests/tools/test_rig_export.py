@@ -95,8 +95,27 @@ def test_the_package_is_valid_and_has_the_values_of_the_rig(package: Path) -> No
     assert {parameter.name for parameter in values} <= variables
 
 
+@pytest.fixture(scope="session")
+def own_package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The same with an axis of a model of its own, which uses another one beside it."""
+    folder = tmp_path_factory.mktemp("own")
+    text = PROBE_Z.read_text(encoding="utf-8").replace('"lists/', f'"{RIGS.as_posix()}/lists/')
+    rig = folder / "own-z.toml"
+    rig.write_text(text.replace("AxisRig.Drives.ServoAxis", "MyAxis.mo"), encoding="utf-8")
+    own = "model MyAxis import AxisRig; extends MyBase; end MyAxis;\n"
+    (folder / "MyAxis.mo").write_text(own, encoding="utf-8")
+    base = "model MyBase extends AxisRig.Drives.ServoAxis(kv = 30); end MyBase;\n"
+    (folder / "MyBase.mo").write_text(base, encoding="utf-8")
+    export_rig(settings_of(rig, []), folder / "own-z.ssp", "2.0")
+    return folder / "own-z.ssp"
+
+
 @pytest.mark.long
-def test_fmpy_as_master_gets_what_the_bench_gets(package: Path, bench) -> None:
+@pytest.mark.parametrize("which", ["package", "own_package"])
+def test_fmpy_as_master_gets_what_the_bench_gets(
+    request: pytest.FixtureRequest, which: str, bench
+) -> None:
+    package = request.getfixturevalue(which)
     component = read_ssd(str(package)).system.elements[0]
     values = read_ssv(str(package), "resources/z.ssv")
     folder = package.parent / "unpacked"
@@ -199,7 +218,7 @@ def test_every_shipped_rig_becomes_parts(rig: Path) -> None:
         (
             '"AxisRig.Drives.ServoAxis"',
             '"table.fmu"',
-            r"plant z: table\.fmu is no model of the lib",
+            r"plant z: table\.fmu is no \.mo and not of the lib",
         ),
         ('{ z = "z" }', '{ z = "y" }', "plant probe is wired to y, which is not simulated here"),
         ("AxisRig.Drives.ServoAxis", "AxisRig.Drives.RotaryAxis", "wired to z, a rotary axis"),

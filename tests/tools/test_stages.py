@@ -8,7 +8,8 @@ import pytest
 from tests.small_fmus import small_fmu
 from tests.stages import cpu_by_folder, rows_of_every_metric, simulated_s
 
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 
 TESTPLANS = Path(__file__).parents[2] / "testplans"
 CASES = [case for path in sorted(TESTPLANS.glob("*.csv")) for case in read_plan(path).cases]

@@ -32,6 +32,7 @@ from axisrig.bench.campaign.results.stored import (
 )
 from axisrig.bench.files import write_parts
 from axisrig.bench.judge.topics import findings
+from axisrig.bench.plan.plan import counted
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.reports.blocks.section import blocks_style
 from axisrig.reports.budget.drawing import budget_style
@@ -182,6 +183,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
     """Everything the template of the whole page prints."""
     manifest, planned = results.manifest, results.planned
     verdicts = Counter(run.verdict for run in planned)
+    over_several = sum(run.is_statistic for run in planned)
     cards = sorted(made.cards, key=lambda card: -card[0])
     swept = sweeps(results)
     return {
@@ -192,6 +194,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
             "missing": results.missing,
             "done": len(planned),
             "planned": results.runs_planned,
+            "rows_of": counted(len(planned) - over_several, over_several) if over_several else "",
             "tested": _tested([run for run in results.runs if not run.is_probe]),
             "facts": _facts(results, made),
             "files": _files(manifest),

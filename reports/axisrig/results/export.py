@@ -13,6 +13,8 @@ from axisrig.results.loading import Results
 
 FORMS = ("mf4", "csv")
 TIME = "time_ns"
+DIAGNOSIS_HEADS = {"zstd": "Distance Control:", "cmd_offset": "Dist-Ctrl Interface:"}
+"""Heads of the diagnosis data, by the first name under each."""
 
 
 def export(results: Results, runs: Sequence[str], into: Path, form: str) -> Iterator[Path]:
@@ -30,6 +32,30 @@ def export(results: Results, runs: Sequence[str], into: Path, form: str) -> Iter
         path = into / f"{run}.{form}"
         with naming(path):
             write(path, run, table)
+        yield path
+
+
+def export_diagnosis(results: Results, runs: Sequence[str], into: Path) -> Iterator[Path]:
+    """Write the diagnosis data of 3D distance control of each run as a text, and yield its path.
+
+    Names and order are those of FCT-M3 12.10; a dump for each change of the control and one for the
+    end of the run. Raises UserError for a run without 3D distance control.
+    """
+    into.mkdir(parents=True, exist_ok=True)
+    for run in list(runs) or list(results.traces()):
+        lines: list[str] = []
+        table = results.diagnosis(run)
+        for row in table.itertuples(index=False):
+            for name, value in zip(table.columns, row, strict=True):
+                if name == TIME:
+                    lines.append(f"# SYNC {value / 1e6:g} ms")
+                    continue
+                if name in DIAGNOSIS_HEADS:
+                    lines.append(DIAGNOSIS_HEADS[name])
+                lines.append(f"  {name + ':':<24}{value}")
+        path = into / f"{run}.diag_data.txt"
+        with naming(path):
+            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
         yield path
 
 

@@ -107,6 +107,20 @@ class Results:
         table.attrs["units"] = {"time_ns": "ns"}
         return table.astype({"time_ns": "int64"})
 
+    def diagnosis(self, run: str) -> pd.DataFrame:
+        """The diagnosis data of 3D distance control (FCT-M3 12.10): a row for each dump.
+
+        `time_ns` of its SYNC, then a column for each name. Raises UserError for a run that the
+        folder does not have, or without 3D distance control.
+        """
+        facts = self._run(run).recording.facts
+        if facts is None or facts.distance_3d is None:
+            raise UserError("the run has no 3D distance control", file=self.folder, value=run)
+        rows = [{"time_ns": d.time_ns, **d.values} for d in facts.distance_3d.diagnosis]
+        table = pd.DataFrame(rows)
+        table.attrs["units"] = {"time_ns": "ns"}
+        return table
+
     def blocks(self, run: str) -> pd.DataFrame:
         """The block trace of a run: a row for each command of an NC block, in order of begin.
 

@@ -43,7 +43,8 @@ ERRORS = [
     ("G1 G1", 1, 4, "exclude each other", "G1"),
     # commands
     ("N10 #MES MODE[1]", 1, 5, "unknown # command", "#MES MODE"),
-    ("#CS OFF X10", 1, 1, "unknown # command", "#CS OFF X10"),
+    ("#CS OFF X10", 1, 1, "does not belong after #CS OFF", "X10"),
+    ("#SLOPE TRAPEZ", 1, 1, "does not belong after #SLOPE", "TRAPEZ"),
     ("#MEAS MODE[0]", 1, 1, "no such measuring type", "0"),
     ("#MEAS MODE[8]", 1, 1, "no such measuring type", "8"),
     ("#MEAS MODE[5/2]", 1, 1, "no such measuring type", "2.5"),
@@ -209,3 +210,17 @@ def test_every_variable_of_the_table_is_read():
         name = row.name.replace("<axis>", "X").replace("<name>", "ANY").replace("[]", "[1]")
         shown = row.name.replace("<axis>", "X").replace("<name>", "ANY")
         assert notes(f"X={name}") == ([] if row.acts else [shown])
+
+
+@pytest.mark.parametrize(
+    ("text", "ends"),
+    [
+        ("#SLOPE TRAPEZ", "#SLOPE [TYPE=name (NO_OPT=number)], what is in ( ) may be left out"),
+        ("#CS OFF X10", "allowed: nothing after it"),
+        ("#MEAS MODDE", "nearest: #MEAS MODE, #MEAS DEFAULT, #CS MODE ON"),
+        ("#AX", "allowed: #AX LINK, #AX LINK ON, #AX LINK OFF"),
+        ("#XYZ 1", "found '#XYZ'; `axisrig language` lists them all"),
+    ],
+)
+def test_an_unknown_command_gets_a_form_or_names_near_it_and_no_list_of_all(text, ends):
+    assert str(refused(text)).endswith(ends)

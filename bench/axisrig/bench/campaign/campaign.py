@@ -27,7 +27,8 @@ from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.files import in_words
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.select import chosen
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
@@ -56,6 +57,7 @@ class Campaign:
     """What a call left: the results folder, and the results of its runs in plan order.
 
     kept: verdicts of runs that stay as the folder has them (`--resume`, `--failed`).
+    planned: rows of results, of which `statistics` are over several runs.
     failure: why the rest could not be written, with the name of the file. report: its report.
     """
 
@@ -65,6 +67,7 @@ class Campaign:
     failure: OSError | None = None
     report: Path | None = None
     kept: Sequence[Verdict] = ()
+    statistics: int = 0
 
     @property
     def is_interrupted(self) -> bool:
@@ -122,7 +125,7 @@ def run_campaign(  # noqa: PLR0913
     build_report: writes the report while the folder is still held. watch: what goes on beside.
     Raises UserError before the folder is touched: everything is checked first.
     """
-    plans = _read(paths, assignments, outside)
+    plans = _read(paths, assignments, select.select, outside)
     parts, cases = _chosen(plans, select)
     real = real_cases(cases)
     jobs = jobs if watch.live is None else _one_at_a_time(jobs, select.scheduler)
@@ -148,7 +151,7 @@ def run_campaign(  # noqa: PLR0913
                 folder, plans, manifest, bus_logs, runs=runs, is_fresh=is_fresh, is_held=True
             )
             limits = Limits(timeout_s, apart, call_limit_s)
-            progress = CampaignProgress(len(runs), stopwatch)
+            progress = CampaignProgress(len(cases), stopwatch, statistics=len(runs) - len(cases))
             files_of = watch.files_of(writer.files_of)
             how = (jobs, limits, stopwatch, hardware, progress)
             running = _running(cases, files_of, select.scheduler, *how)
@@ -157,7 +160,8 @@ def run_campaign(  # noqa: PLR0913
         results.sort(key=partial(_place, {case.run: at for at, case in enumerate(cases)}))
         report, failure = _report(build_report, folder, failure)
     stay = [*kept.verdicts, *(statistics.staying if kept.counts else ())]
-    return Campaign(folder, results, len(runs), failure, report, stay)
+    over_several = len(runs) - len(cases)
+    return Campaign(folder, results, len(runs), failure, report, stay, over_several)
 
 
 def _running(
@@ -302,11 +306,19 @@ def _default_folder(plans: Sequence[Plan], assignments: Sequence[str]) -> Path:
     return Path("out") / ("-".join(plan.name for plan in plans) + ("-set" if is_set else ""))
 
 
-def _read(paths: Sequence[Path], assignments: Sequence[str], outside: Outside | None) -> list[Plan]:
+def _read(
+    paths: Sequence[Path],
+    assignments: Sequence[str],
+    select: str | None,
+    outside: Outside | None,
+) -> list[Plan]:
     """Read plans with the inputs of the command line."""
     changes = [parse_assignment(text) for text in assignments]
     plans = [read_plan(path) for path in paths]
-    return [p.with_inputs([*changes, *(outside.changes_of(p) if outside else ())]) for p in plans]
+    return [
+        plan.with_inputs([*changes, *(outside.changes_of(plan) if outside else ())], select)
+        for plan in plans
+    ]
 
 
 def _selected(plan: Plan, select: str | None) -> Plan:
@@ -324,7 +336,8 @@ def show_campaign(campaign: Campaign) -> None:
     if campaign.failure is not None:
         print(f"error: {in_words(campaign.failure)}", file=sys.stderr)
     if campaign.is_interrupted:
-        done = f"{len(campaign.results)} of {campaign.planned} runs"
+        of = "rows" if campaign.statistics else "runs"
+        done = f"{len(campaign.results)} of {campaign.planned} {of}"
         print(f"interrupted: {done} are in {campaign.folder}", file=sys.stderr)
     if campaign.report is not None:
         print(campaign.report)

@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from axisrig.bench.campaign.preparing import prepare
+from axisrig.bench.campaign.cell_warnings import CellWarnings, bare_warning
+from axisrig.bench.campaign.preparing import prepare, settings_of
 from axisrig.bench.machine.kept_fmus import close_plant
 from axisrig.bench.machine.plants import build_plant, check_plants, describe_plants, start_plant
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.plan import Plan, counted, read_plan
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.rig.arrival import describe_arrival
 from axisrig.bench.rig.check import check_rig, describe_schedules
@@ -60,17 +62,36 @@ def check_file(path: Path, assignments: Sequence[str] = ()) -> str:
         value = None if path.is_dir() else path.suffix
         raise UserError(message, file=path, value=value, allowed=allowed)
     plan = read_plan(path).with_inputs(changes)
-    mistakes = Mistakes()
+    mistakes, warnings = Mistakes(), CellWarnings()
     for case in plan.cases:
         with mistakes.kept():
-            prepare(case)
+            warnings.look(case, prepare(case))
     mistakes.refuse(path)
     lines = [f"  {_titled(case)}" for case in plan.cases]
     for row in plan.statistics:
         asked = ", ".join(check.metric for check in row.checks)
         lines.append(f"  {row.run}  statistics over {len(row.runs)} runs: {asked}")
+    lines += [f"warning: {warning}" for warning in warnings.lines()]
     lines += [f"note: {note}" for note in plan.notes]
-    return "\n".join([f"{path}: {len(plan.cases)} runs", *lines])
+    return "\n".join([f"{path}: {counted(len(plan.cases), len(plan.statistics))}", *lines])
+
+
+def check_inputs(plan: Plan) -> None:
+    """Refuse inputs that the rig of their row refuses, without building its plants.
+
+    Looked at are the first run of each row and each value of a list. Raises UserError with all of
+    them, by their places.
+    """
+    seen: set[object] = set()
+    mistakes = Mistakes()
+    for case in plan.cases:
+        row = (case.file, case.line, case.rig)
+        keys = {row, *((*row, *pair) for pair in case.swept.items())}
+        if not keys <= seen:
+            seen |= keys
+            with mistakes.kept():
+                settings_of(case)
+    mistakes.refuse(plan.path)
 
 
 def _titled(case: Case) -> str:
@@ -97,6 +118,11 @@ def _check_rig_file(path: Path, changes: Sequence[Assignment]) -> str:
     plants = ["\n".join(of_plants)] if of_plants else []
     remarks = [f"warning: {warning}" for warning in settings.warnings]
     remarks += [f"note: {note}" for note in settings.notes]
+    remarks += [
+        f"warning: {bare_warning(settings, change)}"
+        for change in changes
+        if change.column in settings.bare
+    ]
     lacking = [*distance_warnings(settings), *age_warnings(settings)]
     remarks += [f"warning: {warning}" for warning in lacking]
     described = [*describe_axes(settings), *describe_latches(settings), *describe_arrival(settings)]

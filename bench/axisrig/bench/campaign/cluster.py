@@ -25,7 +25,7 @@ from axisrig.bench.campaign.results.build_info import sources_sha256
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles, no_values
 from axisrig.bench.campaign.resuming import files_of_case
 from axisrig.bench.campaign.runner import Limits, Stopwatch, run_cases
-from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError

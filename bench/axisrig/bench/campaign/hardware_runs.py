@@ -11,7 +11,8 @@ from axisrig.bench.bus.hardware import SIMULATED, parse_options
 from axisrig.bench.bus.paced import RealTime
 from axisrig.bench.machine.pacing import Hardware
 from axisrig.bench.plan.assignment import Assignment, parse_assignment
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.foreign import foreign_plants
 from axisrig.bench.rig.real_axes import is_paced, outside_axes, simulated_plants, told

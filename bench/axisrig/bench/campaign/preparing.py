@@ -13,8 +13,8 @@ from typing import NamedTuple
 from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import check_plant
 from axisrig.bench.plan.assignment import Assignment
-from axisrig.bench.plan.plan import Case
-from axisrig.bench.plan.searching import probe_of
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.probes import probe_of
 from axisrig.bench.rig.programs import programs_of, started_files
 from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig
 from axisrig.bench.rig.reading.sources import rig_files
@@ -124,32 +124,36 @@ def _content(files: Iterable[Path]) -> list[Hashable]:
     return found
 
 
-def prepare(case: Case) -> None:
+def prepare(case: Case) -> Prepared:
     """Build the machine of a case and take it down again, once per content of its files.
 
-    Of one that searches, those of both ends.
+    Of one that searches, those of both ends; what the first one is made of is returned.
 
     Raises UserError for everything that can be known before a run, so that a plan with a mistake
     in its last row leaves nothing half-written.
     """
     if case.search is not None:
         ends = (case.search.first, case.search.last)
-        for number, end in enumerate(ends, start=1):
+        made = [
             prepare(probe_of(case, number, case.search.value(end)))
-        return
-    if recall(case) is not None:
-        return
+            for number, end in enumerate(ends, start=1)
+        ]
+        return made[0]
+    if (known := recall(case)) is not None:
+        return known
     files = [case.program, *rig_files(case.rig)]
     content = _content(files)
     settings = settings_of(case)
     program = read_program(case.program, tuple(settings.rig.axis))
     programs = programs_of(settings, program).values()
     _check_metrics(case, tuple(settings.rig.axis), programs)
+    prepared = Prepared(settings, program)
     if is_paced(settings):
         check_plant(settings)  # without the bus: nothing is sent before the run
     else:
         Machine(settings, program).close()
-        _keep(case, Prepared(settings, program), files, content)
+        _keep(case, prepared, files, content)
+    return prepared
 
 
 def _check_metrics(case: Case, axes: Sequence[str], programs: Iterable[Program]) -> None:

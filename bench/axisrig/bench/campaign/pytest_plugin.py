@@ -20,8 +20,9 @@ from axisrig.bench.campaign.processes import CALL_LIMIT_S
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import Limits, Stopwatch, no_stopwatch, run_cases
 from axisrig.bench.campaign.statistics import judged_row
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, value_text
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.plan import read_plan
 from axisrig.bench.plan.sentences import run_sentence
 from axisrig.bench.plan.table import CASE_COLUMN, SUFFIXES, read_table
 from axisrig.bench.plan.verdict import Verdict

@@ -31,8 +31,9 @@ from axisrig.bench.files import sha256_of
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.topics import STOPPED, judged, sampled
 from axisrig.bench.plan.assignment import INPUT_KINDS, parse_assignment
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expectation import met
-from axisrig.bench.plan.plan import Case, Plan, default_seed, read_plan
+from axisrig.bench.plan.plan import Plan, default_seed, read_plan
 from axisrig.bench.plan.verdict import Verdict, exit_code, worst
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError

@@ -8,7 +8,8 @@ from axisrig.bench.campaign.results.stored import PROBE, RUNS, read_results
 from axisrig.bench.campaign.results.writer import CaseResult, RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.assignment import INPUT_KINDS
-from axisrig.bench.plan.plan import Case, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import read_plan
 from axisrig.kernel.errors import UserError, nearest
 
 

@@ -24,8 +24,8 @@ from axisrig.bench.campaign.results.stored import (
     read_results,
 )
 from axisrig.bench.files import sha256_of
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expanded import path_from
-from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.searching import HEAD
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.rig.reading.file import MAP_KEYS, read_rig

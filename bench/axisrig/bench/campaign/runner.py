@@ -25,10 +25,10 @@ from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.live.states import LiveStates
 from axisrig.bench.machine.machine import Machine, SimulatedTimeoutError
 from axisrig.bench.machine.pacing import Hardware
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.expanded import path_from
 from axisrig.bench.plan.expectation import met
-from axisrig.bench.plan.plan import Case
 from axisrig.bench.plan.verdict import Verdict
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.series import Series, SeriesWriter

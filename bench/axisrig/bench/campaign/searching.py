@@ -3,10 +3,11 @@
 from collections.abc import Callable
 
 from axisrig.bench.campaign.results.writer import CaseResult, no_values
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import judge
 from axisrig.bench.plan.expectation import met
-from axisrig.bench.plan.plan import Case
-from axisrig.bench.plan.searching import GOOD, bisect, probe_of
+from axisrig.bench.plan.probes import probe_of
+from axisrig.bench.plan.searching import GOOD, bisect
 from axisrig.bench.plan.verdict import Verdict, worst
 
 

@@ -15,7 +15,8 @@ from axisrig.bench.campaign.results.writer import ResultsWriter
 from axisrig.bench.campaign.resuming import LIVE, depends_sha256
 from axisrig.bench.campaign.statistics import CaseStatistics
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.plan.plan import Case, Plan, read_plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan, read_plan
 from axisrig.bench.plan.select import chosen
 from axisrig.bench.rig.settings import AS_CANOPEN, FORCED
 from axisrig.kernel.errors import UserError
@@ -54,12 +55,14 @@ class Shard:
 class Merged:
     """What `axisrig merge` made.
 
-    missing: runs that no folder has. doubled: those of several. bare: runs whose folder has frames
-    in its table, and no trace or file of the run beside it.
+    statistics: rows of statistics over several runs. missing: runs that no folder has. doubled:
+    those of several. bare: runs whose folder has frames in its table, and no trace or file of the
+    run beside it.
     """
 
     folder: Path
     runs: int
+    statistics: int
     missing: Sequence[str]
     doubled: Sequence[str]
     bare: Sequence[str]
@@ -102,15 +105,16 @@ def merge(
         for run in cases:
             if run in found:
                 _take(writer, *found[run])
-        statistics = CaseStatistics(plans, (), into, hashes, is_fresh=False)
-        for row in statistics.kept():
+        judged = list(CaseStatistics(plans, (), into, hashes, is_fresh=False).kept())
+        for row in judged:
             row.depends_sha256 = hashes[row.case.run]
             writer.add(row)
     report = build_report(into) if build_report else None
     missing = [run for run in cases if run not in found]
     taken = [found[run][1] for run in cases if run in found]
     bare = [one.run for one in taken if _is_bare(one)]
-    return Merged(into, len(cases) - len(missing), missing, doubled, bare, report)
+    found_runs = len(cases) - len(missing)
+    return Merged(into, found_runs, len(judged), missing, doubled, bare, report)
 
 
 def _is_bare(run: StoredRun) -> bool:
@@ -174,13 +178,13 @@ def _plans(part: StoredResults) -> list[Plan]:
     texts += [word.partition("=")[2] for word in words if word.startswith("--set=")]
     texts += [_FLAGS[word] for word in words if word in _FLAGS]
     changes = [parse_assignment(text) for text in texts]
-    return [read_plan(Path(plan["path"])).with_inputs(changes) for plan in part.manifest["plans"]]
+    plans = [read_plan(Path(plan["path"])) for plan in part.manifest["plans"]]
+    return [plan.with_inputs(changes, _select(part)) for plan in plans]
 
 
 def _selected(plan: Plan, part: StoredResults) -> Sequence[Case]:
     """Return the cases that `-k` of the command of a folder has chosen; all without."""
-    words = part.manifest["command"]
-    select = next((value for word, value in pairwise(words) if word == "-k"), None)
+    select = _select(part)
     return plan.cases if select is None else chosen(plan.cases, select)
 
 
@@ -228,3 +232,8 @@ def _files(folder: Path, run: str) -> Iterator[Path]:
     for path in folder.iterdir() if folder.is_dir() else ():
         if path.name.startswith((f"{run}.", f"{run}{SEGMENT_MARK}")) and path.is_file():
             yield path
+
+
+def _select(part: StoredResults) -> str | None:
+    words = part.manifest["command"]
+    return next((value for word, value in pairwise(words) if word == "-k"), None)

@@ -34,9 +34,17 @@ class CampaignProgress:
     enough for a line that moves.
     """
 
-    def __init__(self, count: int, stopwatch: Stopwatch, console: Console | None = None) -> None:
-        """Take the number of runs, and what gives seconds of wall time."""
-        self._count, self._stopwatch = count, stopwatch
+    def __init__(
+        self,
+        count: int,
+        stopwatch: Stopwatch,
+        console: Console | None = None,
+        *,
+        statistics: int = 0,
+    ) -> None:
+        """Take the number of runs, of rows of statistics, and what gives seconds of wall time."""
+        self._count, self._stopwatch = count + statistics, stopwatch
+        self._of = "rows" if statistics else "runs"
         self._began_s = self._said_s = stopwatch()
         self._counts: Counter[Verdict] = Counter()
         self._running: dict[str, float] = {}
@@ -95,11 +103,14 @@ class CampaignProgress:
         """How far it is: runs, verdicts, runs per second, time that is left, what is running."""
         now_s = self._stopwatch()
         done, spent_s = self._counts.total(), now_s - self._began_s
-        words = [f"{done}/{self._count} runs"]
+        words = [f"{done}/{self._count} {self._of}"]
         words += [f"{self._counts[one]} {one.word}" for one in Verdict if self._counts[one]]
         if done and spent_s > 0.0:
             rate_hz = done / spent_s
-            words += [f"{rate_hz:.3g} runs/s", f"{_duration((self._count - done) / rate_hz)} left"]
+            words += [
+                f"{rate_hz:.3g} {self._of}/s",
+                f"{_duration((self._count - done) / rate_hz)} left",
+            ]
         running = sorted(self._running.items(), key=lambda item: item[1])
         named = [f"{run} for {_duration(now_s - began)}" for run, began in running[:_NAMED]]
         more = [f"{len(running) - _NAMED} more"] if len(running) > _NAMED else []

@@ -14,8 +14,9 @@ from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.judge.statistics.verdict import Reading, RunSample, judge_statistic
 from axisrig.bench.judge.topics import sampled
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expectation import met
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.plan import Plan
 from axisrig.bench.plan.statistic_checks import StatisticCheck
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.series import Series

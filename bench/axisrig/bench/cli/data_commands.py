@@ -23,13 +23,21 @@ def export(
         bool, typer.Option("--mf4", help="ASAM MDF 4.10, each signal with its unit.")
     ] = False,
     csv: Annotated[bool, typer.Option("--csv", help="CSV, the units in the second row.")] = False,
+    diagnosis: Annotated[
+        bool, typer.Option("--diagnosis", help="Diagnosis data of 3D distance control, as a text.")
+    ] = False,
 ) -> None:
     """Write the time series of runs for other programs, a file for each run."""
     from axisrig.results.export import export as exported
+    from axisrig.results.export import export_diagnosis
     from axisrig.results.loading import load
 
-    if mf4 == csv:
-        raise UserError("which form?", allowed=("--mf4", "--csv"))
+    if mf4 + csv + diagnosis != 1:
+        raise UserError("which form?", allowed=("--mf4", "--csv", "--diagnosis"))
+    if diagnosis:
+        for path in export_diagnosis(load(folder), runs or [], into or folder / "export"):
+            print(path)
+        return
     try:
         for path in exported(
             load(folder), runs or [], into or folder / "export", "mf4" if mf4 else "csv"
@@ -79,6 +87,7 @@ def merge(
     from datetime import UTC, datetime
 
     from axisrig.bench.campaign.sharing import merge as joined
+    from axisrig.bench.plan.plan import counted
     from axisrig.reports.build import build_report
 
     started = datetime.now(UTC).isoformat(timespec="seconds")
@@ -89,7 +98,7 @@ def merge(
         print(f"missing: {run}", file=sys.stderr)
     for run in made.bare:
         print(f"the trace or the file of the run is missing: {run}", file=sys.stderr)
-    print(f"{made.runs} runs, {len(made.missing)} missing")
+    print(f"{counted(made.runs, made.statistics)}, {len(made.missing)} missing")
     print(made.report)
     raise typer.Exit(4 if made.missing or made.bare else 0)
 

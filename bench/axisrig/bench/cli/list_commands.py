@@ -134,8 +134,12 @@ def expand(
     assignments: SetOption = None,
 ) -> None:
     """Print a plan with a row for each run: defaults, included tables, lists; a plan itself."""
+    from axisrig.bench.campaign.checking import check_inputs
+    from axisrig.bench.plan.assignment import parse_assignment
     from axisrig.bench.plan.expanded import expanded_text
-    from axisrig.bench.plan.plan import parse_assignment, read_plan
+    from axisrig.bench.plan.plan import read_plan
 
     changes = [parse_assignment(text) for text in assignments or []]
-    print(expanded_text(read_plan(plan).with_inputs(changes)), end="")
+    meant = read_plan(plan).with_inputs(changes)
+    check_inputs(meant)
+    print(expanded_text(meant), end="")

@@ -21,7 +21,8 @@ from axisrig.bench.campaign.results.manifest import build_manifest
 from axisrig.bench.campaign.results.writer import CaseResult, ResultsWriter, RunFiles
 from axisrig.bench.campaign.resuming import depends_sha256
 from axisrig.bench.plan.plan import Plan, read_plan
-from axisrig.bench.plan.searching import PROBES_MAX, probe_id
+from axisrig.bench.plan.probes import probe_id
+from axisrig.bench.plan.searching import PROBES_MAX
 from axisrig.bench.plan.table import SUFFIXES
 from axisrig.bench.record.series import Series
 from axisrig.kernel.errors import UserError

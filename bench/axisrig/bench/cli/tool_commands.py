@@ -132,7 +132,7 @@ def budget(
     from axisrig.results.budget.page import add_budget, write_budget
 
     given = [parse_assignment(text) for text in assignments or ()]
-    case = only(read_plan(plan).with_inputs(given).cases, select)
+    case = only(read_plan(plan).with_inputs(given, select).cases, select)
     run = partial(run_cases, files_of=lambda _: RunFiles(), jobs=jobs or usable_cores())
     found = make_budget(case, axis, run)
     print("\n".join(budget_lines(found)))

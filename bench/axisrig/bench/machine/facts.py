@@ -6,6 +6,7 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
 from axisrig.bench.machine.recording.acting import acting_warnings
 from axisrig.bench.machine.recording.bus_figures import bus_figures
+from axisrig.bench.machine.recording.distance_log import CHANNEL
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
 from axisrig.bench.record.axes import (
@@ -19,7 +20,7 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -37,7 +38,7 @@ from axisrig.bench.rig.reading.lists import substituted_in_words
 from axisrig.bench.rig.reading.plc_task import TerminalTable
 from axisrig.bench.rig.rotary import arm_m, is_rotary, torque_arm_m
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.channel.distance.sensor import VariableSensor
+from axisrig.kernel.channel.distance.sensor import Sensor, VariableSensor
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.run import RunRecord
@@ -72,6 +73,7 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
         },
         plc_task=_plc_task(machine),
         distance={name: _distance(machine, name) for name in channel.distance.axes},
+        distance_3d=_distance_3d(machine),
         channel=_written(settings, None),
         runs=tuple(_run(machine, record) for record in channel.records),
         blocks=machine.blocks.trace(),
@@ -233,13 +235,26 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
 
 
 def _distance(machine: Machine, name: str) -> DistanceRecord:
-    sensor = machine.channel.distance.axes[name].sensor
-    variable = f"V.E.{sensor.name}" if isinstance(sensor, VariableSensor) else ""
     return DistanceRecord(
-        variable if variable in machine.settings.rig.plc else "",
+        _variable(machine, machine.channel.distance.axes[name].sensor),
         name in machine.referenced,
         machine.distance_log.recorded(name),
     )
+
+
+def _distance_3d(machine: Machine) -> ChannelDistanceRecord | None:
+    found, log = machine.channel.distance.channel, machine.distance_log
+    if found is None:
+        return None
+    return ChannelDistanceRecord(
+        _variable(machine, found.sensor), log.recorded(CHANNEL), log.dumps(machine.channel)
+    )
+
+
+def _variable(machine: Machine, sensor: Sensor) -> str:
+    """Name the variable of `[plc]` that gives the values; empty for anything else."""
+    variable = f"V.E.{sensor.name}" if isinstance(sensor, VariableSensor) else ""
+    return variable if variable in machine.settings.rig.plc else ""
 
 
 def _alarms(machine: Machine) -> Iterator[AlarmRecord]:

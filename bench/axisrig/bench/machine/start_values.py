@@ -5,7 +5,13 @@ from dataclasses import replace
 
 from fmpy.model_description import ModelVariable
 
-from axisrig.bench.plan.assignment import Assignment, parse_assignment, si_unit, suffixes_of
+from axisrig.bench.plan.assignment import (
+    Assignment,
+    parse_assignment,
+    scaled_suffixes,
+    si_unit,
+    suffixes_of,
+)
 from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.rig.reading.file import PlantTable, rig_error
 from axisrig.bench.rig.settings import Settings
@@ -50,6 +56,8 @@ def set_start_values(settings: Settings, instance: str, table: PlantTable, roles
     for item, located in settings.start.get(instance, []):
         try:
             found.append(_set(roles, item))
+            if found[-1][1] != 0.0:
+                _note_bare(settings, roles, item)
         except UserError as error:
             mistakes.add(located(error, item))
     mistakes.refuse(settings.files[0])
@@ -85,6 +93,20 @@ def _set(roles: Roles, item: Assignment) -> Start:
         message = f"{slave.name} refuses {plain.name}: {error.reason}"
         raise UserError(message, value=item.value) from error
     return plain.name, value
+
+
+def _note_bare(settings: Settings, roles: Roles, item: Assignment) -> None:
+    """Note a value whose column names no unit where it could have had one of several sizes."""
+    head, _, whole = item.column.partition(".")
+    if item.unit and not roles.slave.has(whole):
+        return
+    name = unit_name(roles.slave.variable(whole))
+    unit = find_unit(roles.slave.description, name) if name else None
+    if unit is None or not unit.exponents:
+        return
+    same = [n for n, known in known_units().items() if known.exponents == unit.exponents]
+    if suffixes := scaled_suffixes(same):
+        settings.bare[item.column] = unit.name, [f"{head}.{whole}_{end}" for end in suffixes]
 
 
 def _flag(roles: Roles, item: Assignment) -> bool:

@@ -11,6 +11,7 @@ from importlib import resources
 
 from axisrig.kernel.errors import Guess, UserError, nearest
 
+_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 INPUT_KINDS = ("set", "plant", "drive", "bus", "plc", "fault")
 
 _PLACES = {
@@ -91,8 +92,30 @@ def number(column: str, text: str, unit: str = "") -> float:
     except (InvalidOperation, Overflow, ValueError):
         value = math.nan
     if not math.isfinite(value):
-        raise UserError(f"{column}: not a number", value=text)
+        hint = _number_hint(column, text, unit)
+        raise UserError(f"{column}: not a number", value=text, hint=hint)
     return value
+
+
+def _number_hint(column: str, text: str, unit: str) -> str | None:
+    """Say how to write what looks like a number with a comma, like several, or like one in a unit.
+
+    unit: of the header, empty without one.
+    """
+    if re.fullmatch(r"[+-]?\d+,\d+", text):
+        return f"a decimal point, not a comma: {text.replace(',', '.')}"
+    words = re.split(r"[\s,;/]+", text)
+    if len(words) > 1 and all(re.fullmatch(_NUMBER, word) for word in words):
+        return f"several values are a list with bars: [{' | '.join(words)}]"
+    match = re.fullmatch(rf"({_NUMBER})\s*([^\W\d_]\S*|%)", text)
+    if match is None:
+        return None
+    if unit or not column.startswith("plant:"):
+        of = f", in the unit of the header ({unit})" if unit else " without a unit"
+        return f"write {match[1]}{of}"
+    suffix = re.sub(r"\W+", "_", match[2].lower().replace("²", "2")).strip("_")
+    named = f"{column}_{suffix}" if suffix in _units() else f"{column}_<unit>"
+    return f"write {match[1]}; the unit ends the header: {named}"
 
 
 @cache
@@ -123,6 +146,12 @@ def suffixes_of(names: Iterable[str]) -> list[str]:
     return [unit.suffix for unit in _units().values() if unit.si in wanted]
 
 
+def scaled_suffixes(names: Iterable[str]) -> list[str]:
+    """Return the suffixes that `suffixes_of` gives where they differ by a factor, else none."""
+    suffixes = suffixes_of(names)
+    return suffixes if len({_units()[suffix].factor for suffix in suffixes}) > 1 else []
+
+
 @cache
 def _units() -> Mapping[str, Unit]:
     rows = (Unit(r["suffix"], r["si"], Decimal(r["factor"])) for r in _rows("units.csv"))
@@ -150,9 +179,9 @@ def parse_column(column: str, value: str) -> Assignment:
     """Take an input column apart. Raises UserError for a column that is no input."""
     form = find_form(column)
     if form is None or not form.is_input:
-        inputs = [form.column for form in column_forms() if form.is_input]
-        meant = _with_kind(column) or nearest(column, inputs)
-        raise UserError("not an input column", value=column, allowed=meant or inputs)
+        inputs = [form for form in column_forms() if form.is_input]
+        allowed = meant_columns(column, inputs) or [form.column for form in inputs]
+        raise UserError("not an input column", value=column, allowed=allowed)
     match = form.pattern.fullmatch(column)
     assert match is not None
     groups = match.groupdict()
@@ -160,6 +189,21 @@ def parse_column(column: str, value: str) -> Assignment:
     if form.kind == "plant":
         name, unit = _split_unit(name)
     return Assignment(column, form.kind, groups.get("target") or "", name, unit, value)
+
+
+def meant_columns(column: str, forms: Iterable[ColumnForm]) -> Guess:
+    """Give the columns of these forms that an unknown one may mean; none where nothing is near."""
+    kinds = {form.kind: form.column for form in forms}
+    head, sign, rest = re.fullmatch(r"(\w*)([:.;/]?)(.*)", column, re.DOTALL).groups()  # type: ignore[union-attr]
+    if sign:
+        near = [kind for kind in nearest(head, kinds) if ":" in kinds[kind]]
+        named = [f"{kind}:{rest}" for kind in near]
+        fitting = Guess(name for name in named if find_form(name) is not None)
+        if fitting:
+            return fitting
+        if near:
+            return Guess(kinds[kind] for kind in near)
+    return _with_kind(column) or nearest(column, kinds.values())
 
 
 def _with_kind(column: str) -> Guess:

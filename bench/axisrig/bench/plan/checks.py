@@ -22,6 +22,7 @@ CONDITION_FORMS = (
     " one of 50059 50052 (no other)"
 )
 
+UNKNOWN_METRIC = "unknown metric"
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _DECIMAL_COMMA = r"[+-]?\d+,\d+"
 _RANGE = re.compile(rf"({_NUMBER})\s*\.\.\s*({_NUMBER})")
@@ -348,7 +349,7 @@ def parse_check(
     if match is None or definition is None:
         close = nearest(metric.partition(":")[0], known)
         raise UserError(
-            "unknown metric",
+            UNKNOWN_METRIC,
             value=metric,
             allowed=close or known,
             hint="`axisrig metrics` lists them all",

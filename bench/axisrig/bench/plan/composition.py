@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from axisrig.bench.plan.assignment import ColumnForm, column_forms, find_form
+from axisrig.bench.plan.assignment import ColumnForm, column_forms, find_form, meant_columns
 from axisrig.bench.plan.table import CASE_COLUMN, Cell, Place, Row, Table, read_table
 from axisrig.kernel.errors import UserError, nearest, together
 
@@ -171,7 +171,8 @@ class _Reader:
         try:
             table = read_table(path)
         except UserError as error:
-            raise _of_include(error, place) from None
+            every = [_of_include(one, place) for one in (error, *error.further)]
+            raise together(every) from None
         via = (f"{place.file.name}:{place.line}", *place.via)
         self._notes += [f"{path}: {note}" for note in table.notes]
         yield from self.rows(table, defaults, via, (*open_tables, path.resolve()))
@@ -186,9 +187,9 @@ class _Reader:
             form = find_form(column)
             if form is None:
                 known = [form.column for form in column_forms()]
-                close = nearest(column, known)
+                allowed = meant_columns(column, column_forms()) or known
                 self._mistakes.add(
-                    table.header_error(f"unknown column{included}", column, allowed=close or known)
+                    table.header_error(f"unknown column{included}", column, allowed=allowed)
                 )
             elif list(table.columns).count(column) > 1:
                 self._mistakes.add(
@@ -254,19 +255,14 @@ def _assigned(place: Place, text: str) -> tuple[str, Cell]:
     form = find_form(name)
     fits = form is not None and (form.kind == "check" if head else form.is_input)
     if not fits:
-        forms = [form.column for form in column_forms()]
-        known = [c for c in forms if c.startswith(head)] if head else _inputs()
+        forms = [f for f in column_forms() if (f.kind == "check" if head else f.is_input)]
         raise place.error(
             f"the column cannot be assigned in {place.header}",
             value=name,
-            allowed=nearest(name, known) or known,
+            allowed=meant_columns(name, forms) or [form.column for form in forms],
         )
     own = Place(place.file, place.line, place.column, place.header, name, place.via)
     return name, Cell(value, own)
-
-
-def _inputs() -> list[str]:
-    return [form.column for form in column_forms() if form.is_input]
 
 
 def _filled(

@@ -5,8 +5,9 @@ import io
 from functools import lru_cache
 from pathlib import Path
 
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import Check
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.plan import Plan
 from axisrig.bench.plan.searching import HEAD
 
 

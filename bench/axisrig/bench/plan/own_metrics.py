@@ -56,7 +56,10 @@ def own_module(cell: Cell) -> OwnModule:
         line = error.lineno if isinstance(error, SyntaxError) else None
         message = error.msg if isinstance(error, SyntaxError) else str(error)
         raise UserError(
-            f"the module cannot be read: {message} ({cell.place.words})", file=path, line=line
+            f"the module cannot be read: {message}"
+            f" ({cell.place.file.name}:{cell.place.line}, {cell.place.words})",
+            file=path,
+            line=line,
         ) from None
     functions = [item for item in tree.body if isinstance(item, ast.FunctionDef)]
     lines = {

@@ -9,7 +9,7 @@ the case.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from zlib import crc32
@@ -17,113 +17,28 @@ from zlib import crc32
 from axisrig.bench.plan.assignment import (
     Assignment,
     find_form,
-    parse_assignment,
     parse_column,
 )
-from axisrig.bench.plan.checks import Check, parse_check
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.case_statistics import split_statistics
+from axisrig.bench.plan.checks import UNKNOWN_METRIC, Check, parse_check
 from axisrig.bench.plan.composition import MeantRow, Mistakes, compose, existing
 from axisrig.bench.plan.expansion import RUNS_MAX, Variant, draw, parse_cell, variants
 from axisrig.bench.plan.expectation import parse_expectation
 from axisrig.bench.plan.own_metrics import OwnModule, own_module
-from axisrig.bench.plan.searching import (
-    HEAD,
-    Search,
-    parse_row_check,
-    parse_search,
-    refuse_ids_of_probes,
-    with_search,
-)
-from axisrig.bench.plan.statistic_checks import StatisticCheck, split_statistics
+from axisrig.bench.plan.probes import refuse_ids_of_probes, with_search
+from axisrig.bench.plan.searching import HEAD, Search, parse_row_check, parse_search
+from axisrig.bench.plan.select import chosen
 from axisrig.bench.plan.table import Cell, Place
 from axisrig.kernel.errors import UserError
 
-__all__ = ["Assignment", "Case", "Plan", "parse_assignment", "read_plan"]
+__all__ = ["Plan", "default_seed", "read_plan"]
 
 _NAME = re.compile(r"[A-Za-z0-9_.-]{1,60}")
 _RUN_MAX = 200
 _SEED_MAX = 2**32 - 1
 _REPEATS_MAX = 999
 _FILES = ("program", "rig")
-
-
-@dataclass(frozen=True)
-class Case:
-    """One run of one row of a plan.
-
-    run: id, unique in a results folder, the same on every repeat, safe as a file name.
-    index: place of the run in its plan, from 0. program, rig: existing files.
-    inputs: input column -> value, set ones only, in the order of the columns.
-    repeat: 0 when the row asks for one run, else counted from 1, over samples and repeats.
-    file, line: place of the row. places: column -> place of its cell, set cells only.
-    overridden: input columns whose values come from the command line.
-    swept: columns whose cells hold several values -> the value of this run.
-    module: metrics of the user. expected: metrics of checks that must fail.
-    notes: columns `note:` -> cell.
-    folder: of the plan, which is not that of an included table.
-    sampled: statistics of the case to which the run gives values. runs: of the row of results that
-    is over several runs, the ids of these; empty for a run.
-    search: of a row that searches a value; its runs are probes. probe_of: of a probe, the row.
-    """
-
-    plan: str
-    case: str
-    run: str
-    index: int
-    program: Path
-    rig: Path
-    inputs: Mapping[str, str]
-    checks: tuple[Check, ...]
-    title: str
-    tags: tuple[str, ...]
-    requirement: str
-    seed: int
-    repeat: int
-    file: Path
-    line: int
-    places: Mapping[str, Place]
-    overridden: frozenset[str] = frozenset()
-    swept: Mapping[str, str] = field(default_factory=dict)
-    module: OwnModule | None = None
-    expected: tuple[str, ...] = ()
-    notes: Mapping[str, str] = field(default_factory=dict)
-    folder: Path = Path()
-    sampled: tuple[StatisticCheck, ...] = ()
-    runs: tuple[str, ...] = ()
-    search: Search | None = None
-    probe_of: str = ""
-
-    def assignments(self) -> tuple[Assignment, ...]:
-        """Give the inputs taken apart, in the order of the columns."""
-        return tuple(parse_column(column, value) for column, value in self.inputs.items())
-
-    def error(
-        self,
-        message: str,
-        column: str,
-        *,
-        value: object = None,
-        allowed: Sequence[object] | str | None = None,
-        hint: str | None = None,
-    ) -> UserError:
-        """Make the error that points at the cell of this case in `column`."""
-        if column in self.overridden:
-            return UserError(
-                f"--set {column}={self.inputs[column]}: {message}",
-                value=value,
-                allowed=allowed,
-                hint=hint,
-            )
-        place = self.places.get(column)
-        words = f"column {column!r}" if place is None else place.words
-        return UserError(
-            f"{message} (case {self.case!r}, {words})",
-            file=self.file if place is None else place.file,
-            line=None if place is None else place.line,
-            column=None if place is None else place.column,
-            value=value,
-            allowed=allowed,
-            hint=hint,
-        )
 
 
 @dataclass(frozen=True)
@@ -150,28 +65,49 @@ class Plan:
         pairs = ((case, after.get(case.run)) for case in self.cases)
         return tuple(row for pair in pairs for row in pair if row is not None)
 
-    def with_inputs(self, assignments: Sequence[Assignment]) -> "Plan":
-        """Set inputs of every case, over what the cells say (`--set` of the command line)."""
+    def with_inputs(self, assignments: Sequence[Assignment], select: str | None = None) -> "Plan":
+        """Set inputs of every case, over what the cells say (`--set` of the command line).
+
+        select: of `-k`; a case that it does not choose keeps a column with several values. Raises
+        UserError for one that it chooses, or that cannot be read.
+        """
         extra = {item.column: item.value for item in assignments}
-        for case in self.cases:
-            searched = {} if case.search is None else {case.search.column: HEAD}
-            several = {**dict.fromkeys(case.swept, ""), **searched}
-            for column in several.keys() & extra.keys():
-                raise UserError(
-                    f"--set {column}: the plan gives this column several values"
-                    f" (case {case.case!r}, {case.places[several[column] + column].words})",
-                    value=extra[column],
-                    hint="choose runs with -k",
-                )
+        wanted = self.cases if select is None else chosen(self.cases, select)
+        for case in wanted:
+            for column, header in _several(case).items():
+                if column in extra:
+                    raise UserError(
+                        f"--set {column}: the plan gives this column several values"
+                        f" (case {case.case!r}, {case.places[header].words})",
+                        value=extra[column],
+                        hint="choose other runs with -k, or change the cell",
+                    )
         columns = (*self.columns, *(name for name in extra if name not in self.columns))
         cases, statistics = (
-            tuple(
-                replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
-                for case in group
-            )
+            tuple(_with_inputs(case, extra) for case in group)
             for group in (self.cases, self.statistics)
         )
         return replace(self, columns=columns, cases=cases, statistics=statistics)
+
+
+def counted(runs: int, statistics: int) -> str:
+    """Say how many runs there are, and how many rows of statistics over several of them."""
+    words = f"{runs} run{'s' if runs != 1 else ''}"
+    if not statistics:
+        return words
+    return f"{words} and {statistics} row{'s' if statistics != 1 else ''} of statistics"
+
+
+def _several(case: Case) -> dict[str, str]:
+    """Return the columns to which the row of a case gives several values, with their headers."""
+    searched = {} if case.search is None else {case.search.column: HEAD + case.search.column}
+    return {**{column: column for column in case.swept}, **searched}
+
+
+def _with_inputs(case: Case, extra: Mapping[str, str]) -> Case:
+    several = _several(case)
+    extra = {column: value for column, value in extra.items() if column not in several}
+    return replace(case, inputs={**case.inputs, **extra}, overridden=frozenset(extra))
 
 
 def default_seed(run: str) -> int:
@@ -224,10 +160,12 @@ class _Row:
         self._mistakes = mistakes
         self._is_good = True
         self._module: OwnModule | None = None
+        self._has_module = True  # as far as the row names one
         if "module" in row.cells:
             try:
                 self._module = own_module(row.cells["module"])
             except UserError as error:
+                self._has_module = False
                 self._refuse(error)
         forms = {column: find_form(column) for column in row.cells}
         kinds = {column: form for column, form in forms.items() if form is not None}
@@ -406,7 +344,8 @@ class _Row:
             is_searching = bool(self._searched)
             return parse_row_check(metric, text, reference, own, is_searching=is_searching)
         except UserError as error:
-            self._refuse(place.error_from(error))
+            if self._has_module or error.message != UNKNOWN_METRIC:
+                self._refuse(place.error_from(error))
         return None
 
     def _is_number(self, column: str, text: str) -> None:

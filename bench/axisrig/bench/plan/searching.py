@@ -7,20 +7,15 @@ other checks of the row say whether it holds. The row itself has the metrics `se
 """
 
 import re
-from collections.abc import Collection, Generator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Generator, Mapping
+from dataclasses import dataclass
 from decimal import Decimal
-from typing import TYPE_CHECKING
 
 from axisrig.bench.plan.assignment import find_form, parse_column
 from axisrig.bench.plan.checks import Check, Metric, parse_condition
-from axisrig.bench.plan.composition import Mistakes
 from axisrig.bench.plan.statistic_checks import parse_any_check
 from axisrig.bench.plan.table import Cell
 from axisrig.kernel.errors import UserError
-
-if TYPE_CHECKING:
-    from axisrig.bench.plan.plan import Case
 
 HEAD = "search:"
 PROBES_MAX = 40
@@ -131,38 +126,13 @@ def parse_row_check(
         raise UserError(
             "the row searches nothing", value=metric, hint=f"it needs a column {HEAD}<column>"
         )
-    return _searched(metric, condition, reference)
+    return check_of_search(metric, condition, reference)
 
 
-def _searched(metric: str, condition: str, reference: str) -> Check:
+def check_of_search(metric: str, condition: str, reference: str) -> Check:
+    """Read a check of `search_good` or `search_bad`. Raises UserError for a bad condition."""
     defined = Metric(metric, "run", "number", "", "", "", "", "", _MEANING[metric], "bisection")
     return Check(metric, parse_condition(condition, "number"), reference, defined=defined)
-
-
-def with_search(case: "Case", search: Search) -> "Case":
-    """Make the case of a row that searches of one with all checks of the row.
-
-    The row itself keeps the checks of `search_good` and `search_bad`; of one that it does not have,
-    it asks for a value in the range.
-    """
-    reference = case.checks[0].reference
-    own = {check.name: check for check in case.checks if check.name in (GOOD, BAD)}
-    low, high = sorted((search.first, search.last))
-    text = f"{search.value(low)} .. {search.value(high)}"
-    unit = parse_column(search.column, "0").unit
-    checks = [own.get(name) or _searched(name, text, reference) for name in (GOOD, BAD)]
-    checks = [replace(check, defined=replace(check.definition, unit=unit)) for check in checks]
-    probed = tuple(check for check in case.checks if check.name not in (GOOD, BAD))
-    return replace(case, checks=tuple(checks), search=replace(search, checks=probed))
-
-
-def refuse_ids_of_probes(cases: Collection["Case"], mistakes: Mistakes) -> None:
-    """Keep a mistake for each case that has the id of a probe."""
-    searching = [case.run.casefold() for case in cases if case.search is not None]
-    taken = {probe_id(run, n + 1) for run in searching for n in range(PROBES_MAX)}
-    for case in cases:
-        if case.run.casefold() in taken:
-            mistakes.add(case.error("a probe has this id", "case", value=case.run))
 
 
 def bisect(search: Search) -> Generator[str, bool, Bracket]:
@@ -180,24 +150,3 @@ def bisect(search: Search) -> Generator[str, bool, Bracket]:
         else:
             bad = middle
     return Bracket(search.value(good), search.value(bad))
-
-
-def probe_id(run: str, number: int) -> str:
-    """Return the id of a probe. number: from 1."""
-    return f"{run}-s{number:02}"
-
-
-def probe_of(case: "Case", number: int, value: str) -> "Case":
-    """Return the run that tries a value; its seed is that of the row."""
-    search = case.search
-    assert search is not None
-    return replace(
-        case,
-        run=probe_id(case.run, number),
-        inputs={**case.inputs, search.column: value},
-        places={**case.places, search.column: case.places[HEAD + search.column]},
-        checks=search.checks,
-        expected=(),
-        search=None,
-        probe_of=case.run,
-    )

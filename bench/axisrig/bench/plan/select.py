@@ -6,7 +6,7 @@ An expression that is the whole name of a case means that case alone.
 import re
 from collections.abc import Sequence
 
-from axisrig.bench.plan.plan import Case
+from axisrig.bench.plan.case import Case
 from axisrig.kernel.errors import UserError
 
 _TOKEN = re.compile(r"\(|\)|[^\s()]+")

@@ -8,7 +8,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import NamedTuple
 
-from axisrig.kernel.errors import UserError
+from axisrig.kernel.errors import UserError, together
 
 SUFFIXES = (".csv", ".xlsx", ".ods", ".parquet")
 CASE_COLUMN = "case"
@@ -188,7 +188,7 @@ def _lines(grid: Sequence[Sequence[str]]) -> list[int]:
 
 
 def _read_csv(path: Path) -> list[list[str]]:
-    """Cells without blanks around; what a short row leaves out is empty."""
+    """Cells without blanks around. Raises UserError for rows that are no row of the header."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
@@ -203,24 +203,23 @@ def _read_csv(path: Path) -> list[list[str]]:
     lines = io.StringIO(text)
     reader = csv.reader(_ended(lines), delimiter=_separator(text))
     grid: list[list[str]] = []
-    begin, width = 1, 0
+    wrong: list[UserError] = []
+    begin, width, named = 1, 0, 0
     try:
         for cells in reader:
             if cells == [_END]:
+                if wrong:
+                    raise together(wrong)
                 return grid
             if cells and cells[-1].endswith(_END):
                 break
-            is_comment = bool(cells) and cells[0].lstrip().startswith(COMMENT)
-            if width and len(cells) > width and not is_comment:
-                raise UserError(
-                    f"the row has {len(cells)} cells and the header {width}",
-                    file=path,
-                    line=begin,
-                    hint="write a cell that contains the separator in quotes",
-                )
-            grid.append([*(cell.strip() for cell in cells), *[""] * (width - len(cells))])
-            if not width and not is_comment and any(grid[-1]):
+            stripped = [cell.strip() for cell in cells]
+            grid.append([*stripped, *[""] * (width - len(cells))])
+            content = next(filter(None, stripped), COMMENT)
+            if not width and not content.startswith(COMMENT):
                 width = len(cells)
+                named = max(number for number, cell in enumerate(stripped, start=1) if cell)
+            wrong += _other_length(path, begin, stripped, named, width)
             begin = reader.line_num + 1
     except csv.Error:  # a cell of more than 131072 signs
         pass
@@ -230,6 +229,20 @@ def _read_csv(path: Path) -> list[list[str]]:
         line=begin,
         hint="look for a quote that is not closed",
     )
+
+
+def _other_length(
+    path: Path, line: int, cells: Sequence[str], named: int, width: int
+) -> list[UserError]:
+    """Find a row with fewer cells than the header has names, or with more than it has cells."""
+    if named <= len(cells) <= width or next(filter(None, cells), COMMENT).startswith(COMMENT):
+        return []
+    expected, hint = width, "write a cell that contains the separator in quotes"
+    if len(cells) < named:
+        expected, hint = named, "an empty cell needs its separator, at the end of the row too"
+    found = f"{len(cells)} cell{'s' if len(cells) != 1 else ''}"
+    message = f"the row has {found} and the header {expected}"
+    return [UserError(message, file=path, line=line, hint=hint)]
 
 
 _END = "\0end of the table\0"

@@ -1,5 +1,6 @@
 """What a run leaves of distance control."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from axisrig.bench.oracles.distance.lists import Control
@@ -82,6 +83,26 @@ class DistanceRecord(Frozen):
     variable: str = ""
     is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
+
+
+@dataclass(frozen=True)
+class Diagnosis(Frozen):
+    """Diagnosis data of 3D control at a SYNC, by the names of FCT-M3 12.10."""
+
+    time_ns: TimeNs
+    values: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class ChannelDistanceRecord(Frozen):
+    """3D distance control of the channel. variable: as in `DistanceRecord`.
+
+    diagnosis: at every change, and at the end of the run.
+    """
+
+    variable: str = ""
+    changes: tuple[DistanceChange, ...] = ()
+    diagnosis: tuple[Diagnosis, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from axisrig.bench.record.axes import (
 )
 from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
-from axisrig.bench.record.distance import DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
@@ -119,6 +119,7 @@ class Facts(Frozen):
     start_ns: first enabled cycle, None when the drives were never enabled. end_ns: end of the
     period in which the program ended. sim_ns: simulated time. is_stopped: by the operator.
     axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes.
+    distance_3d: None where the channel has no 3D distance control.
     fine_ns: step in which the plants keep their motion. blocks: None in recordings of version 1.
     """
 
@@ -136,6 +137,7 @@ class Facts(Frozen):
     plc_sensors: Mapping[str, PlcSensor] = field(default_factory=dict)
     plc_task: PlcTaskRecord | None = None
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
+    distance_3d: ChannelDistanceRecord | None = None
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()
     blocks: BlockTrace | None = None

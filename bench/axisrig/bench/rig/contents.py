@@ -9,7 +9,7 @@ from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.reading.lists import offset_notes
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
-from axisrig.kernel.nc.coordinates.lists import UNITS_PER_MM, forms, guess_list
+from axisrig.kernel.nc.coordinates.lists import forms, guess_list
 from axisrig.kernel.nc.coordinates.tables import Lists
 from axisrig.kernel.nc.coordinates.tools import inch_tools
 from axisrig.kernel.parameters import (
@@ -25,6 +25,7 @@ from axisrig.kernel.parameters import (
 )
 from axisrig.kernel.parameters.lists import NAME
 from axisrig.kernel.parameters.table import INDEX
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 
 CHANNEL = "channel"
 

@@ -90,6 +90,8 @@ class Settings:
     written: the rig as its files have it. assigned: what was applied to it, in its order.
     offsets: values of the lists of zero offsets and tools.
     warnings: what the control corrects at its start. notes: settings of lists that do not act yet.
+    bare: columns of start values that name no unit although there are several -> the unit that
+    their values got, and the names of columns that would name one.
     is_checked: a machine was built of them, and nothing is changed any more. known: what `once` has
     found out of them since.
     """
@@ -110,6 +112,7 @@ class Settings:
     warnings: list[Alarm] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     offsets: Lists = field(default_factory=Lists)
+    bare: dict[str, tuple[str, Sequence[str]]] = field(default_factory=dict)
     is_checked: bool = False
     known: dict[Hashable, Any] = field(default_factory=dict, repr=False, compare=False)
 

@@ -11,6 +11,7 @@ from functools import partial
 from axisrig.kernel.channel.axes import SingleAxes
 from axisrig.kernel.channel.distance.axis import AxisDistance
 from axisrig.kernel.channel.distance.channel import OWNER, ChannelDistance
+from axisrig.kernel.channel.distance.diagnosis import diagnosis
 from axisrig.kernel.channel.distance.offsets import Offsets
 from axisrig.kernel.channel.distance.sensing import Sensing
 from axisrig.kernel.channel.path.execution import Execution
@@ -332,6 +333,12 @@ class DistanceControls:
                 continue
             del self._awaited[name]
         return bool(self._awaited)
+
+    def diagnosis(self) -> tuple[tuple[str, str], ...]:
+        """Return the diagnosis data of 3D control; none without it."""
+        if self.channel is None:
+            return ()
+        return diagnosis(self.channel, is_awaited=None in self._awaited)
 
     # Others ask
 

@@ -1,7 +1,7 @@
 """Distance control as far as it is independent of the axis: filters, controller, limits, states."""
 
 from axisrig.kernel.distance.control import DistanceControl, Reading
-from axisrig.kernel.distance.objects import CncObject, objects
+from axisrig.kernel.distance.objects import ChannelObject, CncObject, channel_objects, objects
 from axisrig.kernel.distance.settings import DistanceSettings, names_newer
 from axisrig.kernel.distance.states import (
     FOLLOWING,
@@ -14,6 +14,7 @@ from axisrig.kernel.distance.supervision import Silence
 
 __all__ = [
     "FOLLOWING",
+    "ChannelObject",
     "CncObject",
     "DistanceCommand",
     "DistanceControl",
@@ -23,6 +24,7 @@ __all__ = [
     "Silence",
     "Source",
     "changes",
+    "channel_objects",
     "names_newer",
     "objects",
 ]

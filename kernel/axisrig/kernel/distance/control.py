@@ -73,8 +73,9 @@ class DistanceControl:
     """Distance control of an axis or of a channel, which `owner` names in alarms.
 
     Shown, in mm: offset_mm; of the last reading sensor_mm, distance_mm, surface_mm; of the control
-    filtered_mm (deviation from SET_POS, or distance), error_mm, delta_mm before the limits and
-    step_mm after them. set_pos_mm and set_dist_mm: in force, None while there is none.
+    feedback_mm and, out of the filter, filtered_mm (deviation from SET_POS, or distance), error_mm,
+    delta_mm before the limits and step_mm after them. zero_mm: what REF has made 0. set_pos_mm and
+    set_dist_mm: in force, None while there is none.
     """
 
     def __init__(self, owner: str, settings: DistanceSettings, period_ns: TimeNs) -> None:
@@ -86,7 +87,8 @@ class DistanceControl:
         self.set_dist_mm: float | None = None
         self.offset_mm = 0.0
         self.sensor_mm = self.distance_mm = self.surface_mm = 0.0
-        self.filtered_mm = self.error_mm = self.delta_mm = self.step_mm = 0.0
+        self.feedback_mm = self.filtered_mm = self.error_mm = 0.0
+        self.delta_mm = self.step_mm = 0.0
         self._controller, self._limiter = Controller(period_ns), Limiter(period_ns)
         self._filter: Filter | None = None  # None while nothing is filtered
         self._is_filter_new = False
@@ -188,7 +190,7 @@ class DistanceControl:
 
     def _stop_comparing(self) -> None:
         self._filter = None
-        self.filtered_mm = self.error_mm = 0.0
+        self.feedback_mm = self.filtered_mm = self.error_mm = 0.0
 
     def _rest(self) -> None:
         self._limiter.rest()
@@ -240,6 +242,11 @@ class DistanceControl:
     def requested(self, name: str) -> float | str | None:
         """Return what was requested for a parameter and does not act yet, None without."""
         return self._requested.get(field_name(name))
+
+    @property
+    def zero_mm(self) -> float:
+        """Sensor value that REF has made 0."""
+        return self._zero_mm
 
     def check_position(self, sensor_mm: float) -> None:
         """Raise the alarm of a sensor outside its limits and their tolerance (CHECK_POS)."""
@@ -351,6 +358,7 @@ class DistanceControl:
         if self.settings.both_encoders and not is_surface:
             raw_mm -= reading.actual_mm - reading.sent_mm
         assert self._filter is not None
+        self.feedback_mm = raw_mm
         if self._is_filter_new:
             self._filter.restart(raw_mm)
             self._is_filter_new = False

@@ -1,4 +1,5 @@
-"""CNC objects of a distance control, by name (`objects.csv`).
+"""CNC objects of a distance control, by name (`objects.csv`), and of 3D control
+(`channel_objects.csv`, in the order of its loop).
 
 Written values act from the next INACTIVE or FREEZE to ACTIVE on (FCT-M3 7.6); a read gives what was
 written last. Addresses: index group 0x120300, `offset` after the axis number.
@@ -71,14 +72,65 @@ def objects() -> Mapping[str, CncObject]:
     }
 
 
+@dataclass(frozen=True)
+class ChannelObject:
+    """One row of `channel_objects.csv`; can only be read.
+
+    of_axis: every axis has one; attributes lead to the value from the positions of an axis, else
+    from the 3D control. The others as in `CncObject`.
+    """
+
+    name: str
+    offset: str
+    type: str
+    unit: str
+    factor: int
+    of_axis: bool
+    attributes: tuple[str, ...]
+    column: str
+    meaning: str
+    source: str
+
+    def read(self, source: object) -> int:
+        """Return its value in its unit. source: the 3D control, or positions of an axis."""
+        value: Any = _value_of(source, self.attributes)
+        return round(float(value or 0) * self.factor)
+
+
+@cache
+def channel_objects() -> Mapping[str, ChannelObject]:
+    """Read `channel_objects.csv`, keyed by name, in the order of the control loop."""
+    text = resources.files(__package__).joinpath("channel_objects.csv").read_text(encoding="utf-8")
+    return {
+        row["name"]: ChannelObject(
+            row["name"],
+            row["offset"],
+            row["type"],
+            row["unit"],
+            int(row["factor"]),
+            row["of_axis"] == "yes",
+            tuple(row["source_of"].split(".")),
+            row["column"],
+            row["meaning"],
+            row["source"],
+        )
+        for row in csv.DictReader(text.splitlines())
+    }
+
+
+def _value_of(source: object, attributes: tuple[str, ...]) -> Any:
+    value: Any = source
+    for attribute in attributes:
+        value = getattr(value, attribute)
+    return value
+
+
 def read(control: DistanceControl, name: str) -> Value:
     """Return the value of an object in its unit; KeyError for a name that there is not."""
     item = objects()[name]
     value: Any = control.requested(item.setting) if item.is_writable else None
     if value is None:
-        value = control
-        for attribute in item.attributes:
-            value = getattr(value, attribute)
+        value = _value_of(control, item.attributes)
     if item.type == "STRING":
         return str(value)
     number = float(value or 0) * item.factor

@@ -15,8 +15,8 @@ from dataclasses import dataclass, field
 from math import dist
 
 from axisrig.kernel.measuring.latest_edge import Arrival
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 
-PER_MM = 10_000  # 0.1 um, of P-AXIS-00145
 POSITION, CYCLES, REST, ALL, FIRST = 1, 2, 3, 4, 5
 ACTS = (POSITION, CYCLES, REST, ALL, FIRST)
 SAME_MM = 1e-9
@@ -90,7 +90,7 @@ class SimulatedProbe:
         start, target, here = way.start_mm[axis], way.target_mm.get(axis), here_mm[axis]
         if self.mode == POSITION:
             sign = 1.0 if target is None or target >= start else -1.0
-            return sign * (here - self.parameter / PER_MM) >= -SAME_MM
+            return sign * (here - self.parameter / UNITS_PER_MM) >= -SAME_MM
         if self.mode == CYCLES:
             return self._cycles >= self.parameter
         if self.mode == REST:

@@ -4,6 +4,10 @@ import csv
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib import resources
+from typing import Final
+
+UNITS_PER_MM: Final = 10_000
+"""Lengths of lists, of `probing_position` and of positions in the kernel's interface: 0.1 um."""
 
 
 @dataclass(frozen=True)

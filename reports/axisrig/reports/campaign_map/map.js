@@ -15,7 +15,7 @@ const axisrigMap = (() => {
       const caption = document.createElement("figcaption");
       const canvas = document.createElement("canvas");
       canvas.tabIndex = 0;
-      canvas.setAttribute("role", "img");
+      canvas.setAttribute("role", "application"); // keys choose a cell
       figure.append(caption, canvas);
       place.querySelector(".map-plans").append(figure);
       const map = {

@@ -13,8 +13,9 @@ from axisrig.bench.campaign.results.stored import StoredResults
 from axisrig.bench.files import write_whole
 from axisrig.bench.record.series import TIME, Series, units_of, values_of
 from axisrig.reports.parts.shipped import page_style
+from axisrig.reports.signals import signals
 from axisrig.results.compare.drawing import Array, overlay
-from axisrig.results.compare.pairs import Comparison, RunPair
+from axisrig.results.compare.pairs import ROUNDING, Comparison, RunPair
 from axisrig.results.compare.trend import Trend
 
 RUNS_DRAWN = 20
@@ -55,7 +56,10 @@ def write_trend(path: Path, trend: Trend) -> Path:
 
 
 def pictures(pair: RunPair) -> list[Markup]:
-    """Draw the signals of two runs that differ the most by their range, and the differences."""
+    """Draw the signals of two runs that differ the most by their range, and the differences.
+
+    Signals that differ by rounding only are left out (`_rounding`).
+    """
     if pair.before.trace is None or pair.after.trace is None:
         return []
     tables = [Series(run.trace) for run in (pair.before, pair.after) if run.trace is not None]
@@ -72,8 +76,8 @@ def pictures(pair: RunPair) -> list[Markup]:
             continue
         gap = values[1][places[1]] - values[0][places[0]]
         size = max(_range(value) for value in values)
-        most = float(np.max(np.abs(gap[np.isfinite(gap)]), initial=0.0))
-        if most > 0.0:
+        most = _largest(gap)
+        if most > _rounding(name, max(_largest(value) for value in values)):
             ranked.append((most / size if size else np.inf, name, values, gap))
     ranked.sort(key=lambda entry: -entry[0])
     units = units_of(names)
@@ -89,6 +93,21 @@ def pictures(pair: RunPair) -> list[Markup]:
         differing = {"after minus before": (common.astype(np.float64), gap)}
         found.append(Markup(overlay(f"difference of {title}", differing, ends)))
     return found
+
+
+def _largest(values: Array) -> float:
+    """Return the largest amount of the values that are numbers; 0 without any."""
+    return float(np.max(np.abs(values[np.isfinite(values)]), initial=0.0))
+
+
+def _rounding(name: str, largest: float) -> float:
+    """Return the difference that counts as none.
+
+    It is a share of the largest value, and half of the last digit that a report shows of the
+    signal: what is left of a difference of equal numbers may be of any share.
+    """
+    known = signals().get(name.partition(".")[2])
+    return max(ROUNDING * largest, 0.5 * 10.0**-known.digits if known else 0.0)
 
 
 def _range(values: Array) -> float:

@@ -29,6 +29,7 @@ class MetricPair:
 
     before, after: values in the unit, None where there is none that is a number; before_u, after_u:
     their uncertainties. margins: distance inside the limits of each run, None without a limit.
+    has_to_fail: the row of one of the runs says so (`expect`): no margin is to be kept.
     """
 
     run: str
@@ -40,6 +41,7 @@ class MetricPair:
     after_u: float
     margins: tuple[float | None, float | None]
     verdicts: tuple[Verdict, Verdict]
+    has_to_fail: bool = False
 
     @property
     def shift(self) -> float:
@@ -70,7 +72,7 @@ class MetricPair:
     def is_nearer(self) -> bool:
         """Whether it is nearer to its limit by more than both uncertainties together."""
         before, after = self.margins
-        if before is None or after is None or not self.shift:
+        if before is None or after is None or not self.shift or self.has_to_fail:
             return False
         return before - after > self.before_u + self.after_u
 
@@ -216,15 +218,23 @@ def _inputs(run: StoredRun) -> object:
 
 def _pair(before: StoredRun, after: StoredRun, *, is_by_inputs: bool = False) -> RunPair:
     rows = {row["metric"]: row for row in before.checks}
+    failing = {*_expected(before), *_expected(after)}
     metrics = tuple(
-        _metric(after.run, rows[row["metric"]], row)
+        _metric(after.run, rows[row["metric"]], row, has_to_fail=row["metric"] in failing)
         for row in after.checks
         if row["metric"] in rows
     )
     return RunPair(before, after, is_by_inputs, metrics)
 
 
-def _metric(run: str, before: Mapping[str, str], after: Mapping[str, str]) -> MetricPair:
+def _expected(run: StoredRun) -> Sequence[str]:
+    """Return the metrics that must fail, of the column `expected` of `cases.csv`."""
+    return run.case.get("expected", "").removeprefix("fail:").split()
+
+
+def _metric(
+    run: str, before: Mapping[str, str], after: Mapping[str, str], *, has_to_fail: bool
+) -> MetricPair:
     values = [_number(row["value"]) for row in (before, after)]
     return MetricPair(
         run,
@@ -236,6 +246,7 @@ def _metric(run: str, before: Mapping[str, str], after: Mapping[str, str]) -> Me
         _number(after["uncertainty"]) or 0.0,
         (_margin(before), _margin(after)),
         (Verdict.of(before["verdict"]), Verdict.of(after["verdict"])),
+        has_to_fail,
     )
 
 

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from axisrig.bench.campaign.results.build_info import is_compiled, sources_sha256
 from axisrig.bench.files import sha256_of
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.expanded import path_from
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.plan import Plan
 from axisrig.bench.rig.reading.sources import rig_files
 
 _PACKAGES = ("rumoca", "fmpy", "canopen", "python-can", "numpy", "scipy", "pandas", "pyarrow")

@@ -42,10 +42,12 @@ from axisrig.bench.files import json_text, naming, write_whole
 from axisrig.bench.judge.program.findings import log_lines
 from axisrig.bench.judge.statistics.verdict import Reading
 from axisrig.bench.judge.topics import STOPPED
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import CheckResult, value_text
 from axisrig.bench.plan.expanded import expanded_text, path_from
-from axisrig.bench.plan.plan import Case, Plan
-from axisrig.bench.plan.searching import HEAD, PROBES_MAX, probe_id
+from axisrig.bench.plan.plan import Plan
+from axisrig.bench.plan.probes import probe_id
+from axisrig.bench.plan.searching import HEAD, PROBES_MAX
 from axisrig.bench.plan.verdict import Verdict, worst
 from axisrig.bench.record.facts import Facts, run_text
 from axisrig.bench.record.series import Series

@@ -67,6 +67,13 @@ def readings(observed: Observed, check: StatisticCheck, observe: Observe) -> tup
     )
 
 
+NOT_RANDOM = (
+    "nothing in the row is random: repeats differ where an input draws from the seed, such as"
+    " drive:<drive>.input_jitter_us, a noise of the plant or normal(mean, s)"
+)
+"""What to do where repeats are equal."""
+
+
 def judge_statistic(check: StatisticCheck, samples: Sequence[RunSample]) -> CheckResult:
     """Judge a statistic over the runs of its case.
 
@@ -89,7 +96,8 @@ def judge_statistic(check: StatisticCheck, samples: Sequence[RunSample]) -> Chec
     n, row = len(found), check.statistic
     words = _counted(n, len(samples), equal)
     if n < row.least:
-        return _open(check, f"{words}; {row.name} needs {row.least} values")
+        hint = f"; {NOT_RANDOM}" if equal else ""
+        return _open(check, f"{words}; {row.name} needs {row.least} values{hint}")
     try:
         result = FUNCTIONS[row.name](_collect(check, samples, found))
     except UserError as error:

@@ -17,7 +17,7 @@ Names that end in `_w` are written by the PLC, in `_r` by the CNC, in `_rw` by b
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
 from axisrig.bench.machine.plc.terminal import ChannelInput
 from axisrig.kernel.errors import UserError
@@ -27,9 +27,50 @@ from axisrig.kernel.plc.probing import LatchTask
 HLI_EXT_LATCH_ENABLE_PROBE = int(LatchTask.ENABLE)
 HLI_EXT_LATCH_DISABLE_PROBE = int(LatchTask.DISABLE)
 HLI_EXT_LATCH_PREPARE_PROBE = int(LatchTask.PREPARE)
+WRITTEN = ("enable_w", "command_w")
+"""Elements of a unit that the program sets."""
 SGN64 = range(-(2**63), 2**63)
 HIGHEST_PERMILLE = 2000
 """Of the override of the path; of an axis 1000 is the most."""
+
+
+_Key = TypeVar("_Key")
+_Value = TypeVar("_Value")
+
+
+class UnknownNameError(KeyError):
+    """A program asks for something that is not there; what: in words. known: the names there are.
+
+    It is a KeyError, so that a program may catch it as one.
+    """
+
+    def __init__(self, what: str, name: object, known: Iterable[object]) -> None:
+        super().__init__(name)
+        self.what, self.name, self.known = what, name, list(known)
+
+
+class Named(dict[_Key, _Value]):
+    """Things by name; what: one of them in words. Raises UnknownNameError for another name."""
+
+    def __init__(self, what: str, items: Mapping[_Key, _Value]) -> None:
+        super().__init__(items)
+        self._what = what
+
+    def __missing__(self, key: _Key) -> _Value:
+        """Say which names there are."""
+        raise UnknownNameError(self._what, key, self)
+
+
+class Variables(Named[str, float]):
+    """V.E. variables. Raises UserError for a value that is no number where it is set."""
+
+    def __init__(self, values: Mapping[str, float]) -> None:
+        super().__init__("variable V.E.", values)
+
+    def __setitem__(self, name: str, value: float) -> None:
+        """Set one."""
+        _require_number(name, value)
+        super().__setitem__(name, value)
 
 
 @dataclass(frozen=True)
@@ -50,23 +91,46 @@ class Inputs:
 class BoolUnit:
     """MC_CONTROL_BOOL_UNIT: enable_w makes command_w count; request_r: the wish of the CNC itself.
 
-    state_r: what the CNC has taken.
+    state_r: what the CNC has taken. label: its name in messages.
     """
 
+    label: str = ""
     enable_w: bool = False
     command_w: bool = False
     request_r: bool = False
     state_r: bool = False
 
+    def __setattr__(self, element: str, value: Any) -> None:
+        """Set an element. Raises UserError for one that a program sets to another type."""
+        if element in WRITTEN:
+            _require(f"{self.label}.{element}", value, bool)
+        object.__setattr__(self, element, value)
+
 
 @dataclass(slots=True)
 class Sgn64Unit:
-    """MC_CONTROL_SGN64_UNIT, as `BoolUnit` with 64-bit integers."""
+    """MC_CONTROL_SGN64_UNIT, as `BoolUnit` with 64-bit integers; allowed: those of command_w."""
 
+    label: str = ""
+    allowed: range = SGN64
     enable_w: bool = False
     command_w: int = 0
     request_r: int = 0
     state_r: int = 0
+
+    def __setattr__(self, element: str, value: Any) -> None:
+        """Set an element. Raises UserError for another type, and for what is out of its range."""
+        if element == "enable_w":
+            _require(f"{self.label}.{element}", value, bool)
+        elif element == "command_w":
+            _require(f"{self.label}.{element}", value, int)
+            if value not in self.allowed:
+                raise UserError(
+                    f"{self.label}.command_w is out of its range",
+                    value=value,
+                    allowed=f"{self.allowed.start} .. {self.allowed.stop - 1}",
+                )
+        object.__setattr__(self, element, value)
 
 
 @dataclass(slots=True)
@@ -78,12 +142,19 @@ class ExtLatchUnit:
     HLI_EXT_LATCH_*_PROBE. input_r, edge_r: 1 to 255, POS or NEG. task_number_r: `task` of the rig.
     """
 
+    label: str = ""
     please_rw: bool = False
     done_w: bool = False
     task_r: int = 0
     input_r: int = 0
     edge_r: str = "POS"
     task_number_r: int = 1
+
+    def __setattr__(self, element: str, value: Any) -> None:
+        """Set an element. Raises UserError for one that a program sets to another type."""
+        if element in ("please_rw", "done_w"):
+            _require(f"{self.label}.{element}", value, bool)
+        object.__setattr__(self, element, value)
 
 
 @dataclass(slots=True)
@@ -145,45 +216,62 @@ class Hli:
     __slots__ = ("ax", "ch", "ve")
 
     def __init__(self, axes: Iterable[str]) -> None:
-        self.ax = {name: AxisHli() for name in axes}
+        self.ax = Named("axis", {name: AxisHli() for name in axes})
         self.ch = ChannelHli()
-        self.ve: dict[str, float] = {}
+        self.ve: dict[str, float] = Variables({})
+        for name, axis in self.ax.items():
+            _label(f"ax[{name}].lr_mc_control", axis.lr_mc_control)
+            axis.lr_mc_control.override.allowed = range(FULL + 1)
+        _label("ch", self.ch)
+        self.ch.override.allowed = range(HIGHEST_PERMILLE + 1)
 
     def check(self) -> None:
-        """Check what a program has written. Raises UserError for a value of another type."""
+        """Check what a program has put in the place of something else.
+
+        Raises UserError for a unit, or the variables, in place of which there is something else.
+        """
         for name, axis in self.ax.items():
-            control = axis.lr_mc_control
-            for unit in ("probing_signal", "feedhold"):
-                _check_bool(f"ax[{name}].lr_mc_control.{unit}", getattr(control, unit))
-            for unit in ("timestamp", "probing_position"):
-                _check_integer(f"ax[{name}].lr_mc_control.{unit}", getattr(control, unit))
-            override = f"ax[{name}].lr_mc_control.override"
-            _check_integer(override, control.override, range(FULL + 1))
-            for element in ("please_rw", "done_w"):
-                value = getattr(control.ext_latch, element)
-                _require(f"ax[{name}].lr_mc_control.ext_latch.{element}", value, bool)
-        for unit in ("feedhold", "reset", "start"):
-            _check_bool(f"ch.{unit}", getattr(self.ch, unit))
-        _check_integer("ch.override", self.ch.override, range(HIGHEST_PERMILLE + 1))
+            _check_units(f"ax[{name}].lr_mc_control", axis.lr_mc_control)
+        _check_units("ch", self.ch)
         for name, value in self.ve.items():
-            if type(value) not in (int, float) or not isfinite(value):
-                raise UserError(f"V.E.{name} has a wrong type", value=value, allowed="a number")
+            _require_number(name, value)
 
 
-def _check_bool(name: str, unit: BoolUnit) -> None:
-    _require(f"{name}.enable_w", unit.enable_w, bool)
-    _require(f"{name}.command_w", unit.command_w, bool)
+_UNITS = {
+    McControl: {
+        "probing_signal": BoolUnit,
+        "timestamp": Sgn64Unit,
+        "probing_position": Sgn64Unit,
+        "ext_latch": ExtLatchUnit,
+        "feedhold": BoolUnit,
+        "override": Sgn64Unit,
+    },
+    ChannelHli: {
+        "feedhold": BoolUnit,
+        "override": Sgn64Unit,
+        "reset": BoolUnit,
+        "start": BoolUnit,
+    },
+}
 
 
-def _check_integer(name: str, unit: Sgn64Unit, allowed: range = SGN64) -> None:
-    _require(f"{name}.enable_w", unit.enable_w, bool)
-    _require(f"{name}.command_w", unit.command_w, int)
-    if unit.command_w not in allowed:
-        raise UserError(
-            f"{name}.command_w is out of its range",
-            value=unit.command_w,
-            allowed=f"{allowed.start} .. {allowed.stop - 1}",
-        )
+def _label(head: str, holder: McControl | ChannelHli) -> None:
+    for name in _UNITS[type(holder)]:
+        getattr(holder, name).label = f"{head}.{name}"
+
+
+def _check_units(head: str, holder: McControl | ChannelHli) -> None:
+    for name, kind in _UNITS[type(holder)].items():
+        if type(found := getattr(holder, name)) is not kind:
+            elements = "ext_latch.done_w" if kind is ExtLatchUnit else f"{name}.command_w"
+            raise UserError(
+                f"{head}.{name} has been replaced", value=found, hint=f"set {head}.{elements}"
+            )
+
+
+def _require_number(name: str, value: Any) -> None:
+    if type(value) not in (int, float) or not isfinite(value):
+        raise UserError(f"V.E.{name} has a wrong type", value=value, allowed="a number")
 
 
 def _require(name: str, value: Any, kind: type) -> None:

@@ -9,10 +9,10 @@ from typing import Final
 
 from axisrig.bench.rig.plc.axis_words import ProbingWrite
 from axisrig.kernel.channel import Channel
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.probing import PlcTask
 from axisrig.kernel.time.clock import Clock, TimeNs
 
-UNITS_PER_MM: Final = 10_000
 FOREVER_NS: Final = 1 << 62
 
 

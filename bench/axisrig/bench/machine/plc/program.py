@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from axisrig.bench.machine.plc.hli import Hli, Inputs
+from axisrig.bench.machine.plc.hli import Hli, Inputs, UnknownNameError
 from axisrig.kernel.errors import UserError
 
 _HINT = "a class with cycle(self, inputs, hli), see docs/plc.md"
@@ -53,11 +53,7 @@ class PlcProgram:
     def cycle(self, inputs: Inputs, hli: Hli) -> None:
         """Run one cycle. Raises UserError with file and line for an exception of the program."""
         self._guarded(lambda: self._program.cycle(inputs, hli))
-        try:
-            hli.check()
-        except UserError as error:
-            error.file = str(self._path)
-            raise
+        self._guarded(hli.check)
 
     @property
     def probe_on(self) -> bool:
@@ -72,18 +68,31 @@ class PlcProgram:
     def _guarded(self, action: Callable[[], Any]) -> Any:
         try:
             return action()
-        except UserError:
+        except UserError as error:
+            if error.file is None:
+                error.file, error.line = str(self._path), self._line(error)
             raise
         except Exception as error:
             raise self._blamed(error) from error
 
     def _blamed(self, error: Exception) -> UserError:
-        line = error.lineno if isinstance(error, SyntaxError) else None
-        for frame in traceback.extract_tb(error.__traceback__):
-            if Path(frame.filename) == self._path:
-                line = frame.lineno
+        line = error.lineno if isinstance(error, SyntaxError) else self._line(error)
+        if isinstance(error, UnknownNameError):
+            return UserError(
+                f"the PLC program asks for an unknown {error.what}",
+                file=self._path,
+                line=line,
+                value=error.name,
+                allowed=error.known or "none",
+            )
         return UserError(
             f"the PLC program has failed: {type(error).__name__}: {error}",
             file=self._path,
             line=line,
         )
+
+    def _line(self, error: Exception) -> int | None:
+        """Return the innermost line of the program that an exception went through."""
+        frames = traceback.extract_tb(error.__traceback__)
+        lines = [frame.lineno for frame in frames if Path(frame.filename) == self._path]
+        return lines[-1] if lines else None

@@ -9,16 +9,18 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs
-from axisrig.bench.machine.plc.probing_columns import UNITS_PER_MM
+from axisrig.bench.machine.plc.hli import AxisHli, Hli, Inputs, Named, Variables
 from axisrig.bench.machine.plc.program import PlcProgram
 from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.rig.reading.plc_task import PlcTaskTable, silent_ns
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.motion.feed import FULL
 from axisrig.kernel.nc.canon import Command
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.probing import AxisWrites, LatchOrder, PlcTask, StampRelation
 from axisrig.kernel.time.clock import MS, US, Clock, Phase, TimeNs
+
+_CHANNEL = "channel of the terminal"
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,7 @@ class PlcTaskRunner:
         self._free_ns: TimeNs = 0
         # V.E. as this cycle of the PLC has found them
         self._values: Mapping[str, float] = dict(channel.plc.values)
-        self._hli.ve = dict(self._values)
+        self._hli.ve = Variables(self._values)
         self._cycle = 0
         self.left_out = 0
         self._connect()
@@ -143,10 +145,11 @@ class PlcTaskRunner:
         self._read_cnc(now_ns)
         terminal = self._terminal
         if terminal is None:
-            inputs = Inputs(now_ns, number, {})
+            inputs = Inputs(now_ns, number, Named(_CHANNEL, {}))
         else:
             terminal.exchange_until(now_ns)
-            inputs = Inputs(now_ns, number, terminal.image, terminal.wc_state)
+            image = Named(_CHANNEL, terminal.image)
+            inputs = Inputs(now_ns, number, image, terminal.wc_state)
         self._program.cycle(inputs, self._hli)
         self._switch(self._program.probe_on)
         self._written.append(self._writes(now_ns + self._table.busy_us * US))
@@ -158,7 +161,7 @@ class PlcTaskRunner:
             return
         hli = self._hli
         hli.ch.state_r = shown.state
-        hli.ve, self._values = dict(shown.values), shown.values
+        hli.ve, self._values = Variables(shown.values), shown.values
         for name, axis in shown.axes.items():
             self._read_axis(name, hli.ax[name], axis)
 

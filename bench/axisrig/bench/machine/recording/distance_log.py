@@ -2,14 +2,15 @@
 
 from dataclasses import dataclass
 
-from axisrig.bench.record.distance import Controller, DistanceChange
+from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
 from axisrig.kernel.channel import Channel
-from axisrig.kernel.channel.distance.sensing import source_word
+from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
 
-UNITS_PER_MM = 10_000
-"""Lengths of the lists are in 0.1 um."""
+CHANNEL = "channel"
+"""Name of 3D control beside those of the axes."""
 
 
 @dataclass(frozen=True)
@@ -42,23 +43,40 @@ class DistanceLog:
 
     def __init__(self) -> None:
         self._changes: dict[str, list[Change]] = {}
+        self._dumps: list[Diagnosis] = []
 
     def __call__(self, channel: Channel) -> None:
         """Look at the controls of this cycle (step 7 of the cycle)."""
         for name, axis in channel.distance.axes.items():
-            control, sensor = axis.control, source_word(axis.sensor)
-            changes = self._changes.setdefault(name, [])
-            if not changes or not changes[-1].is_still(control, sensor):
-                changes.append(
-                    Change(
-                        channel.sync_ns,
-                        sensor,
-                        control.state,
-                        control.source,
-                        control.is_dry_run,
-                        control.settings,
-                    )
-                )
+            self._look(channel, name, axis)
+        found = channel.distance.channel
+        if found is not None and self._look(channel, CHANNEL, found):
+            self._dumps.append(Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis())))
+
+    def _look(self, channel: Channel, name: str, found: Sensing) -> bool:
+        """Note a control when it has changed; return whether it has."""
+        control, sensor = found.control, source_word(found.sensor)
+        changes = self._changes.setdefault(name, [])
+        if changes and changes[-1].is_still(control, sensor):
+            return False
+        changes.append(
+            Change(
+                channel.sync_ns,
+                sensor,
+                control.state,
+                control.source,
+                control.is_dry_run,
+                control.settings,
+            )
+        )
+        return True
+
+    def dumps(self, channel: Channel) -> tuple[Diagnosis, ...]:
+        """Return the diagnosis data of 3D control at every change, and as they are now."""
+        if channel.distance.channel is None:
+            return ()
+        last = Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis()))
+        return (*self._dumps, last)
 
     def of(self, axis: str) -> list[Change]:
         """Return the changes of an axis, in order: those of the parameters alone only while it is
@@ -74,7 +92,7 @@ class DistanceLog:
     @property
     def axes(self) -> list[str]:
         """Axes with a control, in the order of the channel."""
-        return list(self._changes)
+        return [name for name in self._changes if name != CHANNEL]
 
     def recorded(self, axis: str) -> tuple[DistanceChange, ...]:
         """Return the changes of an axis as the recording has them."""

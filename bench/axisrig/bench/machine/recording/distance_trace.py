@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pyarrow as pa
 
+from axisrig.bench.machine.recording.distance_log import CHANNEL
 from axisrig.bench.machine.recording.rows import Rows
 from axisrig.bench.record.series import column_of
 from axisrig.kernel.channel import Channel
@@ -33,7 +34,6 @@ def _number(value: float | None) -> float:
 
 # Of 3D control: what the axes leave it, and the tool that the PLC side sees
 TOOL_COLUMNS = ("axes_share_pct", "tilt_deg", "tool_length_mm")
-CHANNEL = "channel"
 SUPERPOSED = "superposed_mm"
 
 

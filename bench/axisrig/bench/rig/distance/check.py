@@ -24,6 +24,7 @@ from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, SECOND_ENCODER, 
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import MS, US, S, TimeNs
 
 RELEASED = "lr_param.distance_control_on"
@@ -34,7 +35,6 @@ WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
 MODES = (SET_POS, CONST_DIST, BOTH)
 AT_LIMIT = 1e-6
 """Share of a limit of kp in which a loop counts as above it: there it rings for ever."""
-UNITS_PER_MM = 10_000  # of P-AXIS-00423, 0.1 um
 SIGNS = (
     ("P-AXIS-00230", "sensor value", "SET_POS, CONST_DIST and with both encoders"),
     ("0", "less when the tool lifts", "converge"),

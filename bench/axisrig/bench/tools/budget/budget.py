@@ -20,8 +20,8 @@ from math import copysign
 from axisrig.bench.campaign.preparing import settings_of
 from axisrig.bench.campaign.results.writer import CaseResult
 from axisrig.bench.plan.assignment import Assignment, parse_assignment, parse_column
+from axisrig.bench.plan.case import Case
 from axisrig.bench.plan.checks import parse_check
-from axisrig.bench.plan.plan import Case
 from axisrig.bench.rig.settings import Settings
 from axisrig.kernel.errors import UserError
 from axisrig.reports.budget.section import COLUMNS

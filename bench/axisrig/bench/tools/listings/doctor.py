@@ -29,7 +29,7 @@ def examine() -> tuple[str, bool]:
         try:
             lines.append(f"ok    {name} {metadata.version(name)}")
         except metadata.PackageNotFoundError:
-            lines.append(f"LACKS {name}: pip install -e . installs it")
+            lines.append(f"LACKS {name}: pip install axisrig brings it")
             well = False
     found, has_compiler = _compilers()
     lines += found
@@ -76,7 +76,7 @@ def _compilers() -> tuple[list[str], bool]:
         version = metadata.version("ziglang")
         lines.append(f"ok    C compiler ziglang {version}, also for other platforms")
     else:
-        pip = "pip install -e '.[cc]'"
+        pip = "pip install 'axisrig[cc]'"
         need = "" if cc else "install a system cc, or "
         word = "info " if cc else "LACKS"
         what = "FMUs for other platforms need ziglang" if cc else "C compiler"

@@ -12,7 +12,8 @@ from axisrig.bench.campaign.processes import Died, run_apart
 from axisrig.bench.campaign.results.writer import RunFiles
 from axisrig.bench.campaign.runner import run_case
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.plan.plan import Case, Plan
+from axisrig.bench.plan.case import Case
+from axisrig.bench.plan.plan import Plan
 from axisrig.kernel.errors import UserError
 
 

@@ -3,6 +3,7 @@
 Source: System Structure and Parameterization 1.0, Modelica Association, 2019, chapters 5 and 6.
 """
 
+import shutil
 import tempfile
 import xml.etree.ElementTree as ET
 import zipfile
@@ -11,7 +12,7 @@ from pathlib import Path
 
 from axisrig.bench.machine.plants import build_plant
 from axisrig.bench.plan.assignment import parse_assignment
-from axisrig.bench.rig.reading.file import PlantTable
+from axisrig.bench.rig.reading.file import MODEL_SUFFIX, PlantTable
 from axisrig.bench.rig.real_axes import simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.bench.tools.rig_export.parts import Part, Port, parts_of, unit_of
@@ -49,10 +50,16 @@ def export_rig(settings: Settings, target: Path, fmi: str) -> list[str]:
 def _fmu(part: Part, fmi: str) -> bytes:
     """The bytes of an FMU: of the library, or built from the model that joins several."""
     try:
-        if part.model is not None:
+        if part.model is not None and not part.model.endswith(MODEL_SUFFIX):
             return ensure_built(part.model, fmi=fmi).read_bytes()
         with tempfile.TemporaryDirectory(prefix="axisrig-") as folder:
+            if part.model is not None:
+                own = Path(part.model)
+                return build(own.stem, Path(folder) / "own.fmu", own, fmi=fmi).read_bytes()
             source = Path(folder) / f"Rig_{part.name}.mo"
+            for beside in {file.parent for file in part.own}:  # one folder: what they use is there
+                for file in sorted(beside.glob(f"*{MODEL_SUFFIX}")):
+                    shutil.copy(file, folder)
             source.write_text(part.text, encoding="utf-8")
             return build(source.stem, source.with_suffix(".fmu"), source, fmi=fmi).read_bytes()
     except BuildError as error:

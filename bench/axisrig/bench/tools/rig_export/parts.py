@@ -11,8 +11,8 @@ from pathlib import Path
 from fmpy import read_model_description
 from fmpy.model_description import ModelDescription, ModelVariable
 
-from axisrig.bench.machine.fmu_files import library_fmu
-from axisrig.bench.rig.reading.file import PlantTable
+from axisrig.bench.machine.fmu_files import library_fmu, own_fmu
+from axisrig.bench.rig.reading.file import MODEL_SUFFIX, PlantTable
 from axisrig.bench.rig.real_axes import simulated_plants
 from axisrig.bench.rig.settings import Settings
 from axisrig.fmus import MODELS
@@ -53,8 +53,9 @@ class Port:
 class Part:
     """An FMU of the package.
 
-    name: of the component. plants: of the rig that are in it, axes first. model: of the library;
-    None for one that joins several. ports: inputs and outputs. text: of the joining model.
+    name: of the component. plants: of the rig that are in it, axes first. model: of the library, or
+    the file of an own one; None for one that joins several. ports: inputs and outputs. text: of the
+    joining model. own: files of own models that it joins.
     """
 
     name: str
@@ -62,6 +63,7 @@ class Part:
     model: str | None
     ports: tuple[Port, ...]
     text: str = ""
+    own: tuple[Path, ...] = ()
 
     def parameter(self, plant: str, variable: str) -> str:
         """The name of a plant's parameter in the FMU."""
@@ -81,33 +83,48 @@ def parts_of(settings: Settings) -> list[Part]:
     """
     plants = {n: t for n, t in simulated_plants(settings).items() if t.shares is None}
     _refuse(settings, plants)
-    descriptions = {name: _described(table.fmu) for name, table in plants.items()}
+    descriptions = {name: _described(table) for name, table in plants.items()}
     return [_part(settings, group, descriptions) for group in _groups(settings, plants)]
 
 
-def _described(model: str) -> ModelDescription:
-    return read_model_description(str(library_fmu(model)), validate=False)
+def _described(table: PlantTable) -> ModelDescription:
+    made = own_fmu(Path(table.fmu)) if _is_own(table) else library_fmu(table.fmu)
+    return read_model_description(str(made), validate=False)
+
+
+def _is_own(table: PlantTable) -> bool:
+    """Whether a plant is a Modelica model beside the rig."""
+    return table.fmu.endswith(MODEL_SUFFIX)
+
+
+def _class(table: PlantTable) -> str:
+    """The name of the model of a plant: an own one has that of its file."""
+    return Path(table.fmu).stem if _is_own(table) else table.fmu
 
 
 def _refuse(settings: Settings, plants: Mapping[str, PlantTable]) -> None:
     """Stop with everything that has no place in the package."""
     found = [
-        f"plant {name}: {Path(table.fmu).name} is no model of the library"
+        f"plant {name}: {Path(table.fmu).name} is no {MODEL_SUFFIX} and not of the library"
         for name, table in plants.items()
-        if table.fmu not in MODELS
+        if table.fmu not in MODELS and not _is_own(table)
     ]
+    files = {Path(table.fmu) for table in plants.values() if _is_own(table)}
+    if len({file.parent for file in files}) > 1:
+        found.append("own models are in several folders; one can be exported")
     for name, table in plants.items():
         for axis in table.wire.values():
             owner = _owner(settings, axis)
             if owner not in plants:
                 found.append(f"plant {name} is wired to {axis}, which is not simulated here")
-            elif plants[owner].fmu == _ROTARY:
+            elif _is_rotary(plants[owner]):
                 found.append(f"plant {name} is wired to {axis}, a rotary axis")
             elif plants[owner].fmu == _KINEMATIC and table.fmu in _TOUCH_PROBES:
                 found.append(
                     f"plant {name}: the compiler takes no touch probe on {axis}, a KinematicAxis"
                 )
-        if table.fmu in MODELS and table.wire and not _reads_motion(_described(table.fmu)):
+        is_known = table.fmu in MODELS or _is_own(table)
+        if is_known and table.wire and not _reads_motion(_described(table)):
             found.append(f"plant {name}: {table.fmu} is wired and reads no motion of an axis")
     if not plants:
         found.append("every axis of it is outside")
@@ -117,6 +134,13 @@ def _refuse(settings: Settings, plants: Mapping[str, PlantTable]) -> None:
             file=settings.files[0],
             hint="take those plants out of a copy of the rig, or export their FMUs by hand",
         )
+
+
+def _is_rotary(table: PlantTable) -> bool:
+    if not _is_own(table):
+        return table.fmu == _ROTARY
+    variables = _described(table).modelVariables
+    return any(v.name == "position" and unit_of(v) == "rad" for v in variables)
 
 
 def _owner(settings: Settings, axis: str) -> str:
@@ -158,7 +182,9 @@ def _part(settings: Settings, group: _Group, descriptions: Mapping[str, ModelDes
         for v in _shown(descriptions[plant], frozenset(wired.get(plant, ())))
     )
     text = _joining(settings, f"Rig_{name}", plants, wired, ports)
-    return Part(name, plants, None, ports, text)
+    tables = [settings.rig.plant[plant] for plant in plants]
+    own = dict.fromkeys(Path(table.fmu) for table in tables if _is_own(table))
+    return Part(name, plants, None, ports, text, tuple(own))
 
 
 def _shown(description: ModelDescription, inside: frozenset[str]) -> list[ModelVariable]:
@@ -196,7 +222,9 @@ def _joining(
 ) -> str:
     """The text of a model that holds the plants, joins them, and shows the rest."""
     lines = [f'model {model} "Plants {", ".join(plants)} of a rig"']
-    lines += [f"  {settings.rig.plant[plant].fmu} {plant};" for plant in plants]
+    if any(_is_own(settings.rig.plant[plant]) for plant in plants):
+        lines.append("  import AxisRig;")  # rumoca loads what the first file names
+    lines += [f"  {_class(settings.rig.plant[plant])} {plant};" for plant in plants]
     lines += [_declaration(port) for port in ports]
     lines.append("equation")
     for sensor, inputs in wired.items():

@@ -102,11 +102,11 @@ model GantryPair "Two drives that move one beam on two guideways"
     "1: this stop is met in positive direction, -1: in negative direction"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Velocity stop_speed_1(min = -1, max = 1) = 0
-    "Of the stop of the first side from stop_begin_1 to stop_end_1; 0: it stands"
+    "Of the stop of the first side from stop_begin_1 to stop_end_1; 0: it is at rest"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Time stop_begin_1 = 0 "When this stop begins to move"
     annotation(Dialog(group = "Fixed stop"));
-  parameter Units.Time stop_end_1 = 0 "When it stands again"
+  parameter Units.Time stop_end_1 = 0 "When it is at rest again"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Position stop_position_2 = 1e3 "Fixed stop of the second side"
     annotation(Dialog(group = "Fixed stop"));
@@ -114,11 +114,11 @@ model GantryPair "Two drives that move one beam on two guideways"
     "1: this stop is met in positive direction, -1: in negative direction"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Velocity stop_speed_2(min = -1, max = 1) = 0
-    "Of the stop of the second side from stop_begin_2 to stop_end_2; 0: it stands"
+    "Of the stop of the second side from stop_begin_2 to stop_end_2; 0: it is at rest"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Time stop_begin_2 = 0 "When this stop begins to move"
     annotation(Dialog(group = "Fixed stop"));
-  parameter Units.Time stop_end_2 = 0 "When it stands again"
+  parameter Units.Time stop_end_2 = 0 "When it is at rest again"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Stiffness stop_stiffness = 20e6 "Stiffness of each stop"
     annotation(Dialog(group = "Fixed stop"));

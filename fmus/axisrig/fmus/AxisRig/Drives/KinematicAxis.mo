@@ -8,12 +8,12 @@ model KinematicAxis "Axis without mass: the load is where the demand is"
     annotation(Placement(transformation(extent = {{-120, -10}, {-100, 10}})));
   Interfaces.TimeInput reference_end "Instant from which the demand rests"
     annotation(Placement(transformation(extent = {{-120, -55}, {-100, -35}})));
-  Interfaces.BooleanInput enabled(start = false) "Power stage on; off: the axis stands"
+  Interfaces.BooleanInput enabled(start = false) "Power stage on; off: the axis is at rest"
     annotation(Placement(transformation(extent = {{-120, -100}, {-100, -80}})));
 
   parameter Units.Position position_start = 0 "Position at the start"
     annotation(Dialog(group = "Start"));
-  parameter Units.Length noise = 0 "Standard deviation of what the motor encoder tells"
+  parameter Units.Length noise = 0 "Standard deviation of what the motor encoder reports"
     annotation(Dialog(group = "Noise and jitter"));
   parameter Units.Time noise_period(min = 1e-6) = 100e-6 "From one random number to the next"
     annotation(Dialog(group = "Noise and jitter"));
@@ -31,7 +31,7 @@ model KinematicAxis "Axis without mass: the load is where the demand is"
   Interfaces.PositionOutput demand_position "Position demand"
     annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
-  Units.Position held "Where it stands without power";
+  Units.Position held "Where it rests without power";
   Boolean moving "The demand still moves";
   // Without noise no number is drawn: the first would come after 1e6 s, longer than any run. Products,
   // since compilers fix parameters that decide an if; noise below 1e-30 is none.
@@ -64,7 +64,7 @@ equation
     experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>Equations: with power x(t) = x_r + v_r (min(t, t_end) - t_r), without power x rests where
-the demand was when the power went. The motor encoder tells x + s g(k), g a normal number that changes every
+the demand was when the power went. The motor encoder reports x + s g(k), g a normal number that changes every
 noise_period (<code>Sensors.SampledNoise</code>).</p>
 <p>For loops whose dead time shall be whole cycles of the fieldbus: nothing but the interpolation of
 the demand lies between set and actual position. At reference_end itself the velocity is still that

@@ -74,11 +74,11 @@ model RotaryAxis "Rotary table with drive cascade, friction, imbalance and a fix
     "1: the stop is met in positive direction, -1: in negative direction"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.AngularVelocity stop_speed(min = -1, max = 1) = 0
-    "Of the stop from stop_begin to stop_end; 0: it stands"
+    "Of the stop from stop_begin to stop_end; 0: it is at rest"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Time stop_begin = 0 "When the stop begins to move"
     annotation(Dialog(group = "Fixed stop"));
-  parameter Units.Time stop_end = 0 "When it stands again"
+  parameter Units.Time stop_end = 0 "When it is at rest again"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.TorsionalStiffness stop_stiffness = 1e6 "Stiffness of the stop"
     annotation(Dialog(group = "Fixed stop"));

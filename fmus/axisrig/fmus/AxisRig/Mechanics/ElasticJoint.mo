@@ -17,7 +17,7 @@ protected
   Units.Length reach "Twist at which a contact closes; out of reach when preloaded";
   Units.Velocity twist_rate "How fast the driving side gains";
   Units.Force ahead "Force of the contact when the driving side is ahead";
-  Units.Force behind "Force of the contact when the driving side is behind";
+  Units.Force behind "Force of the contact when the driving side lags";
 equation
   twist = flange_a.s - flange_b.s;
   twist_rate = der(flange_a.s) - der(flange_b.s);

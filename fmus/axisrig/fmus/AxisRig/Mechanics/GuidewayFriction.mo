@@ -1,7 +1,7 @@
 within AxisRig.Mechanics;
 model GuidewayFriction "Coulomb, Stribeck and viscous friction against the ground"
   extends PartialFriction;
-  parameter Units.Force coulomb = 120 "Force at creeping motion beyond the Stribeck range"
+  parameter Units.Force coulomb = 120 "Force at creeping motion above the Stribeck range"
     annotation(Dialog(group = "Friction"));
   parameter Units.Force breakaway = 160 "Largest force at the beginning of the motion"
     annotation(Dialog(group = "Friction"));

@@ -2,7 +2,7 @@ within AxisRig.Mechanics;
 model LuGreFriction "Friction with bristles: sticks, yields before it slides, Stribeck and viscous"
   extends PartialFriction;
   parameter Units.Force coulomb(min = 0) = 120
-    "Force at creeping motion beyond the Stribeck range"
+    "Force at creeping motion above the Stribeck range"
     annotation(Dialog(group = "Friction"));
   parameter Units.Force breakaway(min = 0) = 160 "Largest force before sliding"
     annotation(Dialog(group = "Friction"));

@@ -6,11 +6,11 @@ partial model PartialStop "What every fixed stop has in common"
     "1: the stop is met in positive direction, -1: in negative direction"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Velocity stop_speed(min = -1, max = 1) = 0
-    "Of the stop from stop_begin to stop_end; 0: it stands"
+    "Of the stop from stop_begin to stop_end; 0: it is at rest"
     annotation(Dialog(group = "Fixed stop"));
   parameter Units.Time stop_begin = 0 "When the stop begins to move"
     annotation(Dialog(group = "Fixed stop"));
-  parameter Units.Time stop_end = 0 "When it stands again"
+  parameter Units.Time stop_end = 0 "When it is at rest again"
     annotation(Dialog(group = "Fixed stop"));
   Interfaces.Flange flange "Moving side"
     annotation(Placement(transformation(extent = {{-10, -110}, {10, -90}})));
@@ -20,7 +20,7 @@ partial model PartialStop "What every fixed stop has in common"
   Units.Force force "Force between stop and slide, never negative";
 protected
   Boolean begun "The stop has begun to move";
-  Boolean ended "It stands again";
+  Boolean ended "It is at rest again";
 equation
   begun = time >= stop_begin;
   ended = time >= stop_end;
@@ -32,7 +32,7 @@ equation
   assert(abs(stop_direction) > 0.5, "stop_direction must be 1 or -1");
   assert(stop_end >= stop_begin, "stop_end must not be before stop_begin");
   assert(abs(stop_speed) <= 0 or stop_end > stop_begin,
-    "a stop with a stop_speed needs a stop_end behind stop_begin");
+    "a stop with a stop_speed needs a stop_end after stop_begin");
   annotation(
     Icon(graphics = {
       Rectangle(extent = {{-100, -100}, {100, 100}}, fillColor = {255, 255, 255},

@@ -1,5 +1,5 @@
 within AxisRig.Sensors;
-block CapacitiveElectrode "What a disc electrode tells of the gaps below it"
+block CapacitiveElectrode "What a disc electrode reports of the gaps below it"
   parameter Units.Length radius(min = 1e-6) = 2e-3 "Radius of the disc"
     annotation(Dialog(group = "Parameters"));
   parameter Units.Share tilt_excess(max = 20) = 0 "Tilt factor minus that of the ideal disc"
@@ -20,7 +20,7 @@ block CapacitiveElectrode "What a disc electrode tells of the gaps below it"
     annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
   Interfaces.PositionOutput seen "The same with the excess of the tilt error"
     annotation(Placement(transformation(extent = {{100, -10}, {120, 10}})));
-  Interfaces.PositionOutput linearised "What the linearised electronics tell, within 0..full_scale"
+  Interfaces.PositionOutput linearised "What the linearised electronics report, within 0..full_scale"
     annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
   constant Units.Length smallest = 1e-6 "Gaps below count as this";
@@ -48,7 +48,7 @@ equation
           fillPattern = FillPattern.Solid),
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
-<p>Equation: each element of the disc is a plate capacitor, so that the disc tells the harmonic mean
+<p>Equation: each element of the disc is a plate capacitor, so that the disc reports the harmonic mean
 of the gaps: 1/d = (1 - lost) mean(1/d_i). The mean over the disc is a rule with seven points, exact
 for polynomials up to the fifth degree: weight 1/4 in the centre and 1/8 at the six points with
 sqrt(2/3) of the radius. Over a plane inclined by b it gives
@@ -56,7 +56,7 @@ d (1 + sqrt(1 - (r tan b/d)^2))/2, to 1e-5 for r tan b/d up to 0.3; for small ti
 d - (r tan b)^2/(4 d).</p>
 <p>Electrodes in practice show the tilt error k (r tan b)^2/(4 d) with k about 5; tilt_excess is k - 1. What the
 linearisation leaves within the range: d + c d (1 - d/full_scale), c within 0.5 to 2 %.</p>
-<p>Assumptions: no stray field; what is beyond a border adds nothing. Limit: a flank shorter than the
+<p>Assumptions: no stray field; what is outside a border adds nothing. Limit: a flank shorter than the
 disc is seen in steps of an eighth. Source: plate capacitor; Abramowitz, Stegun, Handbook of Mathematical
 Functions, 25.4.61; Lion Precision, Capacitive sensor operation, note on probe tilt.</p>
 </html>"));

@@ -31,7 +31,7 @@ model DigitalInput "Terminal that stamps the edges of a probe with a distributed
     annotation(Dialog(group = "Clock"));
   parameter Boolean keep_first = false "Stamps hold the first edge until rearm, else the last one"
     annotation(Dialog(group = "Signal"));
-  Interfaces.BooleanOutput level "Level behind delay and filter"
+  Interfaces.BooleanOutput level "Level after delay and filter"
     annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
   Interfaces.IntegerOutput stamped_rising_count "Rising edges stamped since the start"
     annotation(Placement(transformation(extent = {{100, 58}, {120, 78}})));
@@ -53,8 +53,8 @@ model DigitalInput "Terminal that stamps the edges of a probe with a distributed
     "Stamp in nanoseconds, its low 32 bits"
     annotation(Placement(transformation(extent = {{100, -100}, {120, -80}})));
 protected
-  Boolean rose "The last rising edge lies behind";
-  Boolean fell "The last falling edge lies behind";
+  Boolean rose "The last rising edge is past";
+  Boolean fell "The last falling edge is past";
   Boolean level_in "Level at the terminal now";
   Boolean level_start(start = false, fixed = true) "Level when the simulation began";
   EdgeQueue rising_path(transit = rise_delay) "Input circuit for rising edges"
@@ -127,7 +127,7 @@ equation
     experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
 <p>The inputs are the outputs of a probe for the same communication step. From them the level at each
-instant follows exactly: after the later of the last two edges that lie behind; before both it is the
+instant follows exactly: after the later of the last two edges that are past; before both it is the
 level that the earlier one ended. So the stamps do not depend on the length of the step.</p>
 <p>Equation: stamp = edge + delay + filter time on the clock. Chain: delay of the input circuit, different for the two directions (EdgeQueue); filter
 (LevelFilter); stamp of the filtered edge (EdgeStamp).</p>

@@ -49,7 +49,7 @@ model DistanceSensor "Capacitive distance sensor at a nozzle above a workpiece"
   Workpieces.Workpiece workpiece(points = 7, slopes = 1) "What lies below"
     annotation(Placement(transformation(extent = {{-67, -34}, {-39, -6}})));
 
-  Interfaces.PositionOutput distance "What the sensor tells"
+  Interfaces.PositionOutput distance "What the sensor reports"
     annotation(Placement(transformation(extent = {{100, 80}, {120, 100}})));
   Interfaces.PositionOutput distance_true "From the nozzle straight down to the surface"
     annotation(Placement(transformation(extent = {{100, 50}, {120, 70}})));
@@ -75,7 +75,7 @@ protected
   Units.Length hole_radius "Radius of the hole, not 0";
   Real lost_hole(unit = "1") "Share of the disc above the hole";
   Real side(unit = "1") "Where the wall cuts the disc, -1..1";
-  Real lost_side(unit = "1") "Share of the disc beyond edge or side";
+  Real lost_side(unit = "1") "Share of the disc outside edge or side";
   Real lost(unit = "1") "Share of the disc without material below";
   Boolean is_lost "There is no signal now";
   Workpieces.Movement movement(
@@ -162,7 +162,7 @@ equation
     else max(0, min(range, filter.y + noise*(filter.y/noise_distance)^2*noise_source.y));
   upright = max(0, abs(distance_true) - workpiece.steepest*electrode_radius)
     /sqrt(1 + workpiece.steepest^2);
-  // Below the top a touch begins and ends at the wall too, where the disc is wholly beyond it.
+  // Below the top a touch begins and ends at the wall too, where the disc is wholly outside it.
   clearance = noEvent(if distance_true > 0 then upright
     else min(upright, abs(workpiece.beyond - electrode_radius)));
   annotation(
@@ -189,11 +189,11 @@ true.</p>
 <p>The workpiece may move in time (Workpieces.Movement). From lost_begin to lost_end there is no signal:
 the output runs to full scale as over a hole, whatever is below.</p>
 <p>clearance: with the largest slope L no touch begins or ends within (|d| - L r)/sqrt(1 + L^2); below
-the top (d negative) neither within the way to where the disc is just beyond the material, |e - r| with
+the top (d negative) neither within the way to where the disc is just outside the material, |e - r| with
 the distance e of Workpiece. Changes of valid and motions of the workpiece are not in it.</p>
 <p>Assumptions: electrode level in x, y; tip and electrode are one. Limits: see CapacitiveElectrode;
 touching looks at the seven points; beside an edge the surface is continued, so that leaving the
-material sideways below its top still touches until the whole disc is beyond; edge and hole shall not
+material sideways below its top still touches until the whole disc is outside; edge and hole shall not
 cut the disc at the same place. Source: plate capacitor; circular segment and lens.</p>
 </html>"));
 end DistanceSensor;

@@ -85,7 +85,7 @@ equation
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     experiment(StopTime = 1, Interval = 1e-3, Tolerance = 1e-9),
     Documentation(info="<html>
-<p>Equations: closes at low &lt;= x &lt;= high, opens beyond low - h and high + h. A limit switch of the
+<p>Equations: closes at low &lt;= x &lt;= high, opens below low - h and above high + h. A limit switch of the
 positive end has its cam from its place to out of reach; a home switch a short one.</p>
 <p>clearance is the way to the nearest of the four places where the level can change.</p>
 <p>Assumption: the place of an edge does not depend on speed. Limits: no bounce, no delay (the drive

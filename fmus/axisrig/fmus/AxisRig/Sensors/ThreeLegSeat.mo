@@ -66,7 +66,7 @@ Until then the stylus yields by F ((n_x^2 + n_y^2)/k_b + n_z^2/k_a) along the no
 every 120 degrees.</p>
 <p>Assumptions: pads and contact without friction, stylus along z, small tilt. Limit: from below
 (n_z near -1) the force presses the stylus into its seat; the trigger force is then bounded at 1000
-seat forces, which stands for never. The default stiffnesses are chosen, not measured.</p>
+seat forces, which means never. The default stiffnesses are chosen, not measured.</p>
 <p>Source: moments about the line through two pads; W. T. Estler et al., Error compensation for CMM
 touch trigger probes, Precision Engineering 19 (1996), on the three-leg seat.</p>
 </html>"));

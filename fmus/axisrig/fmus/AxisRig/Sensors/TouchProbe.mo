@@ -71,7 +71,7 @@ protected
     axial = axial_stiffness)
     "Seat of the stylus"
     annotation(Placement(transformation(extent = {{-74, -54}, {-46, -26}})));
-  Boolean deflected "Deflected beyond the switching point";
+  Boolean deflected "Deflected past the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(dead_time = trigger_delay) "From the switching point to the edge"
     annotation(Placement(transformation(extent = {{-34, -54}, {-6, -26}})));
@@ -137,6 +137,6 @@ the speed. Limits: the level at the start is not an edge; a touch shorter than t
 be missed; at most four edges of one direction within trigger_delay; no bounce (WorkpieceProbe has
 it).</p>
 <p>Source: ISO 230-10, probing systems of machine tools: pre-travel and its reproducible share; the
-trigger delay stands for switching electronics and transmission.</p>
+trigger delay covers switching electronics and transmission.</p>
 </html>"));
 end TouchProbe;

@@ -97,7 +97,7 @@ protected
     axial = axial_stiffness)
     "Seat of the stylus"
     annotation(Placement(transformation(extent = {{-34, -34}, {-6, -6}})));
-  Boolean deflected "Deflected beyond the switching point";
+  Boolean deflected "Deflected past the switching point";
   Boolean deflected_at_start "Deflected when the simulation began";
   EdgeDelay path(dead_time = trigger_delay + radio_delay, jitter = radio_jitter,
     random_seed = seed)

@@ -12,7 +12,7 @@ model CapacitiveElectrode "An electrode that comes down over an inclined plane b
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
   output Units.Position averaged "Distance of a plane with the same capacitance";
   output Units.Position seen "With the whole tilt error";
-  output Units.Position linearised "What the electronics tell";
+  output Units.Position linearised "What the electronics report";
 protected
   Units.Position gap "Below the centre";
   Units.Position rise "Of the surface over the radius";
@@ -35,6 +35,6 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>From 6 to 2 mm while up to 30 % of the disc are lost. The first gaps are beyond the range. Compared: all three distances.</p>
+<p>From 6 to 2 mm while up to 30 % of the disc are lost. The first gaps are above the range. Compared: all three distances.</p>
 </html>"));
 end CapacitiveElectrode;

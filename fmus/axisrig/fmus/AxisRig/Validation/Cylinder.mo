@@ -24,7 +24,7 @@ equation
   annotation(
     experiment(StopTime=1, Interval=1e-2),
     Documentation(info="<html>
-<p>A bar, crossed from side to side and beyond. Compared: height and both slopes, distance from the
+<p>A bar, crossed from side to side and past both. Compared: height and both slopes, distance from the
 side with its derivatives, and the bound of the slope.</p>
 </html>"));
 end Cylinder;

@@ -12,7 +12,7 @@ model DigitalInput "Edges known by their instants reach a terminal"
     clock_nanoseconds = 999000000)
     "Terminal"
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
-  output Boolean level "Level behind delay and filter";
+  output Boolean level "Level after delay and filter";
   output Integer rising_nanoseconds "Stamp";
   output Integer falling_nanoseconds "Stamp";
   output Integer falling_seconds "Stamp";

@@ -20,7 +20,7 @@ model DistanceSensor "A nozzle over a ramp, a hole and an edge, and down on the 
       hole(center_x = 50e-3, center_y = 0.5e-3, radius = 3e-3)))
     "Sensor under test"
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
-  output Units.Position distance "What the sensor tells";
+  output Units.Position distance "What the sensor reports";
   output Units.Position distance_true "Straight down";
   output Boolean valid "Within the range";
   output Boolean touching "On the sheet";
@@ -50,7 +50,7 @@ equation
   annotation(
     experiment(StopTime=0.5, Interval=1.0037e-3),
     Documentation(info="<html>
-<p>Compared: what the sensor tells with tilt, nonlinearity, filter and noise; the true distance; loss
+<p>Compared: what the sensor reports with tilt, nonlinearity, filter and noise; the true distance; loss
 over hole and edge; touch.</p>
 </html>"));
 end DistanceSensor;

@@ -1,5 +1,5 @@
 within AxisRig.Validation;
-model DistanceSensorMoved "A nozzle that stands above a sheet that moves; the signal is lost"
+model DistanceSensorMoved "A nozzle at rest above a sheet that moves; the signal is lost"
   extends Icons.Experiment;
   Sensors.DistanceSensor sensor(
     range = 8e-3,
@@ -18,7 +18,7 @@ model DistanceSensorMoved "A nozzle that stands above a sheet that moves; the si
     workpiece(plane(level = 0.4e-3)))
     "Sensor under test"
     annotation(Placement(transformation(extent = {{-20, -20}, {20, 20}})));
-  output Units.Position distance "What the sensor tells";
+  output Units.Position distance "What the sensor reports";
   output Units.Position distance_true "Straight down";
   output Boolean valid "There is a signal";
   output Boolean touching "The sheet is on the nozzle";
@@ -45,6 +45,6 @@ equation
     experiment(StopTime=0.5, Interval=1.0037e-3),
     Documentation(info="<html>
 <p>The sheet rises by two ramps, sways, and touches the nozzle with each wave; one touch falls into the time
-without signal. Compared: what a sensor without filter tells; the true distance; loss; touch.</p>
+without signal. Compared: what a sensor without filter reports; the true distance; loss; touch.</p>
 </html>"));
 end DistanceSensorMoved;

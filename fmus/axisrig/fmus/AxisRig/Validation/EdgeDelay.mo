@@ -1,5 +1,5 @@
 within AxisRig.Validation;
-model EdgeDelay "A square wave behind a delay that differs from edge to edge"
+model EdgeDelay "A square wave after a delay that differs from edge to edge"
   extends Icons.Experiment;
   Sensors.EdgeDelay path(dead_time = 30e-3, jitter = 3e-3, random_seed = 77)
     "From the switching point to the edge"
@@ -24,7 +24,7 @@ equation
   annotation(
     experiment(StopTime=0.5, Interval=1.01e-3),
     Documentation(info="<html>
-<p>40 Hz, 30 ms and up to 3 ms to either side. Compared: instants and number of the edges behind the
+<p>40 Hz, 30 ms and up to 3 ms to either side. Compared: instants and number of the edges after the
 delay, and whether one is under way.</p>
 </html>"));
 end EdgeDelay;

@@ -1,5 +1,5 @@
 within AxisRig.Validation;
-model KinematicAxis "Axis without mass: stands, gets power, follows two ramps, stands again"
+model KinematicAxis "Axis without mass: at rest, gets power, follows two ramps, at rest again"
   extends Icons.Experiment;
   Drives.KinematicAxis axis(
     position_start = 0.021,

@@ -1,5 +1,5 @@
 within AxisRig.Validation;
-model MotorWinding "A step of the force demand at a moving motor, beyond the voltage limit"
+model MotorWinding "A step of the force demand at a moving motor, above the voltage limit"
   extends Icons.Experiment;
   Drives.MotorWinding winding(
     bandwidth = 800,

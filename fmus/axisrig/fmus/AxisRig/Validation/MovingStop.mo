@@ -1,5 +1,5 @@
 within AxisRig.Validation;
-model MovingStop "A stop comes towards a mass, throws it back, stands, and is met again"
+model MovingStop "A stop comes towards a mass, throws it back, rests, and is met again"
   extends Icons.Experiment;
   Mechanics.Slide slide(mass = 100, velocity_start = 0.02, weight = -600) "Moving mass"
     annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));

@@ -1,5 +1,5 @@
 within AxisRig.Validation;
-model SensorFilter "Both orders behind a sine that begins away from zero"
+model SensorFilter "Both orders following a sine that begins away from zero"
   extends Icons.Experiment;
   Sensors.SensorFilter first(number = 1, corner = 120) "Filter of the first order"
     annotation(Placement(transformation(extent = {{-60, -20}, {-20, 20}})));

@@ -5,7 +5,7 @@ block Cylinder "Round bar or tube that lies on its side"
     annotation(Dialog(group = "Parameters"));
   parameter Units.Position axis = 0 "Where the axis of the cylinder lies on the profile"
     annotation(Dialog(group = "Parameters"));
-  parameter Units.Share round = 0.95 "Share of the radius that is round; tangent beyond"
+  parameter Units.Share round = 0.95 "Share of the radius that is round; tangent outside it"
     annotation(Dialog(group = "Parameters"));
   Interfaces.PositionOutput beyond
     "From the point 1 to the side of the cylinder; negative: above it"
@@ -48,8 +48,8 @@ equation
       Text(extent = {{-150, 150}, {150, 110}}, textColor = {0, 0, 255}, textString = "%name")}),
     Documentation(info="<html>
 <p>Equation: h = sqrt(R^2 - (s - s_0)^2) - R, so that the highest line has the height 0 of its own.
-Assumption: the axis is level. Limit: towards the side the slope has no bound; beyond the share
-round of the radius the tangent goes on, and beyond the radius there is no material. Source: circle.
+Assumption: the axis is level. Limit: towards the side the slope has no bound; outside the share
+round of the radius the tangent goes on, and outside the radius there is no material. Source: circle.
 </p>
 </html>"));
 end Cylinder;

@@ -1,7 +1,7 @@
 within AxisRig.Workpieces;
 block Ramp "Straight rise between two levels"
   extends Profile;
-  parameter Units.Position rise = 1e-3 "Height behind the ramp"
+  parameter Units.Position rise = 1e-3 "Height after the ramp"
     annotation(Dialog(group = "Parameters"));
   parameter Units.Position start = 0 "Where the ramp begins"
     annotation(Dialog(group = "Parameters"));

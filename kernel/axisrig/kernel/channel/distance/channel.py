@@ -8,6 +8,7 @@ n times the clamping point plus sensor in every mode.
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import NamedTuple
 
 from axisrig.kernel.channel.distance.guide import (
     ACS,
@@ -52,6 +53,15 @@ MACHINE_Z: Vector = (0.0, 0.0, 1.0)
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 
+class AxisPositions(NamedTuple):
+    """Positions of an axis in a cycle: without the offset, with it, as sent, actual."""
+
+    base_mm: float
+    superposed_mm: float
+    set_mm: float
+    actual_mm: float
+
+
 class ChannelDistance(Sensing):
     """The 3D distance control of a channel.
 
@@ -61,7 +71,8 @@ class ChannelDistance(Sensing):
 
     guide: where the offset acts, None while nothing says it; fixed from ON until the control is
     INACTIVE without an offset. moved: axes that the offset moves in the present pose. allowed: what
-    they allow it. deltas_mm: what was superposed in the last cycle, by axis.
+    they allow it. deltas_mm: what was superposed in the last cycle, by axis. output_step_mm: change
+    of the offset that was sent. logged_events: alarms of its cycles.
     """
 
     def __init__(
@@ -90,6 +101,8 @@ class ChannelDistance(Sensing):
         self.moved: tuple[str, ...] = ()
         self.allowed = UNLIMITED
         self.deltas_mm: dict[str, float] = {}
+        self.output_step_mm = 0.0
+        self.logged_events = 0
         self._mode: str | None = None  # as programmed
         self._direction: str | None = None
         self._normal, self._origin_mm = MACHINE_Z, ORIGIN
@@ -97,6 +110,24 @@ class ChannelDistance(Sensing):
         self._fault: Alarm | None = None  # of the kinematic on the way to the axes
         self._was_steep = False
         self._sent: Positions = ()
+
+    @property
+    def wanted_mode(self) -> str:
+        """The mode: without MODE it is MCS with a kinematic, else ACS."""
+        return self._mode or (ACS if self._kinematic() is None else MCS)
+
+    @property
+    def wanted_axis(self) -> str | None:
+        """The axis of DIRECTION."""
+        return self._direction
+
+    def lengthening_mm(self) -> float:
+        """Return by how much the tool is virtually extended; 0 without a kinematic."""
+        kinematic = self._kinematic()
+        if kinematic is None:
+            return 0.0
+        tool = kinematic.forward(self._actual()[: kinematic.count])
+        return kinematic.length_mm(tool) - kinematic.nominal_length_mm(tool)
 
     @property
     def is_licensed(self) -> bool:
@@ -133,7 +164,7 @@ class ChannelDistance(Sensing):
         self._mode, self._direction = mode or self._mode, direction or self._direction
         guide = self.guide
         if (mode or direction) and guide is not None and not self.is_idle:
-            programmed = _shown(self._wanted_mode(), self._direction)
+            programmed = _shown(self.wanted_mode, self._direction)
             current = _shown(guide.mode, guide.axes[0])
             if programmed != current:
                 self._mode, self._direction = before
@@ -163,7 +194,7 @@ class ChannelDistance(Sensing):
         """
         guide = self._wanted_guide()
         if guide is None:
-            mode = self._wanted_mode()
+            mode = self.wanted_mode
             if mode == ACS:
                 raise Alarm(NO_DIRECTION, axes=" ".join(self.names))
             raise Alarm(NO_KINEMATIC, mode=mode)
@@ -179,12 +210,8 @@ class ChannelDistance(Sensing):
         is_constant = wanted is DistanceCommand.ON_CONST_DIST
         return self._length_warning() if is_constant and guide.mode != ACS else None
 
-    def _wanted_mode(self) -> str:
-        """Return the mode: without MODE it is MCS with a kinematic, else ACS."""
-        return self._mode or (ACS if self._kinematic() is None else MCS)
-
     def _wanted_guide(self) -> Guide | None:
-        mode, kinematic = self._wanted_mode(), self._kinematic()
+        mode, kinematic = self.wanted_mode, self._kinematic()
         if mode == ACS:
             axis = self._direction
             return None if axis is None else AxisGuide(axis, self.names.index(axis))
@@ -265,14 +292,33 @@ class ChannelDistance(Sensing):
         v = self.allowed.v_mm_s / settings.v_max_mm_s
         return min(1.0, v, self.allowed.a_mm_s2 / settings.a_mm_s2)
 
+    @property
+    def shown_sensor_mm(self) -> float:
+        """The distance as the PLC gives it, less ref_offset and what REF has made 0."""
+        return self.control.sensor_mm * self.control.settings.sensor_sign
+
+    def positions_of(self, axis: str) -> AxisPositions:
+        """Return the positions of an axis in the present cycle."""
+        at = self.names.index(axis)
+        link = self._links[at]
+        base_mm = link.set_mm if self._base is None else self._base[at]
+        superposed_mm = base_mm + self.deltas_mm.get(axis, 0.0)
+        return AxisPositions(base_mm, superposed_mm, link.set_mm, link.actual_mm)
+
     def _actual(self) -> Positions:
         return tuple(link.actual_mm for link in self._links)
 
     def step(self) -> None:
         """Control with the values of this cycle; raises the alarms of the control."""
-        guide = self.guide
-        if guide is None:
+        if self.guide is None:
             return
+        try:
+            self._step(self.guide)
+        except Alarm:
+            self.logged_events += 1
+            raise
+
+    def _step(self, guide: Guide) -> None:
         actual, sent = self._actual(), tuple(link.set_mm for link in self._links)
         self._check(guide, actual)
         if self.sensor_mm is None:
@@ -315,7 +361,9 @@ class ChannelDistance(Sensing):
         comes in the next cycle.
         """
         self._base = positions
+        before_mm = self.output_mm
         offset_mm = self.put_out()
+        self.output_step_mm = offset_mm - before_mm
         if not offset_mm or self.guide is None:
             self.deltas_mm = {}
             return positions

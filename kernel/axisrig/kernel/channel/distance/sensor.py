@@ -10,12 +10,12 @@ from typing import ClassVar, Final
 
 from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.unit import Refreshed
 from axisrig.kernel.time.clock import TimeNs
 
 SECOND_ENCODER: Final = "SECOND_ENCODER"
 VARIABLE: Final = "VARIABLE"
-UNITS_PER_MM: Final = 10_000  # 0.1 um
 COUNTS: Final = 1 << 32  # of 60E4:1, after which it begins anew
 LINEAR, MODULO = 1, 2
 PERIODS_MAX: Final = 3

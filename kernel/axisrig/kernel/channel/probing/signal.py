@@ -3,6 +3,7 @@
 The CNC judges the level of `probing_signal` once in each of its cycles. The value is the actual
 position of that cycle or the enabled `probing_position`; with a time stamp the position of the axis
 at that instant, from the history of its positions. Sources: FCT-C4 7.1, 7.5, 8.2.3.
+A `probing_position` is in 0.1 um, as the kernel API hands latched positions over (402368651).
 """
 
 from typing import Final
@@ -12,11 +13,10 @@ from axisrig.kernel.drives.link import AxisLink
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.measuring.latest_edge import Arrival, StampClock
 from axisrig.kernel.measuring.position_history import PositionHistory
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.plc.probing import PlcTask, ProbingUnit
 from axisrig.kernel.time.clock import MS, Clock, TimeNs
 
-UNITS_PER_MM: Final = 10_000
-"""Of `probing_position`: 0.1 um, as the kernel API hands latched positions over (402368651)."""
 STAMP_MASK: Final = 0xFFFF_FFFF
 
 

@@ -14,15 +14,13 @@ from axisrig.kernel.distance.filters.weighted import (
 )
 from axisrig.kernel.errors import Alarm
 from axisrig.kernel.parameters.table import Parameter, table
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.parameters.values import ParameterSet
 from axisrig.kernel.time.clock import US, S, TimeNs
 
 # Where a list has distance control: that of an axis, that of the channel (3D)
 OF_AXIS = "kenngr.dist_ctrl[0]."
 OF_CHANNEL = "dist_ctrl[0]."
-
-# Unit of P-AXIS-00783 (docs/ambiguities.md): 0.1 um as all lengths of the lists
-SIGMA_PER_MM = 10_000
 
 
 class LowPassCode(IntEnum):
@@ -102,7 +100,8 @@ def make_filter(kind: str, settings: FilterSettings, period_ns: TimeNs, owner: s
     if "smoothing_factor" in row.parameters:
         mean = exponential_weights(settings.n_cycles, settings.smoothing_factor)
     if "kalman_sigma" in row.parameters:
-        return WeightedFilter(kalman_weights(mean, settings.kalman_sigma / SIGMA_PER_MM))
+        # P-AXIS-00783 (docs/ambiguities.md) is in 0.1 um, as all lengths of the lists
+        return WeightedFilter(kalman_weights(mean, settings.kalman_sigma / UNITS_PER_MM))
     return WeightedFilter(mean)
 
 

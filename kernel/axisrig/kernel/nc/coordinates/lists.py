@@ -18,7 +18,6 @@ from axisrig.kernel.parameters import INTEGER_RANGES, Origin, Value, convert, wr
 from axisrig.kernel.parameters.lists import NO_SIGN, unit_hint
 
 INCH_MM = 25.4
-UNITS_PER_MM = 10_000
 UNITS_PER_INCH = 10_000
 
 ZERO_OFFSETS, TOOLS = "zero offsets", "tools"

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
-from axisrig.kernel.nc.coordinates.lists import INCH_MM, UNITS_PER_INCH, UNITS_PER_MM, Entry
+from axisrig.kernel.nc.coordinates.lists import INCH_MM, UNITS_PER_INCH, Entry
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 
 TOOLS = 201
 

@@ -3,7 +3,8 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from axisrig.kernel.nc.coordinates.lists import UNITS_PER_MM, Entry
+from axisrig.kernel.nc.coordinates.lists import Entry
+from axisrig.kernel.parameters.units import UNITS_PER_MM
 
 GROUPS = 97
 NONE = 0

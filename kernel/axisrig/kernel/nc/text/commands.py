@@ -5,7 +5,7 @@ What each takes is in `commands.csv`; `keywords.py` reads what is in the bracket
 
 from collections.abc import Mapping, Sequence
 
-from axisrig.kernel.errors import UserError, nearest
+from axisrig.kernel.errors import Guess, UserError, nearest
 from axisrig.kernel.nc.syntax import AxisCommand, Command, Name, SubprogramCall
 from axisrig.kernel.nc.text import checks, distance, nodes
 from axisrig.kernel.nc.text.keywords import Form, group, read
@@ -124,27 +124,39 @@ def _split_name(words: Sequence[str]) -> tuple[str | None, int]:
     return None, 0
 
 
-def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> UserError:
+def _nearest(name: str) -> Guess:
     known = [other for other in commands() if not other.startswith((_AXIS, "L "))]
-    close = nearest(name, known)
+    return nearest(name, known)
+
+
+def _unknown_command(builder: ExpressionBuilder, name: str, offset: int) -> UserError:
+    close = _nearest(name)
+    first = name.partition(" ")[0]
+    same = [f"#{other}" for other in commands() if other.partition(" ")[0] == first]
+    hint = f"nearest: {', '.join('#' + other for other in close)}" if close else None
     return builder.source.error(
         "unknown # command",
         offset,
         value=f"#{name}",
-        allowed=None if close else [f"#{other}" for other in known],
-        hint=f"nearest: {', '.join('#' + other for other in close)}" if close else None,
+        allowed=None if close else same or None,
+        hint=hint or (None if same else "`axisrig language` lists them all"),
     )
 
 
 def _check_rest(form: Form, rest: Sequence[str], raw: nodes.RawCommand) -> None:
-    """Refuse words after the name that neither are keywords nor values of the command."""
+    """Refuse words after the name that neither are keywords nor values of the command.
+
+    Where another command looks more like it, that one is meant, else the form of this one is said.
+    """
     if not rest or form.own.kind in ("name", "axis", "any"):
         return
     strange = next((word for word in rest if word not in form.table), None)
-    if strange is not None:
-        raise _unknown_command(
-            form.builder, " ".join(word.upper() for word in raw.words), raw.offset
-        )
+    if strange is None:
+        return
+    name = " ".join(word.upper() for word in raw.words)
+    if _nearest(name)[:1] in ([], [form.name]):
+        raise form.wrong(f"this does not belong after {form.shown}", raw.offset, value=strange)
+    raise _unknown_command(form.builder, name, raw.offset)
 
 
 def _check_not_empty(form: Form, bracket: nodes.Bracket) -> None:

@@ -7,6 +7,7 @@ from typing import Any
 
 from axisrig.kernel.nc.syntax import (
     Assign,
+    AxisCommand,
     Command,
     Declare,
     For,
@@ -55,14 +56,20 @@ def read_by(statement: Statement) -> Iterator[Variable]:
         case Words(axis_commands=commands) if commands:
             yield from variables_in((statement.axes, statement.addresses))
             for command in commands:
-                yield from variables_in(command.arguments)
-                for keyword, option in command.options:
-                    if keyword in _NAMES and isinstance(option, Variable):
-                        yield from variables_in(option.indices)
-                    else:
-                        yield from variables_in(option)
+                yield from _read_by_command(command)
+        case Command():
+            yield from _read_by_command(statement)
         case _:
             yield from variables_in(statement)
+
+
+def _read_by_command(command: AxisCommand | Command) -> Iterator[Variable]:
+    yield from variables_in(command.arguments)
+    for keyword, option in command.options:
+        if keyword in _NAMES and isinstance(option, Variable):
+            yield from variables_in(option.indices)
+        else:
+            yield from variables_in(option)
 
 
 def written_by(statement: Statement) -> Iterator[Variable]:
