@@ -3,13 +3,14 @@
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from distance import noise_at
 from edges import Vector, last_edge, within
 from paths import crossings, cubic
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 from scipy.spatial.transform import Rotation
 from workpieces import Height, moved, swayed, waves
+
+from distance import noise_at
 
 DOWN = np.array([0.0, 0.0, -1.0])
 

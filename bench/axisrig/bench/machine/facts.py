@@ -6,7 +6,6 @@ from axisrig.bench.machine.machine import Machine
 from axisrig.bench.machine.plants import lacking_notes, plant_warnings
 from axisrig.bench.machine.recording.acting import acting_warnings
 from axisrig.bench.machine.recording.bus_figures import bus_figures
-from axisrig.bench.machine.recording.distance_log import CHANNEL
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
 from axisrig.bench.record.axes import (
@@ -20,7 +19,12 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
+from axisrig.bench.record.distance import (
+    CHANNEL,
+    ChannelDistanceRecord,
+    DistanceRecord,
+    PlcSensor,
+)
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,
@@ -72,8 +76,9 @@ def facts_of(machine: Machine, sim_ns: TimeNs | None = None) -> Facts:
             for name, table in settings.rig.plc.items()
         },
         plc_task=_plc_task(machine),
-        distance={name: _distance(machine, name) for name in channel.distance.axes},
+        distance={name: _distance(machine, name) for name in _controls(machine)},
         distance_3d=_distance_3d(machine),
+        kinematics=machine.kinematic_log.changes,
         channel=_written(settings, None),
         runs=tuple(_run(machine, record) for record in channel.records),
         blocks=machine.blocks.trace(),
@@ -234,11 +239,21 @@ def _plc_task(machine: Machine) -> PlcTaskRecord | None:
     )
 
 
+def _controls(machine: Machine) -> list[str]:
+    """Return the axes with distance control, then the channel with 3D control."""
+    found = machine.channel.distance
+    return [*found.axes, *([] if found.channel is None else [CHANNEL])]
+
+
 def _distance(machine: Machine, name: str) -> DistanceRecord:
+    controls = machine.channel.distance
+    owner = controls.channel if name == CHANNEL else controls.axes[name]
+    assert owner is not None
     return DistanceRecord(
-        _variable(machine, machine.channel.distance.axes[name].sensor),
+        _variable(machine, owner.sensor),
         name in machine.referenced,
         machine.distance_log.recorded(name),
+        machine.distance_log.guides(name),
     )
 
 

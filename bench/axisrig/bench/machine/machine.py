@@ -37,11 +37,13 @@ from axisrig.bench.machine.plc.task import PlcTaskRunner
 from axisrig.bench.machine.plc.terminal import Terminal
 from axisrig.bench.machine.recording.block_log import BlockLog
 from axisrig.bench.machine.recording.distance_log import DistanceLog
+from axisrig.bench.machine.recording.kinematic_log import KinematicLog
 from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.machine.unfinished import in_words
 from axisrig.bench.record.bus import RealTime, Spread
+from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
 from axisrig.bench.rig.programs import programs_of
@@ -58,7 +60,13 @@ from axisrig.kernel.channel import (
 from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
+from axisrig.kernel.nc.canon import (
+    Command,
+    DistanceCommand,
+    KinematicChoice,
+    MeasuringRun,
+    Message,
+)
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import Program
 from axisrig.kernel.time.clock import US, S, TimeNs
@@ -180,8 +188,10 @@ class Machine:
         for command in commands:
             if isinstance(command, MeasuringRun):
                 self.measuring_targets[str(command.block)] = command.target_acs_mm
-            elif isinstance(command, DistanceCommand) and command.axis and command.action == "ref":
-                self.referenced.add(command.axis)
+            elif isinstance(command, DistanceCommand) and command.action == "ref":
+                self.referenced.add(command.axis or CHANNEL)
+            elif isinstance(command, KinematicChoice):
+                self.kinematic_log.choose(command)
             yield command
 
     def _build_plc_task(self, seed: int) -> PlcTaskRunner | None:
@@ -275,13 +285,13 @@ class Machine:
         self.recorder = self._build_recorder(trace, telegrams)
         self._open.callback(self.recorder.discard)
         self.torque_limits = LimitLog(self.nodes)
-        self.distance_log = DistanceLog()
+        self.distance_log, self.kinematic_log = DistanceLog(), KinematicLog()
         self.blocks = self.channel.execution.watch = BlockLog(
             self.scheduler, self.channel, self._folder
         )
         self.deflections = DeflectionLog(self.settings, self.plant, self.timing.period_ns)
         self.channel.observers += [self.recorder, self.torque_limits]
-        self.channel.observers += [self.distance_log, self.deflections]
+        self.channel.observers += [self.distance_log, self.kinematic_log, self.deflections]
 
     def _build_recorder(self, trace: SeriesWriter | None, telegrams: TelegramLog) -> Recorder:
         servos = {name: node.servo for name, node in self.nodes.items()}

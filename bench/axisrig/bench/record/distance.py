@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS
 from axisrig.bench.record.frozen import Frozen
+from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.time.clock import TimeNs
 
+CHANNEL = "channel"
+"""Name of 3D distance control, the one control of the channel, beside the axes with their own."""
 ON = ("ACTIVE", "ACTIVE_CONST_DIST")
 """States in which a control follows."""
 
@@ -75,14 +78,16 @@ class DistanceChange(Frozen):
 
 @dataclass(frozen=True)
 class DistanceRecord(Frozen):
-    """Distance control of an axis. variable: V.E. name of the sensor in use, empty for 60E4.
+    """Distance control of an axis or of the channel.
 
-    is_referenced: the program has set the zero of its sensor (REF).
+    variable: V.E. name of the sensor in use, empty for 60E4. is_referenced: the program has set the
+    zero of its sensor (REF). guides: of 3D control.
     """
 
     variable: str = ""
     is_referenced: bool = False
     changes: tuple[DistanceChange, ...] = ()
+    guides: tuple[GuideChange, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -24,14 +24,15 @@ from axisrig.bench.record.blocks import BlockTrace
 from axisrig.bench.record.bus import BusFigures, RealTime
 from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.frozen import Frozen
+from axisrig.bench.record.kinematics import KinematicChange
 from axisrig.bench.record.measuring import MeasurementRun, PlcTaskRecord
 from axisrig.kernel.errors import UserError
 from axisrig.kernel.time.clock import TimeNs
 
-VERSION: Final = 2
+VERSION: Final = 3
 """Counts up with every change after which an older version cannot read what is written."""
-READABLE: Final = (1, 2)
-"""Versions that are read. 1 has no `blocks`."""
+READABLE: Final = (1, 2, 3)
+"""Versions that are read. 1 has no `blocks`, 1 and 2 no `kinematics`."""
 
 _AGAIN = "run the case again with this version"
 
@@ -118,7 +119,8 @@ class Facts(Frozen):
 
     start_ns: first enabled cycle, None when the drives were never enabled. end_ns: end of the
     period in which the program ended. sim_ns: simulated time. is_stopped: by the operator.
-    axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes.
+    axes, plants, probes, plc_sensors, distance: by name, in the order of the rig; plants: of axes;
+    distance: `CHANNEL` is 3D control.
     distance_3d: None where the channel has no 3D distance control.
     fine_ns: step in which the plants keep their motion. blocks: None in recordings of version 1.
     """
@@ -138,6 +140,7 @@ class Facts(Frozen):
     plc_task: PlcTaskRecord | None = None
     distance: Mapping[str, DistanceRecord] = field(default_factory=dict)
     distance_3d: ChannelDistanceRecord | None = None
+    kinematics: tuple[KinematicChange, ...] = ()
     channel: Mapping[str, Value] = field(default_factory=dict)
     runs: tuple[MeasurementRun, ...] = ()
     blocks: BlockTrace | None = None
@@ -155,7 +158,7 @@ class Facts(Frozen):
 class RunFile(Frozen):
     """`runs/<run>.json`. error: why the run has no facts, with what was printed until then."""
 
-    version: Literal[1, 2]
+    version: Literal[1, 2, 3]
     facts: Facts | None = None
     error: str | None = None
     log: tuple[str, ...] = ()

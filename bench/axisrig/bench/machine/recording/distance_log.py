@@ -2,15 +2,14 @@
 
 from dataclasses import dataclass
 
-from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
+from axisrig.bench.record.distance import CHANNEL, Controller, Diagnosis, DistanceChange
+from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.channel import Channel
+from axisrig.kernel.channel.distance.guide import Guide, ToolGuide
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
 from axisrig.kernel.distance import DistanceControl, DistanceSettings, DistanceState, Source
 from axisrig.kernel.parameters.units import UNITS_PER_MM
 from axisrig.kernel.time.clock import TimeNs
-
-CHANNEL = "channel"
-"""Name of 3D control beside those of the axes."""
 
 
 @dataclass(frozen=True)
@@ -44,13 +43,18 @@ class DistanceLog:
     def __init__(self) -> None:
         self._changes: dict[str, list[Change]] = {}
         self._dumps: list[Diagnosis] = []
+        self._guide: Guide | None = None
+        self._guides: list[GuideChange] = []
 
     def __call__(self, channel: Channel) -> None:
         """Look at the controls of this cycle (step 7 of the cycle)."""
         for name, axis in channel.distance.axes.items():
             self._look(channel, name, axis)
         found = channel.distance.channel
-        if found is not None and self._look(channel, CHANNEL, found):
+        if found is None:
+            return
+        self._note_guide(found.guide, channel.sync_ns)
+        if self._look(channel, CHANNEL, found):
             self._dumps.append(Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis())))
 
     def _look(self, channel: Channel, name: str, found: Sensing) -> bool:
@@ -77,6 +81,22 @@ class DistanceLog:
             return ()
         last = Diagnosis(channel.sync_ns, dict(channel.distance.diagnosis()))
         return (*self._dumps, last)
+
+    def _note_guide(self, guide: Guide | None, time_ns: TimeNs) -> None:
+        if guide is self._guide:
+            return
+        self._guide = guide
+        if guide is None:
+            found = GuideChange(time_ns)
+        elif isinstance(guide, ToolGuide):
+            found = GuideChange(time_ns, guide.mode, "", guide.normal, guide.origin_mm)
+        else:
+            found = GuideChange(time_ns, guide.mode, guide.axes[0])
+        self._guides.append(found)
+
+    def guides(self, name: str) -> tuple[GuideChange, ...]:
+        """Return where the offset of 3D control acted, none for the control of an axis."""
+        return tuple(self._guides) if name == CHANNEL else ()
 
     def of(self, axis: str) -> list[Change]:
         """Return the changes of an axis, in order: those of the parameters alone only while it is

@@ -112,7 +112,7 @@ class ToolGuide(Guide):
         origin_mm: Vector,
     ) -> None:
         super().__init__(mode, names[: kinematic.count])
-        self._kinematic, self._normal, self._origin_mm = kinematic, normal, origin_mm
+        self._kinematic, self.normal, self.origin_mm = kinematic, normal, origin_mm
 
     def is_same(self, other: Guide) -> bool:
         """Whether mode, kinematic and normal are the same."""
@@ -120,15 +120,15 @@ class ToolGuide(Guide):
             isinstance(other, ToolGuide)
             and other.mode == self.mode
             and other._kinematic is self._kinematic
-            and other._normal == self._normal
+            and other.normal == self.normal
         )
 
     def height_mm(self, positions: Positions) -> float:
         """Return n times the clamping point, from the origin of the coordinate system."""
         clamp_mm = self._kinematic.clamp_mm(self._tool(positions))
-        origin_mm = self._origin_mm
+        origin_mm = self.origin_mm
         return _dot(
-            self._normal,
+            self.normal,
             (
                 clamp_mm[0] - origin_mm[0],
                 clamp_mm[1] - origin_mm[1],
@@ -178,14 +178,14 @@ class ToolGuide(Guide):
         return self._kinematic.forward(positions[: self._kinematic.count])
 
     def _leaning(self, tool: Positions) -> float:
-        return _dot(self._kinematic.direction(tool), self._normal)
+        return _dot(self._kinematic.direction(tool), self.normal)
 
     def _way(self, tool: Positions) -> Vector:
         """Return the way of the tool for one mm of offset, bounded at the steepest angle."""
         if self.mode == MCS:
-            return self._normal
+            return self.normal
         x, y, z = self._kinematic.direction(tool)
-        cosine = max(_dot((x, y, z), self._normal), LEAST_COSINE)
+        cosine = max(_dot((x, y, z), self.normal), LEAST_COSINE)
         return (x / cosine, y / cosine, z / cosine)
 
 

@@ -53,12 +53,19 @@ def _on(context: Context, block: Block, command: Command) -> Iterator[canon.Comm
     tool_mm = context.coordinates.tool.length_mm
     kinematic = build(numbers, known, kept.written, tool_mm)
     check_axes(kinematic, [(axis, axis in context.tables.rotary) for axis in context.axes])
-    yield from _switch(context, block, kinematic)
+    made_of = (tuple(numbers), dict(kept.written), tool_mm)
+    yield from _switch(context, block, kinematic, made_of)
 
 
-def _switch(context: Context, block: Block, kinematic: Kinematic | None) -> Iterator[canon.Command]:
+def _switch(
+    context: Context,
+    block: Block,
+    kinematic: Kinematic | None,
+    made_of: tuple[tuple[int, ...], dict[tuple[int, ...], float], float] = ((), {}, 0.0),
+) -> Iterator[canon.Command]:
     """Let the machine come to rest, and begin in the new coordinates where it is then.
 
+    made_of: IDs, what the program wrote, length of the tool, as `canon.KinematicChoice` has them.
     Raises Alarm 51062 while the offset of 3D distance control changes.
     """
     yield from axes.turns_channel(context, block, "#TRAFO")
@@ -67,7 +74,7 @@ def _switch(context: Context, block: Block, kinematic: Kinematic | None) -> Iter
     at = context.machine.position_acs_mm
     coordinates = context.coordinates
     coordinates.use_kinematic(kinematic, {axis: at(axis) for axis in context.axes})
-    yield canon.KinematicChoice(block, kinematic, coordinates.kinematic_axes)
+    yield canon.KinematicChoice(block, kinematic, coordinates.kinematic_axes, *made_of)
 
 
 def _numbers(context: Context, block: Block, command: Command) -> tuple[int, ...]:
