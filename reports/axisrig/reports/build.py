@@ -57,6 +57,7 @@ from axisrig.reports.statistics.section import statistics_section, statistics_st
 from axisrig.reports.sweeps.searches import search_pictures, searches_section
 from axisrig.reports.sweeps.section import sweeps, sweeps_section, sweeps_style
 from axisrig.reports.sweeps.sensitivity import sensitivity_section
+from axisrig.reports.tool.section import tool_script, tool_style
 from axisrig.reports.topics import TOPICS
 
 WHOLE_BYTES = 10_000_000
@@ -96,7 +97,7 @@ def build_report(
 _STORE = "<!-- packed runs -->"
 _STYLES = (
     *(page_style, blocks_style, map_style),
-    *(statistics_style, sweeps_style, coverage_style, lines_style, budget_style),
+    *(statistics_style, sweeps_style, coverage_style, lines_style, budget_style, tool_style),
 )
 
 
@@ -213,6 +214,7 @@ def _page(results: StoredResults, made: _Made, topics: Sequence[ReportTopic]) ->
         "coverage": made.coverage.section(),
         "map": made.campaign.data(),
         "map_script": Markup(shipped_text("campaign_map/map.js")),
+        "tool_script": tool_script(),
         "style": Markup("").join(style() for style in _STYLES),
         "scripts": plot_scripts(),
         "script": Markup(shipped_text("page.js")),

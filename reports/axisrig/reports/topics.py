@@ -10,6 +10,8 @@ from axisrig.reports.fixed_stop import section as fixed_stop
 from axisrig.reports.fixed_stop import signals as fixed_stop_signals
 from axisrig.reports.fixed_stop import words as fixed_stop_words
 from axisrig.reports.parts.topic import ReportTopic
+from axisrig.reports.tool import section as tool
+from axisrig.reports.tool import signals as tool_signals
 
 TOPICS: tuple[ReportTopic, ...] = (
     ReportTopic(
@@ -19,6 +21,15 @@ TOPICS: tuple[ReportTopic, ...] = (
         fixed_stop_signals.with_signals,
         fixed_stop_signals.plots,
         fixed_stop_words.LEGEND,
+    ),
+    # Before distance control, which drops what the plant gave it
+    ReportTopic(
+        "tool",
+        "axisrig.reports.tool",
+        tool.sections,
+        tool_signals.with_signals,
+        tool_signals.plots,
+        tool_signals.LEGEND,
     ),
     ReportTopic(
         "distance",

@@ -29,6 +29,7 @@ from axisrig.bench.judge.statistics.verdict import (
     judge_statistic,
     readings,
 )
+from axisrig.bench.judge.tool.findings import no_events, tool_blocks
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.statistic_checks import StatisticCheck
@@ -43,6 +44,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic("latch", LATCH_METRICS, latch_events),
     Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
     Topic("distance", DISTANCE_METRICS, distance_events, distance_blocks),
+    Topic("tool", {}, no_events, tool_blocks),
 )
 
 

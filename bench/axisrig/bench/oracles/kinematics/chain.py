@@ -17,7 +17,7 @@ from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Program, W
 Array = npt.NDArray[np.float64]
 
 HEAD, ROBOT, UNIVERSAL, COUPLING = 9, 45, 91, 210
-JOINTS, LINEAR = 6, 3
+HEAD_AXES, JOINTS, LINEAR = 5, 6, 3
 
 
 def shift(x: npt.ArrayLike, y: npt.ArrayLike, z: npt.ArrayLike) -> Array:
@@ -57,11 +57,19 @@ class Chain:
         self._lists = Lists(written, program)
         self._first = self._lists.of(0, ids[0])
         self._second = self._lists.of(1, ids[1]) if len(ids) > 1 else None
-        self._tool_mm = tool_mm
+        self.tool_mm = tool_mm
         if self._first.type == COUPLING:
             low, high = self._first.words("group[0].chain")
             self._slide, self._robot = self._lists.of(0, low), self._lists.of(0, high)
             self._shares = self._shared()
+
+    @property
+    def count(self) -> int:
+        """How many axes it has."""
+        if self._first.type == UNIVERSAL:
+            return len(self._first.axes())
+        slides = len(self._slide.axes()) if self._first.type == COUPLING else 0
+        return HEAD_AXES if self._first.type == HEAD else JOINTS + slides
 
     def frame(self, axes: npt.ArrayLike) -> Array:
         """Return the frames (n, 4, 4) at the TCP of axis positions (n, count), mm and degrees."""
@@ -100,7 +108,7 @@ class Chain:
         """Return the lengths (n,) of the tool at frames, virtually extended or not."""
         tilt = tilt_deg(frame[..., :3, 2])
         factor = np.ones_like(tilt) if self._second is None else _factor(self._second, tilt)
-        return np.asarray(self._tool_mm * factor)
+        return np.asarray(self.tool_mm * factor)
 
     def axes(self, tool: Sequence[float], near: Sequence[float]) -> Array:
         """Return the axis positions (count,) of tool coordinates, by Newton's method from near."""

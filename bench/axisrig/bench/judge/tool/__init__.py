@@ -1,0 +1,1 @@
+"""Runs with a kinematic: what its tool was, for the report."""

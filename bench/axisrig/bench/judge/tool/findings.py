@@ -1,0 +1,103 @@
+"""The tool of a run with a kinematic, for the report: what the oracle of kinematics needs.
+
+Positions are in the trace; here is which kinematic was on when, of what it was made, which plant
+sees the tool, where 3D distance control acted, and its diagnosis data.
+"""
+
+from dataclasses import asdict
+from typing import Any
+
+from axisrig.bench.judge.observed.event import Event
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
+from axisrig.bench.record.distance import CHANNEL
+from axisrig.bench.record.facts import Facts
+from axisrig.bench.record.kinematics import KinematicChange
+
+EXTENSION = 98
+"""Type of the kinematic that extends the tool virtually."""
+_OF_KINEMATICS = ("kin_step[", "trafo[", "kinematik[")
+_ANGLES = (2, 3, 4)
+
+
+def no_events(_observed: Observed) -> list[Event]:
+    """Return no marks: what the program commands is with its distance control."""
+    return []
+
+
+def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
+    """Return what the report shows of the tool; empty for a run that had no kinematic on."""
+    facts = observed.facts
+    written = {
+        name: value for name, value in facts.channel.items() if name.startswith(_OF_KINEMATICS)
+    }
+    last_ns = int(observed.times_ns[-1]) + 1 if len(observed) else facts.end_ns
+    stretches = _stretches(facts.kinematics, last_ns)
+    if not stretches:
+        return []
+    control = facts.distance.get(CHANNEL)
+    return [
+        {
+            "axes": list(facts.axes),
+            "rotary": [axis.is_rotary for axis in facts.axes.values()],
+            "sensor": _sensor(observed),
+            "period_ms": facts.timing.period_ns / 1e6,
+            "written": written,
+            "kinematics": [
+                {**stretch, "limits": _limits(written, stretch)} for stretch in stretches
+            ],
+            "guides": [] if control is None else [asdict(guide) for guide in control.guides],
+            "diagnosis": _diagnosis(facts),
+        }
+    ]
+
+
+def _stretches(changes: tuple[KinematicChange, ...], last_ns: int) -> list[dict[str, Any]]:
+    """Return the unbroken times in which a kinematic was on."""
+    ends = [*(change.time_ns for change in changes[1:]), last_ns]
+    return [
+        {
+            "begin_ns": change.time_ns,
+            "end_ns": end_ns,
+            "ids": list(change.ids),
+            "program": [list(entry) for entry in change.program],
+            "tool_mm": change.tool_mm,
+        }
+        for change, end_ns in zip(changes, ends, strict=True)
+        if change.ids and change.time_ns < end_ns
+    ]
+
+
+def _limits(written: Written, stretch: dict[str, Any]) -> dict[str, float]:
+    """Return HD2, HD3 and HD4 of kinematic 98 in degrees, those that act."""
+    ids = stretch["ids"]
+    if len(ids) < 2:
+        return {}
+    program = {(step, kind, index): value for step, kind, index, value in stretch["program"]}
+    found: Kinematics = Lists(written, program).of(1, ids[1])
+    if found.type != EXTENSION:
+        return {}
+    limits = {f"HD{number}": found.hd(number) for number in _ANGLES}
+    if limits["HD2"] >= 90.0:  # never extended
+        return {"HD4": limits["HD4"]}
+    return {name: value for name, value in limits.items() if name == "HD2" or value > 0.0}
+
+
+def _sensor(observed: Observed) -> str | None:
+    """Return the plant that sees the inclined tool: that of the control's variable, else any."""
+    facts = observed.facts
+    control = facts.distance.get(CHANNEL)
+    chosen = facts.plc_sensors.get("" if control is None else control.variable)
+    names = [name.partition(".")[0] for name in observed.series.names if name.endswith(".tcp_x_mm")]
+    if chosen is not None and chosen.sensor in names:
+        return chosen.sensor
+    return next(iter(names), None)
+
+
+def _diagnosis(facts: Facts) -> list[dict[str, Any]]:
+    if facts.distance_3d is None:
+        return []
+    return [
+        {"time_ns": dump.time_ns, "values": dict(dump.values)}
+        for dump in facts.distance_3d.diagnosis
+    ]

@@ -1,0 +1,225 @@
+"""Where the tool was: of the plant's own truth, and as programmed by the oracle of kinematics.
+
+Nothing comes from the kernel but the set positions that it sent and what it superposed on them.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+
+from axisrig.bench.oracles.kinematics.chain import Chain, tilt_deg
+from axisrig.bench.record.series import TIME, values_of
+
+Tool = Mapping[str, Any]
+"""The tool of a run, as the block `tool` of the findings has it."""
+Signal = npt.NDArray[np.float64]
+
+DEMAND_CYCLES = 2
+"""At a SYNC an axis that follows exactly is where it was sent so many cycles before."""
+CHANNEL = "channel"
+PLACES = ("x", "y", "z")
+_MOVED_MM = 1e-9
+INACTIVE = 0
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The rows of a run in which a kinematic was on; mm and degrees, n rows.
+
+    clamp_mm, tcp_mm: true, shape (n, 3); of the sensor's plant, else by the oracle from the true
+    positions of the axes (the actual ones where there is no plant). programmed_mm: the TCP of the
+    set positions without what distance control superposes. hit_mm: where the beam meets the
+    surface. distance_mm: orthogonal distance of the clamping point. along_mm: along the tool.
+    offset_mm: along the normal; moved_mm: along the direction. is_on: distance control was not
+    INACTIVE. Not a number where nothing gives it.
+    """
+
+    times_ns: npt.NDArray[np.int64]
+    clamp_mm: Signal
+    tcp_mm: Signal
+    programmed_mm: Signal
+    hit_mm: Signal
+    tilt_deg: Signal
+    length_mm: Signal
+    distance_mm: Signal
+    along_mm: Signal
+    offset_mm: Signal
+    moved_mm: Signal
+    is_on: npt.NDArray[np.bool_]
+
+    @property
+    def direction(self) -> Signal:
+        """Unit vectors (n, 3) from the TCP to the clamping point."""
+        way = self.clamp_mm - self.tcp_mm
+        unit: Signal = way / np.linalg.norm(way, axis=1, keepdims=True)
+        return unit
+
+    @property
+    def depth_mm(self) -> Signal:
+        """How far the beam reaches below the surface, along the tool; negative: it ends above."""
+        depth: Signal = self.length_mm - self.along_mm
+        return depth
+
+
+def motion_of(trace: pa.Table, tool: Tool) -> Motion | None:
+    """Return the motion of the tool; None where no row has a kinematic on."""
+    times = values_of(trace.column(TIME))
+    parts = [
+        _part(trace, tool, stretch, rows)
+        for stretch in tool["kinematics"]
+        if len(rows := _rows(times, stretch))
+    ]
+    if not parts:
+        return None
+    whole = [np.concatenate([getattr(p, name) for p in parts]) for name in Motion.__match_args__]
+    return Motion(*whole)
+
+
+def moved_mm(trace: pa.Table, tool: Tool) -> Signal:
+    """Return by how much distance control moves the tool along its direction, shape (rows,).
+
+    That is o/cos b of FCT-M3 12.4.3: the TCP of the set positions less that of the set positions
+    without the offset, with the sign of the offset. Not a number while no kinematic is on.
+    """
+    found = np.full(trace.num_rows, np.nan)
+    times = values_of(trace.column(TIME))
+    for stretch in tool["kinematics"]:
+        rows = _rows(times, stretch)
+        if len(rows):
+            found[rows] = _moved(trace, tool, chain_of(tool, stretch), rows)
+    return found
+
+
+def chain_of(tool: Tool, stretch: Tool) -> Chain:
+    """Return the oracle of a kinematic that was on."""
+    program = {(step, kind, index): value for step, kind, index, value in stretch["program"]}
+    return Chain(stretch["ids"], tool["written"], program, stretch["tool_mm"])
+
+
+def column(trace: pa.Table, name: str) -> Signal | None:
+    """Return a signal, shape (rows,); None for one that the trace lacks."""
+    if name not in trace.column_names:
+        return None
+    values: Signal = values_of(trace.column(name)).astype(np.float64)
+    return values
+
+
+def _rows(times: npt.NDArray[np.int64], stretch: Tool) -> npt.NDArray[np.int64]:
+    return np.flatnonzero((times >= stretch["begin_ns"]) & (times < stretch["end_ns"]))
+
+
+def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64]) -> Motion:
+    """The motion while one kinematic was on."""
+    chain = chain_of(tool, stretch)
+    base = _positions(trace, tool, "set") - _superposed(trace, tool)
+    late = np.maximum(rows - DEMAND_CYCLES, rows[0])
+    programmed = chain.frame(base[late, : chain.count])[:, :3, 3]
+    nothing = np.full(len(rows), np.nan)
+    offset, state = (column(trace, f"{CHANNEL}.{n}") for n in ("offset_mm", "distance_state"))
+    return Motion(
+        values_of(trace.column(TIME))[rows],
+        *_placed(trace, tool, chain, rows, programmed),
+        *_measured(trace, tool, rows),
+        nothing if offset is None else offset[rows],
+        _moved(trace, tool, chain, rows),
+        np.zeros(len(rows), dtype=bool) if state is None else state[rows] != INACTIVE,
+    )
+
+
+def _placed(
+    trace: pa.Table,
+    tool: Tool,
+    chain: Chain,
+    rows: npt.NDArray[np.int64],
+    programmed: Signal,
+) -> Iterator[Signal]:
+    """Yield clamping point, TCP, programmed TCP, place of the beam on the surface, tilt, length."""
+    sensor = tool["sensor"]
+    along = None if sensor is None else column(trace, f"{sensor}.along_mm")
+    if sensor is None or along is None:
+        name = "truth" if _has(trace, tool, "truth") else "actual"
+        axes = _positions(trace, tool, name)[rows, : chain.count]
+        frame = chain.frame(axes)
+        yield chain.clamp_mm(axes)
+        yield frame[:, :3, 3]
+        yield programmed
+        yield np.full((len(rows), 3), np.nan)
+        yield tilt_deg(frame[:, :3, 2])
+        yield chain.length_mm(frame)
+        return
+    clamp, tcp = (_point(trace, f"{sensor}.{word}")[rows] for word in ("clamping", "tcp"))
+    length = _column(trace, f"{sensor}.virtual_length_mm")[rows]
+    yield clamp
+    yield tcp
+    yield programmed
+    hits = _column(trace, f"{sensor}.valid")[rows] > 0.0
+    beam = (clamp - tcp) / length[:, None] * along[rows][:, None]
+    yield np.where(hits[:, None], clamp - beam, np.nan)
+    yield _column(trace, f"{sensor}.tilt_deg")[rows]
+    yield length
+
+
+def _measured(trace: pa.Table, tool: Tool, rows: npt.NDArray[np.int64]) -> Iterator[Signal]:
+    """Yield orthogonal distance and distance along the tool."""
+    sensor = tool["sensor"]
+    for word in ("distance_true_mm", "along_mm"):
+        found = None if sensor is None else column(trace, f"{sensor}.{word}")
+        if found is None:
+            yield np.full(len(rows), np.nan)
+            continue
+        yield np.where(_column(trace, f"{sensor}.valid")[rows] > 0.0, found[rows], np.nan)
+
+
+def _moved(trace: pa.Table, tool: Tool, chain: Chain, rows: npt.NDArray[np.int64]) -> Signal:
+    offset = column(trace, f"{CHANNEL}.offset_mm")
+    if offset is None:
+        return np.full(len(rows), np.nan)
+    superposed = _superposed(trace, tool)[rows, : chain.count]
+    with_offset = _positions(trace, tool, "set")[rows, : chain.count]
+    found = np.zeros(len(rows))
+    is_off = np.abs(superposed).max(axis=1) > 0.0
+    if is_off.any():
+        there = chain.frame(with_offset[is_off])[:, :3, 3]
+        here = chain.frame((with_offset - superposed)[is_off])[:, :3, 3]
+        way = np.linalg.norm(there - here, axis=1)
+        found[is_off] = np.where(way > _MOVED_MM, np.copysign(way, offset[rows][is_off]), 0.0)
+    return found
+
+
+def _has(trace: pa.Table, tool: Tool, word: str) -> bool:
+    return all(
+        f"{axis}.{word}_{'deg' if rotary else 'mm'}" in trace.column_names
+        for axis, rotary in zip(tool["axes"], tool["rotary"], strict=True)
+    )
+
+
+def _positions(trace: pa.Table, tool: Tool, word: str) -> Signal:
+    """Return positions of the axes, shape (rows, axes)."""
+    names = [
+        f"{axis}.{word}_{'deg' if rotary else 'mm'}"
+        for axis, rotary in zip(tool["axes"], tool["rotary"], strict=True)
+    ]
+    return np.stack([_column(trace, name) for name in names], axis=1)
+
+
+def _superposed(trace: pa.Table, tool: Tool) -> Signal:
+    """Return what distance control superposes on the axes, shape (rows, axes)."""
+    found = [column(trace, f"{axis}.superposed_mm") for axis in tool["axes"]]
+    nothing = np.zeros(trace.num_rows)
+    return np.stack([nothing if one is None else one for one in found], axis=1)
+
+
+def _column(trace: pa.Table, name: str) -> Signal:
+    """Return a signal that has to be there. Raises LookupError."""
+    found = column(trace, name)
+    if found is None:
+        raise LookupError(f"no signal {name}")
+    return found
+
+
+def _point(trace: pa.Table, name: str) -> Signal:
+    return np.stack([_column(trace, f"{name}_{place}_mm") for place in PLACES], axis=1)
