@@ -62,6 +62,9 @@ class _Still:
     def position_acs_mm(self, axis: str) -> float:
         return 0.0
 
+    def channel_distance(self) -> None:
+        return None
+
 
 def _numbers(cell: str) -> list[float]:
     return [float(number) for number in cell.split(",")]

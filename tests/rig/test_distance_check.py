@@ -268,3 +268,26 @@ def test_an_event_timer_is_for_event_driven_telegrams(tmp_path: Path, row: str, 
 
 def check_file_of(folder: Path) -> None:
     distance_warnings(settings_of(folder, RATE + '"map.csv"'))
+
+
+# ---- 3D control
+
+THREE_D = "set:channel.configuration.decoder.function=FCT_3D_DIST_CTRL"
+ALONE = (THREE_D, "set:Z.lr_param.distance_control_on=0", "set:channel.dist_ctrl[0].a_max=100")
+
+
+def test_3d_control_wants_the_distance_itself(tmp_path: Path) -> None:
+    (warning,) = distance_warnings(settings_of(tmp_path, "", *ALONE, base="distance-z-variable"))
+    assert "V.E.SENSOR falls when the tool lifts" in warning
+    assert "with sign = -1 the control runs away" in warning
+    assert distance_warnings(settings_of(tmp_path, "", *ALONE, base=RUNS_AWAY)) == []
+
+
+def test_3d_control_wants_a_variable(tmp_path: Path) -> None:
+    (warning,) = distance_warnings(settings_of(tmp_path, "", *ALONE))
+    assert "no entry of [plc] reads a distance sensor" in warning
+
+
+def test_where_an_axis_has_its_own_control_the_variable_may_be_for_it(tmp_path: Path) -> None:
+    settings = settings_of(tmp_path, "", THREE_D, base="distance-z-variable")
+    assert distance_warnings(settings) == []

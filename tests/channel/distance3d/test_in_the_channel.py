@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import pytest
@@ -13,6 +14,7 @@ from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.text.parser import parse_program
 
 Make = Callable[..., Any]
+LONG = partial(pytest.param, marks=pytest.mark.long)
 INCREMENT_MM = 10 / 2**20
 SENSOR = "#DIST CTRL [SENSOR_SOURCE=VARIABLE SENSOR_VAR=V.E.SENSOR]\n"
 HEAD = "V.G.KIN_STEP[0].ID[9].PARAM[0]=1000000\nV.G.WZ_AKT.L=80\n#TRAFO [9]\n"
@@ -93,8 +95,8 @@ def while_held(made: Any, act: Any, begin: int, end: int) -> None:
     made.at({begin: lambda: act(plc, True), end: lambda: act(plc, False)})
 
 
-@pytest.mark.parametrize("mode", ["MCS", "ECS"])
-@pytest.mark.parametrize("act", [hold_path, stop_path, hold("X"), stop("A")])
+@pytest.mark.parametrize("mode", [LONG("MCS"), "ECS"])
+@pytest.mark.parametrize("act", [hold_path, LONG(stop_path), LONG(hold("A")), stop("C")])
 def test_path_feedhold_override_0_and_axes_that_it_does_not_move_change_nothing(
     make_head: Make, mode: str, act: Any
 ) -> None:
@@ -107,7 +109,12 @@ def test_path_feedhold_override_0_and_axes_that_it_does_not_move_change_nothing(
 
 @pytest.mark.parametrize(
     ("mode", "act"),
-    [("MCS", hold("Z")), ("MCS", stop("Z")), ("ECS", hold("Y")), ("ECS", stop("Z"))],
+    [
+        LONG("MCS", hold("Z")),
+        ("MCS", stop("Z")),
+        ("ECS", hold("Y")),
+        LONG("ECS", stop("Z")),
+    ],
 )
 def test_an_axis_that_it_moves_freezes_all_of_it_to_the_bit(
     make_head: Make, mode: str, act: Any
@@ -148,7 +155,7 @@ def test_g4_and_a_wait_for_the_plc_do_not_stop_it(make_head: Make) -> None:
 # ---- its end
 
 
-@pytest.mark.parametrize("buffer_cycles", [0, 7])
+@pytest.mark.parametrize("buffer_cycles", [LONG(0), 7])
 def test_off_no_move_leaves_the_axes_and_the_next_block_reaches_its_true_target(
     make_head: Make, tool: Any, buffer_cycles: int
 ) -> None:
@@ -217,10 +224,10 @@ def test_the_end_of_the_program_keeps_it_too_and_warns_of_nothing(make_head: Mak
 REFUSED = [
     ("#DIST CTRL ON [SET_POS=0 MODE=ACS]", 900461),
     ("#TRAFO OFF\n#DIST CTRL ON [SET_POS=0 MODE=ECS]", 900460),
-    ("#TRAFO OFF\n#DIST CTRL ON [SET_POS=0]", 900461),
-    ("#DIST CTRL ON", 310024),
-    ("#DIST CTRL ON [CONST_DIST]", 900311),
-    ("#DIST CTRL FREEZE", 900310),
+    LONG("#TRAFO OFF\n#DIST CTRL ON [SET_POS=0]", 900461),
+    LONG("#DIST CTRL ON", 310024),
+    LONG("#DIST CTRL ON [CONST_DIST]", 900311),
+    LONG("#DIST CTRL FREEZE", 900310),
     ("#DIST CTRL [SENSOR_SOURCE=SECOND_ENCODER]", 310029),
     ("G1 A-86\n#DIST CTRL ON [SET_POS=0 MODE=ECS]", 900463),
     ("#DIST CTRL [FILTER_TIME=0.0001]", 900465),
@@ -253,7 +260,8 @@ def test_310027_without_a_variable(make_head: Make) -> None:
 
 
 @pytest.mark.parametrize(
-    "word", ["#CS ON[0,0,5,0,0,0]", "#TRAFO OFF", "#TRAFO [9]", "#CHANNEL INIT[CMDPOS]"]
+    "word",
+    [LONG("#CS ON[0,0,5,0,0,0]"), "#TRAFO OFF", LONG("#TRAFO [9]"), LONG("#CHANNEL INIT[CMDPOS]")],
 )
 @pytest.mark.provokes(51062, 7, plane="ECS")
 def test_51062_while_its_offset_may_change(make_head: Make, word: str) -> None:

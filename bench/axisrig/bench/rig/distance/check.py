@@ -21,6 +21,7 @@ from axisrig.bench.rig.check import axis_telegrams
 from axisrig.bench.rig.reading.file import LOAD, MapTable
 from axisrig.bench.rig.settings import Settings, once
 from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, SECOND_ENCODER, VARIABLE
+from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
 from axisrig.kernel.cosim.plant.plant import Plant
 from axisrig.kernel.drives.mapping import Telegram
 from axisrig.kernel.parameters import ParameterSet
@@ -192,6 +193,25 @@ def distance_warnings(settings: Settings) -> list[str]:
         f"axis {name}: {text}"
         for name in released_axes(settings)
         for text in (*_missing(settings, name), *_wrong(settings, name))
+    ] + _of_channel(settings)
+
+
+def _of_channel(settings: Settings) -> list[str]:
+    """Say what keeps 3D control from working: no variable, or one that falls when the tool lifts.
+
+    A rig whose axes have controls of their own may read their sensors into variables too.
+    """
+    if ChannelDistanceSettings.read(settings.channel) is None or released_axes(settings):
+        return []
+    start = "3D distance control (P-CHAN-00500):"
+    if not settings.rig.plc:
+        return [f"{start} no entry of [plc] reads a distance sensor into a V.E. variable"]
+    plants = {axis.plant for axis in settings.rig.axis.values()}
+    return [
+        f"{start} {variable} falls when the tool lifts; it has to be the distance of the clamping"
+        f" point itself: with sign = {entry.sign} the control runs away"
+        for variable, entry in settings.rig.plc.items()
+        if any(_grows_with(settings, entry.sensor, plant) * entry.sign < 0 for plant in plants)
     ]
 
 
