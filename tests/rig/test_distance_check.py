@@ -12,10 +12,10 @@ from axisrig.bench.rig.distance.check import (
     age_warnings,
     describe_distance,
     distance_warnings,
-    listed_of,
-    sensors_of,
-    unstable,
+    released_axes,
 )
+from axisrig.bench.rig.distance.loops import listed_of, unstable
+from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.reading.file import read_rig
 from axisrig.bench.rig.settings import Settings, as_written, read_settings
 from axisrig.kernel.errors import UserError
@@ -58,7 +58,10 @@ def test_the_rig_that_runs_away_is_warned_of() -> None:
 def test_the_shipped_rigs_lack_nothing(rig: str) -> None:
     settings = read_settings(*read_rig(RIGS / f"{rig}.toml"), [])
     assert distance_warnings(settings) == age_warnings(settings) == []
-    assert "distance control of axis Z: gap on 60E4:1" in check_file(RIGS / f"{rig}.toml")
+    sensor = "axis Z: gap on 60E4:1" if "Z" in released_axes(settings) else "gap in V.E.SENSOR"
+    assert f"control of {sensor}" in (text := check_file(RIGS / f"{rig}.toml")) or (
+        f"3D distance control: {sensor}" in text
+    )
 
 
 def test_a_sensor_without_released_distance_control_is_told_and_no_warning(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 
 from axisrig.bench.judge.distance.findings import distance_blocks, distance_events
 from axisrig.bench.judge.distance.metrics import DISTANCE_METRICS
+from axisrig.bench.judge.distance.tool_metrics import TOOL_METRICS
 from axisrig.bench.judge.fixed_stop.findings import stop_blocks, stop_events
 from axisrig.bench.judge.fixed_stop.metrics import STOP_METRICS
 from axisrig.bench.judge.latch.findings import latch_events
@@ -30,6 +31,7 @@ from axisrig.bench.judge.statistics.verdict import (
     readings,
 )
 from axisrig.bench.judge.tool.findings import no_events, tool_blocks
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.plan.checks import Check, CheckResult, judge
 from axisrig.bench.plan.own_metrics import OwnModule
 from axisrig.bench.plan.statistic_checks import StatisticCheck
@@ -43,7 +45,7 @@ TOPICS: tuple[Topic, ...] = (
     Topic("program", PROGRAM_METRICS, program_events),
     Topic("latch", LATCH_METRICS, latch_events),
     Topic("fixed_stop", STOP_METRICS, stop_events, stop_blocks),
-    Topic("distance", DISTANCE_METRICS, distance_events, distance_blocks),
+    Topic("distance", {**DISTANCE_METRICS, **TOOL_METRICS}, distance_events, distance_blocks),
     Topic("tool", {}, no_events, tool_blocks),
 )
 
@@ -65,7 +67,7 @@ def observe(
     hidden = observed.hides(check.definition, check.axis)
     if hidden:
         return Observation(None, note=hidden, is_hidden=True)
-    refused = turned(observed, check)
+    refused = "" if _of_no_axis(observed, check) else turned(observed, check)
     if refused:
         return Observation(None, note=refused)
     metric = check.definition
@@ -73,6 +75,14 @@ def observe(
     function = next(topic.metrics[name] for topic in topics if name in topic.metrics)
     found = function(observed, check.axis)
     return in_newton_metres(found, observed, check) if metric.unit == TORQUE else found
+
+
+def _of_no_axis(observed: Observed, check: Check) -> bool:
+    """Whether a check is about the channel: lengths of its tool and of its 3D distance control."""
+    if check.axis is not None:
+        return False
+    is_control = check.definition.name in DISTANCE_METRICS and CHANNEL in observed.facts.distance
+    return is_control or check.definition.scope == "run"
 
 
 def judged(

@@ -8,6 +8,7 @@ from axisrig.bench.machine.recording.acting import acting_warnings
 from axisrig.bench.machine.recording.bus_figures import bus_figures
 from axisrig.bench.machine.recording.plant_values import plant_record
 from axisrig.bench.machine.recording.plc_notes import plc_notes
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.axes import (
     AxisRecord,
     Contact,
@@ -19,12 +20,7 @@ from axisrig.bench.record.axes import (
     Telegram,
     Value,
 )
-from axisrig.bench.record.distance import (
-    CHANNEL,
-    ChannelDistanceRecord,
-    DistanceRecord,
-    PlcSensor,
-)
+from axisrig.bench.record.distance import ChannelDistanceRecord, DistanceRecord, PlcSensor
 from axisrig.bench.record.facts import (
     AlarmRecord,
     DriveWrite,

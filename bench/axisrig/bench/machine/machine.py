@@ -42,8 +42,8 @@ from axisrig.bench.machine.recording.limit_log import LimitLog
 from axisrig.bench.machine.recording.recorder import RecordedAxis, Recorder
 from axisrig.bench.machine.recording.telegram_log import TelegramLog
 from axisrig.bench.machine.unfinished import in_words
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.bus import RealTime, Spread
-from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.series import SeriesWriter
 from axisrig.bench.rig.check import check_rig, segment_schedules
 from axisrig.bench.rig.programs import programs_of
@@ -60,13 +60,7 @@ from axisrig.kernel.channel import (
 from axisrig.kernel.channel.drive_functions import DriveFunctions
 from axisrig.kernel.drives.ds402 import State
 from axisrig.kernel.errors import Alarm, UserError
-from axisrig.kernel.nc.canon import (
-    Command,
-    DistanceCommand,
-    KinematicChoice,
-    MeasuringRun,
-    Message,
-)
+from axisrig.kernel.nc.canon import Command, DistanceCommand, MeasuringRun, Message
 from axisrig.kernel.nc.decoder import Interpreter
 from axisrig.kernel.nc.syntax import Program
 from axisrig.kernel.time.clock import US, S, TimeNs
@@ -190,8 +184,7 @@ class Machine:
                 self.measuring_targets[str(command.block)] = command.target_acs_mm
             elif isinstance(command, DistanceCommand) and command.action == "ref":
                 self.referenced.add(command.axis or CHANNEL)
-            elif isinstance(command, KinematicChoice):
-                self.kinematic_log.choose(command)
+            self.kinematic_log.take(command)
             yield command
 
     def _build_plc_task(self, seed: int) -> PlcTaskRunner | None:

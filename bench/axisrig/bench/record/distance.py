@@ -9,8 +9,6 @@ from axisrig.bench.record.frozen import Frozen
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.time.clock import TimeNs
 
-CHANNEL = "channel"
-"""Name of 3D distance control, the one control of the channel, beside the axes with their own."""
 ON = ("ACTIVE", "ACTIVE_CONST_DIST")
 """States in which a control follows."""
 

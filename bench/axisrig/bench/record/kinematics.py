@@ -11,7 +11,8 @@ class KinematicChange(Frozen):
     """The kinematic of the channel from a SYNC on (#TRAFO).
 
     ids: of its steps, none while it is off. program: what the program wrote into
-    V.G.KIN_STEP[step].ID[id].PARAM[index], as (step, id, index, value). tool_mm: length of the tool.
+    V.G.KIN_STEP[step].ID[id].PARAM[index], as (step, id, index, value). tool_mm: length of the
+    tool.
     """
 
     time_ns: TimeNs

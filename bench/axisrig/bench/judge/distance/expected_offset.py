@@ -1,13 +1,15 @@
 """The own discrete model walked along what the bus brought: what the offset had to be."""
 
+import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from axisrig.bench.judge.distance.stretches import Stretch, active
 from axisrig.bench.judge.distance.truth import ERROR, FREEZE, DistanceTruth, Flags
+from axisrig.bench.oracles.distance.lists import Control
 from axisrig.bench.oracles.distance.loop import SET_POS
 from axisrig.bench.oracles.distance.model import Law
 from axisrig.bench.oracles.distance.smoothing import of_control
@@ -52,7 +54,10 @@ def walk(truth: DistanceTruth) -> Walked:
         if any(time.begin == end and time.value == ERROR for time in truth.states):
             end += 1  # the cycle of the alarm
         for row, read in enumerate(_read(truth, law.mode, begin, end), begin):
-            law.override = read.override
+            control = programmed(truth, row)
+            if control != law.control:
+                law.change(control, of_control(control, truth.period_ns))
+            law.override, law.axes = read.override, read.axes
             turn = law.hold if read.is_held else law.walk
             turn(*read.values_mm)
             offset[row] = law.offset_mm
@@ -69,40 +74,70 @@ def _is_frozen(truth: DistanceTruth, begin: int, end: int) -> bool:
 
 
 def _fresh(truth: DistanceTruth, stretch: Stretch, begin: int) -> Law:
-    listed = truth.listed
+    control = programmed(truth, begin)
     return Law(
         stretch.mode,
-        listed.control,
+        control,
         truth.period_ns,
-        listed.limits,
-        of_control(listed.control, truth.period_ns),
+        truth.listed.limits,
+        of_control(control, truth.period_ns),
         offset_mm=truth.observed.value(truth.axis, "offset_mm", max(begin - 1, 0)),
     )
 
 
+def programmed(truth: DistanceTruth, row: int) -> Control:
+    """Return the controller in the cycle of a row: that of the list with what the program changed.
+
+    What acts from the end of a cycle on, the next one computes with.
+    """
+    listed, changes = truth.listed.control, truth.control.changes
+    if not changes:
+        return listed
+    time_ns, acting = truth.observed.time_ns(row), changes[0].controller.control
+    for change in changes:
+        if change.time_ns >= time_ns:
+            break
+        acting = change.controller.control
+    first = changes[0].controller.control
+    if acting == first:
+        return listed
+    changed = {f.name: getattr(acting, f.name) for f in fields(Control)}
+    changed = {name: value for name, value in changed.items() if value != getattr(first, name)}
+    return replace(listed, **changed)
+
+
 class _Read(NamedTuple):
-    """What the law reads in a cycle: sensor, actual and last set position, wanted; override."""
+    """What the law reads in a cycle: sensor, actual and last set position, wanted; override.
+
+    axes: speed and acceleration that they allow the offset.
+    """
 
     values_mm: tuple[float, float, float, float]
     override: float
     is_held: bool
+    axes: tuple[float, float]
 
 
 def _read(truth: DistanceTruth, mode: str, begin: int, end: int) -> Iterator[_Read]:
     """Yield what is read in rows begin .. end - 1."""
     wanted = "set_pos_mm" if mode == SET_POS else "set_dist_mm"
-    for part, _, inside in truth.parts(slice(begin, end), before=1):
+    for part, first, inside in truth.parts(slice(begin, end), before=1):
         set_mm = part["set_mm"]
+        allow = truth.axes_allow(first, first + inside.stop - inside.start)
+        allowed = [(math.inf, math.inf)] * (inside.stop - inside.start)
+        if allow is not None:
+            allowed = [(v, a) for v, a in allow.tolist()]
         signals = (
-            part["sensor_mm"],
+            part.read_mm(mode),
             part["actual_mm"],
             np.concatenate([set_mm[:1], set_mm[:-1]]),
             part[wanted],
             part.override,
             part.is_held,
         )
-        for *values, override, is_held in zip(*(s[inside].tolist() for s in signals), strict=True):
-            yield _Read((values[0], values[1], values[2], values[3]), override, is_held)
+        rows = zip(*(s[inside].tolist() for s in signals), allowed, strict=True)
+        for *values, override, is_held, axes in rows:
+            yield _Read((values[0], values[1], values[2], values[3]), override, is_held, axes)
 
 
 def first_step(truth: DistanceTruth, stretch: Stretch) -> int:
@@ -120,7 +155,7 @@ def due(truth: DistanceTruth, walked: Walked) -> Due | None:
         rows = slice(begin, begin + inside.stop - inside.start)
         watched = ~np.isnan(walked.asked_mm[rows])
         asked = np.where(watched, walked.asked_mm[rows], 0.0)
-        sensor = part["sensor_mm"]
+        sensor = part.watched_mm
         change = np.diff(sensor, prepend=sensor[:1])[inside] * walked.has_before[rows]
         limits = truth.listed.limits
         found = first_due(sensor[inside], change, asked, watched, limits, truth.period_ns)

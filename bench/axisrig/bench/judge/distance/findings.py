@@ -14,12 +14,12 @@ import numpy as np
 
 from axisrig.bench.judge.distance import stretches
 from axisrig.bench.judge.distance.stretches import Stretch
+from axisrig.bench.judge.distance.tool import distance_truths
 from axisrig.bench.judge.distance.truth import (
     INACTIVE,
     TURNING_OFF,
     DistanceTruth,
     Flags,
-    distance_truths,
 )
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
@@ -60,7 +60,7 @@ def block_of(truth: DistanceTruth) -> dict[str, Any]:
     parts = _parts(truth, changes, laws)
     return {
         "axis": truth.axis,
-        "sensor": truth.record.sensor or None,
+        "sensor": truth.sensor_name or None,
         "zero_mm": truth.zero_mm,
         "period_ms": truth.period_ns / 1e6,
         "late_cycles": 0 if truth.listed.is_optimized else 1,

@@ -10,6 +10,7 @@ from collections.abc import Callable
 import numpy as np
 
 from axisrig.bench.judge.distance import expected_offset, filtering, passes, stretches
+from axisrig.bench.judge.distance.tool import distance_truth
 from axisrig.bench.judge.distance.truth import (
     FREEZE,
     NO_PLANT,
@@ -17,7 +18,6 @@ from axisrig.bench.judge.distance.truth import (
     TURNING_OFF,
     DistanceTruth,
     behind_mm,
-    distance_truth,
     surface_mm,
 )
 from axisrig.bench.judge.observed.observation import Observation

@@ -145,9 +145,29 @@ class DistanceTruth:
         """True distance below the sensor."""
         return self._of_sensor("distance_true_mm")
 
+    @property
+    def sensor_name(self) -> str:
+        """Plant that gives the distance."""
+        return self.record.sensor
+
     def _of_sensor(self, name: str) -> Signal | None:
-        sensor = self.record.sensor
+        sensor = self.sensor_name
         return self.observed.column(sensor, name) if self.observed.has(sensor, name) else None
+
+    def read_mm(self, mode: str) -> Signal:
+        """Return what the law of a mode reads of the sensor: it counts against the motor."""
+        return self["sensor_mm"]
+
+    @property
+    def watched_mm(self) -> Signal:
+        """The sensor value that has limits."""
+        return self["sensor_mm"]
+
+    def axes_allow(self, begin: int, end: int) -> Signal | None:
+        """Return speed and acceleration that the axes leave the offset in rows begin .. end - 1,
+        shape (n, 2), mm/s and mm/s2; None where it is one axis.
+        """
+        return None
 
     @property
     def period_ns(self) -> int:
@@ -199,7 +219,7 @@ class DistanceTruth:
     @property
     def has_surface(self) -> bool:
         """Whether a plant gives the distance, and with it the surface."""
-        return self.observed.has(self.record.sensor, "distance_true_mm")
+        return self.observed.has(self.sensor_name, "distance_true_mm")
 
     @cached_property
     def surface_mm(self) -> Signal | None:
@@ -214,7 +234,7 @@ class DistanceTruth:
         if self.whole is not None:
             return self.whole.zero_mm
         is_referenced = self.control.is_referenced and self.was_on
-        if is_referenced and self.observed.has(self.record.sensor, "distance_mm"):
+        if is_referenced and self.observed.has(self.sensor_name, "distance_mm"):
             zeros = [
                 (part.gap_told_mm[inside] + part["sensor_mm"][inside])[part.is_active[inside]]
                 for part, _, inside in self.parts()
@@ -295,6 +315,11 @@ class DistanceTruth:
         """Filter of the sensor value, by the list."""
         return of_control(self.listed.control, self.period_ns)
 
+    @cached_property
+    def surface_gain(self) -> float:
+        """By how much the distance grows for 1 mm of offset."""
+        return 1.0
+
     def loop(self, mode: str) -> Loop:
         """Return the loop in a mode, by lists and plant; needs 60E4 with every SYNC."""
         control = self.listed.control
@@ -309,6 +334,7 @@ class DistanceTruth:
             derivative=control.tv_s / self.period_s,
             drive=first_order_drive(lag_s, self.period_ns) if lag_s else none(),
             sign=1 if self.counts_right else -1,
+            gain=self.surface_gain,
         )
 
     def unknown_poles(self, mode: str) -> str:
@@ -364,23 +390,6 @@ def behind_mm(truth: DistanceTruth) -> Signal:
     if truth.behind_mm is None:
         raise NoClosedFormError(NO_PLANT)
     return truth.behind_mm
-
-
-def distance_truth(observed: Observed, axis: str | None) -> DistanceTruth | None:
-    """Return the signals of an axis with distance control, without a name of the first."""
-    truths = observed.once(_truths)
-    return truths.get(axis or next(iter(truths), ""))
-
-
-def distance_truths(observed: Observed) -> list[DistanceTruth]:
-    """Return the signals of each axis whose distance control was ever on."""
-    truths = observed.once(_truths).values()
-    return [truth for truth in truths if any(time.value != INACTIVE for time in truth.states)]
-
-
-def _truths(observed: Observed) -> dict[str, DistanceTruth]:
-    axes = [name for name in observed.axes if observed.has(name, "offset_mm")]
-    return {name: DistanceTruth(name, observed) for name in axes}
 
 
 def _changes(blocks: Iterable[Telegrams], start_ns: TimeNs) -> Iterator[Sent]:

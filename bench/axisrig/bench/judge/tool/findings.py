@@ -9,8 +9,8 @@ from typing import Any
 
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
-from axisrig.bench.record.distance import CHANNEL
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.kinematics import KinematicChange
 

@@ -1,7 +1,8 @@
 """Warnings of the controls that acted in a run: with mode, sensor and parameters of then."""
 
 from axisrig.bench.machine.recording.distance_log import DistanceLog
-from axisrig.bench.rig.distance.check import sensors_of, unstable
+from axisrig.bench.rig.distance.loops import unstable
+from axisrig.bench.rig.distance.sensors import sensors_of
 from axisrig.bench.rig.settings import Settings
 
 

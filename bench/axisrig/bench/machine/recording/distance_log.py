@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from axisrig.bench.record.distance import CHANNEL, Controller, Diagnosis, DistanceChange
+from axisrig.bench.oracles.distance.lists import CHANNEL
+from axisrig.bench.record.distance import Controller, Diagnosis, DistanceChange
 from axisrig.bench.record.kinematics import GuideChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.guide import Guide, ToolGuide

@@ -6,7 +6,7 @@ import numpy as np
 import pyarrow as pa
 
 from axisrig.bench.machine.recording.rows import Rows
-from axisrig.bench.record.distance import CHANNEL
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.record.series import column_of
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.channel.distance.sensing import Sensing

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from axisrig.bench.record.kinematics import KinematicChange
 from axisrig.kernel.channel import Channel
 from axisrig.kernel.kinematics import Kinematic
-from axisrig.kernel.nc.canon import KinematicChoice
+from axisrig.kernel.nc.canon import Command, KinematicChoice
 
 
 class KinematicLog:
@@ -19,10 +19,10 @@ class KinematicLog:
         self._acting: Kinematic | None = None
         self._changes: list[KinematicChange] = []
 
-    def choose(self, choice: KinematicChoice) -> None:
-        """Take a command of the program."""
-        if choice.kinematic is not None:
-            self._choices.append(choice)
+    def take(self, command: Command) -> None:
+        """Take a command of the program; only a chosen kinematic is of interest."""
+        if isinstance(command, KinematicChoice) and command.kinematic is not None:
+            self._choices.append(command)
 
     def __call__(self, channel: Channel) -> None:
         """Look at the kinematic of this cycle."""

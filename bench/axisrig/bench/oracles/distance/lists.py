@@ -1,9 +1,11 @@
 """Parameters of distance control, read from what the lists say.
 
 Source: FCT-M3 9, P-AXIS-00413 to 00428, 00500 to 00509, 00533, 00534, 00759 to 00784. The newer
-structure `kenngr.dist_ctrl[0].` wins over the older `kenngr.distc.`.
+structure `kenngr.dist_ctrl[0].` wins over the older `kenngr.distc.`. The channel has the same in
+`dist_ctrl[0].` for 3D control: FCT-M3 12.8, P-CHAN-00800 to 00827.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -13,6 +15,10 @@ Written = Mapping[str, object]
 """Parameter -> value, only of those that a list or a plan has written."""
 
 NEWER, OLDER = "kenngr.dist_ctrl[0].", "kenngr.distc."
+CHANNEL = "channel"
+"""Name of 3D control, the one control of the channel, beside the axes with their own."""
+OF_AXIS, OF_CHANNEL = (NEWER, OLDER), ("dist_ctrl[0].",)
+"""Names of the structure in the list of an axis and of the channel, the one that wins first."""
 PER_MM = 10_000.0  # the lists count in 0.1 um
 UM = 1e-3
 # Older German words: FCT-M3 9.2
@@ -22,6 +28,8 @@ _ALIASES = {
     "tolerance": "toleranz",
 }
 _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE = "getriebe[0].dynamik.a_max", 1000.0
+_AXIS_RAMPS = tuple(f"getriebe[0].lslope_profil.a_grenz_stufe_{k}" for k in (1, 2))
+_AXIS_SPEEDS = ("getriebe[0].vb_eilgang", "getriebe[0].dynamik.vb_max")
 
 
 @dataclass(frozen=True)
@@ -78,11 +86,14 @@ class Listed:
         return self.sign * increments * self.mm_per_increment - self.ref_offset_mm
 
 
-def as_written(written: Written) -> Listed:
-    """Read the parameters of one axis."""
+def as_written(written: Written, stems: tuple[str, ...] = OF_AXIS) -> Listed:
+    """Read the parameters of one axis, or with OF_CHANNEL those of the channel.
+
+    The channel has no acceleration to fall back on.
+    """
 
     def number(name: str, otherwise: float) -> float:
-        for stem in (NEWER, OLDER):
+        for stem in stems:
             for word in (name, _ALIASES.get(name, name)):
                 value = written.get(stem + word)
                 if value is not None:
@@ -91,15 +102,15 @@ def as_written(written: Written) -> Listed:
         return otherwise
 
     def text(name: str, otherwise: str) -> str:
-        for stem in (NEWER, OLDER):
+        for stem in stems:
             if stem + name in written:
                 return str(written[stem + name])
         return otherwise
 
     tolerance = number("tolerance", 0)
-    acceleration = number("a_max", 0) or _plain(
-        written, _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE
-    )
+    acceleration = number("a_max", 0)
+    if not acceleration and stems == OF_AXIS:
+        acceleration = _plain(written, _AXIS_ACCELERATION, _ACCELERATION_OTHERWISE)
     adaptive = None
     if number("use_adaptive_acceleration", 0):
         low, high = number("dist_error_a_min", 1000), number("dist_error_a_max", 5000)
@@ -141,6 +152,18 @@ def as_written(written: Written) -> Listed:
         is_optimized=bool(number("optimized_scheduling", 0)),
         uses_both=bool(number("mode_dist_use_both_encoder", 0)),
     )
+
+
+def axis_limits(written: Written) -> tuple[float, float]:
+    """Return speed and acceleration that an axis may have whatever moves it, mm/s and mm/s2.
+
+    Rapid traverse (P-AXIS-00209, at most 00212) and P-AXIS-00008; without that the lesser ramp of
+    rapid traverse (00005, 00006). Infinite where the list says nothing.
+    """
+    speeds = [_plain(written, name, math.inf) * UM for name in _AXIS_SPEEDS]
+    acceleration = _plain(written, _AXIS_ACCELERATION, 0.0)
+    ramps = [_plain(written, name, math.inf) for name in _AXIS_RAMPS]
+    return min(speeds), acceleration or min(ramps)
 
 
 def _plain(written: Written, name: str, otherwise: float) -> float:

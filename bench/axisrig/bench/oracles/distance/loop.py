@@ -35,7 +35,8 @@ class Loop:
 
     mode: CONST_DIST, BOTH or SET_POS. dead_cycles: n. sent_cycles: m, only for BOTH. skew_cycles:
     s. integral: g = T/Tn, 0 = off. derivative: r = Tv/T. drive: D, a transfer function of gain 1.
-    sign: -1 when the sensor counts against what the mode needs.
+    sign: -1 when the sensor counts against what the mode needs. gain: by how much the distance
+    grows for 1 mm of offset; 1 but for 3D control over an inclined surface (`tool.surface_gain`).
     """
 
     mode: str
@@ -47,6 +48,7 @@ class Loop:
     derivative: float = 0.0
     drive: Smoothing = field(default_factory=none)
     sign: int = 1
+    gain: float = 1.0
 
     @property
     def is_surface(self) -> bool:
@@ -77,7 +79,7 @@ def _feedback(loop: Loop) -> tuple[Polynomial, Polynomial]:
     smooth, drive = loop.smoothing, loop.drive
     below = np.convolve(smooth.denominator, drive.denominator)
     way = _shift(np.convolve(smooth.numerator, drive.numerator), 1 + loop.dead_cycles)
-    sensor = loop.sign * _shift(way, loop.skew_cycles)
+    sensor = loop.sign * loop.gain * _shift(way, loop.skew_cycles)
     if loop.mode == CONST_DIST:
         return sensor, below
     if loop.mode == BOTH:

@@ -30,11 +30,16 @@ class Filtering:
         self._inputs: deque[float] | None = None
         self._outputs: deque[float] = deque()
 
+    def fill(self, value: float) -> None:
+        """Begin as if nothing but this value had ever come."""
+        self._inputs = deque([value] * len(self._above), maxlen=len(self._above))
+        self._outputs = deque([value] * len(self._below), maxlen=len(self._below))
+
     def step(self, value: float) -> float:
         """Take one value, return the filtered one."""
         if self._inputs is None:
-            self._inputs = deque([value] * len(self._above), maxlen=len(self._above))
-            self._outputs = deque([value] * len(self._below), maxlen=len(self._below))
+            self.fill(value)
+        assert self._inputs is not None
         self._inputs.appendleft(value)
         answer = past = 0.0
         for b, x in zip(self._above, self._inputs, strict=True):
@@ -51,7 +56,8 @@ class Law:
     """The control of one axis from its start on.
 
     offset_mm: where it starts. step_mm: of the cycle before. asked_mm: the offset before
-    max_deviation clamps it. override: of the axis, 1 = 100 %; v_max is scaled by it.
+    max_deviation clamps it. override: of the axis, 1 = 100 %; v_max is scaled by it. axes: speed
+    and acceleration that the axes of 3D control allow the offset, mm/s and mm/s2.
     """
 
     mode: str
@@ -65,6 +71,7 @@ class Law:
     filtered_mm: float = 0.0
     asked_mm: float = 0.0
     override: float = 1.0
+    axes: tuple[float, float] = (math.inf, math.inf)
 
     def __post_init__(self) -> None:
         self._filter = Filtering(self.smoothing)
@@ -101,6 +108,17 @@ class Law:
         self.listen(sensor_mm, actual_mm, sent_mm, set_mm)
         self._before_mm, self.step_mm, self.asked_mm = self.error_mm, 0.0, self.offset_mm
 
+    def change(self, control: Control, smoothing: Smoothing) -> None:
+        """Take other parameters while on; another filter begins with what the last one gave."""
+        now, before = smoothing, self.smoothing
+        if not (
+            np.array_equal(now.numerator, before.numerator)
+            and np.array_equal(now.denominator, before.denominator)
+        ):
+            self._filter = Filtering(smoothing)
+            self._filter.fill(self.filtered_mm)
+        self.control, self.smoothing = control, smoothing
+
     def stand(self) -> None:
         """Begin to follow again: nothing in the sum, no error before, speed 0."""
         self._sum_mm, self._before_mm, self.step_mm = 0.0, math.nan, 0.0
@@ -115,11 +133,11 @@ class Law:
 
     def _clamped(self, asked: float, error: float) -> tuple[float, bool]:
         limits, period_s = self.limits, self.period_ns / S
-        v, a = limits.v_mm_s * self.override, limits.a_mm_s2
+        v, a = min(limits.v_mm_s, self.axes[0]) * self.override, limits.a_mm_s2
         if limits.adaptive is not None:
             least, low, high = limits.adaptive
             a = adaptive_mm_s2(error, least, a, low, high)
-        change = a * period_s**2
+        change = min(a, self.axes[1]) * period_s**2
         step = min(max(asked, -downwards(v, limits.v_weight) * period_s), v * period_s)
         if math.isfinite(change):
             least = lowest_step_mm(self.step_mm, change, limits.a_weight)

@@ -116,7 +116,9 @@ def closed_limit(loop: Loop, count: int = 1) -> float | None:
     if loop.integral or loop.derivative or loop.drive.delay_cycles or loop.sign != 1:
         return None
     if loop.mode == CONST_DIST:
-        return mean_limit(count, loop.dead_cycles + loop.skew_cycles)
+        return mean_limit(count, loop.dead_cycles + loop.skew_cycles) / loop.gain
+    if loop.gain != 1.0:
+        return None
     if loop.mode == BOTH and loop.skew_cycles == 0:
         return mean_limit(count, loop.sent_cycles)
     if loop.mode == SET_POS and (count == 1 or loop.skew_cycles == 0):

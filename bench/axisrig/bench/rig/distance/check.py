@@ -4,38 +4,34 @@ The dead cycles follow from P-AXIS-00509, the telegram of the sensor and its age
 of kp from the closed forms of `bench/axisrig/bench/oracles/distance`.
 """
 
-import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import Literal
 
-from axisrig.bench.oracles.distance.cycles import DeadCycles, predicted
-from axisrig.bench.oracles.distance.lists import Control, Listed, as_written
-from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
-from axisrig.bench.oracles.distance.model import first_order_drive
-from axisrig.bench.oracles.distance.sample_hold import held_growth, held_limit
-from axisrig.bench.oracles.distance.smoothing import none, of_control
-from axisrig.bench.oracles.distance.stability import kp_limit
-from axisrig.bench.rig.check import axis_telegrams
-from axisrig.bench.rig.reading.file import LOAD, MapTable
+from axisrig.bench.oracles.distance.loop import CONST_DIST
+from axisrig.bench.rig.distance.loops import (
+    MODES,
+    WITHOUT_LAG,
+    dead_cycles,
+    dead_words,
+    is_beyond,
+    limit_of,
+    listed_of,
+    loop_of,
+)
+from axisrig.bench.rig.distance.of_channel import (
+    channel_ages,
+    channel_texts,
+    channel_warnings,
+)
+from axisrig.bench.rig.distance.sensors import Sensor, is_scale, second_telegram, sensors_of
+from axisrig.bench.rig.reading.file import LOAD
 from axisrig.bench.rig.settings import Settings, once
-from axisrig.kernel.channel.distance.sensor import PERIODS_MAX, SECOND_ENCODER, VARIABLE
-from axisrig.kernel.channel.distance.settings import ChannelDistanceSettings
+from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
 from axisrig.kernel.cosim.plant.plant import Plant
-from axisrig.kernel.drives.mapping import Telegram
-from axisrig.kernel.parameters import ParameterSet
-from axisrig.kernel.parameters.units import UNITS_PER_MM
-from axisrig.kernel.time.clock import MS, US, S, TimeNs
+from axisrig.kernel.time.clock import MS
 
 RELEASED = "lr_param.distance_control_on"
-INVERTS = "lr_hw[1].vz_istw"
-SCALES = ("AxisRig.Sensors.SecondEncoder",)
-"""Models of the library that are wired like a distance sensor and give a position."""
-WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
-MODES = (SET_POS, CONST_DIST, BOTH)
-AT_LIMIT = 1e-6
-"""Share of a limit of kp in which a loop counts as above it: there it rings for ever."""
+UNITS_PER_MM = 10_000  # of P-AXIS-00423, 0.1 um
 SIGNS = (
     ("P-AXIS-00230", "sensor value", "SET_POS, CONST_DIST and with both encoders"),
     ("0", "less when the tool lifts", "converge"),
@@ -45,179 +41,25 @@ SIGNS = (
 )
 
 
-@dataclass(frozen=True)
-class Sensor:
-    """A way from a distance sensor to an axis.
-
-    source: as the control names it (`axis.source_word`). words: what carries it. age: cycles by
-    which it is older than 6064. every: it comes with every so many SYNCs. sign: 1 when the value
-    gets smaller as the tool lifts, -1 when it grows; 0: not known. promised_ns: the longest time
-    from one value to the next, None where nothing promises one.
-    """
-
-    source: str
-    words: str
-    age: int
-    every: int
-    sign: Literal[-1, 0, 1]
-    promised_ns: TimeNs | None
-
-
 def released_axes(settings: Settings) -> list[str]:
     """Return the axes with P-AXIS-00328."""
     return [name for name, axis in settings.axis.items() if axis.flag(RELEASED)]
 
 
-def sensors_of(settings: Settings, name: str) -> list[Sensor]:
-    """Return what can give an axis its distance: second encoder first, then V.E. variables."""
-    rig = settings.rig
-    axis, found, cycle_ns = rig.axis[name], [], rig.cycle.period_us * US
-    telegram = second_telegram(settings, name)
-    if (
-        axis.encoder_2 not in (None, LOAD)
-        and telegram is not None
-        and not _is_scale(settings, name)
-    ):
-        drive = rig.drive[axis.drive].make()
-        inverts = settings.axis[name].flag(INVERTS)
-        found.append(
-            Sensor(
-                SECOND_ENCODER,
-                f"{axis.encoder_2} on 60E4:1, {telegram.name} {_comes(telegram)}",
-                drive.second_delay_cycles,
-                _every(telegram, rig.cycle.period_us),
-                _sign(_grows_with(settings, str(axis.encoder_2), axis.plant), inverts=inverts),
-                telegram.promised_ns(cycle_ns),
-            )
-        )
-    for variable, entry in rig.plc.items():
-        grows = _grows_with(settings, entry.sensor, axis.plant)
-        words = f"{entry.sensor} in {variable}"
-        sign = _sign(grows, inverts=entry.sign == -1)
-        every = entry.every(cycle_ns)
-        words += f" every {every} cycles" if every > 1 else ""
-        promised_ns = None if entry.period_ms is None else round(entry.period_ms * MS)
-        source = f"{VARIABLE} {variable}"
-        found.append(Sensor(source, words, entry.delay_cycles, every, sign, promised_ns))
-    return found
-
-
-def second_telegram(settings: Settings, name: str) -> Telegram | None:
-    """Return the TPDO of an axis that carries 60E4:1."""
-    for telegram in axis_telegrams(settings, name).values():
-        if any(mapped.field == "second" for mapped in telegram.objects):
-            return telegram
-    return None
-
-
-def _comes(telegram: Telegram) -> str:
-    if not telegram.is_cyclic:
-        timer = f", every {telegram.event_ms} ms at least" if telegram.event_ms else ""
-        return f"when it changes{timer}"
-    number = telegram.transmission
-    return "with every SYNC" if number == 1 else f"with every {number}. SYNC"
-
-
-def _every(telegram: Telegram, period_us: int) -> int:
-    if telegram.is_cyclic:
-        return telegram.transmission
-    return max(1, math.ceil(telegram.inhibit_100us * 100 / period_us))
-
-
-def _is_scale(settings: Settings, name: str) -> bool:
-    plant = settings.rig.plant.get(settings.rig.axis[name].encoder_2 or "")
-    return plant is not None and plant.fmu in SCALES
-
-
-def _grows_with(settings: Settings, sensor: str, plant: str) -> int:
-    """Return 1 when the reading grows as the axis moves up, -1 when it falls; 0: it is not wired.
-
-    The role `distance` grows with the coordinate that lifts the sensor; a sign in the map of the
-    FMU turns either round.
-    """
-    table = settings.rig.plant[sensor]
-    wired = [group for group, other in table.wire.items() if other == plant]
-    if not wired:
-        return 0
-    turned = [table.map.get("distance"), *(table.map.get(f"{g}_position") for g in wired)]
-    signs = [entry.sign for entry in turned if isinstance(entry, MapTable)]
-    return math.prod(signs)
-
-
-def _sign(grows: int, *, inverts: bool) -> Literal[-1, 0, 1]:
-    if grows == 0:
-        return 0
-    return 1 if (grows > 0) is inverts else -1
-
-
-def dead_cycles(listed: Listed, sensor: Sensor) -> DeadCycles:
-    """Return the dead cycles of a fresh sensor value."""
-    return predicted(is_optimized=listed.is_optimized, sensor_age_cycles=sensor.age)
-
-
-def loop_of(
-    settings: Settings,
-    name: str,
-    sensor: Sensor,
-    mode: str,
-    lag_s: float = 0.0,
-    control: Control | None = None,
-) -> Loop:
-    """Return the loop of an axis in a mode.
-
-    lag_s: of its drive, first order. control: None = as listed.
-    """
-    listed, period_ns = listed_of(settings.axis[name]), settings.rig.cycle.period_us * US
-    control, dead = control or listed.control, dead_cycles(listed, sensor)
-    return Loop(
-        mode,
-        dead.dead - sensor.age,
-        of_control(control, period_ns),
-        sent_cycles=dead.reaction,
-        skew_cycles=sensor.age,
-        integral=period_ns / S / control.tn_s if control.tn_s else 0.0,
-        derivative=control.tv_s * S / period_ns,
-        drive=first_order_drive(lag_s, period_ns) if lag_s else none(),
-    )
-
-
-def listed_of(axis: ParameterSet) -> Listed:
-    """Return what the lists and the plan say of distance control."""
-    return as_written(dict(axis.items()))
-
-
 @once
 def distance_warnings(settings: Settings) -> list[str]:
-    """Say what keeps the distance control of an axis from working as the rig and its lists are."""
-    return [
+    """Say what keeps distance control from working as the rig and its lists are."""
+    of_axes = [
         f"axis {name}: {text}"
         for name in released_axes(settings)
         for text in (*_missing(settings, name), *_wrong(settings, name))
-    ] + _of_channel(settings)
-
-
-def _of_channel(settings: Settings) -> list[str]:
-    """Say what keeps 3D control from working: no variable, or one that falls when the tool lifts.
-
-    A rig whose axes have controls of their own may read their sensors into variables too.
-    """
-    if ChannelDistanceSettings.read(settings.channel) is None or released_axes(settings):
-        return []
-    start = "3D distance control (P-CHAN-00500):"
-    if not settings.rig.plc:
-        return [f"{start} no entry of [plc] reads a distance sensor into a V.E. variable"]
-    plants = {axis.plant for axis in settings.rig.axis.values()}
-    return [
-        f"{start} {variable} falls when the tool lifts; it has to be the distance of the clamping"
-        f" point itself: with sign = {entry.sign} the control runs away"
-        for variable, entry in settings.rig.plc.items()
-        if any(_grows_with(settings, entry.sensor, plant) * entry.sign < 0 for plant in plants)
     ]
+    return [*of_axes, *channel_warnings(settings)]
 
 
 def age_warnings(settings: Settings) -> list[str]:
     """Say which sensors could fall silent without an alarm; a run reports this by 900315."""
-    return [
+    of_axes = [
         f"axis {name}: {sensor.words} promises no time for its next value: no alarm comes when it"
         " falls silent; give the TPDO an event timer (event_ms of its mapping table), the entry of"
         " [plc] a period_ms"
@@ -225,6 +67,7 @@ def age_warnings(settings: Settings) -> list[str]:
         for sensor in sensors_of(settings, name)
         if sensor.promised_ns is None
     ]
+    return [*of_axes, *channel_ages(settings)]
 
 
 def _missing(settings: Settings, name: str) -> list[str]:
@@ -238,7 +81,7 @@ def _missing(settings: Settings, name: str) -> list[str]:
             f"{start} name a distance sensor as encoder_2 of [axis.{name}], or let the PLC read one"
             " ([plc]); without, ON ends in 310029"
         ]
-    if axis.encoder_2 == LOAD or _is_scale(settings, name):
+    if axis.encoder_2 == LOAD or is_scale(settings, name):
         return [
             f"{start} encoder_2 = {axis.encoder_2} is a scale: it gives the position of the axis"
         ]
@@ -282,36 +125,8 @@ def _resolution(settings: Settings, name: str) -> list[str]:
     ]
 
 
-def unstable(
-    settings: Settings, name: str, sensor: Sensor, mode: str, control: Control
-) -> str | None:
-    """Say why a control that acts cannot be stable, None when it can.
-
-    control: what acts, programmed and written values in it.
-    """
-    loop, kp = loop_of(settings, name, sensor, mode, control=control), control.kp
-    rate = growth(loop, kp) if sensor.every == 1 else held_growth(loop, sensor.every, kp)
-    limit = _limit(loop, sensor)
-    if rate <= 1.0 and not _is_beyond(kp, limit):
-        return None
-    dead = dead_cycles(listed_of(settings.axis[name]), sensor).dead
-    return (
-        f"axis {name}: {mode} by {sensor.words} is unstable with kp {kp:g} (P-AXIS-00759): its"
-        f" limit is {limit:.3g} with {dead} dead cycles and the filter that acts"
-        f" ({loop.smoothing.name}); axisrig tune distance finds a kp"
-    )
-
-
-def _is_beyond(kp: float, limit: float) -> bool:
-    return kp >= limit * (1.0 - AT_LIMIT)
-
-
-def _limit(loop: Loop, sensor: Sensor) -> float:
-    return kp_limit(loop) if sensor.every == 1 else held_limit(loop, sensor.every)
-
-
 def describe_distance(settings: Settings, lags_s: Mapping[str, float]) -> list[str]:
-    """Show sensor, dead cycles and limits of kp of each axis with distance control.
+    """Show sensor, dead cycles and limits of kp of each axis with distance control, then of 3D.
 
     lags_s: lag of the drive of an axis, s; without it 0.
     """
@@ -328,7 +143,7 @@ def describe_distance(settings: Settings, lags_s: Mapping[str, float]) -> list[s
                 texts.append("\n".join(f"{i:<14}{tells:<36}{ends}" for i, tells, ends in SIGNS))
             lines = _lines(settings, name, sensor, lags_s.get(name, 0.0))
             texts.append("\n".join([f"distance control of axis {name}: {sensor.words}", *lines]))
-    return texts
+    return [*texts, *channel_texts(settings, lags_s)]
 
 
 def drive_lags_s(settings: Settings, plant: Plant) -> dict[str, float]:
@@ -347,7 +162,7 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
     control, dead = listed.control, dead_cycles(listed, sensor)
     goes = "the same" if listed.is_optimized else "the next"
     lines = [
-        f"  dead cycles  {_dead(dead, sensor)}: the offset is sent in {goes} cycle"
+        f"  dead cycles  {dead_words(dead, sensor)}: the offset is sent in {goes} cycle"
         f" (P-AXIS-00509 = {int(listed.is_optimized)}) and is reached at the 2nd SYNC after it;"
         f" the sensor value is {sensor.age} cycles old",
         f"  silence      {_silence(settings, name, sensor)}",
@@ -366,9 +181,9 @@ def _lines(settings: Settings, name: str, sensor: Sensor, lag_s: float) -> Seque
         f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
     ]
     for mode in MODES:
-        limit = _limit(loop_of(settings, name, sensor, mode, lag_s), sensor)
+        limit = limit_of(loop_of(settings, name, sensor, mode, lag_s), sensor)
         bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
-        verdict = "UNSTABLE as listed" if _is_beyond(control.kp, limit) else "stable as listed"
+        verdict = "UNSTABLE as listed" if is_beyond(control.kp, limit) else "stable as listed"
         if plant.fmu != WITHOUT_LAG and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
             verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
         lines.append(f"  {bound:<24} {mode}: {verdict}")
@@ -384,9 +199,3 @@ def _silence(settings: Settings, name: str, sensor: Sensor) -> str:
         f"a value every {sensor.promised_ns / MS:g} ms is promised; control freezes when it is"
         f" older than {limit_ms:g} ms (900314)"
     )
-
-
-def _dead(dead: DeadCycles, sensor: Sensor) -> str:
-    if sensor.every == 1:
-        return f"n = {dead.dead}"
-    return f"n = {dead.dead} to {dead.dead + sensor.every - 1}, a value comes every {sensor.every}."

@@ -1,0 +1,337 @@
+"""Signals of 3D distance control: the same as of an axis, along the normal of the surface.
+
+Positions are those of the tool clamping point along the normal, by chains of 4x4 matrices at the
+positions of all axes; the sensor value counts the other way round, as the law of an axis wants it.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from axisrig.bench.judge.distance.truth import (
+    ACTIVE,
+    ACTIVE_CONST_DIST,
+    DEMAND_CYCLES,
+    INACTIVE,
+    DistanceTruth,
+)
+from axisrig.bench.judge.observed.observed import Observed
+from axisrig.bench.judge.observed.plant_values import PlantValues
+from axisrig.bench.oracles.distance.cycles import Measured, NotMeasurableError, Sent, measured
+from axisrig.bench.oracles.distance.lists import (
+    CHANNEL,
+    OF_CHANNEL,
+    Listed,
+    as_written,
+    axis_limits,
+)
+from axisrig.bench.oracles.distance.loop import SET_POS
+from axisrig.bench.oracles.distance.tool import ACS, ToolWay
+from axisrig.bench.oracles.kinematics.chain import Array, Chain
+from axisrig.bench.oracles.kinematics.lists import Program
+from axisrig.bench.record.kinematics import GuideChange, KinematicChange
+from axisrig.bench.record.series import Signal
+from axisrig.kernel.time.clock import TimeNs
+
+ALONG_NORMAL = ("actual_mm", "set_mm", "truth_mm")
+"""Columns of the axes that are one position along the normal here."""
+# A rate below it is rounding
+_STILL = 1e-7
+# Least change of the clamping point from cycle to cycle that shows the slope of the surface
+_SHOWS_MM = 1e-4
+
+
+@dataclass(frozen=True)
+class Choice:
+    """A kinematic that was on: rows begin .. end - 1, its chain and how many axes it has."""
+
+    begin: int
+    end: int
+    chain: Chain
+    count: int
+
+
+def chain_of(observed: Observed, change: KinematicChange) -> Chain:
+    """Build the chain of a kinematic from the lists and what the program wrote."""
+    program: Program = {(step, id_, k): value for step, id_, k, value in change.program}
+    return Chain(change.ids, observed.facts.channel, program, change.tool_mm)
+
+
+def axes_of(observed: Observed, column: str, rows: slice | None = None) -> Array:
+    """Return a column of every axis of the channel, shape (n, axes), mm and degrees."""
+    found = [observed.column(name, column, rows) for name in observed.axes]
+    return np.stack(found, axis=1)
+
+
+def choices(observed: Observed) -> list[Choice]:
+    """Return the times in which a kinematic was on, rows counted from the begin of the run."""
+    changes, found = observed.facts.kinematics, []
+    ends = [change.time_ns for change in changes[1:]]
+    for change, end_ns in zip(changes, [*ends, None], strict=True):
+        begin = first_row(observed, change.time_ns)
+        end = len(observed) if end_ns is None else first_row(observed, end_ns)
+        if change.ids and begin < end:
+            chain = chain_of(observed, change)
+            found.append(Choice(begin, end, chain, _count(chain, observed)))
+    return found
+
+
+def _count(chain: Chain, observed: Observed) -> int:
+    return min(chain.count, len(observed.axes))
+
+
+def first_row(observed: Observed, time_ns: TimeNs) -> int:
+    """Return the first row of a run at or after an instant."""
+    row = observed.index_at(time_ns)
+    return row if observed.time_ns(row) >= time_ns else row + 1
+
+
+@dataclass(frozen=True)
+class ToolTruth(DistanceTruth):
+    """3D distance control of a finished run, or some rows of it."""
+
+    def __getitem__(self, name: str) -> Signal:
+        if name in ALONG_NORMAL:
+            return self._along(lambda way, axes: way.height_mm(axes), self.columns(name))
+        found = self.observed.column(CHANNEL, name)
+        if name == "sensor_mm":
+            return -found
+        return found + self.shorter_mm if name == "distance_cnc_mm" else found
+
+    # Where the offset acts
+
+    @cached_property
+    def ways(self) -> list[tuple[TimeNs, ToolWay]]:
+        """Where the offset acted from a SYNC on."""
+        if isinstance(self.whole, ToolTruth):
+            return self.whole.ways
+        return [(guide.time_ns, self._way(guide)) for guide in self.control.guides if guide.mode]
+
+    def _way(self, guide: GuideChange) -> ToolWay:
+        if guide.mode == ACS:
+            return ToolWay(ACS, list(self.observed.axes).index(guide.axis))
+        acting = KinematicChange(0)
+        for change in self.observed.facts.kinematics:
+            if change.time_ns <= guide.time_ns:
+                acting = change
+        chain = chain_of(self.observed, acting)
+        count = _count(chain, self.observed)
+        return ToolWay(guide.mode, 0, chain, count, guide.normal, guide.origin_mm)
+
+    def way_at(self, time_ns: TimeNs) -> ToolWay | None:
+        """Return where the offset acts at a SYNC, the first one before any was chosen."""
+        found = self.ways[0][1] if self.ways else None
+        for since_ns, way in self.ways:
+            if since_ns <= time_ns:
+                found = way
+        return found
+
+    def _along(
+        self, value: Callable[[ToolWay, Array], Array], axes: Array, otherwise: float = 0.0
+    ) -> Signal:
+        """Return a value of the way in force in each row, shape (n,)."""
+        found = np.full(len(axes), otherwise)
+        for way, rows in self.way_rows():
+            found[rows] = value(way, axes[rows])
+        return found
+
+    def way_rows(self, rows: slice | None = None) -> list[tuple[ToolWay, slice]]:
+        """Return in which of some rows each way is in force, counted from the first of them."""
+        times = self.times_ns if rows is None else self.times_ns[rows]
+        edges = [int(np.searchsorted(times, since)) for since, _ in self.ways]
+        found = []
+        for place, (_, way) in enumerate(self.ways):
+            begin = edges[place] if place else 0
+            end = edges[place + 1] if place + 1 < len(edges) else len(times)
+            if begin < end:
+                found.append((way, slice(begin, end)))
+        return found
+
+    def columns(self, name: str) -> Array:
+        """Return a column of all axes, shape (n, axes)."""
+        return axes_of(self.observed, name)
+
+    @cached_property
+    def base(self) -> Array:
+        """Positions of the program: sent less what is superposed, shape (n, axes)."""
+        return self.columns("set_mm") - self.columns("superposed_mm")
+
+    # Signals
+
+    @cached_property
+    def share(self) -> Signal:
+        """Distance of the clamping point of a tool on the surface over SET_DIST, actual axes."""
+        return self._along(lambda way, axes: way.share(axes), self.columns("actual_mm"), 1.0)
+
+    @cached_property
+    def shorter_mm(self) -> Signal:
+        """By how much the distance of an inclined tool is less than SET_DIST without an error."""
+        shorter: Signal = np.nan_to_num(self["set_dist_mm"]) * (1.0 - self.share)
+        return np.where(self.state == ACTIVE, 0.0, shorter)
+
+    def read_mm(self, mode: str) -> Signal:
+        """Return -h; for a constant distance with what an inclined tool is nearer."""
+        sensor = self["sensor_mm"]
+        return sensor if mode == SET_POS else sensor - self.shorter_mm
+
+    @property
+    def watched_mm(self) -> Signal:
+        """The sensor value as the PLC gives it."""
+        return self.observed.column(CHANNEL, "sensor_mm")
+
+    @cached_property
+    def program_mm(self) -> Signal:
+        """Clamping point of the program along the normal."""
+        return self._along(lambda way, axes: way.height_mm(axes), self.base)
+
+    @cached_property
+    def wanted_gap_mm(self) -> Signal:
+        """Distance that the clamping point should have at each SYNC."""
+        late = np.concatenate([np.full(DEMAND_CYCLES, self.program_mm[0]), self.program_mm])
+        by_surface = late[: len(self.program_mm)] - self["set_pos_mm"] + self.zero_mm
+        share = self._along(lambda way, axes: way.share(axes), self.columns("truth_mm"), 1.0)
+        constant = self["set_dist_mm"] * share + self.zero_mm
+        return np.where(self.state == ACTIVE_CONST_DIST, constant, by_surface)
+
+    @cached_property
+    def zero_mm(self) -> float:
+        """Distance at which the sensor value is 0."""
+        if isinstance(self.whole, ToolTruth):
+            return self.whole.zero_mm
+        if self.control.is_referenced and self.was_on and self.has_surface:
+            zeros = [
+                (part.gap_true_mm[inside] - part.watched_mm[inside])[part.is_active[inside]]
+                for part, _, inside in self.parts()
+                if part.gap_true_mm is not None
+            ]
+            return float(np.median(np.concatenate(zeros)))
+        return self.listed.ref_offset_mm
+
+    # The control
+
+    @cached_property
+    def listed(self) -> Listed:
+        """What the list of the channel says."""
+        if self.whole is not None:
+            return self.whole.listed
+        return as_written(dict(self.observed.facts.channel), OF_CHANNEL)
+
+    @property
+    def sensor_name(self) -> str:
+        """Plant whose distance the PLC gives."""
+        return "" if self.variable is None else self.variable.sensor
+
+    @property
+    def sensor_age_cycles(self) -> int:
+        """Cycles by which the value of the PLC is older than the actual positions."""
+        return 0 if self.variable is None else self.variable.delay_cycles
+
+    @property
+    def every(self) -> int:
+        """A V.E. variable is there in every cycle."""
+        return 1
+
+    @property
+    def counts_right(self) -> bool:
+        """Whether the value grows when the tool lifts."""
+        return self.variable is None or self.variable.sign == 1
+
+    @property
+    def values(self) -> PlantValues | None:
+        """The FMU of the first axis whose drive has loops, of any axis without one."""
+        plants = [plant for plant in self.observed.facts.plants.values() if plant.values]
+        with_loops = [plant for plant in plants if PlantValues(plant).get("kv")]
+        found = next(iter([*with_loops, *plants]), None)
+        return None if found is None else PlantValues(found)
+
+    def measured_dead(self, quiet_increments: int = 0) -> Measured:
+        """Return dead cycles as the trace shows them: a V.E. variable is in no frame."""
+        if not self.was_on:
+            raise NotMeasurableError("distance control was never on")
+        begin = next(t.begin for t in self.states if t.value in (ACTIVE, ACTIVE_CONST_DIST))
+        rows = slice(begin, None)
+        sensor = np.round(self.gathered(lambda part: part.watched_mm, rows) * 1e4).astype(int)
+        moved = self.gathered(_any_axis, rows)
+        times, late_ns = self.times_ns[rows], self.observed.facts.timing.offset_ns
+        told = [Sent(int(t), int(v)) for t, v in zip(times, sensor, strict=True)]
+        sent = [Sent(int(t) + late_ns, int(v)) for t, v in zip(times, moved, strict=True)]
+        return measured(sent, told, self.period_ns, quiet_increments)
+
+    @cached_property
+    def surface_gain(self) -> float:
+        """By how much the distance grows for 1 mm of offset, of the plant's truth; 1 unmoved.
+
+        The median over the cycles in which the clamping point moved along the normal and the
+        program did not.
+        """
+        if not self.has_surface:
+            return 1.0
+        gap, height, program = (
+            np.diff(self.gathered(signal))
+            for signal in (
+                lambda part: part.gap_true_mm,
+                lambda part: part["truth_mm"],
+                lambda part: part.program_mm,
+            )
+        )
+        active = self.gathered(lambda part: part.is_active.astype(float))[1:] > 0
+        rows = active & (np.abs(height) > _SHOWS_MM) & (np.abs(program) < 1e-9)
+        return float(np.median(gap[rows] / height[rows])) if rows.any() else 1.0
+
+    def axes_allow(self, begin: int, end: int) -> Signal | None:
+        """Return speed and acceleration that the axes leave the offset: theirs over their rates.
+
+        The rates are those of the pose of the cycle before.
+        """
+        before = slice(max(begin - 1, 0), max(end - 1, 1))
+        set_mm = axes_of(self.observed, "set_mm", before)
+        poses = set_mm - axes_of(self.observed, "superposed_mm", before)
+        if begin == 0:
+            poses = np.concatenate([poses[:1], poses])
+        poses = poses[: end - begin]
+        way = self.way_at(self.observed.time_ns(begin))
+        if way is None or way.mode == ACS:
+            return None
+        unique, place = np.unique(poses, axis=0, return_inverse=True)
+        rates = np.abs(way.rates(unique))
+        rates[rates < _STILL] = np.nan
+        limits = np.array([axis_limits(dict(r.written)) for r in self.observed.axes.values()])
+        allow = [np.nanmin(limits[:, k] / rates, axis=1, initial=np.inf) for k in (0, 1)]
+        return np.stack(allow, axis=1)[place.reshape(-1)]
+
+
+def _any_axis(truth: DistanceTruth) -> Signal:
+    """Return a number that changes when the superposed position of any axis does, in 1e-7 mm."""
+    assert isinstance(truth, ToolTruth)
+    moved: Signal = np.round(np.sum(np.abs(truth.columns("superposed_mm")), axis=1) * 1e7)
+    return moved
+
+
+def _truths(observed: Observed) -> dict[str, DistanceTruth]:
+    axes = [name for name in observed.axes if observed.has(name, "offset_mm")]
+    found: dict[str, DistanceTruth] = {name: DistanceTruth(name, observed) for name in axes}
+    if CHANNEL in observed.facts.distance and observed.has(CHANNEL, "offset_mm"):
+        found[CHANNEL] = ToolTruth(CHANNEL, observed)
+    return found
+
+
+def distance_truth(observed: Observed, axis: str | None) -> DistanceTruth | None:
+    """Return the signals of an axis with distance control.
+
+    Without a name those of 3D control where it was on, else of the first axis that has one.
+    """
+    truths = observed.once(_truths)
+    if axis is not None:
+        return truths.get(axis)
+    of_channel = truths.get(CHANNEL)
+    if of_channel is not None and any(t.value != INACTIVE for t in of_channel.states):
+        return of_channel
+    return next(iter(truths.values()), None)
+
+
+def distance_truths(observed: Observed) -> list[DistanceTruth]:
+    """Return the signals of each control that was ever on, that of the channel last."""
+    truths = observed.once(_truths).values()
+    return [truth for truth in truths if any(time.value != INACTIVE for time in truth.states)]

@@ -1,0 +1,161 @@
+"""Where the offset of 3D distance control leads a tool, by chains of 4x4 matrices.
+
+The offset o counts along the normal n of the surface that the control assumes: Z of the active
+#CS, else of the machine. The tool moves by o/cos b along a direction d, cos b = d n: ECS along the
+tool u, MCS along n; in ACS one axis moves by o. The axes follow from the shifted frame by Newton's
+method, all rows at once. Lengths mm, angles degrees; axes (n, count).
+Sources: FCT-M3 12.1, 12.4.3; docs/kinematics.md; docs/ambiguities.md.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from axisrig.bench.oracles.kinematics.chain import JOINTS, Array, Chain
+
+ACS, ECS, MCS = "ACS", "ECS", "MCS"
+STEEPEST_DEG = 85.0
+"""Largest angle between tool and normal in ECS (docs/ambiguities.md)."""
+_ROUNDS, _DISPLACEMENT = 6, 1e-4
+_CLOSE = 1e-11
+_SINGULAR = 1e-9
+
+
+def inclined_gain(mode: str, tilt_deg: float, slope_deg: float) -> float:
+    """Return by how much the distance to an inclined surface grows for 1 mm of offset.
+
+    tilt_deg: b, of the tool to the assumed normal n. slope_deg: p, of the surface in the plane of
+    the tilt, positive when its normal m turns away from the tool's side by p: n m = cos p. ECS: the
+    tool moves along u by 1/cos b, so u m/cos b = cos(b - p)/cos b = cos p + sin p tan b; MCS and
+    ACS: n m = cos p. The limit of kp in CONST_DIST is divided by it.
+    """
+    slope = math.radians(slope_deg)
+    if mode != ECS:
+        return math.cos(slope)
+    return math.cos(slope) + math.sin(slope) * math.tan(math.radians(tilt_deg))
+
+
+def steepest_gain(tilt_deg: float) -> float:
+    """Return the most that `inclined_gain` is in ECS at a tilt: 1/cos b, for a surface across u."""
+    return 1.0 / math.cos(math.radians(tilt_deg))
+
+
+@dataclass(frozen=True)
+class ToolWay:
+    """Where an offset acts. mode: ACS, ECS, MCS. axis: place of the one that moves in ACS.
+
+    chain: of the kinematic, for ECS and MCS; count: its axes. normal, origin_mm: of the coordinate
+    system.
+    """
+
+    mode: str
+    axis: int = 0
+    chain: Chain | None = None
+    count: int = 0
+    normal: Sequence[float] = (0.0, 0.0, 1.0)
+    origin_mm: Sequence[float] = (0.0, 0.0, 0.0)
+
+    def _kinematic(self) -> Chain:
+        assert self.chain is not None, f"{self.mode} has a kinematic"
+        return self.chain
+
+    def height_mm(self, axes: Array) -> Array:
+        """Return where the clamping point is along the normal, shape (n,)."""
+        if self.mode == ACS:
+            return axes[:, self.axis]
+        clamp = self._kinematic().clamp_mm(axes[:, : self.count])
+        height: Array = (clamp - np.asarray(self.origin_mm)) @ np.asarray(self.normal)
+        return height
+
+    def share(self, axes: Array) -> Array:
+        """Return the distance of a tool on the surface over SET_DIST: (L2/L) cos of its tilt."""
+        if self.mode == ACS:
+            return np.ones(len(axes))
+        chain = self._kinematic()
+        frame = chain.frame(axes[:, : self.count])
+        stretched = chain.length_mm(frame) / chain.tool_mm if chain.tool_mm else 1.0
+        share: Array = stretched * (frame[:, :3, 2] @ np.asarray(self.normal))
+        return share
+
+    def superposed(self, axes: Array, offset_mm: Array) -> Array:
+        """Return the axes with an offset, shape (n, count of all)."""
+        moved = np.array(axes, dtype=float)
+        if self.mode == ACS:
+            moved[:, self.axis] += offset_mm
+            return moved
+        if not len(axes):
+            return moved
+        own = moved[:, : self.count]
+        way = self.way(own) * np.asarray(offset_mm)[:, None]
+        moved[:, : self.count] = shifted(self._kinematic(), own, way)
+        return moved
+
+    def way(self, axes: Array) -> Array:
+        """Return by how much the TCP moves for 1 mm of offset, shape (n, 3)."""
+        normal = np.asarray(self.normal, dtype=float)
+        if self.mode == MCS:
+            return np.broadcast_to(normal, (len(axes), 3))
+        direction = self._kinematic().direction(axes)
+        cosine = np.maximum(direction @ normal, math.cos(math.radians(STEEPEST_DEG)))
+        return np.asarray(direction / cosine[:, None])
+
+    def rates(self, axes: Array) -> Array:
+        """Return by how much each axis moves for 1 mm of offset, shape (n, count of all)."""
+        ones = np.full(len(axes), _DISPLACEMENT)
+        up, down = self.superposed(axes, ones), self.superposed(axes, -ones)
+        return np.asarray((up - down) / (2.0 * _DISPLACEMENT))
+
+
+def shifted(chain: Chain, axes: Array, way_mm: Array) -> Array:
+    """Return the axes (n, count) that bring the tool by a way (n, 3) with its orientation kept.
+
+    Newton's method from the axes on; of more than one solution the one that moves least.
+    """
+    wanted = chain.frame(axes).copy()
+    wanted[:, :3, 3] += way_mm
+    rest = chain.tool(axes)[:, JOINTS:]
+    found = np.array(axes, dtype=float)
+    for _ in range(_ROUNDS):
+        missing = _missing(chain, found, wanted, rest)
+        if not len(missing) or float(np.max(np.abs(missing))) < _CLOSE:
+            break
+        found = found - np.einsum(
+            "nij,nj->ni", np.linalg.pinv(_slopes(chain, found, wanted, rest), _SINGULAR), missing
+        )
+    return found
+
+
+def _missing(chain: Chain, axes: Array, wanted: Array, rest: Array) -> Array:
+    """Return place, orientation (rotation vector, degrees) and further coordinates less those
+    wanted.
+    """
+    frame = chain.frame(axes)
+    turned = np.swapaxes(wanted[:, :3, :3], -1, -2) @ frame[:, :3, :3]
+    vectors = np.degrees(Rotation.from_matrix(turned).as_rotvec())
+    place = frame[:, :3, 3] - wanted[:, :3, 3]
+    return np.concatenate([place, vectors, chain.tool(axes)[:, JOINTS:] - rest], axis=1)
+
+
+def _slopes(chain: Chain, axes: Array, wanted: Array, rest: Array) -> Array:
+    columns = []
+    for place in range(axes.shape[1]):
+        step = np.zeros(axes.shape[1])
+        step[place] = _DISPLACEMENT
+        up = _missing(chain, axes + step, wanted, rest)
+        down = _missing(chain, axes - step, wanted, rest)
+        columns.append((up - down) / (2.0 * _DISPLACEMENT))
+    return np.stack(columns, axis=-1)
+
+
+def tcp_slopes(chain: Chain, axes: Array) -> Array:
+    """Return by how much the TCP moves for a unit of each axis, shape (n, 3, count)."""
+    columns = []
+    for place in range(axes.shape[1]):
+        step = np.zeros(axes.shape[1])
+        step[place] = _DISPLACEMENT
+        up, down = (chain.frame(axes + sign * step)[:, :3, 3] for sign in (1.0, -1.0))
+        columns.append((up - down) / (2.0 * _DISPLACEMENT))
+    return np.stack(columns, axis=-1)

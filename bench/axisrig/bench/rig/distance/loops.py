@@ -1,0 +1,111 @@
+"""The loop of a distance control on a rig: its dead cycles, and up to which kp it is stable.
+
+The dead cycles follow from P-AXIS-00509 or P-CHAN-00818, the telegram of the sensor and its age on
+the way; limits of kp from the closed forms of `bench/axisrig/bench/oracles/distance`.
+"""
+
+from axisrig.bench.oracles.distance.cycles import DeadCycles, predicted
+from axisrig.bench.oracles.distance.lists import (
+    CHANNEL,
+    OF_CHANNEL,
+    Control,
+    Listed,
+    as_written,
+)
+from axisrig.bench.oracles.distance.loop import BOTH, CONST_DIST, SET_POS, Loop, growth
+from axisrig.bench.oracles.distance.model import first_order_drive
+from axisrig.bench.oracles.distance.sample_hold import held_growth, held_limit
+from axisrig.bench.oracles.distance.smoothing import none, of_control
+from axisrig.bench.oracles.distance.stability import kp_limit
+from axisrig.bench.rig.distance.sensors import Sensor
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.parameters import ParameterSet
+from axisrig.kernel.time.clock import US, S
+
+WITHOUT_LAG = "AxisRig.Drives.KinematicAxis"
+MODES = (SET_POS, CONST_DIST, BOTH)
+AT_LIMIT = 1e-6
+"""Share of a limit of kp in which a loop counts as above it: there it rings for ever."""
+
+
+def dead_cycles(listed: Listed, sensor: Sensor) -> DeadCycles:
+    """Return the dead cycles of a fresh sensor value."""
+    return predicted(is_optimized=listed.is_optimized, sensor_age_cycles=sensor.age)
+
+
+def loop_of(
+    settings: Settings,
+    name: str,
+    sensor: Sensor,
+    mode: str,
+    lag_s: float = 0.0,
+    control: Control | None = None,
+) -> Loop:
+    """Return the loop of an axis, or of CHANNEL, in a mode.
+
+    lag_s: of its drive, first order. control: None = as listed.
+    """
+    listed, period_ns = listed_for(settings, name), settings.rig.cycle.period_us * US
+    control, dead = control or listed.control, dead_cycles(listed, sensor)
+    return Loop(
+        mode,
+        dead.dead - sensor.age,
+        of_control(control, period_ns),
+        sent_cycles=dead.reaction,
+        skew_cycles=sensor.age,
+        integral=period_ns / S / control.tn_s if control.tn_s else 0.0,
+        derivative=control.tv_s * S / period_ns,
+        drive=first_order_drive(lag_s, period_ns) if lag_s else none(),
+    )
+
+
+def listed_for(settings: Settings, name: str) -> Listed:
+    """Return what list and plan say of the control of an axis, or of CHANNEL."""
+    if name == CHANNEL:
+        return as_written(dict(settings.channel.items()), OF_CHANNEL)
+    return listed_of(settings.axis[name])
+
+
+def listed_of(axis: ParameterSet) -> Listed:
+    """Return what the lists and the plan say of distance control."""
+    return as_written(dict(axis.items()))
+
+
+def unstable(
+    settings: Settings, name: str, sensor: Sensor, mode: str, control: Control
+) -> str | None:
+    """Say why a control that acts cannot be stable, None when it can.
+
+    control: what acts, programmed and written values in it.
+    """
+    loop, kp = loop_of(settings, name, sensor, mode, control=control), control.kp
+    rate = growth(loop, kp) if sensor.every == 1 else held_growth(loop, sensor.every, kp)
+    limit = limit_of(loop, sensor)
+    if rate <= 1.0 and not is_beyond(kp, limit):
+        return None
+    dead = dead_cycles(listed_for(settings, name), sensor).dead
+    whose, parameter = f"axis {name}", "P-AXIS-00759"
+    if name == CHANNEL:
+        whose, parameter = "3D control of the channel", "P-CHAN-00821"
+    return (
+        f"{whose}: {mode} by {sensor.words} is unstable with kp {kp:g} ({parameter}): its"
+        f" limit is {limit:.3g} with {dead} dead cycles and the filter that acts"
+        f" ({loop.smoothing.name}); axisrig tune distance finds a kp"
+    )
+
+
+def is_beyond(kp: float, limit: float) -> bool:
+    """Whether a kp is at its limit or above it."""
+    return kp >= limit * (1.0 - AT_LIMIT)
+
+
+def limit_of(loop: Loop, sensor: Sensor) -> float:
+    """Return the limit of kp with a sensor."""
+    return kp_limit(loop) if sensor.every == 1 else held_limit(loop, sensor.every)
+
+
+def dead_words(dead: DeadCycles, sensor: Sensor) -> str:
+    """Return the dead cycles in words."""
+    if sensor.every == 1:
+        return f"n = {dead.dead}"
+    return f"n = {dead.dead} to {dead.dead + sensor.every - 1}, a value comes every {sensor.every}."

@@ -1,0 +1,188 @@
+"""What a rig lacks for 3D distance control, and when its loop becomes unstable.
+
+The control of the channel has a V.E. variable as its sensor; its offset counts along the normal of
+the surface. Over a surface that is inclined to it the distance changes by more or less than the
+offset, which divides the limit of kp (`oracles/distance/tool.py`).
+"""
+
+from collections.abc import Mapping
+
+from axisrig.bench.oracles.distance.lists import CHANNEL, Listed
+from axisrig.bench.oracles.distance.loop import CONST_DIST
+from axisrig.bench.oracles.distance.tool import ECS, STEEPEST_DEG, inclined_gain, steepest_gain
+from axisrig.bench.oracles.kinematics.lists import Lists
+from axisrig.bench.rig.distance.loops import (
+    MODES,
+    WITHOUT_LAG,
+    dead_cycles,
+    dead_words,
+    is_beyond,
+    limit_of,
+    listed_for,
+    loop_of,
+)
+from axisrig.bench.rig.distance.sensors import Sensor, sensors_of
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel.distance.sensor import PERIODS_MAX
+from axisrig.kernel.time.clock import MS
+
+RELEASED, RELEASE = "configuration.decoder.function", "FCT_3D_DIST_CTRL"
+ALONG = ("AxisRig.Sensors.HeadDistanceSensor", "AxisRig.Sensors.RobotDistanceSensor")
+"""Models of the library that measure along the tool."""
+EXTENSION = 98
+EXAMPLES_DEG = ((60.0, 10.0), (75.0, 10.0))
+"""Tilt of the tool and slope of the surface."""
+
+
+def is_released(settings: Settings) -> bool:
+    """Whether the list of the channel has P-CHAN-00500."""
+    return str(settings.channel.get(RELEASED)) == RELEASE
+
+
+def channel_warnings(settings: Settings) -> list[str]:
+    """Say what keeps 3D distance control from working as the rig and its lists are."""
+    if not is_released(settings):
+        return []
+    found, sensors = [], sensors_of(settings, CHANNEL)
+    if not sensors:
+        found.append(
+            "it is released (P-CHAN-00500) and no entry of [plc] gives a V.E. variable: without one"
+            " that the program or the PLC side writes ON ends in 310027"
+        )
+    if not listed_for(settings, CHANNEL).limits.a_mm_s2:
+        found.append("P-CHAN-00803 (a_max) is 0 and the channel has no other: ON ends in 315001")
+    for sensor in sensors:
+        if sensor.sign == 0:
+            found.append(f"the sensor {sensor.words} is wired to no axis: it does not see the tool")
+        if sensor.sign == -1:
+            found.append(
+                f"{sensor.words} falls when the tool lifts, 3D control wants the distance itself:"
+                " with the sign of [plc] as it is the offset feeds back with the wrong sign and the"
+                " control runs away"
+            )
+    for variable, entry in settings.rig.plc.items():
+        plant = settings.rig.plant.get(entry.sensor)
+        if plant is not None and plant.fmu in ALONG and entry.normalise == "none":
+            found.append(
+                f"{entry.sensor} in {variable} measures along the tool and 3D control wants the"
+                " distance along the normal: an inclined tool comes too near by 1 - cos of its"
+                ' tilt; normalise = "along" in [plc] makes the one of the other'
+            )
+    return [f"3D distance control: {text}" for text in found]
+
+
+def channel_ages(settings: Settings) -> list[str]:
+    """Say which variables could fall silent without an alarm."""
+    sensors = sensors_of(settings, CHANNEL) if is_released(settings) else []
+    return [
+        f"3D distance control: {sensor.words} promises no time for its next value: no alarm comes"
+        " when it falls silent; give the entry of [plc] a period_ms"
+        for sensor in sensors
+        if sensor.promised_ns is None
+    ]
+
+
+def channel_texts(settings: Settings, lags_s: Mapping[str, float]) -> list[str]:
+    """Show mode, sensor, dead cycles and limits of kp of 3D control; lags_s: of drives, s."""
+    if not is_released(settings):
+        return []
+    return [
+        "\n".join([f"3D distance control: {sensor.words}", *_lines(settings, sensor, lags_s)])
+        for sensor in sensors_of(settings, CHANNEL)
+    ]
+
+
+def _lines(settings: Settings, sensor: Sensor, lags_s: Mapping[str, float]) -> list[str]:
+    listed = listed_for(settings, CHANNEL)
+    control, dead = listed.control, dead_cycles(listed, sensor)
+    goes = "the same" if listed.is_optimized else "the next"
+    rig = settings.rig
+    has_loops = any(rig.plant[axis.plant].fmu != WITHOUT_LAG for axis in rig.axis.values())
+    lag_s = max(lags_s.values(), default=0.0)
+    smoothing = loop_of(settings, CHANNEL, sensor, CONST_DIST).smoothing
+    lines = [
+        f"  mode         {_mode(settings)}",
+        f"  sign         {_SIGNS[sensor.sign]}",
+        f"  dead cycles  {dead_words(dead, sensor)}: the offset is sent in {goes} cycle"
+        f" (P-CHAN-00818 = {int(listed.is_optimized)}) and is reached at the 2nd SYNC after it;"
+        f" the sensor value is {sensor.age} cycles old",
+        f"  silence      {_silence(sensor)}",
+    ]
+    if has_loops:
+        lag = f"the slowest lags by {lag_s * 1e3:.3g} ms, counted below as a first order; "
+        lines.append(
+            f"  drives       {lag if lag_s else ''}what else their loops add is not counted"
+        )
+    lines += [
+        f"  filter       {smoothing.name}: {smoothing.delay_cycles:.3g} cycles late, noise times"
+        f" {smoothing.noise_gain:.3g}",
+        f"  listed       kp {control.kp:g}, Tn {control.tn_s:g} s, Tv {control.tv_s:g} s",
+    ]
+    for mode in MODES:
+        limit = limit_of(loop_of(settings, CHANNEL, sensor, mode, lag_s), sensor)
+        bound = "unstable with any kp" if limit == 0 else f"stable below kp {limit:.4g}"
+        verdict = "UNSTABLE as listed" if is_beyond(control.kp, limit) else "stable as listed"
+        if has_loops and verdict[0] == "s" and (mode == CONST_DIST or sensor.age):
+            verdict, bound = "not known as listed", f"at best below kp {limit:.4g}"
+        lines.append(f"  {bound:<24} {mode}: {verdict}")
+    limit = limit_of(loop_of(settings, CHANNEL, sensor, CONST_DIST, lag_s), sensor)
+    return [*lines, *_inclined(settings, listed, limit)]
+
+
+_SIGNS = {
+    1: "the value grows when the tool lifts, as 3D control wants it",
+    -1: "WRONG: the value falls when the tool lifts; the control runs away",
+    0: "not known: the sensor is wired to no axis",
+}
+
+
+def _mode(settings: Settings) -> str:
+    steps = [int(settings.channel.get(f"default_id_of_kin_step[{k}]") or 0) for k in range(2)]
+    chosen = ", ".join(str(step) for step in steps if step)
+    if not chosen:
+        return (
+            "without MODE ACS, which needs DIRECTION; no kinematic is listed (P-CHAN-00264), MCS"
+            " and ECS need one"
+        )
+    return (
+        f"without MODE MCS while a kinematic is on (#TRAFO ON: {chosen} by P-CHAN-00264), else ACS,"
+        " which needs DIRECTION"
+    )
+
+
+def _silence(sensor: Sensor) -> str:
+    if sensor.promised_ns is None:
+        return "not noticed: nothing promises when the next value comes"
+    limit_ms = PERIODS_MAX * sensor.promised_ns / MS
+    return (
+        f"a value every {sensor.promised_ns / MS:g} ms is promised; control freezes when it is"
+        f" older than {limit_ms:g} ms (900314)"
+    )
+
+
+def largest_tilt_deg(settings: Settings) -> float:
+    """Return the largest tilt in ECS: HD4 of a listed kinematic 98, at most that of ECS."""
+    written = dict(settings.channel.items())
+    if int(written.get("default_id_of_kin_step[1]", 0) or 0) != EXTENSION:
+        return STEEPEST_DEG
+    largest = Lists(written, {}).of(1, EXTENSION).hd(4)
+    return min(largest, STEEPEST_DEG) if largest > 0.0 else STEEPEST_DEG
+
+
+def _inclined(settings: Settings, listed: Listed, limit: float) -> list[str]:
+    """Say how an inclined surface changes the limit of the constant distance."""
+    kp, tilt_deg = listed.control.kp, largest_tilt_deg(settings)
+    gains = [(tilt, slope, inclined_gain(ECS, tilt, slope)) for tilt, slope in EXAMPLES_DEG]
+    examples = ", ".join(
+        f"{limit / gain:.4g} at {tilt:g}/{slope:g} deg" for tilt, slope, gain in gains
+    )
+    worst = limit / steepest_gain(tilt_deg)
+    verdict = "UNSTABLE as listed" if is_beyond(kp, worst) else "stable as listed"
+    return [
+        "  these hold over a surface parallel to the assumed plane, at every tilt of the tool",
+        f"  inclined     a surface inclined by p divides that of {CONST_DIST} by cos p in ACS and"
+        " MCS, by cos p + sin p tan b in ECS with the tool at b in the plane of p:"
+        f" kp {examples} (b/p)",
+        f"  {f'stable below kp {worst:.4g}':<24} ECS, worst: tool at b = {tilt_deg:g} deg, surface"
+        f" across it (p = b): {verdict}",
+    ]

@@ -1,0 +1,132 @@
+"""What can give a distance control its distance: second encoders and V.E. variables of the PLC."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from axisrig.bench.oracles.distance.lists import CHANNEL
+from axisrig.bench.rig.check import axis_telegrams
+from axisrig.bench.rig.reading.file import LOAD, MapTable
+from axisrig.bench.rig.settings import Settings
+from axisrig.kernel.channel.distance.sensor import SECOND_ENCODER, VARIABLE
+from axisrig.kernel.drives.mapping import Telegram
+from axisrig.kernel.time.clock import MS, US, TimeNs
+
+INVERTS = "lr_hw[1].vz_istw"
+SCALES = ("AxisRig.Sensors.SecondEncoder",)
+"""Models of the library that are wired like a distance sensor and give a position."""
+
+
+@dataclass(frozen=True)
+class Sensor:
+    """A way from a distance sensor to an axis.
+
+    source: as the control names it (`axis.source_word`). words: what carries it. age: cycles by
+    which it is older than 6064. every: it comes with every so many SYNCs. sign: 1 when the value
+    counts as its control wants it, -1 the other way round; 0: not known. That of an axis gets
+    smaller as the tool lifts, that of 3D control grows. promised_ns: the longest time from one
+    value to the next, None where nothing promises one.
+    """
+
+    source: str
+    words: str
+    age: int
+    every: int
+    sign: Literal[-1, 0, 1]
+    promised_ns: TimeNs | None
+
+
+def sensors_of(settings: Settings, name: str) -> list[Sensor]:
+    """Return what can give an axis its distance: second encoder first, then V.E. variables.
+
+    CHANNEL: what gives 3D control its distance, V.E. variables only.
+    """
+    if name == CHANNEL:
+        plants = [axis.plant for axis in settings.rig.axis.values()]
+        return [replace(sensor, sign=-sensor.sign) for sensor in _variables(settings, plants)]
+    rig = settings.rig
+    axis, found, cycle_ns = rig.axis[name], [], rig.cycle.period_us * US
+    telegram = second_telegram(settings, name)
+    if axis.encoder_2 not in (None, LOAD) and telegram is not None and not is_scale(settings, name):
+        drive = rig.drive[axis.drive].make()
+        inverts = settings.axis[name].flag(INVERTS)
+        found.append(
+            Sensor(
+                SECOND_ENCODER,
+                f"{axis.encoder_2} on 60E4:1, {telegram.name} {_comes(telegram)}",
+                drive.second_delay_cycles,
+                _every(telegram, rig.cycle.period_us),
+                _sign(_grows_with(settings, str(axis.encoder_2), [axis.plant]), inverts=inverts),
+                telegram.promised_ns(cycle_ns),
+            )
+        )
+    return [*found, *_variables(settings, [axis.plant])]
+
+
+def _variables(settings: Settings, plants: Sequence[str]) -> list[Sensor]:
+    """Return the V.E. variables whose sensors are wired to all of some plants."""
+    rig, found = settings.rig, []
+    cycle_ns = rig.cycle.period_us * US
+    for variable, entry in rig.plc.items():
+        grows = _grows_with(settings, entry.sensor, plants)
+        words = f"{entry.sensor} in {variable}"
+        sign = _sign(grows, inverts=entry.sign == -1)
+        every = entry.every(cycle_ns)
+        words += f" every {every} cycles" if every > 1 else ""
+        promised_ns = None if entry.period_ms is None else round(entry.period_ms * MS)
+        source = f"{VARIABLE} {variable}"
+        found.append(Sensor(source, words, entry.delay_cycles, every, sign, promised_ns))
+    return found
+
+
+def second_telegram(settings: Settings, name: str) -> Telegram | None:
+    """Return the TPDO of an axis that carries 60E4:1."""
+    for telegram in axis_telegrams(settings, name).values():
+        if any(mapped.field == "second" for mapped in telegram.objects):
+            return telegram
+    return None
+
+
+def _comes(telegram: Telegram) -> str:
+    if not telegram.is_cyclic:
+        timer = f", every {telegram.event_ms} ms at least" if telegram.event_ms else ""
+        return f"when it changes{timer}"
+    number = telegram.transmission
+    return "with every SYNC" if number == 1 else f"with every {number}. SYNC"
+
+
+def _every(telegram: Telegram, period_us: int) -> int:
+    if telegram.is_cyclic:
+        return telegram.transmission
+    return max(1, math.ceil(telegram.inhibit_100us * 100 / period_us))
+
+
+def is_scale(settings: Settings, name: str) -> bool:
+    """Whether the second encoder of an axis is a scale, which gives a position."""
+    plant = settings.rig.plant.get(settings.rig.axis[name].encoder_2 or "")
+    return plant is not None and plant.fmu in SCALES
+
+
+def _grows_with(settings: Settings, sensor: str, plants: Sequence[str]) -> int:
+    """Return 1 when the reading grows as the axis moves up, -1 when it falls; 0: it is not wired.
+
+    plants: of the axis, or of all axes; of these the way up is a matter of the kinematic.
+
+    The role `distance` grows with the coordinate that lifts the sensor; a sign in the map of the
+    FMU turns either round.
+    """
+    table = settings.rig.plant[sensor]
+    wired = [group for group, other in table.wire.items() if other in plants]
+    if not wired:
+        return 0
+    wired = wired if len(plants) == 1 else []
+    turned = [table.map.get("distance"), *(table.map.get(f"{g}_position") for g in wired)]
+    signs = [entry.sign for entry in turned if isinstance(entry, MapTable)]
+    return math.prod(signs)
+
+
+def _sign(grows: int, *, inverts: bool) -> Literal[-1, 0, 1]:
+    if grows == 0:
+        return 0
+    return 1 if (grows > 0) is inverts else -1
