@@ -30,6 +30,7 @@ _NUMBERS = {
 NEAR_MM = 5.0
 """A beam that ends so near to the surface works on it."""
 _LEAST_TILT_DEG, _LEAST_WAY_MM = 1.0, 1.0
+_USUAL, _LEAST_AWAY_MM = 3.0, 0.01
 
 
 def scene(motion: Motion) -> dict[str, Any]:
@@ -87,15 +88,18 @@ def _columns(motion: Motion, rows: npt.NDArray[np.int64]) -> list[tuple[str, npt
 def at_work(motion: Motion) -> npt.NDArray[np.bool_]:
     """Return the rows that the picture of the surface is about, shape (n,).
 
-    Those in which distance control was not INACTIVE; without it those in which the beam ends near
-    the surface, and without a surface all.
+    Those in which distance control was not INACTIVE; without it those in which the beam ends about
+    as near to the surface as it mostly does (an approach is none), and without a surface all.
     """
     if motion.is_on.any():
         return motion.is_on
     depth = motion.depth_mm
     if not np.isfinite(depth).any():
         return np.ones(len(depth), dtype=bool)
-    near: npt.NDArray[np.bool_] = np.abs(np.nan_to_num(depth, nan=np.inf)) < NEAR_MM
+    away = np.abs(np.nan_to_num(depth, nan=np.inf))
+    usual = away[away < NEAR_MM]
+    limit = max(_USUAL * float(np.median(usual)), _LEAST_AWAY_MM) if len(usual) else NEAR_MM
+    near: npt.NDArray[np.bool_] = away < min(limit, NEAR_MM)
     return near
 
 

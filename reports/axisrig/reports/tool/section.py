@@ -76,7 +76,7 @@ def modes_words(tool: Tool) -> list[tuple[str, str]]:
     """Return where the offset of distance control acted: instant in ms, and words."""
     lines: list[tuple[str, str]] = []
     for guide in tool["guides"]:
-        if not guide["mode"]:
+        if not guide["mode"] or not guide["is_used"]:
             continue
         words = f"{guide['mode']}: the offset acts {_CHOICES[guide['mode']].format(guide['axis'])}"
         normal = guide["normal"]

@@ -11,6 +11,7 @@ from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
+from axisrig.bench.record.distance import DistanceRecord
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.kinematics import KinematicChange
 
@@ -46,7 +47,7 @@ def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
             "kinematics": [
                 {**stretch, "limits": _limits(written, stretch)} for stretch in stretches
             ],
-            "guides": [] if control is None else [asdict(guide) for guide in control.guides],
+            "guides": [] if control is None else _guides(control),
             "diagnosis": _diagnosis(facts),
         }
     ]
@@ -65,6 +66,27 @@ def _stretches(changes: tuple[KinematicChange, ...], last_ns: int) -> list[dict[
         }
         for change, end_ns in zip(changes, ends, strict=True)
         if change.ids and change.time_ns < end_ns
+    ]
+
+
+def _guides(control: DistanceRecord) -> list[dict[str, Any]]:
+    """Return where the offset acted; is_used: whether the control was on meanwhile."""
+    ends = [*(guide.time_ns for guide in control.guides[1:]), None]
+    changes = control.changes
+    on = [
+        (change.time_ns, None if after is None else after.time_ns)
+        for change, after in zip(changes, [*changes[1:], None], strict=True)
+        if change.state != "INACTIVE"
+    ]
+    return [
+        {
+            **asdict(guide),
+            "is_used": any(
+                (end_ns is None or begin_ns < end_ns) and (until is None or guide.time_ns < until)
+                for begin_ns, until in on
+            ),
+        }
+        for guide, end_ns in zip(control.guides, ends, strict=True)
     ]
 
 
