@@ -35,7 +35,8 @@ class Motion:
     set positions without what distance control superposes. hit_mm: where the beam meets the
     surface. distance_mm: orthogonal distance of the clamping point. along_mm: along the tool.
     offset_mm: along the normal; moved_mm: along the direction. is_on: distance control was not
-    INACTIVE. Not a number where nothing gives it.
+    INACTIVE. set_pos_mm: the surface that the program goes by. Not a number where nothing gives
+    it.
     """
 
     times_ns: npt.NDArray[np.int64]
@@ -49,6 +50,7 @@ class Motion:
     along_mm: Signal
     offset_mm: Signal
     moved_mm: Signal
+    set_pos_mm: Signal
     is_on: npt.NDArray[np.bool_]
 
     @property
@@ -119,13 +121,15 @@ def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64
     late = np.maximum(rows - DEMAND_CYCLES, rows[0])
     programmed = chain.frame(base[late, : chain.count])[:, :3, 3]
     nothing = np.full(len(rows), np.nan)
-    offset, state = (column(trace, f"{CHANNEL}.{n}") for n in ("offset_mm", "distance_state"))
+    names = ("offset_mm", "set_pos_mm", "distance_state")
+    offset, set_pos, state = (column(trace, f"{CHANNEL}.{name}") for name in names)
     return Motion(
         values_of(trace.column(TIME))[rows],
         *_placed(trace, tool, chain, rows, programmed),
         *_measured(trace, tool, rows),
         nothing if offset is None else offset[rows],
         _moved(trace, tool, chain, rows),
+        nothing if set_pos is None else set_pos[rows],
         np.zeros(len(rows), dtype=bool) if state is None else state[rows] != INACTIVE,
     )
 

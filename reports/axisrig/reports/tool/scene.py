@@ -1,13 +1,14 @@
 """What the side view draws: some instants of the motion, packed, and the surface as planes."""
 
 import json
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from axisrig.reports.parts.encode import encode_signal, pack
-from axisrig.reports.tool.motion import PLACES, Motion, Signal
+from axisrig.reports.tool.motion import PLACES, Motion, Signal, Tool
 
 INSTANTS = 240
 """So many instants are drawn: a picture is about 900 px wide."""
@@ -18,6 +19,7 @@ PLANE_MM = 1e-3
 PLANES = 6
 """A surface that needs more of them one after the other is drawn where the beam met it."""
 _UNIT = 1e-4
+LEVEL = np.array([0.0, 0.0, 1.0])
 _POINTS = {"clamp": "clamp_mm", "tcp": "tcp_mm", "programmed": "programmed_mm", "hit": "hit_mm"}
 _NUMBERS = {
     "tilt": "tilt_deg",
@@ -33,11 +35,11 @@ _LEAST_TILT_DEG, _LEAST_WAY_MM = 1.0, 1.0
 _USUAL, _LEAST_AWAY_MM = 3.0, 0.01
 
 
-def scene(motion: Motion) -> dict[str, Any]:
+def scene(motion: Motion, tool: Tool) -> dict[str, Any]:
     """Return the scene: `about` and `packed`, both texts, for `view.js`.
 
     about: JSON with rows and columns as the plots have them, the projections (name, directions of
-    the picture to the right and up), the one to show first, the planes of the surface.
+    the picture to the right and up; the first one opens), the planes of the surface, ideal ones.
     """
     rows = instants(motion)
     columns, parts = [], []
@@ -51,6 +53,7 @@ def scene(motion: Motion) -> dict[str, Any]:
         "columns": columns,
         "views": views,
         "planes": planes(motion),
+        "ideal": ideal(motion, tool),
         "near_mm": NEAR_MM,
     }
     return {"about": json.dumps(about, separators=(",", ":")), "packed": pack(parts)}
@@ -146,11 +149,11 @@ def tilt_direction(motion: Motion) -> tuple[float, float, float] | None:
 
 
 def path_direction(motion: Motion) -> tuple[float, float, float] | None:
-    """Return the level direction of the longest way of the TCP; None where it goes less than 1 mm.
+    """Return the level direction of the longest programmed way; None where it is less than 1 mm.
 
-    That is the first principal component of its places.
+    That is the first principal component of the places of the programmed TCP.
     """
-    places = motion.tcp_mm[:, :2] - motion.tcp_mm[:, :2].mean(axis=0)
+    places = motion.programmed_mm[:, :2] - motion.programmed_mm[:, :2].mean(axis=0)
     _, _, ways = np.linalg.svd(places, full_matrices=False)
     if float(np.ptp(places @ ways[0])) < _LEAST_WAY_MM:
         return None
@@ -182,17 +185,19 @@ def planes(motion: Motion) -> list[dict[str, Any]]:
     Each has `begin_ms`, `normal`, `at_mm`; none where more than PLANES would be needed. A reading
     says two things: the place of the beam is on the plane, and the clamping point is h away from
     it. Both are linear in n and d; that n has length 1 and every residual is below PLANE_MM is the
-    proof.
+    proof. Readings that leave n open take the normal before, or Z.
     """
     rows = np.flatnonzero(np.isfinite(motion.hit_mm[:, 0]) & np.isfinite(motion.distance_mm))
     found: list[dict[str, Any]] = []
     begin = 0
+    known = [LEVEL]
     while begin < len(rows):
-        end = _longest(motion, rows, begin)
-        fitted = _fitted(motion, rows[begin:end])
+        end = _longest(motion, rows, begin, known)
+        fitted = _fitted(motion, rows[begin:end], known)
         if fitted is None or len(found) == PLANES:
             return []
         normal, at_mm = fitted
+        known = [normal, LEVEL]
         found.append(
             {
                 "begin_ms": float(motion.times_ns[rows[begin]]) / 1e6,
@@ -204,29 +209,60 @@ def planes(motion: Motion) -> list[dict[str, Any]]:
     return found
 
 
-def _longest(motion: Motion, rows: npt.NDArray[np.int64], begin: int) -> int:
+def _longest(
+    motion: Motion, rows: npt.NDArray[np.int64], begin: int, known: Sequence[Signal]
+) -> int:
     """Return the end of the longest stretch from `begin` on that one plane fits."""
     low, high = begin + 1, len(rows)
-    if _fitted(motion, rows[begin:high]) is not None:
+    if _fitted(motion, rows[begin:high], known) is not None:
         return high
     while high - low > 1:
         middle = (low + high) // 2
-        if _fitted(motion, rows[begin:middle]) is None:
+        if _fitted(motion, rows[begin:middle], known) is None:
             high = middle
         else:
             low = middle
     return low
 
 
-def _fitted(motion: Motion, rows: npt.NDArray[np.int64]) -> tuple[Signal, float] | None:
-    """Return normal and distance from the origin of the plane that rows fit, None without."""
+def _fitted(
+    motion: Motion, rows: npt.NDArray[np.int64], known: Sequence[Signal]
+) -> tuple[Signal, float] | None:
+    """Return normal and distance from the origin of the plane that rows fit, None without.
+
+    known: normals that are tried first.
+    """
     hit, clamp, distance = motion.hit_mm[rows], motion.clamp_mm[rows], motion.distance_mm[rows]
     count = len(rows)
     matrix = np.full((2 * count, 4), -1.0)
     matrix[:count, :3], matrix[count:, :3] = hit, clamp
     wanted = np.concatenate([np.zeros(count), distance])
-    found, *_ = np.linalg.lstsq(matrix, wanted, rcond=1e-9)
-    size = float(np.linalg.norm(found[:3]))
-    if abs(size - 1.0) > _UNIT or float(np.abs(matrix @ found - wanted).max()) > PLANE_MM:
-        return None
-    return found[:3], float(found[3])
+    solutions = [np.append(normal, float(np.mean(hit @ normal))) for normal in known]
+    solutions.append(np.linalg.lstsq(matrix, wanted, rcond=1e-9)[0])
+    for found in solutions:
+        has_length = abs(float(np.linalg.norm(found[:3])) - 1.0) < _UNIT
+        if has_length and float(np.abs(matrix @ found - wanted).max()) < PLANE_MM:
+            return found[:3], float(found[3])
+    return None
+
+
+def ideal(motion: Motion, tool: Tool) -> list[dict[str, Any]]:
+    """Return the ideal surfaces that the program has given by SET_POS, each once.
+
+    SET_POS counts along the normal from the origin of the coordinate system: n (p - p0) = SET_POS.
+    In ACS it counts along an axis, which says nothing of the surface.
+    """
+    found: list[dict[str, Any]] = []
+    guides = tool["guides"]
+    ends = [*(guide["time_ns"] for guide in guides[1:]), int(motion.times_ns[-1]) + 1]
+    for guide, end_ns in zip(guides, ends, strict=True):
+        if guide["mode"] in ("", "ACS") or not guide["is_used"]:
+            continue
+        rows = motion.is_on & (motion.times_ns >= guide["time_ns"]) & (motion.times_ns < end_ns)
+        normal = np.asarray(guide["normal"], dtype=float)
+        for value in np.unique(motion.set_pos_mm[rows & np.isfinite(motion.set_pos_mm)]):
+            at_mm = round(float(value + normal @ np.asarray(guide["origin_mm"], dtype=float)), 6)
+            one = {"normal": normal.tolist(), "at_mm": at_mm}
+            if one not in found and len(found) < PLANES:
+                found.append(one)
+    return found

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from axisrig.reports.parts.shipped import shipped_text
 from axisrig.reports.tool.motion import Motion, Signal, Tool, motion_of
-from axisrig.reports.tool.scene import at_work, scene
+from axisrig.reports.tool.scene import at_work, ideal, scene
 from axisrig.reports.tool.signals import tool_of
 
 _NS_PER_MS = 1e6
@@ -50,9 +50,10 @@ def sections(
             "kinematics": kinematics_words(tool),
             "modes": modes_words(tool),
             "source": source_words(tool, motion),
-            "scene": None if motion is None else scene(motion),
+            "scene": None if motion is None else scene(motion, tool),
             "rows": [] if motion is None else rows(motion, tool),
             "has_surface": motion is not None and bool(np.isfinite(motion.hit_mm).any()),
+            "has_ideal": motion is not None and bool(ideal(motion, tool)),
             "has_offset": motion is not None and bool(np.any(np.abs(motion.offset_mm) > 0.0)),
             "dumps": dumps(tool),
         }

@@ -143,6 +143,13 @@ const axisrigTool = (() => {
       nodes.push(element("path", { class: "tv-work", d: `${edge}V${foot}H${x(a0)}Z` }),
         element("path", { class: "tv-surface tv-other", d: edge }));
     }
+    for (const plane of scene.about.ideal) {
+      const [first, last] = [a0, a1].map((a) => height(scene, view, plane, a));
+      if (first == null) continue;
+      nodes.push(element("path", {
+        class: "tv-ideal", d: `M${x(a0)},${y(first).toFixed(1)}L${x(a1)},${y(last).toFixed(1)}`,
+      }));
+    }
     if (!scene.about.planes.length && view.up[2]) {
       nodes.push(element("path", { class: "tv-surface", d: line(picture, scene.hit) }));
     }

@@ -4,7 +4,10 @@ Positions are in the trace; here is which kinematic was on when, of what it was 
 sees the tool, where 3D distance control acted, and its diagnosis data.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import asdict
+from itertools import pairwise
 from typing import Any
 
 from axisrig.bench.judge.observed.event import Event
@@ -14,11 +17,13 @@ from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
 from axisrig.bench.record.distance import DistanceRecord
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.kinematics import KinematicChange
+from axisrig.kernel.time.clock import TimeNs
 
 EXTENSION = 98
 """Type of the kinematic that extends the tool virtually."""
 _OF_KINEMATICS = ("kin_step[", "trafo[", "kinematik[")
 _ANGLES = (2, 3, 4)
+INACTIVE = "INACTIVE"
 
 
 def no_events(_observed: Observed) -> list[Event]:
@@ -55,7 +60,7 @@ def tool_blocks(observed: Observed) -> list[dict[str, Any]]:
 
 def _stretches(changes: tuple[KinematicChange, ...], last_ns: int) -> list[dict[str, Any]]:
     """Return the unbroken times in which a kinematic was on."""
-    ends = [*(change.time_ns for change in changes[1:]), last_ns]
+    ends = [*(change.time_ns for change in changes[1:]), last_ns][: len(changes)]
     return [
         {
             "begin_ns": change.time_ns,
@@ -71,23 +76,22 @@ def _stretches(changes: tuple[KinematicChange, ...], last_ns: int) -> list[dict[
 
 def _guides(control: DistanceRecord) -> list[dict[str, Any]]:
     """Return where the offset acted; is_used: whether the control was on meanwhile."""
-    ends = [*(guide.time_ns for guide in control.guides[1:]), None]
-    changes = control.changes
+    changes = _spans([change.time_ns for change in control.changes])
     on = [
-        (change.time_ns, None if after is None else after.time_ns)
-        for change, after in zip(changes, [*changes[1:], None], strict=True)
-        if change.state != "INACTIVE"
+        span
+        for span, change in zip(changes, control.changes, strict=True)
+        if change.state != INACTIVE
     ]
+    spans = _spans([guide.time_ns for guide in control.guides])
     return [
-        {
-            **asdict(guide),
-            "is_used": any(
-                (end_ns is None or begin_ns < end_ns) and (until is None or guide.time_ns < until)
-                for begin_ns, until in on
-            ),
-        }
-        for guide, end_ns in zip(control.guides, ends, strict=True)
+        {**asdict(guide), "is_used": any(begin < last and first < end for first, last in on)}
+        for (begin, end), guide in zip(spans, control.guides, strict=True)
     ]
+
+
+def _spans(begins_ns: Sequence[TimeNs]) -> list[tuple[float, float]]:
+    """Return begin and end of what holds until the next one; the last one has no end."""
+    return list(pairwise([*begins_ns, math.inf])) if begins_ns else []
 
 
 def _limits(written: Written, stretch: dict[str, Any]) -> dict[str, float]:
