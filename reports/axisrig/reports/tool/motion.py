@@ -3,7 +3,7 @@
 Nothing comes from the kernel but the set positions that it sent and what it superposed on them.
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from axisrig.bench.oracles.kinematics.chain import Chain, tilt_deg
+from axisrig.bench.oracles.kinematics.lists import Program
 from axisrig.bench.record.series import TIME, values_of
 
 Tool = Mapping[str, Any]
@@ -98,7 +99,9 @@ def moved_mm(trace: pa.Table, tool: Tool) -> Signal:
 
 def chain_of(tool: Tool, stretch: Tool) -> Chain:
     """Return the oracle of a kinematic that was on."""
-    program = {(step, kind, index): value for step, kind, index, value in stretch["program"]}
+    program: Program = {
+        (step, kind, index): value for step, kind, index, value in stretch["program"]
+    }
     return Chain(stretch["ids"], tool["written"], program, stretch["tool_mm"])
 
 
@@ -124,58 +127,53 @@ def _part(trace: pa.Table, tool: Tool, stretch: Tool, rows: npt.NDArray[np.int64
     names = ("offset_mm", "set_pos_mm", "distance_state")
     offset, set_pos, state = (column(trace, f"{CHANNEL}.{name}") for name in names)
     return Motion(
-        values_of(trace.column(TIME))[rows],
-        *_placed(trace, tool, chain, rows, programmed),
-        *_measured(trace, tool, rows),
-        nothing if offset is None else offset[rows],
-        _moved(trace, tool, chain, rows),
-        nothing if set_pos is None else set_pos[rows],
-        np.zeros(len(rows), dtype=bool) if state is None else state[rows] != INACTIVE,
+        times_ns=values_of(trace.column(TIME))[rows],
+        programmed_mm=programmed,
+        offset_mm=nothing if offset is None else offset[rows],
+        moved_mm=_moved(trace, tool, chain, rows),
+        set_pos_mm=nothing if set_pos is None else set_pos[rows],
+        is_on=np.zeros(len(rows), dtype=bool) if state is None else state[rows] != INACTIVE,
+        **_seen(trace, tool["sensor"], rows),
+        **_placed(trace, tool, chain, rows),
     )
 
 
 def _placed(
-    trace: pa.Table,
-    tool: Tool,
-    chain: Chain,
-    rows: npt.NDArray[np.int64],
-    programmed: Signal,
-) -> Iterator[Signal]:
-    """Yield clamping point, TCP, programmed TCP, place of the beam on the surface, tilt, length."""
+    trace: pa.Table, tool: Tool, chain: Chain, rows: npt.NDArray[np.int64]
+) -> dict[str, Signal]:
+    """Return where the tool was: clamping point, TCP, tilt, length."""
     sensor = tool["sensor"]
-    along = None if sensor is None else column(trace, f"{sensor}.along_mm")
-    if sensor is None or along is None:
-        name = "truth" if _has(trace, tool, "truth") else "actual"
-        axes = _positions(trace, tool, name)[rows, : chain.count]
-        frame = chain.frame(axes)
-        yield chain.clamp_mm(axes)
-        yield frame[:, :3, 3]
-        yield programmed
-        yield np.full((len(rows), 3), np.nan)
-        yield tilt_deg(frame[:, :3, 2])
-        yield chain.length_mm(frame)
-        return
+    if sensor is not None:
+        return {
+            "clamp_mm": _point(trace, f"{sensor}.clamping")[rows],
+            "tcp_mm": _point(trace, f"{sensor}.tcp")[rows],
+            "tilt_deg": _column(trace, f"{sensor}.tilt_deg")[rows],
+            "length_mm": _column(trace, f"{sensor}.virtual_length_mm")[rows],
+        }
+    name = "truth" if _has(trace, tool, "truth") else "actual"
+    axes = _positions(trace, tool, name)[rows, : chain.count]
+    frame = chain.frame(axes)
+    return {
+        "clamp_mm": chain.clamp_mm(axes),
+        "tcp_mm": frame[:, :3, 3],
+        "tilt_deg": tilt_deg(frame[:, :3, 2]),
+        "length_mm": chain.length_mm(frame),
+    }
+
+
+def _seen(trace: pa.Table, sensor: str | None, rows: npt.NDArray[np.int64]) -> dict[str, Signal]:
+    """Return what the plant of the sensor sees of the surface: place of the beam, distances."""
+    if sensor is None:
+        nothing = np.full(len(rows), np.nan)
+        away = np.full((len(rows), 3), np.nan)
+        return {"hit_mm": away, "distance_mm": nothing, "along_mm": nothing}
+    hits = _column(trace, f"{sensor}.valid")[rows] > 0.0
+    along = np.where(hits, _column(trace, f"{sensor}.along_mm")[rows], np.nan)
+    distance = np.where(hits, _column(trace, f"{sensor}.distance_true_mm")[rows], np.nan)
     clamp, tcp = (_point(trace, f"{sensor}.{word}")[rows] for word in ("clamping", "tcp"))
     length = _column(trace, f"{sensor}.virtual_length_mm")[rows]
-    yield clamp
-    yield tcp
-    yield programmed
-    hits = _column(trace, f"{sensor}.valid")[rows] > 0.0
-    beam = (clamp - tcp) / length[:, None] * along[rows][:, None]
-    yield np.where(hits[:, None], clamp - beam, np.nan)
-    yield _column(trace, f"{sensor}.tilt_deg")[rows]
-    yield length
-
-
-def _measured(trace: pa.Table, tool: Tool, rows: npt.NDArray[np.int64]) -> Iterator[Signal]:
-    """Yield orthogonal distance and distance along the tool."""
-    sensor = tool["sensor"]
-    for word in ("distance_true_mm", "along_mm"):
-        found = None if sensor is None else column(trace, f"{sensor}.{word}")
-        if found is None:
-            yield np.full(len(rows), np.nan)
-            continue
-        yield np.where(_column(trace, f"{sensor}.valid")[rows] > 0.0, found[rows], np.nan)
+    hit = clamp - (clamp - tcp) * (along / length)[:, None]
+    return {"hit_mm": hit, "distance_mm": distance, "along_mm": along}
 
 
 def _moved(trace: pa.Table, tool: Tool, chain: Chain, rows: npt.NDArray[np.int64]) -> Signal:

@@ -13,7 +13,7 @@ from typing import Any
 from axisrig.bench.judge.observed.event import Event
 from axisrig.bench.judge.observed.observed import Observed
 from axisrig.bench.oracles.distance.lists import CHANNEL
-from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Written
+from axisrig.bench.oracles.kinematics.lists import Kinematics, Lists, Program, Written
 from axisrig.bench.record.distance import DistanceRecord
 from axisrig.bench.record.facts import Facts
 from axisrig.bench.record.kinematics import KinematicChange
@@ -99,7 +99,9 @@ def _limits(written: Written, stretch: dict[str, Any]) -> dict[str, float]:
     ids = stretch["ids"]
     if len(ids) < 2:
         return {}
-    program = {(step, kind, index): value for step, kind, index, value in stretch["program"]}
+    program: Program = {
+        (step, kind, index): value for step, kind, index, value in stretch["program"]
+    }
     found: Kinematics = Lists(written, program).of(1, ids[1])
     if found.type != EXTENSION:
         return {}

@@ -13,8 +13,8 @@ from axisrig.bench.bus.paced import PacedScheduler
 from axisrig.bench.bus.real_segment import OutsideSegment
 from axisrig.bench.machine.live.pipe import Outlet
 from axisrig.bench.machine.machine import Machine
-from axisrig.bench.machine.recording.distance_log import CHANNEL
 from axisrig.bench.machine.unfinished import at_work, waited_for
+from axisrig.bench.oracles.distance.lists import CHANNEL
 from axisrig.bench.rig.rotary import is_rotary
 from axisrig.kernel.channel import Channel, ChannelState
 from axisrig.kernel.channel.distance.sensing import Sensing, source_word
